@@ -1,0 +1,141 @@
+use crate::RodError;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// A force or a moment at an end of a rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Components in the world frame; the direction stays.
+    World(Vector3<f64>),
+    /// Components in the material frame of the end; the direction follows the rod.
+    Follower(Vector3<f64>),
+}
+
+impl Load {
+    /// No load.
+    pub const ZERO: Self = Self::World(Vector3::new(0.0, 0.0, 0.0));
+
+    /// Components as given, whatever the frame.
+    #[must_use]
+    pub fn components(&self) -> &Vector3<f64> {
+        match self {
+            Self::World(v) | Self::Follower(v) => v,
+        }
+    }
+}
+
+/// What holds or loads one end of a rod.
+///
+/// The variant may change between steps (a held end may be released) but not within one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// Position and material frame are prescribed: a clamp, at rest or moving.
+    Held(Isometry3<f64>),
+    /// The position is prescribed and the frame is free: a ball joint.
+    Pinned(Point3<f64>),
+    /// Free, under a force (N) and a moment (N m) that act on the rod.
+    Loaded {
+        /// Force on the rod, N.
+        force: Load,
+        /// Moment on the rod, N m.
+        moment: Load,
+    },
+}
+
+impl End {
+    /// A free end without load.
+    pub const FREE: Self = Self::Loaded { force: Load::ZERO, moment: Load::ZERO };
+}
+
+/// Linear drag coefficients of a fibre in slow flow, force per length and speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drag {
+    /// Across the fibre, N s / m^2.
+    pub normal: f64,
+    /// Along the fibre, N s / m^2.
+    pub tangential: f64,
+}
+
+impl Drag {
+    /// Slender-body drag of a cylinder in creeping flow (Cox 1970): `4 pi mu / (ln(L/r) + 0.193)`
+    /// across and `2 pi mu / (ln(L/r) - 0.807)` along, `mu` the dynamic viscosity in Pa s.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] unless `viscosity >= 0` and `length > 3 radius > 0`.
+    pub fn slender_body(viscosity: f64, length: f64, radius: f64) -> Result<Self, RodError> {
+        let ok = viscosity >= 0.0 && radius > 0.0 && length > 3.0 * radius;
+        if !(ok && viscosity.is_finite() && length.is_finite()) {
+            return Err(RodError::Invalid {
+                what: "drag",
+                why: "needs viscosity >= 0 (Pa s) and length > 3 radius > 0 (m)",
+            });
+        }
+        let slenderness = (length / radius).ln();
+        let unit = std::f64::consts::PI * viscosity;
+        Ok(Self {
+            normal: 4.0 * unit / (slenderness + 0.193),
+            tangential: 2.0 * unit / (slenderness - 0.807),
+        })
+    }
+}
+
+/// The air around a rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Air {
+    /// Wind velocity, m/s, world frame.
+    pub wind: Vector3<f64>,
+    /// Drag of the fibre relative to the wind.
+    pub drag: Drag,
+}
+
+/// Everything that acts on a rod at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// Acceleration of free fall, m/s^2, world frame.
+    pub gravity: Vector3<f64>,
+    /// Uniform force per length, N/m, world frame.
+    pub distributed: Vector3<f64>,
+    /// The end at arc length 0.
+    pub root: End,
+    /// The end at arc length L.
+    pub tip: End,
+    /// The air, if it acts.
+    pub air: Option<Air>,
+}
+
+impl Instant {
+    /// A rod clamped at `root`, its tip free, under `gravity`.
+    #[must_use]
+    pub fn clamped(root: Isometry3<f64>, gravity: Vector3<f64>) -> Self {
+        Self {
+            gravity,
+            distributed: Vector3::zeros(),
+            root: End::Held(root),
+            tip: End::FREE,
+            air: None,
+        }
+    }
+}
+
+/// The conditions over time. Any `Fn(f64) -> Instant` is one.
+///
+/// Must be a pure function of time: steps that are halved and steps that are repeated ask again.
+pub trait Conditions: Sync {
+    /// The conditions at time `t`, s.
+    fn at(&self, t: f64) -> Instant;
+}
+
+impl<F: Fn(f64) -> Instant + Sync> Conditions for F {
+    fn at(&self, t: f64) -> Instant {
+        self(t)
+    }
+}
+
+/// Conditions that do not change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steady(pub Instant);
+
+impl Conditions for Steady {
+    fn at(&self, _: f64) -> Instant {
+        self.0
+    }
+}

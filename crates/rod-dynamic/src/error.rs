@@ -1,0 +1,59 @@
+use thiserror::Error;
+
+/// What can be wrong with a rod, its state or its parameters.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RodError {
+    /// An argument that makes no sense.
+    #[error("{what}: {why}")]
+    Invalid {
+        /// Which argument.
+        what: &'static str,
+        /// What is wrong and what is allowed.
+        why: &'static str,
+    },
+    /// An array of the wrong length.
+    #[error("{what} has {found} entries, but the rod needs {expected}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Entries needed.
+        expected: usize,
+        /// Entries given.
+        found: usize,
+    },
+}
+
+/// Why a step could not be taken. The integrator is left as it was before the step.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The step is not a positive, finite time.
+    #[error("the time step is {0} s, but must be positive and finite")]
+    TimeStep(f64),
+    /// A condition is not finite, or its kind changed within the step.
+    #[error("{what} at t = {time} s: {why}")]
+    Conditions {
+        /// Which condition.
+        what: &'static str,
+        /// When, s.
+        time: f64,
+        /// What is wrong and what is allowed.
+        why: &'static str,
+    },
+    /// Newton's method did not converge, however small the step.
+    #[error(
+        "fibre {fiber}: Newton's method did not converge at t = {time} s even with a step of \
+         {dt} s; residuals {residuals:?}. Use a smaller step, more segments, or more damping"
+    )]
+    NotConverged {
+        /// Index of the fibre in its batch, 0 for a single rod.
+        fiber: usize,
+        /// Start of the step that failed, s.
+        time: f64,
+        /// The smallest step tried, s.
+        dt: f64,
+        /// Relative residuals of the last attempt, one per iteration.
+        residuals: Vec<f64>,
+    },
+}

@@ -1,0 +1,116 @@
+use crate::{Conditions, RodError, StepError};
+use nalgebra::{Point3, Rotation3, Vector3};
+use rapunzel_fiber::Fiber;
+
+/// A fibre with the internal damping of its material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rod {
+    /// The fibre in its natural state.
+    pub fiber: Fiber,
+    /// Kelvin-Voigt retardation time, s: the moment is `K (kappa - kappa0 + tau d(kappa)/dt)`.
+    pub damping_time: f64,
+}
+
+impl Rod {
+    /// An undamped rod.
+    #[must_use]
+    pub fn new(fiber: Fiber) -> Self {
+        Self { fiber, damping_time: 0.0 }
+    }
+}
+
+/// Where a rod is and how it moves: what every integrator can be started from and read as.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RodState {
+    /// Time, s.
+    pub time: f64,
+    /// Positions of the `n + 1` nodes, m, world.
+    pub positions: Vec<Point3<f64>>,
+    /// Velocities of the nodes, m/s, world.
+    pub velocities: Vec<Vector3<f64>>,
+    /// Material frames at the midpoints of the `n` segments.
+    pub frames: Vec<Rotation3<f64>>,
+    /// Angular velocities of the segments, rad/s, material frame.
+    pub angular_velocities: Vec<Vector3<f64>>,
+    /// Force in each segment that the part beyond exerts on the part before, N, world.
+    pub forces: Vec<Vector3<f64>>,
+    /// Darboux vectors at the nodes, 1/m, material frame.
+    pub curvatures: Vec<Vector3<f64>>,
+}
+
+/// Mechanical energy of a rod, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of translation and rotation.
+    pub kinetic: f64,
+    /// Of bending and torsion.
+    pub elastic: f64,
+    /// In the gravity that was asked about, zero at the world's origin.
+    pub gravitational: f64,
+}
+
+impl Energy {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravitational
+    }
+}
+
+/// What a step cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// Newton iterations, over all sub-steps.
+    pub iterations: usize,
+    /// How often the step was halved because Newton's method failed.
+    pub halvings: usize,
+    /// Relative residual of the last solve.
+    pub residual: f64,
+}
+
+/// An integrator of one rod in time.
+///
+/// A step that returns an error leaves the rod as it was.
+pub trait RodIntegrator: Send {
+    /// The rod that moves.
+    fn rod(&self) -> &Rod;
+
+    /// Time, s.
+    fn time(&self) -> f64;
+
+    /// Where the rod is, read out. Allocates; costs one pass over the nodes.
+    fn state(&self) -> RodState;
+
+    /// Starts again from `state`. Positions are rebuilt from the root position and the frames, so
+    /// that segments have exactly their length; forces and curvatures are recomputed.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for arrays that do not fit the rod, [`RodError::Invalid`] for numbers
+    /// that are not finite.
+    fn set_state(&mut self, state: &RodState) -> Result<(), RodError>;
+
+    /// Additional forces on the nodes, N, world, constant until set again.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] unless there is one per node.
+    fn set_node_forces(&mut self, forces: &[Vector3<f64>]) -> Result<(), RodError>;
+
+    /// Energy now, in the given gravity (m/s^2).
+    fn energy(&self, gravity: &Vector3<f64>) -> Energy;
+
+    /// Moves the rod by `dt` seconds. Halves the step where Newton's method fails.
+    ///
+    /// # Errors
+    /// [`StepError`]; the rod is then as before.
+    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<StepReport, StepError>;
+
+    /// Appends all numbers that determine what follows, so that [`RodIntegrator::restore`]
+    /// continues bit for bit.
+    fn save(&self, numbers: &mut Vec<f64>);
+
+    /// Takes back what [`RodIntegrator::save`] wrote.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] when the count is not that of this rod.
+    fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError>;
+}

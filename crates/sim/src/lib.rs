@@ -1,0 +1,1 @@
+//! Scenes, the `Stepper` trait, observers and checkpoints.
