@@ -9,7 +9,9 @@
 mod conditions;
 mod error;
 mod rod;
+mod staggered;
 
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
+pub use staggered::{Staggered, StaggeredBatch};
