@@ -8,10 +8,12 @@
 
 mod conditions;
 mod error;
+mod response;
 mod rod;
 mod staggered;
 
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
+pub use response::{ImpulseResponse, Weight};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
 pub use staggered::{Staggered, StaggeredBatch};
