@@ -1,13 +1,13 @@
 use super::coefficients::Coefficients;
 use super::ends::{MixedLoad, StageEnd};
-use super::motion::{Motion, Moving};
+use super::motion::{Motion, Moving, Pose};
 use super::span::{Side, Span};
 use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage, Unknowns};
-use super::state::State;
+use super::state::{NodeState, State};
 use super::units::{Units, largest};
 use super::update::Update;
 use crate::{End, Load, Rod};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
 /// Share of a held tip's distance from its support that is made up in one step. Below 1, so that
@@ -31,6 +31,8 @@ pub(super) struct Setup<'a> {
     acceleration: f64,
     units: Units,
     root_motion: Option<Motion>,
+    /// Where the tip is at the start of the step.
+    tip_now: Pose,
 }
 
 impl<'a> Setup<'a> {
@@ -46,7 +48,7 @@ impl<'a> Setup<'a> {
         let acceleration = acceleration(rod, node_forces, span);
         let units = Units::of(&rod.fiber, acceleration);
         let root_motion = span.root_motion(&state.root, units.length);
-        Self { rod, state, node_forces, span, k, dt, tolerance, acceleration, units, root_motion }
+        Self { rod, state, node_forces, span, k, dt, tolerance, acceleration, units, root_motion, tip_now: state.tip(rod) }
     }
 
     /// Writes the equations.
@@ -54,7 +56,6 @@ impl<'a> Setup<'a> {
         stage.c = self.k.rate(self.dt) * self.units.time;
         self.fill_nodes(stage);
         self.fill_segments(stage);
-        stage.scales = self.scales(stage);
         let units = &self.units;
         let zero = Vector3::zeros();
         (stage.drag, stage.wind) = self.span.stage.air.map_or((zero, zero), |air| {
@@ -77,6 +78,7 @@ impl<'a> Setup<'a> {
             }
         };
         stage.tip = self.tip();
+        stage.scales = self.scales(stage);
     }
 
     /// Newton's starting point: the old state.
@@ -138,8 +140,18 @@ impl<'a> Setup<'a> {
         let terms = largest(laws().map(|(law, s)| law.stiffness.component_mul(&s.kappa)));
         let finest = stage.segments.iter().map(|s| s.h).fold(f64::INFINITY, f64::min);
         let rounding = ROUNDING / self.tolerance;
+        // A support that moves otherwise than the end did accelerates the rod.
+        let jolt = |end: &StageEnd, x: &NodeState, frame: Rotation3<f64>| match end {
+            StageEnd::Held { velocity, .. } | StageEnd::Pinned { velocity } => {
+                c * (velocity - frame * x.v / u.speed()).norm()
+            }
+            StageEnd::Loaded { .. } => 0.0,
+        };
+        let last = nodes.len() - 1;
+        let jolts = jolt(&stage.root, &nodes[0], self.state.root.frame)
+            + jolt(&stage.tip, &nodes[last], self.tip_now.frame);
         let load = LEAST_LOAD + self.acceleration / u.acceleration() + n + moment
-            + omega * (omega + v);
+            + omega * (omega + v) + jolts;
         let rate = load / c + omega;
         Scales {
             segment: [
@@ -216,7 +228,7 @@ impl<'a> Setup<'a> {
         if let End::Loaded { force, moment } = &end {
             return self.loaded(force, moment, &self.node_forces[self.node_forces.len() - 1]);
         }
-        let now = self.state.tip(self.rod);
+        let now = self.tip_now;
         let (moving, gap, turn) = self.span.tip_motion(&now).map_or_else(
             || (Moving::still(now.frame), Vector3::zeros(), Vector3::zeros()),
             |(motion, start)| {
@@ -243,7 +255,9 @@ impl<'a> Setup<'a> {
 fn acceleration(rod: &Rod, node_forces: &[Vector3<f64>], span: &Span) -> f64 {
     let mass = rod.fiber.mass();
     let pull = |side| match span.end(side) {
-        End::Loaded { force, .. } => force.components().norm(),
+        End::Loaded { force, moment } => {
+            force.components().norm() + moment.components().norm() / rod.fiber.length()
+        }
         End::Held(_) | End::Pinned(_) => 0.0,
     };
     let line = span.stage.distributed.norm() * rod.fiber.length();
