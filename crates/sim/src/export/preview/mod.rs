@@ -47,7 +47,7 @@ pub fn write(out: &mut impl Write, frames: &[Frame]) -> Result<(), ExportError> 
         let frame = &frames[cell * (frames.len() - 1) / (count - 1).max(1)];
         let corner = grid.corner(cell);
         canvas.rectangle(corner, grid.picture, FRAME);
-        let caption = [corner[0] + 2.0, corner[1] - CAPTION + 6.0];
+        let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
         canvas.text(caption, &format!("{:.3} s", frame.time), INK);
         draw(&mut canvas, frame, &view, &grid, corner);
     }
@@ -104,7 +104,7 @@ impl Grid {
         let y = self.size()[1] - CAPTION / 2.0 - 4.0;
         let (from, to) = (Point2::new(MARGIN, y), Point2::new(MARGIN + self.scale * length, y));
         canvas.line(from, to, 3.0, INK, 1.0);
-        let digits = if length < 1e-3 { 3 } else { 1 };
+        let digits = [1e-2, 1e-3, 1e-4].iter().filter(|x| length < 0.99 * **x).count();
         let label = format!("{:.digits$} cm", 100.0 * length);
         canvas.text([to.x + 8.0, y - 7.0], &label, INK);
     }
