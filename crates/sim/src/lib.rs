@@ -1,1 +1,3 @@
 //! Scenes, the `Stepper` trait, observers and checkpoints.
+
+pub mod export;
