@@ -79,10 +79,8 @@ fn shaken(turn: &UnitQuaternion<f64>, steps: usize) -> BoxIntegrator {
     let curl = Vector3::new(3.0, 4.0, 12.0) / 0.3;
     let base = planar_clamp(0.3);
     let scene = Isometry3::from_parts(Vector3::zeros().into(), *turn);
-    let fiber = common::hair(30)
-        .with_natural_curvature(|_| curl)
-        .expect("finite")
-        .with_root(scene * base);
+    let fiber =
+        common::hair(30).with_natural_curvature(|_| curl).expect("finite").with_root(scene * base);
     let rod = Rod { fiber, damping_time: 1e-3 };
     let mut integrator = BoxIntegrator::new(rod, BoxOptions::default()).expect("valid");
     let turn = *turn;
@@ -151,7 +149,8 @@ fn a_turned_scene_gives_the_turned_motion() {
         // Each step is solved to 1e-10; the error grows with the motion, not beyond 1e-7 L.
         assert!((turn * p - q).norm() < 1e-7 * 0.3, "{p} turned is not {q}");
     }
-    let moved = (a.positions[30] - shaken(&UnitQuaternion::identity(), 1).state().positions[30]).norm();
+    let moved =
+        (a.positions[30] - shaken(&UnitQuaternion::identity(), 1).state().positions[30]).norm();
     assert!(moved > 0.01, "the scene moves at all: {moved}");
 }
 

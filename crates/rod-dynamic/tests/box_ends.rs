@@ -13,9 +13,7 @@ const SEGMENTS: usize = 40;
 
 /// A rod of unit length, mass and the given stiffness along x.
 fn rod(stiffness: f64) -> Rod {
-    Rod::new(
-        chain(SEGMENTS, |_| scaled(stiffness, 0.8 * stiffness)).with_root(planar_clamp(0.0)),
-    )
+    Rod::new(chain(SEGMENTS, |_| scaled(stiffness, 0.8 * stiffness)).with_root(planar_clamp(0.0)))
 }
 
 fn integrator(rod: Rod) -> BoxIntegrator {
@@ -44,8 +42,7 @@ fn a_whirling_rod_stays_straight() {
     }
     state.angular_velocities.fill(Vector3::new(rate, 0.0, 0.0));
     integrator.set_state(&state).expect("fits");
-    let conditions =
-        |t: f64| Instant::clamped(planar_clamp(rate * t), Vector3::zeros());
+    let conditions = |t: f64| Instant::clamped(planar_clamp(rate * t), Vector3::zeros());
     for _ in 0..100 {
         integrator.step(0.02, &conditions).expect("converges");
     }
@@ -95,7 +92,9 @@ fn a_held_tip_does_not_drift() {
     let mut worst = 0.0_f64;
     for _ in 0..400 {
         integrator.step(0.02, &conditions).expect("converges");
-        worst = worst.max((tip(&integrator).0.coords - support(integrator.time()).translation.vector).norm());
+        worst = worst.max(
+            (tip(&integrator).0.coords - support(integrator.time()).translation.vector).norm(),
+        );
     }
     // While it moves at up to 0.3 L per unit of time the tip lags by truncation errors of a step;
     // once it rests it is where it should be.
@@ -220,8 +219,10 @@ fn node_forces_bend_like_a_distributed_force() {
         if let Some(forces) = forces {
             integrator.set_node_forces(&forces).expect("one per node");
         }
-        let conditions =
-            Steady(Instant { distributed, ..Instant::clamped(planar_clamp(0.0), Vector3::zeros()) });
+        let conditions = Steady(Instant {
+            distributed,
+            ..Instant::clamped(planar_clamp(0.0), Vector3::zeros())
+        });
         for _ in 0..60 {
             integrator.step(5.0, &conditions).expect("converges");
         }
@@ -271,11 +272,10 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
     let error = integrator.step(0.05, &late_nan).expect_err("NaN");
     assert!(matches!(error, StepError::Conditions { what: "gravity", .. }), "{error}");
     assert!(integrator.set_node_forces(&[Vector3::zeros()]).is_err(), "one force for 41 nodes");
-    assert!(BoxIntegrator::new(
-        Rod { damping_time: f64::NAN, ..rod(0.1) },
-        BoxOptions::default()
-    )
-    .is_err());
+    assert!(
+        BoxIntegrator::new(Rod { damping_time: f64::NAN, ..rod(0.1) }, BoxOptions::default())
+            .is_err()
+    );
     assert_eq!(before, integrator.state(), "untouched");
 }
 

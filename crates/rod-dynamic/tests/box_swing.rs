@@ -32,9 +32,15 @@ fn probe() {
     let oracle: Oracle<Swing> = common::oracle("d_planar_swing.json");
     for case in &oracle.cases {
         for rho in [1.0, 0.8, 0.5, 0.0] {
-            let e: Vec<_> =
-                [(25, 0.05), (50, 0.025), (100, 0.0125)].iter().map(|&(n, dt)| error(case, n, dt, rho)).collect();
-            eprintln!("{} rho {rho}: {e:.2?}  {:?}", case.name, e.iter().map(|e| format!("{:.2e}",e.0)).collect::<Vec<_>>());
+            let e: Vec<_> = [(25, 0.05), (50, 0.025), (100, 0.0125)]
+                .iter()
+                .map(|&(n, dt)| error(case, n, dt, rho))
+                .collect();
+            eprintln!(
+                "{} rho {rho}: {e:.2?}  {:?}",
+                case.name,
+                e.iter().map(|e| format!("{:.2e}", e.0)).collect::<Vec<_>>()
+            );
         }
     }
 }

@@ -64,9 +64,8 @@ impl Newton {
         let Self { trial, candidate, elimination, .. } = self;
         let [root, tip] = stage.end_rows(trial);
         let root_rotation = stage.root_rotation(&trial.x[0]);
-        let increments = elimination.solve(&root, &root_rotation, &tip, |i, panel| {
-            stage.linearise(trial, i, panel)
-        });
+        let increments = elimination
+            .solve(&root, &root_rotation, &tip, |i, panel| stage.linearise(trial, i, panel));
         let mut mu = 1.0;
         for _ in 0..=BACKTRACKS {
             for ((new, old), d) in candidate.x.iter_mut().zip(&trial.x).zip(increments) {
