@@ -103,7 +103,6 @@ fn a_minute_of_hair() {
         let planar = run(common::hair(100), GRAVITY, 0.8, dt, steps);
         let (fiber, gravity) = curly();
         let curly = run(fiber, gravity, 0.8, dt, steps);
-        eprintln!("{dt} {planar:?} {curly:?}");
         assert!(planar.mean <= 5.0 && curly.mean <= 7.0, "dt {dt}: {planar:?}, {curly:?}");
     }
 }
