@@ -36,7 +36,9 @@ fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     let mut batch = StaggeredBatch::new(rods, 0.3).expect("valid batch");
     let (hold, mut reports) = (hold(), vec![StepReport::default(); fibers]);
     let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
-    for _ in 0..(0.15 / dt).min(400.0) as usize {
+    let mut steps = 0;
+    while batch.time() < 0.15 && steps < 400 {
+        steps += 1;
         batch.step(dt, &conditions, &mut reports).expect("a step");
     }
     let mut start = Vec::new();

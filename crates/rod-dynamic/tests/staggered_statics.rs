@@ -10,6 +10,9 @@ use rapunzel_rod_dynamic::{
 };
 use std::f64::consts::PI;
 
+/// The gravity parameter at which an upright rod buckles under its weight (Greenhill 1881).
+const GREENHILL: f64 = 7.837_347_439;
+
 fn natural(fiber: &Fiber) -> (Rod, RodState) {
     let rod = Rod::new(fiber.clone());
     let state = Staggered::new(rod.clone()).expect("a valid rod").state();
@@ -76,9 +79,15 @@ fn heavy_planar_rods_hang_as_the_reference() {
             .map(|i| f64::from(i) / 100.0)
             .map(|s| kappa0(s).powi(2) + (kappa0(s + 1e-4) - kappa0(s)).abs() / 1e-4)
             .fold(0.0, f64::max);
-        let bound = 1e-4 * (2.0 * case.g.max(1.0).sqrt() / 8.0 + variation / 12.0);
+        // Near the load that buckles it an upright rod turns small errors into larger ones.
+        let near = if case.clamp_angle_deg == 90.0 {
+            1.0 + GREENHILL / (case.g - GREENHILL).abs()
+        } else {
+            1.0
+        };
+        let bound = 1e-4 * near * (2.0 * case.g.max(1.0).sqrt() / 8.0 + variation / 12.0);
         assert!(off(&coarse) < bound, "{}: {:e} of {bound:e}", case.name, off(&coarse));
-        assert!(off(&extrapolated) < 1e-6, "{}: {:e}", case.name, off(&extrapolated));
+        assert!(off(&extrapolated) < 1e-6 * near, "{}: {:e}", case.name, off(&extrapolated));
     }
 }
 

@@ -414,8 +414,8 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
     }
     if let Some(air) = now.air {
         let (normal, tangential) = (air.drag.normal, air.drag.tangential);
-        if !finite(&air.wind) || !(normal >= tangential && tangential >= 0.0 && normal.is_finite())
-        {
+        let ordered = normal >= tangential && tangential >= 0.0 && normal.is_finite();
+        if !(ordered && finite(&air.wind)) {
             return error("air", "needs a finite wind and 0 <= tangential <= normal drag");
         }
     }

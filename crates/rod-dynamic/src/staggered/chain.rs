@@ -15,10 +15,9 @@
 
 use super::ends::Ends;
 use super::factor::{Block, Factor};
-use super::lanes::{Lane, M3, Quat, Sym, V3};
+use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
 use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 
 /// The unknown rotations of one pack of fibres and everything that determines them.
 ///
@@ -27,65 +26,64 @@ pub(super) struct Chain<S: Simd> {
     pub(super) simd: S,
     pub(super) n: usize,
     /// Segment lengths.
-    pub(super) h: Vec<S::f64s>,
+    pub(super) h: Array<S>,
     /// Stiffness of the joints (3), with the damping of the step in it.
-    pub(super) k: Vec<S::f64s>,
+    pub(super) k: Array<S>,
     /// Rotation vectors at which the joints are at rest (3).
-    pub(super) target: Vec<S::f64s>,
+    pub(super) target: Array<S>,
     /// Mass coefficients of the nodes, and their inverses (zero where a node is held).
-    pub(super) mu: Vec<S::f64s>,
-    pub(super) w: Vec<S::f64s>,
+    pub(super) mu: Array<S>,
+    pub(super) w: Array<S>,
     /// Known forces on the nodes (3).
-    pub(super) b: Vec<S::f64s>,
+    pub(super) b: Array<S>,
     /// Positions of the nodes at the start of the step (3).
-    pub(super) start: Vec<S::f64s>,
+    pub(super) start: Array<S>,
     /// Inertia vectors beside d1, d2, d3 (9).
-    pub(super) p: Vec<S::f64s>,
+    pub(super) p: Array<S>,
     pub(super) ends: Ends<S>,
     /// Rotations of the segments (4).
-    pub(super) q: Vec<S::f64s>,
+    pub(super) q: Array<S>,
     /// Positions (3), directors (9), forces (3), rotation vectors of the joints (3).
-    pub(super) r: Vec<S::f64s>,
-    pub(super) d: Vec<S::f64s>,
+    pub(super) r: Array<S>,
+    pub(super) d: Array<S>,
     /// Directors at the start of the step (9).
-    pub(super) d_start: Vec<S::f64s>,
-    pub(super) force: Vec<S::f64s>,
-    pub(super) phi: Vec<S::f64s>,
+    pub(super) d_start: Array<S>,
+    pub(super) force: Array<S>,
+    pub(super) phi: Array<S>,
     pub(super) factor: Factor<S>,
     /// Hessians of the segments at the last assembly (6).
-    pub(super) hessian: Vec<S::f64s>,
+    pub(super) hessian: Array<S>,
     /// Increments (6) of the last solve, the direction being searched (6), and its origin (4).
-    step: Vec<S::f64s>,
-    direction: Vec<S::f64s>,
-    origin: Vec<S::f64s>,
+    step: Array<S>,
+    direction: Array<S>,
+    origin: Array<S>,
 }
 
 impl<S: Simd> Chain<S> {
     pub(super) fn new(simd: S, n: usize) -> Self {
-        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
         Self {
             simd,
             n,
-            h: zeros(n),
-            k: zeros(3 * (n + 1)),
-            target: zeros(3 * (n + 1)),
-            mu: zeros(n + 1),
-            w: zeros(n + 1),
-            b: zeros(3 * (n + 1)),
-            start: zeros(3 * (n + 1)),
-            p: zeros(9 * n),
+            h: zeros::<S>(n),
+            k: zeros::<S>(3 * (n + 1)),
+            target: zeros::<S>(3 * (n + 1)),
+            mu: zeros::<S>(n + 1),
+            w: zeros::<S>(n + 1),
+            b: zeros::<S>(3 * (n + 1)),
+            start: zeros::<S>(3 * (n + 1)),
+            p: zeros::<S>(9 * n),
             ends: Ends::new(),
-            q: zeros(4 * n),
-            r: zeros(3 * (n + 1)),
-            d: zeros(9 * n),
-            d_start: zeros(9 * n),
-            force: zeros(3 * n),
-            phi: zeros(3 * (n + 1)),
+            q: zeros::<S>(4 * n),
+            r: zeros::<S>(3 * (n + 1)),
+            d: zeros::<S>(9 * n),
+            d_start: zeros::<S>(9 * n),
+            force: zeros::<S>(3 * n),
+            phi: zeros::<S>(3 * (n + 1)),
             factor: Factor::new(n),
-            hessian: zeros(6 * n),
-            step: zeros(6 * n),
-            direction: zeros(6 * n),
-            origin: zeros(4 * n),
+            hessian: zeros::<S>(6 * n),
+            step: zeros::<S>(6 * n),
+            direction: zeros::<S>(6 * n),
+            origin: zeros::<S>(4 * n),
         }
     }
 
@@ -101,6 +99,14 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     pub(super) fn lift(&self, a: [S::f64s; 3]) -> V3<S> {
         V3([Lane::new(self.simd, a[0]), Lane::new(self.simd, a[1]), Lane::new(self.simd, a[2])])
+    }
+    #[inline(always)]
+    pub(super) fn sym(&self, a: &[S::f64s], i: usize) -> Sym<S> {
+        let a = &a[6 * i..6 * i + 6];
+        Sym([0, 1, 2, 3, 4, 5].map(
+            #[inline(always)]
+            |k| Lane::new(self.simd, a[k]),
+        ))
     }
     #[inline(always)]
     fn quat(&self, a: &[S::f64s]) -> Quat<S> {

@@ -8,9 +8,8 @@
 //! Some 220 multiplications a segment to factor, 100 to solve once more.
 
 use super::chain::store;
-use super::lanes::{Lane, M3, Sym, V3};
+use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 use std::ops::Sub;
 
 /// One diagonal block and its right-hand side.
@@ -54,7 +53,7 @@ impl<S: Simd> Sub for Block<S> {
 /// The factors of all segments: `P^-1` (6), `V = P^-1 S` (9), `Sigma^-1` (6), `B` (9), `w`, and
 /// the eliminated right-hand side (6), interleaved.
 pub(super) struct Factor<S: Simd> {
-    data: Vec<S::f64s>,
+    data: Array<S>,
     n: usize,
 }
 
@@ -62,7 +61,7 @@ const STRIDE: usize = 37;
 
 impl<S: Simd> Factor<S> {
     pub(super) fn new(n: usize) -> Self {
-        Self { data: vec![S::f64s::zeroed(); STRIDE * n], n }
+        Self { data: zeros::<S>(STRIDE * n), n }
     }
 
     /// Eliminates segment `e`, whose block already lacks what its predecessor takes away. Returns

@@ -3,11 +3,22 @@
 //! One source serves one fibre and eight: [`Lane`] wraps whatever register `pulp` chose. Every
 //! function is `inline(always)`, because only then does it take on the caller's target features.
 
+use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::Simd;
+use pulp::bytemuck::Zeroable;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+
+/// An array of registers that begins at a cache line: a register that crosses one costs twice.
+pub(super) type Array<S> = AVec<<S as Simd>::f64s, ConstAlign<64>>;
+
+/// An array of `count` zeros.
+pub(super) fn zeros<S: Simd>(count: usize) -> Array<S> {
+    avec![[64]| S::f64s::zeroed(); count]
+}
 
 /// One number for each fibre of a pack.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Lane<S: Simd> {
     simd: S,
     pub(super) value: S::f64s,

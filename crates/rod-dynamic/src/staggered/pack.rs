@@ -2,7 +2,7 @@
 
 use super::chain::{Chain, store};
 use super::ends::{Held, Kind};
-use super::lanes::{Lane, V3};
+use super::lanes::{Array, Lane, V3, zeros};
 use super::response::Workspace;
 use super::scheme::{Scheme, Stage};
 use super::search::Outcome;
@@ -16,30 +16,30 @@ pub(super) struct Pack<S: Simd> {
     pub(super) chain: Chain<S>,
     pub(super) scheme: Scheme,
     /// Masses of the nodes.
-    pub(super) mass: Vec<S::f64s>,
+    pub(super) mass: Array<S>,
     /// Inertias of d1 and d2 of each segment (2).
-    pub(super) inertia: Vec<S::f64s>,
+    pub(super) inertia: Array<S>,
     /// Stiffness of the joints over their lengths, and their natural rotation vectors (3).
-    pub(super) stiffness: Vec<S::f64s>,
-    pub(super) rest: Vec<S::f64s>,
+    pub(super) stiffness: Array<S>,
+    pub(super) rest: Array<S>,
     /// Kelvin-Voigt time.
     pub(super) damping: S::f64s,
     /// Positions (3) and joint rotation vectors (3) at the start of the step. Rotations live in
     /// the chain.
-    pub(super) r: Vec<S::f64s>,
-    pub(super) phi: Vec<S::f64s>,
+    pub(super) r: Array<S>,
+    pub(super) phi: Array<S>,
     pub(super) nodes: Track<S>,
     pub(super) directors: Track<S>,
     pub(super) joints: Track<S>,
     /// Forces on the nodes from outside (3).
-    pub(super) node_forces: Vec<S::f64s>,
+    pub(super) node_forces: Array<S>,
     /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
     /// along.
     pub(super) fields: [S::f64s; 11],
     pub(super) held: [Held; 8],
     pub(super) any_damping: bool,
     /// Rotations (4) and tip reactions at the start of the step.
-    pub(super) q_start: Vec<S::f64s>,
+    pub(super) q_start: Array<S>,
     pub(super) reaction_start: [S::f64s; 3],
     /// Lengths of the last attempt, for what follows from its factors.
     pub(super) last_dt: [f64; 8],
@@ -50,24 +50,23 @@ impl<S: Simd> Pack<S> {
     /// At least one rod, all with the same number of segments. Spare lanes repeat the last rod.
     pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
         let n = rods[0].fiber.segments();
-        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
         let mut pack = Self {
             chain: Chain::new(simd, n),
             scheme,
-            mass: zeros(n + 1),
-            inertia: zeros(2 * n),
-            stiffness: zeros(3 * (n + 1)),
-            rest: zeros(3 * (n + 1)),
+            mass: zeros::<S>(n + 1),
+            inertia: zeros::<S>(2 * n),
+            stiffness: zeros::<S>(3 * (n + 1)),
+            rest: zeros::<S>(3 * (n + 1)),
             damping: S::f64s::zeroed(),
-            r: zeros(3 * (n + 1)),
-            phi: zeros(3 * (n + 1)),
+            r: zeros::<S>(3 * (n + 1)),
+            phi: zeros::<S>(3 * (n + 1)),
             nodes: Track::new(n + 1),
             directors: Track::new(2 * n),
             joints: Track::new(n + 1),
-            node_forces: zeros(3 * (n + 1)),
+            node_forces: zeros::<S>(3 * (n + 1)),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::FREE; 8],
-            q_start: zeros(4 * n),
+            q_start: zeros::<S>(4 * n),
             reaction_start: [S::f64s::zeroed(); 3],
             last_dt: [1.0; 8],
             work: Workspace::new(n),
@@ -174,7 +173,7 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let Self(pack, dt, done, starting) = self;
                 let stage = pack.stage(dt, starting);
-                pack.take_over(&stage, done, starting);
+                pack.take_over(&stage, done);
             }
         }
         self.chain.simd.vectorize(Commit(self, dt, done, starting));
@@ -267,29 +266,29 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn take_over(&mut self, stage: &Stage<S>, done: &[bool; 8], starting: bool) {
+    fn take_over(&mut self, stage: &Stage<S>, done: &[bool; 8]) {
         let n = self.chain.n;
         let done = self.flags(done);
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.r, a);
             let old = self.chain.vec(&self.r, a);
-            self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done, starting);
-            if !starting {
+            self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
+            if !stage.starting {
                 store(&mut self.r, a, new.positive_or(done, old));
             }
         }
         for i in 0..2 * n {
             let at = 3 * (i / 2) + i % 2;
             let u = self.chain.vec(&self.chain.d, at) - self.chain.vec(&self.chain.d_start, at);
-            self.directors.commit(&self.chain, self.scheme, stage, i, u, done, starting);
+            self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
         }
         for j in 0..=n {
             let new = self.chain.vec(&self.chain.phi, j);
             let old = self.chain.vec(&self.phi, j);
             if self.any_damping {
-                self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done, starting);
+                self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);
             }
-            if !starting {
+            if !stage.starting {
                 store(&mut self.phi, j, new.positive_or(done, old));
             }
         }

@@ -7,7 +7,7 @@
 
 use super::chain::{hat, store};
 use super::factor::Block;
-use super::lanes::{Lane, M3, Sym, V3};
+use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::Stage;
 use crate::Weight;
@@ -17,30 +17,29 @@ use pulp::{NullaryFnOnce, Simd};
 /// Room for one response; allocated with the first.
 pub(super) struct Workspace<S: Simd> {
     /// Impulses in, mean velocities out (3 a node).
-    pub(super) values: Vec<S::f64s>,
-    loads: Vec<S::f64s>,
-    solution: Vec<S::f64s>,
-    diagonal: Vec<S::f64s>,
-    right: Vec<S::f64s>,
+    pub(super) values: Array<S>,
+    loads: Array<S>,
+    solution: Array<S>,
+    diagonal: Array<S>,
+    right: Array<S>,
     /// Diagonal blocks out (6 a node).
-    pub(super) blocks: Vec<S::f64s>,
+    pub(super) blocks: Array<S>,
     /// Added masses of the nodes, and added inertias of d3 (both kg or kg m^2).
-    mass: Vec<S::f64s>,
-    inertia: Vec<S::f64s>,
+    mass: Array<S>,
+    inertia: Array<S>,
 }
 
 impl<S: Simd> Workspace<S> {
     pub(super) fn new(n: usize) -> Self {
-        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
         Self {
-            values: zeros(3 * (n + 1)),
-            loads: zeros(3 * n),
-            solution: zeros(6 * n),
-            diagonal: zeros(6 * n),
-            right: zeros(9 * n),
-            blocks: zeros(6 * (n + 1)),
-            mass: zeros(n + 1),
-            inertia: zeros(n),
+            values: zeros::<S>(3 * (n + 1)),
+            loads: zeros::<S>(3 * n),
+            solution: zeros::<S>(6 * n),
+            diagonal: zeros::<S>(6 * n),
+            right: zeros::<S>(9 * n),
+            blocks: zeros::<S>(6 * (n + 1)),
+            mass: zeros::<S>(n + 1),
+            inertia: zeros::<S>(n),
         }
     }
 }
@@ -176,10 +175,7 @@ impl<S: Simd> Pack<S> {
             let h = self.chain.one(&self.chain.h, e);
             let d = self.chain.vec(&self.chain.d, 3 * e + 2);
             let inertia = Lane::new(simd, work.inertia[e]) * stage.c1;
-            let hessian = Sym([0, 1, 2, 3, 4, 5].map(
-                #[inline(always)]
-                |i| Lane::new(simd, self.chain.hessian[6 * e + i]),
-            ));
+            let hessian = self.chain.sym(&self.chain.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
             let (w0, w1) = (self.chain.one(&self.chain.w, e), self.chain.one(&self.chain.w, e + 1));
             let block = Block {

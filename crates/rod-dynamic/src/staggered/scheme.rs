@@ -27,6 +27,8 @@ pub(super) struct Stage<S: Simd> {
     pub(super) c1: Lane<S>,
     pub(super) cv: Lane<S>,
     pub(super) dt: Lane<S>,
+    /// Whether only the acceleration at the start of a motion is wanted.
+    pub(super) starting: bool,
 }
 
 /// Velocity, the method's own acceleration-like variable, and the true acceleration.
@@ -49,7 +51,12 @@ impl Scheme {
     pub(super) fn stage<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
         let rate = dt.recip();
         let c1 = (1.0 - self.alpha_m) / (self.beta * (1.0 - self.alpha_f));
-        Stage { c1: rate * rate * dt.lift(c1), cv: rate * dt.lift(self.gamma / self.beta), dt }
+        Stage {
+            c1: rate * rate * dt.lift(c1),
+            cv: rate * dt.lift(self.gamma / self.beta),
+            dt,
+            starting: false,
+        }
     }
 
     /// The stage whose acceleration is that at its start: `u = dt v + dt^2 a / 2`.
@@ -57,7 +64,7 @@ impl Scheme {
     pub(super) fn start<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
         let rate = dt.recip();
         let two = dt.lift(2.0);
-        Stage { c1: rate * rate * two, cv: rate * two, dt }
+        Stage { c1: rate * rate * two, cv: rate * two, dt, starting: true }
     }
 
     /// `(du, vc)`.

@@ -1,22 +1,21 @@
 //! The motion of one class of vector coordinates of a pack: nodes, directors, or joints.
 
 use super::chain::{Chain, store};
-use super::lanes::{Lane, V3};
+use super::lanes::{Array, Lane, V3, zeros};
 use super::scheme::{Rates, Scheme, Stage};
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 
 /// Rates of `count` vector coordinates.
 pub(super) struct Track<S: Simd> {
-    pub(super) v: Vec<S::f64s>,
-    pub(super) a: Vec<S::f64s>,
-    pub(super) acceleration: Vec<S::f64s>,
+    pub(super) v: Array<S>,
+    pub(super) a: Array<S>,
+    pub(super) acceleration: Array<S>,
 }
 
 impl<S: Simd> Track<S> {
     pub(super) fn new(count: usize) -> Self {
-        let zeros = || vec![S::f64s::zeroed(); 3 * count];
-        Self { v: zeros(), a: zeros(), acceleration: zeros() }
+        let track = || zeros::<S>(3 * count);
+        Self { v: track(), a: track(), acceleration: track() }
     }
 
     #[inline(always)]
@@ -39,12 +38,11 @@ impl<S: Simd> Track<S> {
         i: usize,
         u: V3<S>,
         done: Lane<S>,
-        starting: bool,
     ) {
         let old = self.rates(chain, i);
         let (du, vc) = scheme.predict(stage, old);
         let acceleration = (u - du).scale(stage.c1);
-        let new = if starting {
+        let new = if stage.starting {
             Rates { v: old.v, a: acceleration, acceleration }
         } else {
             scheme.finish(stage, old, u.fma(stage.cv, vc), acceleration)
