@@ -31,6 +31,33 @@ pub enum FiberError {
         /// Number of nodes that were given.
         nodes: usize,
     },
+    /// A number lies outside of the range in which it has a meaning.
+    #[error("{quantity} is {value}, but must lie in {range}")]
+    OutOfRange {
+        /// Which quantity, with its unit.
+        quantity: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The allowed range, as text.
+        range: &'static str,
+    },
+    /// A direction was given by a vector without one.
+    #[error("{quantity} is zero or not finite and so has no direction; give any other vector")]
+    NoDirection {
+        /// Which vector.
+        quantity: &'static str,
+    },
+    /// The segments are too long for the curve that they are to follow.
+    #[error(
+        "{segments} segments cannot follow the curve; give at least {needed}, or a smaller \
+         amplitude or a longer wavelength"
+    )]
+    Unresolved {
+        /// Number of segments that was given.
+        segments: usize,
+        /// Number of segments that resolves the curve barely, rounded up.
+        needed: f64,
+    },
 }
 
 /// Checks that `value` is positive and finite.
@@ -39,5 +66,23 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<(), FiberEr
         Ok(())
     } else {
         Err(FiberError::NotPositive { quantity, value })
+    }
+}
+
+/// Checks that `value` is at least zero and finite.
+pub(crate) fn not_negative(quantity: &'static str, value: f64) -> Result<(), FiberError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(FiberError::OutOfRange { quantity, value, range: "[0, infinity)" })
+    }
+}
+
+/// Checks that `value` lies in `[0, 1]`.
+pub(crate) fn fraction(quantity: &'static str, value: f64) -> Result<(), FiberError> {
+    if (0.0..=1.0).contains(&value) {
+        Ok(())
+    } else {
+        Err(FiberError::OutOfRange { quantity, value, range: "[0, 1]" })
     }
 }

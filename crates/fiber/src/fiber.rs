@@ -158,11 +158,23 @@ impl Fiber {
     /// # Errors
     /// [`FiberError::NotFinite`] where `kappa` is not finite.
     pub fn with_natural_curvature(
-        mut self,
+        self,
         kappa: impl Fn(f64) -> Vector3<f64>,
     ) -> Result<Self, FiberError> {
-        for (node, s) in self.nodes.iter_mut().zip(arc_lengths(&self.segment_lengths)) {
-            node.natural_curvature = kappa(s);
+        let kappas: Vec<_> = arc_lengths(&self.segment_lengths).map(kappa).collect();
+        self.with_node_curvatures(&kappas)
+    }
+
+    /// The same fibre with one natural curvature per node (material frame, 1/m).
+    ///
+    /// # Errors
+    /// Refuses another number of curvatures than of nodes, and what is not finite.
+    pub fn with_node_curvatures(mut self, kappas: &[Vector3<f64>]) -> Result<Self, FiberError> {
+        if kappas.len() != self.nodes.len() {
+            return Err(FiberError::NodeCount { segments: self.segments(), nodes: kappas.len() });
+        }
+        for (node, kappa) in self.nodes.iter_mut().zip(kappas) {
+            node.natural_curvature = *kappa;
         }
         Self::new(self.root, self.segment_lengths, self.nodes)
     }

@@ -24,7 +24,7 @@ pub fn vee(m: &Matrix3<f64>) -> Vector3<f64> {
 }
 
 /// `(sin a / a, (1 - cos a) / a^2, (a - sin a) / a^3)` for `a^2 = squared`.
-fn coefficients(squared: f64) -> (f64, f64, f64) {
+pub(crate) fn coefficients(squared: f64) -> (f64, f64, f64) {
     if squared < SMALL_SQUARED {
         let x = squared;
         (
@@ -88,6 +88,19 @@ pub fn quaternion(r: &Rotation3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(q)
 }
 
+/// The smallest rotation that takes the direction of `a` to that of `b`. `None` where no rotation
+/// is smallest: for opposite directions, and for vectors without one.
+#[must_use]
+pub fn between(a: &Vector3<f64>, b: &Vector3<f64>) -> Option<Rotation3<f64>> {
+    let (cross, dot) = (a.cross(b), a.dot(b));
+    let sine = cross.norm();
+    if sine > 0.0 {
+        Some(exp(&(cross * (sine.atan2(dot) / sine))))
+    } else {
+        (dot > 0.0).then(Rotation3::identity)
+    }
+}
+
 /// The right Jacobian `J`: `exp(u + du) = exp(u) exp(J du)` to first order. Body rates are
 /// `J(u) du/dt`.
 #[must_use]
@@ -117,19 +130,19 @@ fn inverse_coefficient(squared: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
     use std::f64::consts::PI;
 
     /// Rotation vectors of any axis with angles from far below the series' threshold to pi.
-    fn rotation_vector() -> impl Strategy<Value = Vector3<f64>> {
+    pub(crate) fn rotation_vector() -> impl Strategy<Value = Vector3<f64>> {
         let axis = prop::array::uniform3(-1.0..1.0_f64)
             .prop_map(Vector3::from)
             .prop_filter("axis", |v| v.norm() > 1e-3);
         let angle =
-            prop_oneof![Just(0.0), Just(1e-2), Just(PI - 1e-9), -12.0..-1.0_f64, 0.0..PI - 1e-12,]
+            prop_oneof![Just(0.0), Just(1e-2), Just(PI - 1e-9), Just(PI), -12.0..-1.0_f64, 0.0..PI]
                 .prop_map(|a| if a < 0.0 { 10f64.powf(a) } else { a });
         (axis, angle).prop_map(|(v, a)| v.normalize() * a)
     }
@@ -161,6 +174,22 @@ mod tests {
             let product = right_jacobian(&u) * right_jacobian_inverse(&u);
             prop_assert!((product - Matrix3::identity()).norm() < 1e-13);
         }
+    }
+
+    proptest! {
+        #[test]
+        fn between_turns_one_direction_into_the_other(u in rotation_vector(), w in rotation_vector()) {
+            let (a, b) = (exp(&u) * Vector3::x(), exp(&w) * Vector3::y());
+            prop_assume!(a.dot(&b) > -0.999);
+            let r = between(&(3.0 * a), &(0.1 * b)).expect("not opposite");
+            prop_assert!((r * a - b).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn opposite_directions_have_no_smallest_rotation() {
+        assert_eq!(between(&Vector3::x(), &-Vector3::x()), None);
+        assert_eq!(between(&Vector3::x(), &Vector3::zeros()), None);
     }
 
     #[test]

@@ -1,0 +1,18 @@
+//! Fibres of given rest shapes and many fibres over a patch of skin.
+//!
+//! A shape ([`Helix`], [`Sine`]) bends a fibre: it sets the natural curvature and turns the root,
+//! and leaves lengths, sections and materials as they are. A straight fibre is
+//! [`crate::Fiber::uniform`] at a [`root_pose`]. An [`Ellipse`] places roots, [`bundle`] and
+//! [`Lock`] grow fibres from them.
+//!
+//! Random choices come from `Pcg64Mcg` with the seed that is given: the same seed gives the same
+//! bits.
+
+mod lock;
+mod random;
+mod roots;
+mod shape;
+
+pub use lock::{Lock, bundle};
+pub use roots::Ellipse;
+pub use shape::{Handedness, Helix, Sine, root_pose};
