@@ -12,6 +12,8 @@ pub(crate) struct BundleConditions {
     pub(crate) tip: Tip,
     /// Where the bundle starts.
     pub(crate) start: Point3<f64>,
+    /// Number of nodes of a fibre.
+    pub(crate) nodes: usize,
     /// Forces on nodes: node, force in N (world), factor over time.
     pub(crate) node_forces: Vec<(usize, Vector3<f64>, Profile)>,
 }
@@ -42,11 +44,11 @@ impl FiberConditions {
     }
 
     /// The forces on all nodes at time `t`, if the scene has any.
-    pub(crate) fn node_forces(&self, nodes: usize, t: f64) -> Option<Vec<Vector3<f64>>> {
+    pub(crate) fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
         if self.bundle.node_forces.is_empty() {
             return None;
         }
-        let mut forces = vec![Vector3::zeros(); nodes];
+        let mut forces = vec![Vector3::zeros(); self.bundle.nodes];
         for (node, force, profile) in &self.bundle.node_forces {
             forces[*node] += force * profile.at(t);
         }

@@ -1,3 +1,4 @@
+use crate::export::ExportError;
 use crate::scene::Problem;
 use rapunzel_fiber::FiberError;
 use rapunzel_rod_dynamic::{RodError, StepError};
@@ -50,6 +51,14 @@ pub enum SimError {
         path: PathBuf,
         /// What the operating system said.
         source: io::Error,
+    },
+    /// A frame cannot be written or read back.
+    #[error("{}: {source}", path.display())]
+    Export {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ExportError,
     },
     /// Another run holds the folder.
     #[error(

@@ -1,12 +1,11 @@
 use crate::conditions::FiberConditions;
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{
-    Conditions, Energy, Rod, RodError, RodIntegrator, RodState, StepError, StepReport,
+    Conditions, Energy, RodError, RodIntegrator, RodState, StepError, StepReport,
 };
 
 /// Rods that are stepped together.
 pub(crate) trait Batch: Send {
-    fn rod(&self, lane: usize) -> &Rod;
     fn state(&self, lane: usize) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
@@ -17,10 +16,6 @@ pub(crate) trait Batch: Send {
 
 /// One rod is a batch with a single lane.
 impl<I: RodIntegrator> Batch for I {
-    fn rod(&self, _: usize) -> &Rod {
-        RodIntegrator::rod(self)
-    }
-
     fn state(&self, _: usize) -> RodState {
         RodIntegrator::state(self)
     }
@@ -48,8 +43,8 @@ impl<I: RodIntegrator> Batch for I {
 
 /// A batch of fibres with what acts on them: the unit of parallel work.
 pub(crate) struct Group {
-    /// Index of the fibre in lane 0; the other lanes follow it.
-    pub(crate) first: usize,
+    /// Indices of the fibres, one per lane.
+    pub(crate) fibers: Vec<usize>,
     pub(crate) batch: Box<dyn Batch>,
     pub(crate) lanes: Vec<FiberConditions>,
 }
@@ -59,8 +54,7 @@ impl Group {
     pub(crate) fn step(&mut self, time: f64, dt: f64) -> Result<StepReport, StepError> {
         let middle = time + 0.5 * dt;
         for (lane, conditions) in self.lanes.iter().enumerate() {
-            let nodes = self.batch.rod(lane).fiber.nodes().len();
-            if let Some(forces) = conditions.node_forces(nodes, middle) {
+            if let Some(forces) = conditions.node_forces(middle) {
                 self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {
                     what: "node forces",
                     time,
@@ -73,10 +67,10 @@ impl Group {
         self.batch.step(dt, &lanes).map_err(|error| self.name_fiber(error))
     }
 
-    /// Puts the scene's index of the fibre in place of the lane.
+    /// Puts the index of the fibre in the scene in place of the lane.
     fn name_fiber(&self, mut error: StepError) -> StepError {
         if let StepError::NotConverged { fiber, .. } = &mut error {
-            *fiber += self.first;
+            *fiber = self.fibers[*fiber];
         }
         error
     }

@@ -1,13 +1,16 @@
 use crate::group::Group;
 use crate::{SimError, scene::Environment};
 use rapunzel_rod_dynamic::{Energy, RodError, RodState};
-use rapunzel_fiber::Fiber;
+use rapunzel_fiber::Assembly;
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.
 pub struct World {
-    pub(crate) environment: Environment,
+    environment: Environment,
+    assembly: Assembly,
     pub(crate) groups: Vec<Group>,
+    /// Group and lane of every fibre.
+    lanes: Vec<(usize, usize)>,
     clock: Clock,
 }
 
@@ -29,8 +32,15 @@ pub struct Snapshot {
 }
 
 impl World {
-    pub(crate) fn new(environment: Environment, groups: Vec<Group>) -> Self {
-        Self { environment, groups, clock: Clock::default() }
+    /// The groups must be those of the assembly, in its order.
+    pub(crate) fn new(environment: Environment, assembly: Assembly, groups: Vec<Group>) -> Self {
+        let mut lanes = vec![(0, 0); assembly.fibers().len()];
+        for (g, group) in groups.iter().enumerate() {
+            for (lane, &fiber) in group.fibers.iter().enumerate() {
+                lanes[fiber] = (g, lane);
+            }
+        }
+        Self { environment, assembly, groups, lanes, clock: Clock::default() }
     }
 
     /// Time, s.
@@ -45,26 +55,10 @@ impl World {
         self.clock.steps
     }
 
-    /// Number of fibres.
+    /// The fibres in their natural state.
     #[must_use]
-    pub fn fibers(&self) -> usize {
-        self.groups.iter().map(|g| g.lanes.len()).sum()
-    }
-
-    /// Number of nodes of all fibres.
-    #[must_use]
-    pub fn nodes(&self) -> usize {
-        (0..self.fibers()).map(|i| self.fiber(i).nodes().len()).sum()
-    }
-
-    /// Fibre `i` in its natural state.
-    ///
-    /// # Panics
-    /// If there is no such fibre.
-    #[must_use]
-    pub fn fiber(&self, i: usize) -> &Fiber {
-        let (group, lane) = self.lane(i);
-        &group.batch.rod(lane).fiber
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
     }
 
     /// Where fibre `i` is and how it moves. Allocates; costs one pass over its nodes.
@@ -73,8 +67,8 @@ impl World {
     /// If there is no such fibre.
     #[must_use]
     pub fn state(&self, i: usize) -> RodState {
-        let (group, lane) = self.lane(i);
-        group.batch.state(lane)
+        let (group, lane) = self.lanes[i];
+        self.groups[group].batch.state(lane)
     }
 
     /// Energy of all fibres, J, in the gravity of the instant. Costs one pass over all nodes.
@@ -83,7 +77,7 @@ impl World {
         let gravity = self.environment.gravity_at(self.time());
         let mut sum = Energy::default();
         for group in &self.groups {
-            for lane in 0..group.lanes.len() {
+            for lane in 0..group.fibers.len() {
                 let energy = group.batch.energy(lane, &gravity);
                 sum.kinetic += energy.kinetic;
                 sum.elastic += energy.elastic;
@@ -129,11 +123,5 @@ impl World {
         }
         self.clock.steps_since += 1;
         self.clock.steps += 1;
-    }
-
-    fn lane(&self, i: usize) -> (&Group, usize) {
-        let after = self.groups.partition_point(|g| g.first <= i);
-        let group = &self.groups[after.saturating_sub(1)];
-        (group, i - group.first)
     }
 }

@@ -1,9 +1,13 @@
 use super::check::{Allowed, Check};
-use super::motion::{Motion, along};
+use super::motion::Motion;
 use super::tip::{Profile, Tip};
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion};
-use rapunzel_fiber::{self as fiber, Section};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use rapunzel_fiber::generate::{Ellipse, Handedness, root_pose};
+use rapunzel_fiber::{self as fiber, FiberError, Section};
 use serde::{Deserialize, Serialize};
+
+/// The most fibres of a bundle, against typing errors.
+const MOST_FIBERS: usize = 1_000_000;
 
 /// Fibres that belong together: one, or many of the same kind on one moving base.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,8 +77,11 @@ pub enum Shape {
     Helix {
         /// Radius of the cylinder, m.
         radius: f64,
-        /// Advance along the axis in one turn, m; negative for a left-handed helix.
+        /// Advance along the axis in one turn, m; zero makes a ring.
         pitch: f64,
+        /// Which way it winds.
+        #[serde(default = "right")]
+        handedness: Handedness,
     },
     /// A plane sine along the direction of the root.
     Sine {
@@ -88,6 +95,10 @@ pub enum Shape {
         /// Darboux vector in the material frame (about d1, d2, tangent), 1/m.
         curvature: [f64; 3],
     },
+}
+
+fn right() -> Handedness {
+    Handedness::Right
 }
 
 /// The shape of a fibre at the start; it starts at rest.
@@ -143,20 +154,32 @@ pub enum Arrangement {
     /// One fibre.
     #[default]
     Single,
-    /// A guide fibre, and a number of copies around it with their roots in an ellipse across its
-    /// direction.
-    Count {
-        /// Semi-axes of the ellipse along d1 and d2 of the root, m.
+    /// Parallel copies with their roots spread over an ellipse across the direction of the root.
+    Ellipse {
+        /// Semi-axes along d1 and d2 of the root, m.
         semi_axes: [f64; 2],
-        /// Number of fibres around the guide.
+        /// Number of fibres.
         count: usize,
     },
-    /// The same at a number of fibres per area.
-    Density {
-        /// Semi-axes of the ellipse along d1 and d2 of the root, m.
+    /// The same with a number of fibres per area.
+    EllipseAtDensity {
+        /// Semi-axes along d1 and d2 of the root, m.
         semi_axes: [f64; 2],
         /// Fibres per area, 1/m^2; a scalp has about 2.5e6.
         density: f64,
+    },
+    /// A lock: a guide fibre and others around it that follow its shape.
+    Lock {
+        /// Number of fibres beside the guide, which is the first.
+        count: usize,
+        /// Radius of the disc on which the roots stand, m.
+        radius: f64,
+        /// Relative variation of the natural curvature, 0 to 1.
+        #[serde(default)]
+        curvature_variation: f64,
+        /// How far the tips draw together, 0 (parallel) to 1 (all at the guide's tip).
+        #[serde(default)]
+        clumping: f64,
     },
 }
 
@@ -187,17 +210,22 @@ impl From<Material> for fiber::Material {
 
 impl Pose {
     /// The pose as a map from the material frame to the world.
-    #[must_use]
-    pub fn isometry(&self) -> Isometry3<f64> {
-        let rotation = match &self.orientation {
-            Orientation::Along { direction, roll } => along(direction, roll.to_radians()),
+    ///
+    /// # Errors
+    /// [`FiberError::NoDirection`] for a tangent without length.
+    pub fn isometry(&self) -> Result<Isometry3<f64>, FiberError> {
+        let position = Point3::from(self.position);
+        match &self.orientation {
+            Orientation::Along { direction, roll } => {
+                let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll.to_radians());
+                Ok(root_pose(position, &Vector3::from(*direction))? * turn)
+            }
             Orientation::Euler { degrees } => {
                 let [x, y, z] = degrees.map(f64::to_radians);
-                Rotation3::from_euler_angles(x, y, z)
+                let rotation = UnitQuaternion::from_euler_angles(x, y, z);
+                Ok(Isometry3::from_parts(position.into(), rotation))
             }
-        };
-        let position = Point3::from(self.position);
-        Isometry3::from_parts(position.into(), UnitQuaternion::from_rotation_matrix(&rotation))
+        }
     }
 
     fn check(&self, check: &mut Check) {
@@ -261,9 +289,9 @@ impl Shape {
     fn check(&self, check: &mut Check) {
         match self {
             Self::Straight => {}
-            Self::Helix { radius, pitch } => {
+            Self::Helix { radius, pitch, .. } => {
                 check.number("radius", *radius, Allowed::Positive, "m");
-                check.number("pitch", *pitch, Allowed::Finite, "m");
+                check.number("pitch", *pitch, Allowed::NonNegative, "m");
             }
             Self::Sine { amplitude, wavelength } => {
                 check.number("amplitude", *amplitude, Allowed::NonNegative, "m");
@@ -275,37 +303,50 @@ impl Shape {
 }
 
 impl Arrangement {
-    /// Number of fibres, with the guide.
+    /// Number of fibres.
     #[must_use]
     pub fn fibers(&self) -> usize {
         match *self {
             Self::Single => 1,
-            Self::Count { count, .. } => 1 + count,
-            Self::Density { semi_axes: [a, b], density } => 1 + count_at(density, a, b),
+            Self::Ellipse { count, .. } => count,
+            Self::EllipseAtDensity { semi_axes: [a, b], density } => {
+                let patch = Ellipse { pose: Isometry3::identity(), a, b };
+                patch.count(density).unwrap_or(0)
+            }
+            Self::Lock { count, .. } => 1 + count,
         }
     }
 
     fn check(&self, check: &mut Check) {
-        let axes = |c: &mut Check, semi_axes: &[f64; 2]| {
-            for (i, &x) in semi_axes.iter().enumerate() {
-                c.number(&format!("semi_axes[{i}]"), x, Allowed::Positive, "m");
-            }
-        };
         match self {
             Self::Single => {}
-            Self::Count { semi_axes, count } => {
-                axes(check, semi_axes);
-                check.count("count", *count, 1, 1_000_000);
+            Self::Ellipse { semi_axes, count } => {
+                check_axes(check, semi_axes);
+                check.count("count", *count, 1, MOST_FIBERS);
             }
-            Self::Density { semi_axes, density } => {
-                axes(check, semi_axes);
+            Self::EllipseAtDensity { semi_axes, density } => {
+                check_axes(check, semi_axes);
                 check.number("density", *density, Allowed::Positive, "1/m^2");
-                let count = std::f64::consts::PI * semi_axes[0] * semi_axes[1] * density;
-                if count > 1e6 {
-                    let message = format!("makes {count:.0} fibres, but must make at most 1000000");
+                let count = self.fibers();
+                if *density > 0.0 && !(1..=MOST_FIBERS).contains(&count) {
+                    let message =
+                        format!("makes {count} fibres, but must make between 1 and {MOST_FIBERS}");
                     check.refuse("density", message);
                 }
             }
+            Self::Lock { count, radius, curvature_variation, clumping } => {
+                check.count("count", *count, 1, MOST_FIBERS);
+                check.number("radius", *radius, Allowed::Positive, "m");
+                let fraction = Allowed::Within(0.0, 1.0);
+                check.number("curvature_variation", *curvature_variation, fraction, "");
+                check.number("clumping", *clumping, fraction, "");
+            }
         }
+    }
+}
+
+fn check_axes(check: &mut Check, semi_axes: &[f64; 2]) {
+    for (i, &x) in semi_axes.iter().enumerate() {
+        check.number(&format!("semi_axes[{i}]"), x, Allowed::Positive, "m");
     }
 }

@@ -1,5 +1,5 @@
 use super::check::{Allowed, Check};
-use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -220,16 +220,6 @@ fn check_keyframes(points: &[Keyframe], check: &mut Check) {
     }
 }
 
-/// The rotation that puts the tangent along `direction` by the shortest turn from the world's z
-/// axis, after a turn by `roll` (rad) about the tangent. Straight down, the turn is about x, so
-/// that `d1 = x`, `d2 = -y`, `d3 = -z`.
-pub(crate) fn along(direction: &[f64; 3], roll: f64) -> Rotation3<f64> {
-    let flip = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-    let direction = Vector3::from(*direction);
-    let turn = Rotation3::rotation_between(&Vector3::z(), &direction).unwrap_or(flip);
-    turn * Rotation3::from_axis_angle(&Vector3::z_axis(), roll)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -288,12 +278,5 @@ mod tests {
             let angle = (80.0 * x).to_radians();
             assert_relative_eq!(moved.rotation.scaled_axis().z, angle, epsilon = 1e-14);
         }
-    }
-
-    #[test]
-    fn down_is_a_turn_about_x() {
-        let down = along(&[0.0, 0.0, -2.0], 0.0);
-        assert_relative_eq!(down * Vector3::x(), Vector3::x(), epsilon = 1e-15);
-        assert_relative_eq!(down * Vector3::z(), -Vector3::z(), epsilon = 1e-15);
     }
 }

@@ -8,7 +8,8 @@ pub struct Output {
     /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a
     /// little smaller where the interval is not a multiple of it.
     pub frame_rate: f64,
-    /// Files written of the frames.
+    /// Files written of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
+    /// ParaView), which are always written.
     pub formats: Vec<Format>,
     /// Time between the rows of `energies.csv` and `probes.csv`, s, rounded to steps; 0 for a row
     /// at every step.
@@ -21,7 +22,7 @@ impl Default for Output {
     fn default() -> Self {
         Self {
             frame_rate: 30.0,
-            formats: vec![Format::Vtp],
+            formats: Vec::new(),
             record_interval: 0.0,
             probes: Vec::new(),
         }
@@ -31,8 +32,6 @@ impl Default for Output {
 /// A file format for frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
-    /// VTK poly data, a file for each frame, and `frames.pvd` that lists them: for ParaView.
-    Vtp,
     /// One USD file with all frames as `BasisCurves`: for Blender, Houdini.
     Usd,
     /// Cem Yuksel's binary format, a file for each frame.
