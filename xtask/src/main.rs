@@ -1,1 +1,35 @@
-fn main() {}
+//! Automation of the workspace, run as `cargo xtask <command>`.
+#![allow(clippy::print_stdout, reason = "a program that reports")]
+
+mod bench;
+mod ci;
+mod formats;
+mod tidy;
+
+use anyhow::{Context, Result, bail};
+use std::path::{Path, PathBuf};
+
+const USAGE: &str = "\
+usage: cargo xtask <command>
+  ci        everything a change must pass: formatting, clippy, tidy, tests, documentation, a run
+  tidy      the house rules that no other tool checks
+  bench     the benchmarks as one table: measured, budget, thesis
+  formats   write sample files and open them with the programs they are for (Python packages
+            vtk and usd-core; skipped, with a word, where they are missing)";
+
+fn main() -> Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    match (arguments.next().as_deref(), arguments.next()) {
+        (Some("ci"), None) => ci::run(),
+        (Some("tidy"), None) => tidy::run(),
+        (Some("bench"), None) => bench::run(),
+        (Some("formats"), None) => formats::run(),
+        _ => bail!("{USAGE}"),
+    }
+}
+
+/// The root of the workspace.
+fn root() -> Result<PathBuf> {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Ok(here.parent().context("xtask lies in the workspace")?.to_owned())
+}

@@ -33,8 +33,8 @@ pub struct Lock {
     /// Relative variation of the natural curvature: each of its three components is the guide's
     /// times a random factor, one per fibre, from `1 - variation` to `1 + variation`. In `[0, 1]`.
     pub curvature_variation: f64,
-    /// How far the tips draw together: 0 keeps the fibres parallel, 1 aims all at the guide's tip
-    /// (of fibres without variation). In `[0, 1]`.
+    /// How far the tips draw together: 0 keeps the fibres parallel, 1 aims all at the guide's tip.
+    /// In `[0, 1]`.
     pub clumping: f64,
 }
 
@@ -42,8 +42,9 @@ impl Lock {
     /// Grows the lock: the guide first, unchanged, then `count` fibres.
     ///
     /// A fibre is the guide with its own natural curvature, moved to its root and turned about it
-    /// so that the line from root to tip aims at a tip whose offset is less by the fraction
-    /// `clumping`. Where that line has no length (a closed ring) the fibre is not turned.
+    /// so that the line from root to tip aims at a point that lies by the fraction `clumping` of
+    /// the way from its own tip to the guide's. Where that line has no length (a closed ring) the
+    /// fibre is not turned.
     ///
     /// # Errors
     /// Refuses a radius that is not positive and fractions outside of `[0, 1]`.
@@ -74,12 +75,18 @@ impl Lock {
             guide.nodes().iter().map(|n| n.natural_curvature.component_mul(factors)).collect();
         let fiber = guide.clone().with_node_curvatures(&curvatures)?;
         let base = guide.root();
-        let chord = fiber.rest_shape().0[fiber.segments()] - Point3::from(base.translation.vector);
-        let aim = chord - self.clumping * (root.coords - base.translation.vector);
+        let (tip, own_tip) = (tip(guide), tip(&fiber));
+        let chord = own_tip.coords - base.translation.vector;
+        let aim = chord.lerp(&(tip - root), self.clumping);
         let turn = so3::between(&chord, &aim)
             .map_or_else(UnitQuaternion::identity, |r| so3::quaternion(&r));
         Ok(fiber.with_root(Isometry3::from_parts(Translation3::from(root), turn * base.rotation)))
     }
+}
+
+/// Position of the tip of the unloaded fibre (world).
+fn tip(fiber: &Fiber) -> Point3<f64> {
+    fiber.rest_shape().0[fiber.segments()]
 }
 
 #[cfg(test)]
@@ -94,10 +101,6 @@ mod tests {
         let section = Section::Circle { radius: 35e-6 };
         let straight = Fiber::uniform(0.25, 40, section, &Material::HAIR).expect("valid hair");
         helix.bend(straight.with_root(pose)).expect("a helix")
-    }
-
-    fn tip(fiber: &Fiber) -> Point3<f64> {
-        fiber.rest_shape().0[fiber.segments()]
     }
 
     const LOCK: Lock = Lock { count: 180, radius: 0.01, curvature_variation: 0.1, clumping: 0.0 };
@@ -132,6 +135,16 @@ mod tests {
                         .norm();
                 assert!((left - goal).norm() < (aim - chord).abs() + 1e-15, "{left} {goal}");
             }
+        }
+    }
+
+    #[test]
+    fn full_clumping_aims_at_the_tip_of_the_guide() {
+        let wild = Lock { curvature_variation: 0.3, clumping: 1.0, ..LOCK };
+        for fiber in wild.grow(&guide(), 3).expect("a lock") {
+            let root = Point3::from(fiber.root().translation.vector);
+            let (own, aim) = (tip(&fiber) - root, tip(&guide()) - root);
+            assert!(own.normalize().cross(&aim.normalize()).norm() < 1e-13);
         }
     }
 

@@ -1,0 +1,117 @@
+use super::font;
+use crate::export::ExportError;
+use nalgebra::Point2;
+use std::io::Write;
+
+/// Red, green and blue in `[0, 1]`, as shown.
+pub(super) type Color = [f64; 3];
+
+/// Size of a pixel of the font.
+const LETTER_SCALE: usize = 2;
+
+/// An image to draw on; places are in pixels from the upper left corner.
+pub(super) struct Canvas {
+    width: usize,
+    height: usize,
+    pixels: Vec<Color>,
+}
+
+impl Canvas {
+    pub(super) fn new(size: [f64; 2], paper: Color) -> Self {
+        let [width, height] = size.map(|x| clamped(x.ceil(), 1 << 14).max(1));
+        Self { width, height, pixels: vec![paper; width * height] }
+    }
+
+    /// A line of the given width with round ends, antialiased: a pixel is covered by how deep it
+    /// lies within the line, from nothing half a pixel outside to all half a pixel inside.
+    pub(super) fn line(
+        &mut self,
+        a: Point2<f64>,
+        b: Point2<f64>,
+        width: f64,
+        color: Color,
+        opacity: f64,
+    ) {
+        let reach = 0.5 * width + 1.0;
+        let along = b - a;
+        let squared = along.norm_squared();
+        let columns =
+            clamped(a.x.min(b.x) - reach, self.width)..clamped(a.x.max(b.x) + reach, self.width);
+        let rows =
+            clamped(a.y.min(b.y) - reach, self.height)..clamped(a.y.max(b.y) + reach, self.height);
+        for y in rows {
+            for x in columns.clone() {
+                let p = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
+                let t = if squared > 0.0 { (p.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+                let cover = 0.5 * width + 0.5 - (p - t * along).norm();
+                self.blend(x, y, color, opacity * cover.clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// The outline of a rectangle.
+    pub(super) fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], color: Color) {
+        let at = |x: f64, y: f64| {
+            Point2::new(corner[0] + x * size[0], corner[1] + y * size[1]).map(|x| x.round() + 0.5)
+        };
+        let corners = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+        for i in 0..4 {
+            self.line(corners[i], corners[(i + 1) % 4], 1.0, color, 1.0);
+        }
+    }
+
+    /// Text with its upper left corner at `corner`.
+    pub(super) fn text(&mut self, corner: [f64; 2], text: &str, color: Color) {
+        let [left, top] = corner.map(|x| clamped(x.round(), 1 << 14));
+        for (i, letter) in text.chars().enumerate() {
+            let left = left + i * (font::SIZE[0] + 1) * LETTER_SCALE;
+            for (row, bits) in font::rows(letter).into_iter().enumerate() {
+                for column in
+                    (0..font::SIZE[0]).filter(|c| bits >> (font::SIZE[0] - 1 - c) & 1 == 1)
+                {
+                    let corner = [left + column * LETTER_SCALE, top + row * LETTER_SCALE];
+                    for k in 0..LETTER_SCALE * LETTER_SCALE {
+                        let (x, y) = (corner[0] + k % LETTER_SCALE, corner[1] + k / LETTER_SCALE);
+                        if x < self.width && y < self.height {
+                            self.blend(x, y, color, 1.0);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn write(&self, out: &mut impl Write) -> Result<(), ExportError> {
+        let bytes: Vec<u8> = self.pixels.iter().flatten().map(|x| byte(*x)).collect();
+        // The size is at most 2^14 on a side.
+        let [width, height] =
+            [self.width, self.height].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        let mut encoder = png::Encoder::new(out, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder
+            .write_header()
+            .and_then(|mut writer| {
+                writer.write_image_data(&bytes)?;
+                writer.finish()
+            })
+            .map_err(|error| std::io::Error::other(error).into())
+    }
+
+    fn blend(&mut self, x: usize, y: usize, color: Color, opacity: f64) {
+        let pixel = &mut self.pixels[y * self.width + x];
+        for k in 0..3 {
+            pixel[k] += opacity * (color[k] - pixel[k]);
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "clamped to a byte before")]
+fn byte(x: f64) -> u8 {
+    (255.0 * x).round().clamp(0.0, 255.0) as u8
+}
+
+/// `x` as an index in `0..=limit`.
+#[expect(clippy::cast_possible_truncation, reason = "clamped to an index before")]
+fn clamped(x: f64, limit: usize) -> usize {
+    x.clamp(0.0, limit as f64) as usize
+}

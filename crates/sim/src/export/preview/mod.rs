@@ -1,0 +1,184 @@
+//! A contact sheet: a run at a glance, as one PNG.
+
+mod canvas;
+mod font;
+mod view;
+
+use super::{ExportError, Frame, Strand};
+use canvas::{Canvas, Color};
+use nalgebra::{Point2, Point3, Vector3};
+use std::io::Write;
+use view::View;
+
+/// Most frames on a sheet.
+const CELLS: usize = 12;
+/// The sheet is no larger than this, pixels.
+const SHEET: [f64; 2] = [1600.0, 1000.0];
+/// Room around each picture and above it for its time, pixels.
+const MARGIN: f64 = 14.0;
+const CAPTION: f64 = 22.0;
+/// Thinnest line, pixels: thinner fibres would break up.
+const THINNEST: f64 = 1.3;
+
+const PAPER: Color = [0.965, 0.96, 0.95];
+const INK: Color = [0.25, 0.25, 0.27];
+const FRAME: Color = [0.84, 0.83, 0.81];
+const FIBER: Color = [0.33, 0.19, 0.10];
+const GLOSS: Color = [0.75, 0.58, 0.38];
+
+/// Writes a sheet of up to twelve of `frames`, evenly chosen, the first and the last among them.
+///
+/// All pictures share one orthographic view, from the side that shows the most of the box around
+/// all frames, and one scale, which the bar at the bottom gives. Near fibres are dark, far ones
+/// fade; a gloss shows how they lie. Cost: linear in the pixels that the fibres cover.
+///
+/// # Errors
+/// Refuses no frames, frames without strands and unsound frames; fails if `out` does.
+pub fn write(out: &mut impl Write, frames: &[Frame]) -> Result<(), ExportError> {
+    frames.iter().try_for_each(Frame::validate)?;
+    let points = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.points);
+    let radii = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.radii);
+    let thickest = radii.fold(0.0, |a: f64, r| a.max(*r));
+    let view = View::of(points, thickest).ok_or(ExportError::Empty)?;
+    let count = frames.len().min(CELLS);
+    let grid = Grid::new(count, &view);
+    let mut canvas = Canvas::new(grid.size(), PAPER);
+    for cell in 0..count {
+        let frame = &frames[cell * (frames.len() - 1) / (count - 1).max(1)];
+        let corner = grid.corner(cell);
+        canvas.rectangle(corner, grid.picture, FRAME);
+        let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
+        canvas.text(caption, &format!("{:.3} s", frame.time), INK);
+        draw(&mut canvas, frame, &view, &grid, corner);
+    }
+    grid.scale_bar(&mut canvas);
+    canvas.write(out)
+}
+
+/// Where the pictures are.
+struct Grid {
+    columns: usize,
+    rows: usize,
+    /// Pixels per metre.
+    scale: f64,
+    /// Size of a picture, pixels.
+    picture: [f64; 2],
+}
+
+impl Grid {
+    /// The grid that makes the pictures largest.
+    fn new(count: usize, view: &View) -> Self {
+        let [width, height] = view.size;
+        let best = |columns: usize| {
+            let rows = count.div_ceil(columns);
+            let across = (SHEET[0] - MARGIN) / columns as f64 - MARGIN;
+            let down = (SHEET[1] - MARGIN - CAPTION) / rows as f64 - MARGIN - CAPTION;
+            let scale = (across / width).min(down / height);
+            Self { columns, rows, scale, picture: [scale * width, scale * height] }
+        };
+        (2..=count).map(best).fold(best(1), |a, b| if b.scale > a.scale { b } else { a })
+    }
+
+    fn pitch(&self) -> [f64; 2] {
+        [self.picture[0] + MARGIN, self.picture[1] + MARGIN + CAPTION]
+    }
+
+    /// Upper left corner of a picture, pixels.
+    fn corner(&self, cell: usize) -> [f64; 2] {
+        let [across, down] = self.pitch();
+        let (column, row) = (cell % self.columns, cell / self.columns);
+        [MARGIN + column as f64 * across, CAPTION + MARGIN / 2.0 + row as f64 * down]
+    }
+
+    fn size(&self) -> [f64; 2] {
+        let [across, down] = self.pitch();
+        [MARGIN + self.columns as f64 * across, MARGIN + CAPTION + self.rows as f64 * down]
+    }
+
+    /// A bar of 1, 2 or 5 times a power of ten, about a third of a picture long.
+    fn scale_bar(&self, canvas: &mut Canvas) {
+        let target = self.picture[0] / self.scale / 3.0;
+        let decade = 10f64.powf(target.log10().floor());
+        let length = [5.0, 2.0, 1.0].into_iter().find(|k| k * decade <= target).unwrap_or(1.0);
+        let length = length * decade;
+        let y = self.size()[1] - CAPTION / 2.0 - 4.0;
+        let (from, to) = (Point2::new(MARGIN, y), Point2::new(MARGIN + self.scale * length, y));
+        canvas.line(from, to, 3.0, INK, 1.0);
+        let digits = [1e-2, 1e-3, 1e-4].iter().filter(|x| length < 0.99 * **x).count();
+        let label = format!("{:.digits$} cm", 100.0 * length);
+        canvas.text([to.x + 8.0, y - 7.0], &label, INK);
+    }
+}
+
+/// Draws all fibres of `frame`, far segments first.
+fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f64; 2]) {
+    let pairs = |s: &'_ Strand| s.points.len() - 1;
+    let mut segments: Vec<(f64, &Strand, usize)> = frame
+        .strands
+        .iter()
+        .flat_map(|s| (0..pairs(s)).map(move |j| (view.depth(&s.points[j]), s, j)))
+        .collect();
+    segments.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (depth, strand, j) in segments {
+        let place = |p: &Point3<f64>| {
+            let [x, y] = view.project(p);
+            Point2::new(corner[0] + grid.scale * x, corner[1] + grid.scale * y)
+        };
+        let (a, b) = (&strand.points[j], &strand.points[j + 1]);
+        let width = 2.0 * strand.radii[j] * grid.scale;
+        let color = shade(&(b - a), view, depth);
+        canvas.line(place(a), place(b), width.max(THINNEST), color, 0.85);
+    }
+}
+
+/// The colour of a fibre: Kajiya and Kay's highlight of a light at the upper left of the eye, and
+/// haze with the depth (0 near, 1 far).
+fn shade(tangent: &Vector3<f64>, view: &View, depth: f64) -> Color {
+    let along = tangent.normalize().dot(&view.half_way);
+    let gloss = if along.is_finite() { (1.0 - along * along).max(0.0).powi(12) } else { 0.0 };
+    let mix = |a: Color, b: Color, t: f64| [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]));
+    mix(mix(FIBER, GLOSS, 0.8 * gloss), PAPER, 0.6 * depth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        (reader.next_frame(&mut pixels).expect("pixels"), pixels)
+    }
+
+    #[test]
+    fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
+        let frames: Vec<Frame> = (0..30).map(sample::frame).collect();
+        let mut bytes = Vec::new();
+        write(&mut bytes, &frames).expect("a sheet");
+        let (info, pixels) = decode(&bytes);
+        assert!(info.width <= 1650 && info.height <= 1050, "{info:?}");
+        let dark = pixels.chunks(3).filter(|p| p[0] < 130).count();
+        assert!(dark > 2000, "{dark} pixels of fibres");
+        assert_eq!(pixels[..3], [246, 245, 242], "paper in the corner");
+        let mut again = Vec::new();
+        write(&mut again, &frames).expect("a sheet");
+        assert_eq!(bytes, again);
+    }
+
+    #[test]
+    fn odd_shapes_have_a_sheet() {
+        let mut line = sample::frame(0);
+        for p in line.strands.iter_mut().flat_map(|s| &mut s.points) {
+            (p.x, p.y) = (0.0, 0.0);
+        }
+        let mut dot = line.clone();
+        dot.strands.iter_mut().flat_map(|s| &mut s.points).for_each(|p| p.z = 0.0);
+        for frame in [line, dot] {
+            let mut bytes = Vec::new();
+            write(&mut bytes, &[frame]).expect("a sheet");
+            assert!(decode(&bytes).0.width >= 20);
+        }
+        assert!(matches!(write(&mut Vec::new(), &[]), Err(ExportError::Empty)));
+    }
+}

@@ -1,0 +1,232 @@
+use crate::root;
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+use xshell::{Shell, cmd};
+
+/// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
+/// down only. A new crate gets its line here and there.
+const ARROWS: [(&str, &[&str]); 13] = [
+    ("fiber", &[]),
+    ("keratin", &["fiber"]),
+    ("rod-static", &["fiber"]),
+    ("rod-dynamic", &["fiber"]),
+    ("render", &["fiber"]),
+    ("collision", &["fiber"]),
+    ("contact", &["fiber", "collision"]),
+    ("electrostatics", &["fiber", "collision"]),
+    ("mass-spring", &["fiber", "collision"]),
+    ("hairgen", &["fiber", "collision", "rod-static"]),
+    ("sim", &FLOORS),
+    ("rapunzel", &ALL),
+    ("xtask", &ALL),
+];
+const FLOORS: [&str; 10] = [
+    "fiber",
+    "keratin",
+    "rod-static",
+    "rod-dynamic",
+    "render",
+    "collision",
+    "contact",
+    "electrostatics",
+    "mass-spring",
+    "hairgen",
+];
+const ALL: [&str; 11] = [
+    "fiber",
+    "keratin",
+    "rod-static",
+    "rod-dynamic",
+    "render",
+    "collision",
+    "contact",
+    "electrostatics",
+    "mass-spring",
+    "hairgen",
+    "sim",
+];
+
+/// Longest source file, lines.
+const LONGEST: usize = 600;
+
+/// Checks the house rules that no other tool checks, and lists all that is broken.
+pub(crate) fn run() -> Result<()> {
+    let sh = Shell::new()?;
+    sh.change_dir(root()?);
+    let metadata =
+        cmd!(sh, "cargo metadata --locked --no-deps --format-version 1").quiet().read()?;
+    let mut broken = Vec::new();
+    for package in packages(&serde_json::from_str(&metadata)?)? {
+        broken.extend(package.broken_rules());
+        let text = sh.read_file(&package.manifest)?;
+        broken.extend(lints_missing(&package.name, &text));
+        let folder = package.manifest.trim_end_matches("Cargo.toml");
+        if package.name != "xtask" && !sh.path_exists(format!("{folder}README.md")) {
+            broken.push(format!("{}: write a README.md of 5 to 15 lines", package.name));
+        }
+    }
+    for file in
+        cmd!(sh, "git ls-files --cached --others --exclude-standard").quiet().read()?.lines()
+    {
+        // What is no text, and what is deleted but not yet committed, has no lines to check.
+        if let Ok(text) = sh.read_file(file) {
+            broken.extend(broken_lines(file, &text));
+        }
+    }
+    if broken.is_empty() {
+        return Ok(());
+    }
+    bail!("the house rules are broken:\n  {}", broken.join("\n  "))
+}
+
+/// A crate of the workspace as `cargo metadata` tells it.
+struct Package {
+    name: String,
+    manifest: String,
+    /// Crates of the workspace that it depends on, also for tests.
+    depends_on: Vec<String>,
+}
+
+fn packages(metadata: &Value) -> Result<Vec<Package>> {
+    let list = |value: &Value| value.as_array().cloned().context("not what cargo metadata prints");
+    let text = |value: &Value| value.as_str().map(str::to_owned).context("no text");
+    let package = |p: &Value| {
+        let dependencies = list(&p["dependencies"])?;
+        let own = dependencies.iter().filter(|d| d["path"].is_string());
+        Ok(Package {
+            name: text(&p["name"])?,
+            manifest: text(&p["manifest_path"])?,
+            depends_on: own.map(|d| text(&d["name"])).collect::<Result<_>>()?,
+        })
+    };
+    list(&metadata["packages"])?.iter().map(package).collect()
+}
+
+impl Package {
+    /// Names and arrows.
+    fn broken_rules(&self) -> Vec<String> {
+        let name = &self.name;
+        let short = |name: &str| name.trim_start_matches("rapunzel-").to_owned();
+        let folder = self.manifest.rsplit(['/', '\\']).nth(1).unwrap_or_default();
+        let expected = match folder {
+            "rapunzel" | "xtask" => folder.to_owned(),
+            _ => format!("rapunzel-{folder}"),
+        };
+        let mut broken = Vec::new();
+        if *name != expected {
+            broken.push(format!("{name}: the crate in {folder}/ is called {expected}"));
+        }
+        let Some((_, allowed)) = ARROWS.iter().find(|(of, _)| *of == short(name)) else {
+            broken.push(format!("{name}: give it a line in ARROWS (xtask) and ARCHITECTURE.md"));
+            return broken;
+        };
+        for other in self.depends_on.iter().map(|d| short(d)) {
+            if !allowed.contains(&other.as_str()) {
+                broken
+                    .push(format!("{name}: no arrow runs to {other}; turn it round or move code"));
+            }
+        }
+        broken
+    }
+}
+
+/// A crate without the lints of the workspace.
+fn lints_missing(name: &str, manifest: &str) -> Option<String> {
+    let has = manifest.split("\n[").any(|section| {
+        section.starts_with("lints]")
+            && section.lines().any(|line| line.trim() == "workspace = true")
+    });
+    (!has).then(|| format!("{name}: write [lints] workspace = true into its Cargo.toml"))
+}
+
+/// A file that is too long, and absolute paths in it.
+fn broken_lines(file: &str, text: &str) -> Vec<String> {
+    let mut broken = Vec::new();
+    let lines = text.lines().count();
+    let source = file.ends_with(".rs") || file.ends_with(".py");
+    if source && lines > LONGEST {
+        broken.push(format!("{file}: {lines} lines; which two things is it?"));
+    }
+    for (number, line) in text.lines().enumerate() {
+        if let Some(path) = absolute_path(line) {
+            broken.push(format!("{file}:{}: absolute path {path}", number + 1));
+        }
+    }
+    broken
+}
+
+/// A folder of somebody's own machine, named from the root.
+fn absolute_path(line: &str) -> Option<&str> {
+    ["home", "root", "work", "Users", "tmp"].into_iter().find_map(|top| {
+        let start = line.find(&format!("/{top}/"))?;
+        // Inside of an address or a relative path it is not absolute.
+        let before = line[..start].chars().next_back();
+        let inside = before.is_some_and(|c| c.is_alphanumeric() || "./_-}*".contains(c));
+        let end = line[start..].find([' ', '"', '\'', ')', '`']).map_or(line.len(), |n| start + n);
+        (!inside).then(|| &line[start..end])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn package(folder: &str, name: &str, depends_on: &[&str]) -> Package {
+        let dependencies: Vec<Value> = depends_on
+            .iter()
+            .map(|d| json!({ "name": d, "path": "somewhere", "kind": null }))
+            .chain([json!({ "name": "nalgebra", "kind": null })])
+            .collect();
+        let manifest = format!("crates/{folder}/Cargo.toml");
+        let metadata = json!({ "packages": [
+            { "name": name, "manifest_path": manifest, "dependencies": dependencies },
+        ] });
+        packages(&metadata).expect("metadata").remove(0)
+    }
+
+    #[test]
+    fn arrows_run_down_only() {
+        let good =
+            package("contact", "rapunzel-contact", &["rapunzel-collision", "rapunzel-fiber"]);
+        assert!(good.broken_rules().is_empty());
+        let up = package("fiber", "rapunzel-fiber", &["rapunzel-sim"]).broken_rules();
+        assert_eq!(up, ["rapunzel-fiber: no arrow runs to sim; turn it round or move code"]);
+        let across = package("contact", "rapunzel-contact", &["rapunzel-rod-dynamic"]);
+        assert_eq!(across.broken_rules().len(), 1);
+        let program = package("rapunzel", "rapunzel", &["rapunzel-sim", "rapunzel-fiber"]);
+        assert!(program.broken_rules().is_empty());
+    }
+
+    #[test]
+    fn crates_are_called_after_their_folders() {
+        let wrong = package("collision", "collision", &[]).broken_rules();
+        assert_eq!(wrong, ["collision: the crate in collision/ is called rapunzel-collision"]);
+        let unknown = package("misc", "rapunzel-misc", &[]).broken_rules();
+        assert!(unknown[0].contains("give it a line"), "{unknown:?}");
+    }
+
+    #[test]
+    fn every_crate_takes_the_lints() {
+        assert_eq!(
+            lints_missing("a", "[package]\nname = \"a\"\n\n[lints]\nworkspace = true\n"),
+            None
+        );
+        assert!(lints_missing("a", "[package]\nversion.workspace = true\n").is_some());
+        assert!(lints_missing("a", "[lints]\n\n[package.x]\nworkspace = true\n").is_some());
+    }
+
+    #[test]
+    fn long_files_and_absolute_paths_are_found() {
+        assert_eq!(broken_lines("a.rs", &"x\n".repeat(LONGEST)), [""; 0]);
+        assert_eq!(broken_lines("a.rs", &"x\n".repeat(LONGEST + 1)).len(), 1);
+        assert_eq!(broken_lines("data.csv", &"x\n".repeat(LONGEST + 1)), [""; 0]);
+        let bad = ["", "home", "me", "scene.ron"].join("/");
+        assert_eq!(
+            broken_lines("b.md", &format!("fine\nsee `{bad}` there")),
+            [format!("b.md:2: absolute path {bad}")]
+        );
+        let address = ["https://example.org", "home", "x"].join("/");
+        assert_eq!(broken_lines("b.md", &address), [""; 0]);
+    }
+}
