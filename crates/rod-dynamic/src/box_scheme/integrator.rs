@@ -1,0 +1,232 @@
+use super::coefficients::Coefficients;
+use super::ends::StageEnd;
+use super::newton::Newton;
+use super::setup::Setup;
+use super::span::Span;
+use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage};
+use super::state::State;
+use crate::{Conditions, Energy, Rod, RodError, RodIntegrator, RodState, StepError, StepReport};
+use nalgebra::Vector3;
+
+/// A step is halved at most this often.
+const HALVINGS: usize = 12;
+
+/// How the box scheme steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxOptions {
+    /// Weights of the time integration.
+    pub coefficients: Coefficients,
+    /// Newton's method stops at this residual, relative to the magnitude of the terms.
+    pub tolerance: f64,
+    /// Newton's method gives up, and the step is halved, after this many iterations.
+    pub max_iterations: usize,
+}
+
+impl BoxOptions {
+    /// The default options with the second-order weights of the given damping.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] unless `0 <= rho_infinity <= 1`.
+    pub fn with_damping(rho_infinity: f64) -> Result<Self, RodError> {
+        Ok(Self { coefficients: Coefficients::second_order(rho_infinity)?, ..Self::default() })
+    }
+}
+
+impl Default for BoxOptions {
+    /// Second order with `rho_infinity` 0.8, residual 1e-10, 25 iterations.
+    fn default() -> Self {
+        let coefficients =
+            Coefficients::second_order(0.8).expect("0.8 is a spectral radius within [0, 1]");
+        Self { coefficients, tolerance: 1e-10, max_iterations: 25 }
+    }
+}
+
+/// The box scheme in space with the generalised-alpha method in time, for one rod.
+///
+/// See the [module's documentation](crate::box_scheme) for the method.
+#[derive(Debug, Clone)]
+pub struct BoxIntegrator {
+    rod: Rod,
+    options: BoxOptions,
+    state: State,
+    /// The state before the current step, to go back to.
+    backup: State,
+    node_forces: Vec<Vector3<f64>>,
+    stage: Stage,
+    newton: Newton,
+}
+
+impl BoxIntegrator {
+    /// The rod at time 0 in its unloaded shape, at rest.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] for a damping time that is negative or not finite, or options that
+    /// make no sense.
+    pub fn new(rod: Rod, options: BoxOptions) -> Result<Self, RodError> {
+        let invalid = |what, why| Err(RodError::Invalid { what, why });
+        if !(rod.damping_time >= 0.0 && rod.damping_time.is_finite()) {
+            return invalid("damping_time", "must be finite and not negative (s)");
+        }
+        if !(options.tolerance > 0.0 && options.tolerance < 1.0) {
+            return invalid("tolerance", "must lie between 0 and 1");
+        }
+        if options.max_iterations == 0 {
+            return invalid("max_iterations", "must be at least 1");
+        }
+        let segments = rod.fiber.segments();
+        let state = State::rest(&rod);
+        let o = Vector3::zeros();
+        let law = NodeLaw { b_v: o, b_omega: o, b_kappa: o, stiffness: o, offset: o };
+        let held = StageEnd::Held { velocity: o, angular_velocity: o };
+        let stage = Stage {
+            c: 0.0,
+            nodes: vec![law; segments + 1],
+            segments: vec![Segment { h: 0.0, rho: 0.0, inertia: o, force: o }; segments],
+            drag: o,
+            wind: o,
+            root: held,
+            tip: held,
+            root_frame: RootFrame::Fixed(state.root.frame),
+            scales: Scales([1.0; 4]),
+        };
+        Ok(Self {
+            backup: state.clone(),
+            node_forces: vec![o; segments + 1],
+            newton: Newton::new(segments),
+            rod,
+            options,
+            state,
+            stage,
+        })
+    }
+
+    /// The options.
+    #[must_use]
+    pub fn options(&self) -> &BoxOptions {
+        &self.options
+    }
+
+    /// Goes to time `end` in one step, or in two halves where that fails.
+    fn advance(
+        &mut self,
+        end: f64,
+        halvings: usize,
+        conditions: &dyn Conditions,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let (start, dt) = (self.state.time, end - self.state.time);
+        if self.attempt(end, conditions, report)? {
+            return Ok(());
+        }
+        if halvings == HALVINGS {
+            let residuals = self.newton.history.clone();
+            return Err(StepError::NotConverged { fiber: 0, time: start, dt, residuals });
+        }
+        report.halvings += 1;
+        self.advance(start + 0.5 * dt, halvings + 1, conditions, report)?;
+        self.advance(end, halvings + 1, conditions, report)
+    }
+
+    /// One step to time `end`; false, with the state as it was, when Newton's method fails.
+    fn attempt(
+        &mut self,
+        end: f64,
+        conditions: &dyn Conditions,
+        report: &mut StepReport,
+    ) -> Result<bool, StepError> {
+        // Without derivatives to start from, the first step is one that needs none.
+        let memory = self.options.coefficients.memory() != 0.0;
+        let k = if memory && !self.state.started {
+            Coefficients::MIDPOINT
+        } else {
+            self.options.coefficients
+        };
+        let dt = end - self.state.time;
+        let span = Span::sample(conditions, self.state.time, dt, &k)?;
+        let setup = Setup::new(&self.rod, &self.state, &self.node_forces, &span, k, dt);
+        setup.fill(&mut self.stage);
+        setup.start(&mut self.newton.trial.x);
+        let (iterations, converged) =
+            self.newton.solve(&self.stage, self.options.tolerance, self.options.max_iterations);
+        report.iterations += iterations;
+        report.residual = self.newton.trial.merit.sqrt();
+        if converged {
+            let update = setup.update();
+            update.apply(&self.newton.trial, &mut self.state);
+            self.state.time = end;
+        }
+        Ok(converged)
+    }
+}
+
+impl RodIntegrator for BoxIntegrator {
+    fn rod(&self) -> &Rod {
+        &self.rod
+    }
+
+    fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Forces are those at the stage of the last step, and zero before the first.
+    fn state(&self) -> RodState {
+        self.state.read(&self.rod)
+    }
+
+    /// The root's frame and the curvatures are taken over where they agree with the frames, and
+    /// recomputed from the frames where they do not.
+    fn set_state(&mut self, state: &RodState) -> Result<(), RodError> {
+        self.state = State::from_read(state, &self.rod)?;
+        Ok(())
+    }
+
+    fn set_node_forces(&mut self, forces: &[Vector3<f64>]) -> Result<(), RodError> {
+        let (expected, found) = (self.node_forces.len(), forces.len());
+        if expected != found {
+            return Err(RodError::Length { what: "node forces", expected, found });
+        }
+        if !forces.iter().flat_map(|f| f.iter()).all(|x| x.is_finite()) {
+            let why = "every number must be finite (N)";
+            return Err(RodError::Invalid { what: "node forces", why });
+        }
+        self.node_forces.copy_from_slice(forces);
+        Ok(())
+    }
+
+    fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        self.state.energy(&self.rod, gravity)
+    }
+
+    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<StepReport, StepError> {
+        let end = self.state.time + dt;
+        if !(dt > 0.0 && end.is_finite() && end > self.state.time) {
+            return Err(StepError::TimeStep(dt));
+        }
+        self.backup.clone_from(&self.state);
+        let mut report = StepReport::default();
+        let result = self.advance(end, 0, conditions, &mut report);
+        if let Err(error) = result {
+            self.state.clone_from(&self.backup);
+            return Err(error);
+        }
+        Ok(report)
+    }
+
+    fn save(&self, numbers: &mut Vec<f64>) {
+        self.state.save(numbers);
+        numbers.extend(self.node_forces.iter().flat_map(|f| f.iter()));
+    }
+
+    fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
+        let state = self.state.saved_len();
+        let (expected, found) = (state + 3 * self.node_forces.len(), numbers.len());
+        if expected != found {
+            return Err(RodError::Length { what: "saved numbers", expected, found });
+        }
+        self.state.restore(&numbers[..state]);
+        for (force, x) in self.node_forces.iter_mut().zip(numbers[state..].chunks_exact(3)) {
+            force.copy_from_slice(x);
+        }
+        Ok(())
+    }
+}

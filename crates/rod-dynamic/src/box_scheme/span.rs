@@ -1,0 +1,132 @@
+use super::coefficients::Coefficients;
+use super::motion::{Motion, Pose};
+use crate::{Air, Conditions, End, Instant, Load, StepError};
+use nalgebra::{Isometry3, Rotation3, Vector3};
+
+/// The conditions of one step: at its ends, its middle, and at its stage.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    start: Instant,
+    middle: Instant,
+    end: Instant,
+    /// At the stage, where forces act.
+    pub(super) stage: Instant,
+}
+
+/// Which end of the rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Side {
+    Root,
+    Tip,
+}
+
+impl Side {
+    fn of(self, instant: &Instant) -> End {
+        match self {
+            Self::Root => instant.root,
+            Self::Tip => instant.tip,
+        }
+    }
+}
+
+impl Span {
+    pub(super) fn sample(
+        conditions: &dyn Conditions,
+        time: f64,
+        dt: f64,
+        coefficients: &Coefficients,
+    ) -> Result<Self, StepError> {
+        let at = |fraction: f64| {
+            let t = time + fraction * dt;
+            let instant = conditions.at(t);
+            check(&instant, t)?;
+            Ok(instant)
+        };
+        Ok(Self {
+            start: at(0.0)?,
+            middle: at(0.5)?,
+            end: at(1.0)?,
+            stage: at(coefficients.stage())?,
+        })
+    }
+
+    /// What holds or loads an end in this step: that in the middle of it, for at its ends one
+    /// step's conditions touch the next one's. A load is that at the stage.
+    pub(super) fn end(&self, side: Side) -> End {
+        match (side.of(&self.middle), side.of(&self.stage)) {
+            (End::Loaded { .. }, load @ End::Loaded { .. }) => load,
+            (end, _) => end,
+        }
+    }
+
+    /// The poses of a held or pinned end, at the beginning, in the middle and at the end.
+    fn poses(&self, side: Side, now: &Pose) -> Option<[Pose; 3]> {
+        let pose = |instant: &Instant| pose(&side.of(instant), now.frame);
+        let middle = pose(&self.middle)?;
+        let start = pose(&self.start).unwrap_or(*now);
+        let end = pose(&self.end).unwrap_or_else(|| middle.beyond(&start));
+        Some([start, middle, end])
+    }
+
+    /// The motion of a held or pinned root, from where it is. A support that starts the step
+    /// elsewhere has jumped: the root then travels on a straight line to where it is last.
+    pub(super) fn root_motion(&self, now: &Pose, length: f64) -> Option<Motion> {
+        let [start, middle, end] = self.poses(Side::Root, now)?;
+        Some(if start.is(now, length) {
+            Motion::through(start, middle, end)
+        } else {
+            Motion::through(*now, now.half_way(&end), end)
+        })
+    }
+
+    /// The motion of the support of a held or pinned tip, and where it starts.
+    pub(super) fn tip_motion(&self, now: &Pose) -> Option<(Motion, Pose)> {
+        let [start, middle, end] = self.poses(Side::Tip, now)?;
+        Some((Motion::through(start, middle, end), start))
+    }
+}
+
+/// The prescribed pose, with `frame` where the frame is free.
+fn pose(end: &End, frame: Rotation3<f64>) -> Option<Pose> {
+    match end {
+        End::Held(Isometry3 { rotation, translation }) => {
+            Some(Pose { position: translation.vector, frame: rotation.to_rotation_matrix() })
+        }
+        End::Pinned(point) => Some(Pose { position: point.coords, frame }),
+        End::Loaded { .. } => None,
+    }
+}
+
+fn check(instant: &Instant, time: f64) -> Result<(), StepError> {
+    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
+    let end_is_finite = |end: &End| match end {
+        End::Held(pose) => {
+            finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
+        }
+        End::Pinned(point) => finite(&point.coords),
+        End::Loaded { force, moment } => {
+            [force, moment].into_iter().map(Load::components).all(finite)
+        }
+    };
+    let air = |a: &Air| {
+        let drag = [a.drag.normal, a.drag.tangential];
+        finite(&a.wind) && drag.iter().all(|d| d.is_finite() && *d >= 0.0)
+    };
+    let failed = [
+        ("gravity", finite(&instant.gravity)),
+        ("the distributed force", finite(&instant.distributed)),
+        ("the root", end_is_finite(&instant.root)),
+        ("the tip", end_is_finite(&instant.tip)),
+        ("the air", instant.air.as_ref().is_none_or(air)),
+    ]
+    .into_iter()
+    .find(|(_, ok)| !ok);
+    match failed {
+        None => Ok(()),
+        Some((what, _)) => Err(StepError::Conditions {
+            what,
+            time,
+            why: "every number must be finite, and drag not negative",
+        }),
+    }
+}

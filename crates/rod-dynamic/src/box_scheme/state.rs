@@ -1,0 +1,276 @@
+use super::motion::Pose;
+use super::stage::rebuild_frames;
+use crate::{Energy, Rod, RodError, RodState};
+use nalgebra::{Point3, Rotation3, Vector3};
+use rapunzel_fiber::so3;
+
+/// Values and time derivatives at a node, material frame, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NodeState {
+    pub(super) v: Vector3<f64>,
+    pub(super) omega: Vector3<f64>,
+    pub(super) kappa: Vector3<f64>,
+    pub(super) dv: Vector3<f64>,
+    pub(super) domega: Vector3<f64>,
+    pub(super) dkappa: Vector3<f64>,
+    /// Internal force at the stage of the last step.
+    pub(super) n: Vector3<f64>,
+}
+
+/// What the integrator carries from step to step, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct State {
+    pub(super) time: f64,
+    pub(super) root: Pose,
+    /// Derivatives that the scheme carries for the root's position (world) and rotation.
+    pub(super) root_velocity: Vector3<f64>,
+    pub(super) root_rate: Vector3<f64>,
+    /// Whether the time derivatives are those of a previous step.
+    pub(super) started: bool,
+    pub(super) nodes: Vec<NodeState>,
+}
+
+impl State {
+    /// The unloaded shape at rest.
+    pub(super) fn rest(rod: &Rod) -> Self {
+        let o = Vector3::zeros();
+        let root = rod.fiber.root();
+        Self {
+            time: 0.0,
+            root: Pose {
+                position: root.translation.vector,
+                frame: root.rotation.to_rotation_matrix(),
+            },
+            root_velocity: o,
+            root_rate: o,
+            started: false,
+            nodes: rod
+                .fiber
+                .nodes()
+                .iter()
+                .map(|p| NodeState {
+                    v: o,
+                    omega: o,
+                    kappa: p.natural_curvature,
+                    dv: o,
+                    domega: o,
+                    dkappa: o,
+                    n: o,
+                })
+                .collect(),
+        }
+    }
+
+    /// Calls `put(segment, middle frame, frame of the next node, position of the next node)` from
+    /// root to tip. Segments are straight along their middle frame, so they keep their length.
+    pub(super) fn walk(
+        &self,
+        rod: &Rod,
+        mut put: impl FnMut(usize, Rotation3<f64>, Rotation3<f64>, Vector3<f64>),
+    ) {
+        let lengths = rod.fiber.segment_lengths();
+        let mut position = self.root.position;
+        rebuild_frames(
+            self.root.frame,
+            self.nodes
+                .windows(2)
+                .zip(lengths)
+                .map(|(x, h)| so3::exp(&(0.25 * *h * (x[0].kappa + x[1].kappa)))),
+            |i, _, middle, frame| {
+                position += lengths[i] * (middle * Vector3::z());
+                put(i, middle, frame, position);
+            },
+        );
+    }
+
+    /// Where the tip is.
+    pub(super) fn tip(&self, rod: &Rod) -> Pose {
+        let mut tip = self.root;
+        self.walk(rod, |_, _, frame, position| tip = Pose { position, frame });
+        tip
+    }
+
+    pub(super) fn read(&self, rod: &Rod) -> RodState {
+        let mut state = RodState {
+            time: self.time,
+            positions: vec![Point3::from(self.root.position)],
+            velocities: vec![self.root.frame * self.nodes[0].v],
+            frames: Vec::new(),
+            angular_velocities: Vec::new(),
+            forces: Vec::new(),
+            curvatures: self.nodes.iter().map(|x| x.kappa).collect(),
+        };
+        self.walk(rod, |i, middle, frame, position| {
+            let (a, b) = (&self.nodes[i], &self.nodes[i + 1]);
+            state.positions.push(Point3::from(position));
+            state.velocities.push(frame * b.v);
+            state.frames.push(middle);
+            state.angular_velocities.push(0.5 * (a.omega + b.omega));
+            state.forces.push(middle * (0.5 * (a.n + b.n)));
+        });
+        state
+    }
+
+    /// The state that `read` reads as `state`.
+    pub(super) fn from_read(state: &RodState, rod: &Rod) -> Result<Self, RodError> {
+        check(state, rod.fiber.segments())?;
+        let h = rod.fiber.segment_lengths();
+        let mut new = Self::rest(rod);
+        new.time = state.time;
+        new.root.position = state.positions[0].coords;
+        let adopt = |new: &mut Self, kappa: &[Vector3<f64>]| {
+            new.nodes.iter_mut().zip(kappa).for_each(|(x, k)| x.kappa = *k);
+            let half = so3::exp(&(-0.25 * h[0] * (kappa[0] + kappa[1])));
+            let frame = state.frames[0] * half;
+            new.root.frame = so3::quaternion(&frame).to_rotation_matrix();
+        };
+        // Curvatures at nodes follow from the frames only up to an alternating part; those given
+        // decide it where they fit the frames, and are recomputed where they do not.
+        adopt(&mut new, &state.curvatures);
+        let mut misfit = 0.0_f64;
+        new.walk(rod, |i, middle, _, _| {
+            misfit = misfit.max((middle.matrix() - state.frames[i].matrix()).norm());
+        });
+        if misfit > 1e-8 {
+            adopt(&mut new, &curvatures_of(&state.frames, h, &state.curvatures));
+        }
+        let omega = nodal(&state.angular_velocities);
+        for (x, omega) in new.nodes.iter_mut().zip(omega) {
+            x.omega = omega;
+        }
+        new.nodes[0].v = new.root.frame.inverse() * state.velocities[0];
+        let mut frames = Vec::new();
+        new.walk(rod, |_, _, frame, _| frames.push(frame));
+        for i in 0..h.len() {
+            new.nodes[i + 1].v = frames[i].inverse() * state.velocities[i + 1];
+        }
+        Ok(new)
+    }
+
+    /// Kinetic and elastic energy of the segment means, and the potential of gravity.
+    pub(super) fn energy(&self, rod: &Rod, gravity: &Vector3<f64>) -> Energy {
+        let fiber = &rod.fiber;
+        let mut energy = Energy::default();
+        let mut last = self.root.position;
+        self.walk(rod, |i, _, _, position| {
+            let (a, b) = (&self.nodes[i], &self.nodes[i + 1]);
+            let (p, q) = (&fiber.nodes()[i], &fiber.nodes()[i + 1]);
+            let (h, mass) = (fiber.segment_lengths()[i], fiber.segment_mass(i));
+            let omega = 0.5 * (a.omega + b.omega);
+            let strain = 0.5 * (a.kappa + b.kappa - p.natural_curvature - q.natural_curvature);
+            let inertia = 0.5 * (p.rotary_inertia + q.rotary_inertia);
+            let stiffness = 0.5 * (p.stiffness + q.stiffness);
+            energy.kinetic += 0.5 * mass * (0.5 * (a.v + b.v)).norm_squared()
+                + 0.5 * h * omega.dot(&inertia.component_mul(&omega));
+            energy.elastic += 0.5 * h * strain.dot(&stiffness.component_mul(&strain));
+            energy.gravitational -= mass * gravity.dot(&(0.5 * (last + position)));
+            last = position;
+        });
+        energy
+    }
+
+    /// Appends everything as numbers.
+    pub(super) fn save(&self, numbers: &mut Vec<f64>) {
+        numbers.push(self.time);
+        numbers.push(f64::from(u8::from(self.started)));
+        numbers.extend(self.root.frame.matrix().iter());
+        for v in [&self.root.position, &self.root_velocity, &self.root_rate] {
+            numbers.extend(v.iter());
+        }
+        for x in &self.nodes {
+            for v in [&x.v, &x.omega, &x.kappa, &x.dv, &x.domega, &x.dkappa, &x.n] {
+                numbers.extend(v.iter());
+            }
+        }
+    }
+
+    /// How many numbers [`State::save`] writes.
+    pub(super) fn saved_len(&self) -> usize {
+        20 + 21 * self.nodes.len()
+    }
+
+    /// Takes back [`State::saved_len`] numbers.
+    pub(super) fn restore(&mut self, numbers: &[f64]) {
+        let vector = |i: usize| Vector3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+        self.time = numbers[0];
+        self.started = numbers[1] != 0.0;
+        let frame = nalgebra::Matrix3::from_column_slice(&numbers[2..11]);
+        self.root.frame = Rotation3::from_matrix_unchecked(frame);
+        self.root.position = vector(11);
+        self.root_velocity = vector(14);
+        self.root_rate = vector(17);
+        for (j, x) in self.nodes.iter_mut().enumerate() {
+            let at = |k: usize| vector(20 + 21 * j + 3 * k);
+            *x = NodeState {
+                v: at(0),
+                omega: at(1),
+                kappa: at(2),
+                dv: at(3),
+                domega: at(4),
+                dkappa: at(5),
+                n: at(6),
+            };
+        }
+    }
+}
+
+fn check(state: &RodState, segments: usize) -> Result<(), RodError> {
+    let lengths = [
+        ("positions", segments + 1, state.positions.len()),
+        ("velocities", segments + 1, state.velocities.len()),
+        ("frames", segments, state.frames.len()),
+        ("angular velocities", segments, state.angular_velocities.len()),
+        ("curvatures", segments + 1, state.curvatures.len()),
+    ];
+    for (what, expected, found) in lengths {
+        if expected != found {
+            return Err(RodError::Length { what, expected, found });
+        }
+    }
+    let vectors = state.velocities.iter().chain(&state.angular_velocities).chain(&state.curvatures);
+    let finite = state.time.is_finite()
+        && state.positions[0].iter().all(|x| x.is_finite())
+        && state.frames.iter().all(|f| f.matrix().iter().all(|x| x.is_finite()))
+        && vectors.flat_map(|v| v.iter()).all(|x| x.is_finite());
+    if finite {
+        Ok(())
+    } else {
+        Err(RodError::Invalid { what: "rod state", why: "every number must be finite" })
+    }
+}
+
+/// Curvatures at the nodes from frames at the midpoints of segments: differences inside, at the
+/// ends those of the neighbours, and for a single segment those given.
+fn curvatures_of(
+    frames: &[Rotation3<f64>],
+    h: &[f64],
+    given: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
+    let last = frames.len();
+    if last == 1 {
+        return given.to_vec();
+    }
+    let inner = |j: usize| {
+        so3::log(&(frames[j - 1].inverse() * frames[j])) / (0.5 * (h[j - 1] + h[j]))
+    };
+    (0..=last).map(|j| inner(j.clamp(1, last - 1))).collect()
+}
+
+/// The least rough values at the nodes whose means over the segments are those given.
+fn nodal(means: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    // x_0 = 0 gives one solution; all others differ by an alternating part (-1)^j a.
+    let mut x = vec![Vector3::zeros()];
+    for (j, mean) in means.iter().enumerate() {
+        x.push(2.0 * mean - x[j]);
+    }
+    let mut sum = Vector3::zeros();
+    for j in 0..means.len() {
+        let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+        sum += sign * (x[j + 1] - x[j]);
+    }
+    let a = sum / (2.0 * means.len() as f64);
+    for (j, x) in x.iter_mut().enumerate() {
+        *x += if j % 2 == 0 { a } else { -a };
+    }
+    x
+}

@@ -1,0 +1,200 @@
+//! What the integration tests share: reference cases, oracle files, rods in scaled units.
+#![allow(dead_code, reason = "every test file uses its own part")]
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// `name` in the folder `RAPUNZEL_ORACLES`, or the copy in `tests/data`.
+pub fn oracle<T: for<'a> Deserialize<'a>>(name: &str) -> T {
+    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
+        PathBuf::from,
+    );
+    let path = folder.join(name);
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Oracle<Case> {
+    pub cases: Vec<Case>,
+}
+
+/// A case of `d_planar_swing.json`: L = g = rho A = 1, EI = 1/G, gravity -y.
+#[derive(Debug, Deserialize)]
+pub struct Swing {
+    pub name: String,
+    #[serde(rename = "G")]
+    pub g: f64,
+    pub clamp_angle_deg: f64,
+    #[serde(default)]
+    pub kappa0: f64,
+    #[serde(default)]
+    pub eps: f64,
+    #[serde(default)]
+    pub damp: f64,
+    #[serde(default)]
+    pub ramp_time: f64,
+    pub t: Vec<f64>,
+    pub tip: Vec<[f64; 2]>,
+    #[serde(rename = "max_self_difference")]
+    pub accuracy: f64,
+}
+
+impl Swing {
+    /// Gravity at time `t`, ramped as the oracle's note says.
+    pub fn gravity(&self, t: f64) -> Vector3<f64> {
+        let factor = if t < self.ramp_time {
+            0.5 * (1.0 - (std::f64::consts::PI * t / self.ramp_time).cos())
+        } else {
+            1.0
+        };
+        Vector3::new(0.0, -factor, 0.0)
+    }
+
+    /// The fibre of the case; where the oracle has no rotary inertia, one too small to matter.
+    pub fn fiber(&self, segments: usize) -> Fiber {
+        let mut node = scaled(1.0 / self.g, 1.0 / self.g);
+        node.rotary_inertia = Vector3::new(1.0, 1.0, 2.0) * self.eps.max(1e-8);
+        node.natural_curvature.x = self.kappa0;
+        chain(segments, |_| node).with_root(planar_clamp(self.clamp_angle_deg.to_radians()))
+    }
+}
+
+/// A case of `d_linear_frequencies.json`; which fields there are depends on its kind.
+#[derive(Debug, Deserialize)]
+pub struct Frequencies {
+    pub name: String,
+    #[serde(rename = "E")]
+    pub youngs_modulus: Option<f64>,
+    pub rho: Option<f64>,
+    pub radius: Option<f64>,
+    #[serde(rename = "L")]
+    pub length: Option<f64>,
+    pub shear_modulus: Option<f64>,
+    #[serde(rename = "freq_Hz_with_rotary_inertia")]
+    pub bending_hz: Option<Vec<f64>>,
+    #[serde(rename = "torsion_freq_Hz")]
+    pub torsion_hz: Option<Vec<f64>>,
+    #[serde(rename = "G")]
+    pub gravity_parameter: Option<f64>,
+    #[serde(rename = "omega_in_sqrt_EI_over_rhoA_L4")]
+    pub omega_bending: Option<Vec<f64>>,
+    #[serde(rename = "omega_in_sqrt_g_over_L")]
+    pub omega_gravity: Option<Vec<f64>>,
+    #[serde(rename = "rhoI_over_rhoAL2")]
+    pub rotary_inertia: Option<f64>,
+    pub g: Option<f64>,
+    pub omega: Option<Vec<f64>>,
+}
+
+/// A case of `b_heavy_elastica_planar.json`: L = EI = 1, G = rho A g L^3 / EI, gravity -y.
+#[derive(Debug, Deserialize)]
+pub struct Elastica {
+    pub name: String,
+    #[serde(rename = "G")]
+    pub g: f64,
+    pub clamp_angle_deg: f64,
+    /// A number or a formula in s.
+    pub kappa0: serde_json::Value,
+    pub equilibria: Vec<Equilibrium>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Equilibrium {
+    pub tip: [f64; 2],
+    pub root_moment: f64,
+    pub stable: bool,
+    #[serde(rename = "E_total")]
+    pub energy: f64,
+}
+
+/// A case of `b_heavy_rod_3d.json`: L = 1, gravity -z.
+#[derive(Debug, Deserialize)]
+pub struct HeavyRod {
+    pub name: String,
+    #[serde(rename = "G")]
+    pub g: f64,
+    #[serde(rename = "EI1")]
+    pub ei1: f64,
+    #[serde(rename = "EI2")]
+    pub ei2: f64,
+    #[serde(rename = "Gmu")]
+    pub torsion: f64,
+    pub kappa0: [f64; 3],
+    #[serde(rename = "R0")]
+    pub root: [[f64; 3]; 3],
+    pub tip: [f64; 3],
+}
+
+impl HeavyRod {
+    /// The fibre of the case, of mass 1 per length.
+    pub fn fiber(&self, segments: usize) -> Fiber {
+        let mut node = scaled(self.ei1, self.torsion);
+        node.stiffness.y = self.ei2;
+        node.natural_curvature = Vector3::from(self.kappa0);
+        let rows = self.root;
+        let matrix = Matrix3::from_fn(|i, j| rows[i][j]);
+        let frame = Rotation3::from_matrix_unchecked(matrix);
+        chain(segments, |_| node).with_root(Isometry3::from_parts(
+            Vector3::zeros().into(),
+            UnitQuaternion::from_rotation_matrix(&frame),
+        ))
+    }
+}
+
+/// A node of mass 1 per length and the given stiffnesses, its rotary inertia negligible.
+pub fn scaled(bending: f64, torsion: f64) -> NodeProperties {
+    NodeProperties {
+        section: Section::Circle { radius: 1e-3 },
+        linear_density: 1.0,
+        rotary_inertia: Vector3::new(1.0, 1.0, 2.0) * 1e-8,
+        stiffness: Vector3::new(bending, bending, torsion),
+        natural_curvature: Vector3::zeros(),
+    }
+}
+
+/// A fibre of length 1 along z with the properties `node(s)`.
+pub fn chain(segments: usize, node: impl Fn(f64) -> NodeProperties) -> Fiber {
+    let h = 1.0 / segments as f64;
+    let nodes = (0..=segments).map(|j| node(j as f64 * h)).collect();
+    Fiber::new(Isometry3::identity(), vec![h; segments], nodes).expect("a valid chain")
+}
+
+/// A clamp at the origin whose tangent is at `angle` from the x axis in the xy plane, d1 along z,
+/// so that positive curvature about d1 bends counterclockwise.
+pub fn planar_clamp(angle: f64) -> Isometry3<f64> {
+    let (s, c) = angle.sin_cos();
+    let frame = Matrix3::from_columns(&[
+        Vector3::z(),
+        Vector3::new(s, -c, 0.0),
+        Vector3::new(c, s, 0.0),
+    ]);
+    let frame = Rotation3::from_matrix_unchecked(frame);
+    Isometry3::from_parts(
+        Vector3::zeros().into(),
+        UnitQuaternion::from_rotation_matrix(&frame),
+    )
+}
+
+/// The reference hair of the field: 0.3 m long, 35 um thick in radius, clamped horizontally.
+pub fn hair(segments: usize) -> Fiber {
+    Fiber::uniform(0.3, segments, Section::Circle { radius: 35e-6 }, &Material::HAIR)
+        .expect("a valid hair")
+        .with_root(planar_clamp(0.0))
+}
+
+/// Standard gravity of the reference cases, -y.
+pub const GRAVITY: Vector3<f64> = Vector3::new(0.0, -9.81, 0.0);
+
+/// The slope of log(error) against log(step) between neighbours: measured orders.
+pub fn orders(steps: &[f64], errors: &[f64]) -> Vec<f64> {
+    steps
+        .windows(2)
+        .zip(errors.windows(2))
+        .map(|(h, e)| (e[0] / e[1]).ln() / (h[0] / h[1]).ln())
+        .collect()
+}
