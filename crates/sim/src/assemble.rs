@@ -5,7 +5,9 @@ use crate::{SimError, World};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
-use rapunzel_rod_dynamic::{Drag, Rod, RodError, RodState};
+use rapunzel_rod_dynamic::{
+    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState,
+};
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
@@ -41,7 +43,9 @@ impl Scene {
             .map(|fibers| {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
                 let lanes = starts.iter().map(|s| s.conditions.clone()).collect();
-                let batch = batch(self.stepper.method, &starts)?;
+                let bundle = starts[0].bundle;
+                let batch = batch(self.stepper.method, &starts)
+                    .map_err(|source| SimError::Rod { bundle, source })?;
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
             .collect::<Result<_, SimError>>()?;
@@ -151,8 +155,20 @@ fn at_rest(fiber: &Fiber) -> RodState {
 }
 
 /// The integrator of a group of fibres of equal segment count.
-fn batch(method: Method, starts: &[&Start]) -> Result<Box<dyn Batch>, SimError> {
+fn batch(method: Method, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
     match method {
-        Method::Staggered => Ok(Box::new(crate::pendulum::Pendulums::new(starts.iter().map(|s| (s.rod.clone(), s.state.clone()))))),
+        Method::Box { weights, tolerance } => {
+            let options = BoxOptions {
+                coefficients: weights.coefficients()?,
+                tolerance,
+                ..BoxOptions::default()
+            };
+            let integrator = |start: &&Start| {
+                let mut integrator = BoxIntegrator::new(start.rod.clone(), options)?;
+                integrator.set_state(&start.state)?;
+                Ok(integrator)
+            };
+            Ok(Box::new(starts.iter().map(integrator).collect::<Result<Vec<_>, _>>()?))
+        }
     }
 }

@@ -1,8 +1,7 @@
+use crate::StepReport;
 use crate::conditions::FiberConditions;
 use nalgebra::Vector3;
-use rapunzel_rod_dynamic::{
-    Conditions, Energy, RodError, RodIntegrator, RodState, StepError, StepReport,
-};
+use rapunzel_rod_dynamic::{Conditions, Energy, RodError, RodIntegrator, RodState, StepError};
 
 /// Rods that are stepped together.
 pub(crate) trait Batch: Send {
@@ -14,31 +13,65 @@ pub(crate) trait Batch: Send {
     fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError>;
 }
 
-/// One rod is a batch with a single lane.
-impl<I: RodIntegrator> Batch for I {
-    fn state(&self, _: usize) -> RodState {
-        RodIntegrator::state(self)
+/// Rods that are stepped one after another.
+impl<I: RodIntegrator> Batch for Vec<I> {
+    fn state(&self, lane: usize) -> RodState {
+        self[lane].state()
     }
 
-    fn energy(&self, _: usize, gravity: &Vector3<f64>) -> Energy {
-        RodIntegrator::energy(self, gravity)
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
+        self[lane].energy(gravity)
     }
 
-    fn set_node_forces(&mut self, _: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
-        RodIntegrator::set_node_forces(self, forces)
+    fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
+        self[lane].set_node_forces(forces)
     }
 
     fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError> {
-        RodIntegrator::step(self, dt, lanes[0])
+        let mut sum = StepReport::default();
+        for (lane, (rod, conditions)) in self.iter_mut().zip(lanes).enumerate() {
+            let one = rod.step(dt, *conditions).map_err(|error| at_lane(error, lane))?;
+            sum.add(&StepReport {
+                fibers: 1,
+                iterations: one.iterations,
+                worst_iterations: one.iterations,
+                halvings: one.halvings,
+            });
+        }
+        Ok(sum)
     }
 
+    /// Each rod's numbers after their count.
     fn save(&self, numbers: &mut Vec<f64>) {
-        RodIntegrator::save(self, numbers);
+        for rod in self {
+            let at = numbers.len();
+            numbers.push(0.0);
+            rod.save(numbers);
+            numbers[at] = (numbers.len() - at - 1) as f64;
+        }
     }
 
-    fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
-        RodIntegrator::restore(self, numbers)
+    fn restore(&mut self, mut numbers: &[f64]) -> Result<(), RodError> {
+        let found = numbers.len();
+        for rod in self {
+            let short = RodError::Length { what: "saved numbers", expected: found + 1, found };
+            let (count, rest) = numbers.split_first().ok_or(short.clone())?;
+            #[expect(clippy::cast_possible_truncation, reason = "a length written by save")]
+            #[expect(clippy::cast_sign_loss, reason = "a length written by save")]
+            let (own, rest) = rest.split_at_checked(*count as usize).ok_or(short)?;
+            rod.restore(own)?;
+            numbers = rest;
+        }
+        Ok(())
     }
+}
+
+/// An error of a rod by itself as one of a rod in a batch.
+fn at_lane(mut error: StepError, lane: usize) -> StepError {
+    if let StepError::NotConverged { fiber, .. } = &mut error {
+        *fiber = lane;
+    }
+    error
 }
 
 /// A batch of fibres with what acts on them: the unit of parallel work.

@@ -8,7 +8,6 @@ pub mod export;
 mod folder;
 mod group;
 mod observers;
-mod pendulum;
 mod plan;
 mod run;
 pub mod scene;

@@ -1,17 +1,27 @@
 use crate::{SimError, World};
 use rayon::prelude::*;
 
-/// What a step of the whole world cost.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What a step of many fibres cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StepReport {
-    /// Newton iterations, summed over the groups of fibres that are stepped together.
+    /// Number of fibres.
+    pub fibers: usize,
+    /// Newton iterations, summed over the fibres.
     pub iterations: usize,
-    /// Number of groups.
-    pub groups: usize,
-    /// Iterations of the group that needed most.
+    /// Iterations of the fibre that needed most.
     pub worst_iterations: usize,
-    /// How often a group halved its step because Newton's method failed.
+    /// How often the step of a fibre was halved because Newton's method failed.
     pub halvings: usize,
+}
+
+impl StepReport {
+    /// Counts the fibres of another report too.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.fibers += other.fibers;
+        self.iterations += other.iterations;
+        self.worst_iterations = self.worst_iterations.max(other.worst_iterations);
+        self.halvings += other.halvings;
+    }
 }
 
 /// Moves a world in time.
@@ -36,11 +46,7 @@ impl Stepper for FreeFibers {
         let results: Vec<_> = world.groups.par_iter_mut().map(|g| g.step(time, dt)).collect();
         let mut report = StepReport::default();
         for result in results {
-            let group = result.map_err(|source| SimError::Step { time, source })?;
-            report.groups += 1;
-            report.iterations += group.iterations;
-            report.worst_iterations = report.worst_iterations.max(group.iterations);
-            report.halvings += group.halvings;
+            report.add(&result.map_err(|source| SimError::Step { time, source })?);
         }
         world.advance_clock(dt);
         Ok(report)

@@ -8,13 +8,13 @@ use std::io::Write;
 /// What the steps of a run have cost so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Statistics {
-    /// Newton iterations, over all steps and all groups of fibres that are stepped together.
+    /// Newton iterations, over all steps and fibres.
     pub iterations: u64,
-    /// Steps of groups.
-    pub group_steps: u64,
-    /// Iterations of the worst step of a group.
+    /// Steps of single fibres.
+    pub fiber_steps: u64,
+    /// Iterations of the worst step of a fibre.
     pub worst_iterations: u64,
-    /// How often a group halved its step because Newton's method failed.
+    /// How often the step of a fibre was halved because Newton's method failed.
     pub halvings: u64,
 }
 
@@ -22,15 +22,15 @@ impl Statistics {
     /// Counts a step.
     pub(crate) fn add(&mut self, report: &StepReport) {
         self.iterations += report.iterations as u64;
-        self.group_steps += report.groups as u64;
+        self.fiber_steps += report.fibers as u64;
         self.worst_iterations = self.worst_iterations.max(report.worst_iterations as u64);
         self.halvings += report.halvings as u64;
     }
 
-    /// Mean number of iterations in a step of a group.
+    /// Mean number of iterations in a step of a fibre.
     #[must_use]
     pub fn mean_iterations(&self) -> f64 {
-        self.iterations as f64 / self.group_steps.max(1) as f64
+        self.iterations as f64 / self.fiber_steps.max(1) as f64
     }
 }
 
@@ -74,7 +74,7 @@ pub struct Summary {
     pub time: f64,
     /// Frames written.
     pub frames: u64,
-    /// Mean number of Newton iterations of a group of fibres in a step.
+    /// Mean number of Newton iterations in a step of a fibre.
     pub mean_iterations: f64,
     /// Largest number of them.
     pub worst_iterations: u64,

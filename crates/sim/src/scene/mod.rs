@@ -10,6 +10,7 @@ mod locate;
 mod motion;
 mod output;
 mod read;
+mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
@@ -18,6 +19,7 @@ pub use fibers::{
 };
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};
+pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Load, LoadFrame, Profile, Tip};
 
 use check::{Allowed, Check};
@@ -146,27 +148,6 @@ impl Wind {
     }
 }
 
-/// How time advances.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StepperSettings {
-    /// Largest time step, s. The step taken is the largest not above it of which the frame
-    /// interval is a multiple.
-    pub dt: f64,
-    /// The integrator.
-    #[serde(default)]
-    pub method: Method,
-}
-
-/// An integrator of a single fibre.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Method {
-    /// The staggered chain: second order, many fibres at once.
-    #[default]
-    Staggered,
-}
-
 impl Scene {
     /// Number of segments of fibre `fiber`, counted over all bundles.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
@@ -193,9 +174,7 @@ impl Scene {
         }
         check.each("fibers", &self.fibers, |c, bundle| bundle.check(c));
         check.within("environment", |c| self.environment.check(c));
-        check.within("stepper", |c| {
-            c.number("dt", self.stepper.dt, Allowed::Within(1e-9, 1.0), "s");
-        });
+        check.within("stepper", |c| self.stepper.check(c));
         check.within("output", |c| self.output.check(c, |fiber| self.segments_of(fiber)));
     }
 }
