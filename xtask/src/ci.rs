@@ -2,8 +2,8 @@ use crate::{root, tidy};
 use anyhow::Result;
 use xshell::{Shell, cmd};
 
-/// A scene of the program that runs in seconds.
-const SCENE: &str = "scenes/straight-rod-with-torque.ron";
+/// One fibre, one second: a run that is over soon.
+const SCENE: &str = "scenes/sine-under-gravity.ron";
 
 /// Everything a change must pass, cheapest first.
 pub(crate) fn run() -> Result<()> {

@@ -1,5 +1,5 @@
 //! Automation of the workspace, run as `cargo xtask <command>`.
-#![allow(clippy::print_stdout, reason = "a program that reports")]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program that reports")]
 
 mod bench;
 mod ci;
@@ -8,6 +8,7 @@ mod tidy;
 
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: cargo xtask <command>
@@ -17,7 +18,17 @@ usage: cargo xtask <command>
   formats   write sample files and open them with the programs they are for (Python packages
             vtk and usd-core; skipped, with a word, where they are missing)";
 
-fn main() -> Result<()> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     match (arguments.next().as_deref(), arguments.next()) {
         (Some("ci"), None) => ci::run(),

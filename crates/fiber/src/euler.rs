@@ -77,6 +77,15 @@ mod tests {
         (-PI..PI, theta, -PI..PI).prop_map(|(phi, theta, psi)| EulerAngles { phi, theta, psi })
     }
 
+    /// Angles away from the poles: `sin theta > 1e-3`.
+    fn regular_angles() -> impl Strategy<Value = EulerAngles> {
+        (-PI..PI, 2e-3..PI - 2e-3, -PI..PI).prop_map(|(phi, theta, psi)| EulerAngles {
+            phi,
+            theta,
+            psi,
+        })
+    }
+
     proptest! {
         #[test]
         fn rotation_survives_also_at_the_poles(angles in angles()) {
@@ -93,8 +102,7 @@ mod tests {
         }
 
         #[test]
-        fn angles_survive_away_from_the_poles(angles in angles()) {
-            prop_assume!(angles.theta.sin() > 1e-3);
+        fn angles_survive_away_from_the_poles(angles in regular_angles()) {
             let back = EulerAngles::from_rotation(&angles.to_rotation());
             // An angle is known to eps / sin(theta); both ends of (-pi, pi] are one angle.
             let off = |a: f64, b: f64| (0.5 * (a - b)).sin().abs();
@@ -116,8 +124,7 @@ mod tests {
         }
 
         #[test]
-        fn rates_invert_darboux(angles in angles(), rates in prop::array::uniform3(-1.0..1.0_f64)) {
-            prop_assume!(angles.theta.sin() > 1e-3);
+        fn rates_invert_darboux(angles in regular_angles(), rates in prop::array::uniform3(-1.0..1.0_f64)) {
             let rates = Vector3::from(rates);
             let back = angles.rates(&angles.darboux(&rates)).expect("away from the poles");
             prop_assert!((back - rates).norm() < 1e-11);

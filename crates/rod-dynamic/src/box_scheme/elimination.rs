@@ -24,8 +24,10 @@ pub(super) struct EndRows {
     pub(super) rhs: [f64; 6],
 }
 
-/// The window of the matrix in which one segment is eliminated.
+/// The window of the matrix in which one segment is eliminated. Rows are three cache lines long;
+/// the alignment keeps every vector of eight within one.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub(super) struct Panel {
     rows: [[f64; WIDTH]; ACTIVE + PASSIVE],
     rhs: [f64; ACTIVE + PASSIVE],
@@ -58,11 +60,37 @@ pub(super) struct Turning {
     pub(super) lever: Matrix3<f64>,
 }
 
-/// The pivot rows of one segment.
+/// The pivot rows of one segment: the columns of the triangle in the first node's unknowns, the
+/// inverse pivots, and the rows in the second node's (from column 8 on, so whole vectors).
 #[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
 struct Factor {
-    rows: [[f64; WIDTH]; N],
-    rhs: [f64; N],
+    columns: [[f64; 16]; N],
+    rows: [[f64; 16]; N],
+    inverse: [f64; 16],
+    rhs: [f64; 16],
+}
+
+impl Factor {
+    const ZERO: Self = Self {
+        columns: [[0.0; 16]; N],
+        rows: [[0.0; 16]; N],
+        inverse: [0.0; 16],
+        rhs: [0.0; 16],
+    };
+
+    #[inline(always)]
+    fn store(&mut self, panel: &Panel) {
+        for k in 0..N {
+            let row = &panel.rows[k];
+            for c in k + 1..N {
+                self.columns[c][k] = row[c];
+            }
+            self.rows[k].copy_from_slice(&row[8..]);
+            self.inverse[k] = 1.0 / row[k];
+            self.rhs[k] = panel.rhs[k];
+        }
+    }
 }
 
 /// Solves the almost-block-diagonal system of one Newton iteration: six equations at the root,
@@ -90,7 +118,7 @@ impl Elimination {
                 rows: [[0.0; WIDTH]; ACTIVE + PASSIVE],
                 rhs: [0.0; ACTIVE + PASSIVE],
             }),
-            factors: vec![Factor { rows: [[0.0; WIDTH]; N], rhs: [0.0; N] }; segments],
+            factors: vec![Factor::ZERO; segments],
             solution: vec![[0.0; N]; segments + 1],
         }
     }
@@ -125,9 +153,7 @@ impl Elimination {
                 panel.rhs[r] = *rhs;
             }
             panel.turn(&turning, &theta, &minus_t);
-            self.arch.dispatch(Reduce { panel });
-            self.factors[i].rows.copy_from_slice(&panel.rows[..N]);
-            self.factors[i].rhs.copy_from_slice(&panel.rhs[..N]);
+            self.arch.dispatch(Reduce { panel, factor: &mut self.factors[i] });
             for r in 0..CARRIED {
                 carried[r].0.copy_from_slice(&panel.rows[N + r][N..]);
                 carried[r].1 = panel.rhs[N + r];
@@ -186,6 +212,7 @@ impl Panel {
 /// Gaussian elimination of the first node's unknowns, rows pivoted.
 struct Reduce<'a> {
     panel: &'a mut Panel,
+    factor: &'a mut Factor,
 }
 
 impl WithSimd for Reduce<'_> {
@@ -193,32 +220,44 @@ impl WithSimd for Reduce<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Panel { rows, rhs } = self.panel;
-        for k in 0..N {
-            let mut pivot = k;
-            for r in k + 1..ACTIVE {
-                if rows[r][k].abs() > rows[pivot][k].abs() {
-                    pivot = r;
-                }
+        // Columns already eliminated need no more work; whole vectors of them are left out.
+        for k in 0..8 {
+            self.panel.eliminate::<S, 0>(simd, k);
+        }
+        for k in 8..N {
+            self.panel.eliminate::<S, 8>(simd, k);
+        }
+        self.factor.store(self.panel);
+    }
+}
+
+impl Panel {
+    /// Eliminates column `k` from all rows after the `k`th; columns before `START` are left alone.
+    #[inline(always)]
+    fn eliminate<S: Simd, const START: usize>(&mut self, simd: S, k: usize) {
+        let Self { rows, rhs } = self;
+        let mut pivot = k;
+        let mut largest = rows[k][k].abs();
+        for r in k + 1..ACTIVE {
+            let size = rows[r][k].abs();
+            if size > largest {
+                (pivot, largest) = (r, size);
             }
-            rows.swap(k, pivot);
-            rhs.swap(k, pivot);
-            let (head, tail) = rows.split_at_mut(k + 1);
-            let pivot_row = &head[k];
-            let (inverse, pivot_rhs) = (1.0 / pivot_row[k], rhs[k]);
-            // Columns before k are done with; the first multiple of the lane width will do.
-            let start = k / 8 * 8;
-            for (row, b) in tail.iter_mut().zip(&mut rhs[k + 1..]) {
-                let factor = row[k] * inverse;
-                if factor != 0.0 {
-                    let minus = simd.splat_f64s(-factor);
-                    let (target, _) = S::as_mut_simd_f64s(&mut row[start..]);
-                    let (source, _) = S::as_simd_f64s(&pivot_row[start..]);
-                    for (x, p) in target.iter_mut().zip(source) {
-                        *x = simd.mul_add_f64s(minus, *p, *x);
-                    }
-                    *b = (-factor).mul_add(pivot_rhs, *b);
+        }
+        rows.swap(k, pivot);
+        rhs.swap(k, pivot);
+        let (pivot_row, pivot_rhs) = (rows[k], rhs[k]);
+        let inverse = 1.0 / pivot_row[k];
+        let (source, _) = S::as_simd_f64s(&pivot_row[START..]);
+        for (row, b) in rows[k + 1..].iter_mut().zip(&mut rhs[k + 1..]) {
+            let factor = row[k] * inverse;
+            if factor != 0.0 {
+                let minus = simd.splat_f64s(-factor);
+                let (target, _) = S::as_mut_simd_f64s(&mut row[START..]);
+                for (x, p) in target.iter_mut().zip(source) {
+                    *x = simd.mul_add_f64s(minus, *p, *x);
                 }
+                *b = (-factor).mul_add(pivot_rhs, *b);
             }
         }
     }
@@ -236,23 +275,27 @@ impl WithSimd for BackSubstitute<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         for i in (0..self.factors.len()).rev() {
             let factor = &self.factors[i];
-            // Unknowns not yet found are zero, so whole rows can be multiplied.
-            let mut x = [0.0; WIDTH];
-            x[N..].copy_from_slice(&self.solution[i + 1]);
-            for k in (0..N).rev() {
-                let row = &factor.rows[k];
+            // Columns 8 to 11 belong to the first node and are not found yet: zero.
+            let mut next = [0.0; 16];
+            next[4..].copy_from_slice(&self.solution[i + 1]);
+            let mut rest = factor.rhs;
+            for (row, rest) in factor.rows.iter().zip(&mut rest) {
                 // Eight partial sums in a fixed order: the same bits on every machine.
                 let mut sums = [0.0; 8];
-                for j in 0..WIDTH / 8 {
-                    for l in 0..8 {
-                        sums[l] = row[8 * j + l].mul_add(x[8 * j + l], sums[l]);
-                    }
+                for l in 0..8 {
+                    sums[l] = row[8 + l].mul_add(next[8 + l], row[l] * next[l]);
                 }
-                let sum = ((sums[0] + sums[4]) + (sums[1] + sums[5]))
-                    + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
-                x[k] = (factor.rhs[k] - sum) / row[k];
+                let pairs = [sums[0] + sums[4], sums[1] + sums[5], sums[2] + sums[6], sums[3] + sums[7]];
+                *rest -= (pairs[0] + pairs[2]) + (pairs[1] + pairs[3]);
             }
-            self.solution[i].copy_from_slice(&x[..N]);
+            for k in (0..N).rev() {
+                let x = rest[k] * factor.inverse[k];
+                self.solution[i][k] = x;
+                // Below row k the column is zero, so whole columns can be taken.
+                for (rest, column) in rest.iter_mut().zip(&factor.columns[k]) {
+                    *rest = (-x).mul_add(*column, *rest);
+                }
+            }
         }
     }
 }

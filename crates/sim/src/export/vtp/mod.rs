@@ -5,7 +5,7 @@
 //! `tension` (the last point of a fibre repeats its last segment). Cell data: `fiber`. Field data:
 //! `TimeValue`, s, and `FrameIndex`.
 //!
-//! [`read`] reads what [`write`] wrote, to the last bit.
+//! [`read()`] reads what [`write()`] wrote, to the last bit.
 
 mod read;
 mod write;
