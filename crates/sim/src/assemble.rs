@@ -118,32 +118,31 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
 }
 
 fn start(bundle: usize, of: &Bundle, fiber: Fiber, conditions: &Arc<BundleConditions>) -> Start {
-    let state = match of.initial {
-        Initial::Natural => at_rest(&fiber),
+    let shape = match of.initial {
+        Initial::Natural => fiber.clone(),
+        // Zero is finite, so straightening cannot fail; the natural shape would be the answer.
         Initial::Straight => {
             let straight = fiber.clone().with_natural_curvature(|_| Vector3::zeros());
-            // Zero is finite, so this cannot fail; the natural shape would be the answer if.
-            straight.as_ref().map_or_else(|_| at_rest(&fiber), at_rest)
+            straight.unwrap_or_else(|_| fiber.clone())
         }
     };
-    let segments = fiber.segments();
-    let tip = Isometry3::from_parts(
-        state.positions[segments].into(),
-        UnitQuaternion::from_rotation_matrix(&state.frames[segments - 1]),
-    );
-    let conditions =
-        FiberConditions { bundle: Arc::clone(conditions), root: *fiber.root(), tip };
+    let (state, tip) = at_rest(&shape);
+    let conditions = FiberConditions { bundle: Arc::clone(conditions), root: *fiber.root(), tip };
     Start { bundle, rod: Rod { fiber, damping_time: of.damping_time }, state, conditions }
 }
 
-/// The unloaded shape of `fiber`, at rest.
-fn at_rest(fiber: &Fiber) -> RodState {
+/// The unloaded shape of `fiber`, at rest, and the pose of its tip.
+fn at_rest(fiber: &Fiber) -> (RodState, Isometry3<f64>) {
     let (positions, frames) = fiber.rest_shape();
     let segments = fiber.segments();
+    let tip = Isometry3::from_parts(
+        positions[segments].into(),
+        UnitQuaternion::from_rotation_matrix(&frames[segments]),
+    );
     let middle = |pair: &[Rotation3<f64>]| {
         pair[0] * so3::exp(&(0.5 * so3::log(&(pair[0].inverse() * pair[1]))))
     };
-    RodState {
+    let state = RodState {
         time: 0.0,
         velocities: vec![Vector3::zeros(); positions.len()],
         frames: frames.windows(2).map(middle).collect(),
@@ -151,7 +150,8 @@ fn at_rest(fiber: &Fiber) -> RodState {
         forces: vec![Vector3::zeros(); segments],
         curvatures: fiber.nodes().iter().map(|n| n.natural_curvature).collect(),
         positions,
-    }
+    };
+    (state, tip)
 }
 
 /// The integrator of a group of fibres of equal segment count.

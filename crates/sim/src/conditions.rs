@@ -1,4 +1,4 @@
-use crate::scene::{Environment, Motion, Profile, Tip};
+use crate::scene::{Environment, Motion, Profile, Tip, ramped};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub(crate) struct FiberConditions {
     pub(crate) bundle: Arc<BundleConditions>,
     /// Pose of the root at the start.
     pub(crate) root: Isometry3<f64>,
-    /// Pose of the tip at the start: the last node, and the frame of the last segment.
+    /// Pose of the tip at the start: the last node.
     pub(crate) tip: Isometry3<f64>,
 }
 
@@ -75,10 +75,10 @@ impl Conditions for StepConditions<'_> {
                 self.fiber.moved_tip(Vector3::from(*velocity) * t, 0.0)
             }
             Tip::Held => self.fiber.moved_tip(Vector3::zeros(), 0.0),
-            Tip::Driven { velocity, twist, until } => {
-                let t = t.min(*until);
-                let angle = twist.to_radians() * t / until;
-                self.fiber.moved_tip(Vector3::from(*velocity) * t, angle)
+            Tip::Driven { velocity, ramp, twist, until } => {
+                let way = ramped(t.min(*until), *ramp);
+                let angle = twist.to_radians() * way / ramped(*until, *ramp);
+                self.fiber.moved_tip(Vector3::from(*velocity) * way, angle)
             }
         };
         Instant {

@@ -17,6 +17,7 @@ pub use check::{Place, Problem};
 pub use fibers::{
     Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape,
 };
+pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};

@@ -37,6 +37,9 @@ pub enum Motion {
     Translate {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
+        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        #[serde(default)]
+        ramp: f64,
         /// End of the motion, s.
         until: f64,
     },
@@ -111,8 +114,8 @@ impl Motion {
                 let center = across(&Vector3::from(*center), &axis).normalize();
                 turn(&(start + *radius * center), axis * (angle.to_radians() * phase))
             }
-            Self::Translate { velocity, until } => {
-                Translation3::from(Vector3::from(*velocity) * t.min(*until)).into()
+            Self::Translate { velocity, ramp, until } => {
+                Translation3::from(Vector3::from(*velocity) * ramped(t.min(*until), *ramp)).into()
             }
             Self::Shake { amplitude, frequency } => {
                 Translation3::from(Vector3::from(*amplitude) * (TAU * frequency * t).sin()).into()
@@ -140,8 +143,9 @@ impl Motion {
                     check.refuse("center", "must not be parallel to the axis".into());
                 }
             }
-            Self::Translate { velocity, until } => {
+            Self::Translate { velocity, ramp, until } => {
                 check.vector("velocity", velocity, "m/s");
+                check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
             Self::Shake { amplitude, frequency } => {
@@ -156,6 +160,11 @@ impl Motion {
             Self::Keyframes { points } => check_keyframes(points, check),
         }
     }
+}
+
+/// What a speed that grows from 0 to 1 within `ramp` has covered by the time `t`.
+pub(crate) fn ramped(t: f64, ramp: f64) -> f64 {
+    if t < ramp { 0.5 * t * t / ramp } else { t - 0.5 * ramp }
 }
 
 fn across(v: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
@@ -255,7 +264,7 @@ mod tests {
         for motion in [
             Motion::Fixed,
             swing(Pace::Smooth),
-            Motion::Translate { velocity: [1.0, 2.0, 3.0], until: 1.0 },
+            Motion::Translate { velocity: [1.0, 2.0, 3.0], ramp: 0.1, until: 1.0 },
             Motion::Shake { amplitude: [1.0, 2.0, 3.0], frequency: 3.0 },
             Motion::Rotate { axis: [1.0, 2.0, 3.0], rate: 90.0, until: 1.0 },
             Motion::Keyframes { points: vec![key(0.0, 0.0), key(1.0, 2.0)] },

@@ -37,6 +37,9 @@ pub enum Tip {
     Driven {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
+        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        #[serde(default)]
+        ramp: f64,
         /// Angle of the whole turn about the tangent, degrees.
         #[serde(default)]
         twist: f64,
@@ -179,8 +182,9 @@ impl Tip {
                 check.vector("velocity", velocity, "m/s");
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
-            Self::Driven { velocity, twist, until } => {
+            Self::Driven { velocity, ramp, twist, until } => {
                 check.vector("velocity", velocity, "m/s");
+                check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("twist", *twist, Allowed::Finite, "degrees");
                 check.number("until", *until, Allowed::Positive, "s");
             }
