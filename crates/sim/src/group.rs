@@ -2,9 +2,10 @@ use crate::StepReport;
 use crate::conditions::FiberConditions;
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{Conditions, Energy, RodError, RodIntegrator, RodState, StepError};
+use std::fmt::Debug;
 
 /// Rods that are stepped together.
-pub(crate) trait Batch: Send {
+pub(crate) trait Batch: Send + Debug {
     fn state(&self, lane: usize) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
@@ -14,7 +15,7 @@ pub(crate) trait Batch: Send {
 }
 
 /// Rods that are stepped one after another.
-impl<I: RodIntegrator> Batch for Vec<I> {
+impl<I: RodIntegrator + Debug> Batch for Vec<I> {
     fn state(&self, lane: usize) -> RodState {
         self[lane].state()
     }
@@ -75,6 +76,7 @@ fn at_lane(mut error: StepError, lane: usize) -> StepError {
 }
 
 /// A batch of fibres with what acts on them: the unit of parallel work.
+#[derive(Debug)]
 pub(crate) struct Group {
     /// Indices of the fibres, one per lane.
     pub(crate) fibers: Vec<usize>,

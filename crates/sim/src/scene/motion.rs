@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_swing_stays_on_its_arc() {
-        let center = start() + 0.3 * Vector3::z();
+        let center: Point3<f64> = start() + 0.3 * Vector3::z();
         for pace in [Pace::Smooth, Pace::Constant] {
             for t in [0.0, 0.3, 1.0, 1.7, 9.1] {
                 let moved = swing(pace).displacement(t, &start()) * start();
