@@ -6,12 +6,16 @@
 //! Positions, velocities and forces are in the world frame; curvature, angular velocity and
 //! moments are in the material frame `R = [d1 d2 d3]`, d3 the tangent. SI units.
 
+pub mod adaptive;
 pub mod box_scheme;
 mod conditions;
 mod error;
 mod rod;
+mod staggered;
 
+pub use adaptive::AdaptiveReport;
 pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
+pub use staggered::{Staggered, StaggeredBatch};

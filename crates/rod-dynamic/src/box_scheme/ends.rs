@@ -1,5 +1,5 @@
 use super::elimination::EndRows;
-use super::stage::{NodeLaw, Unknowns};
+use super::stage::{NodeLaw, Scales, Unknowns};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3::hat;
 
@@ -20,6 +20,18 @@ pub(super) enum StageEnd {
     Pinned { velocity: Vector3<f64> },
     /// A force and a moment act on the rod.
     Loaded { force: MixedLoad, moment: MixedLoad },
+}
+
+impl StageEnd {
+    /// Magnitudes that the two triples of conditions are measured by.
+    pub(super) fn scales(&self, scales: &Scales) -> [f64; 2] {
+        let Scales { end_velocity, end_load, .. } = *scales;
+        match self {
+            Self::Held { .. } => [end_velocity; 2],
+            Self::Pinned { .. } => [end_velocity, end_load],
+            Self::Loaded { .. } => [end_load; 2],
+        }
+    }
 }
 
 /// Residuals of the six conditions of an end: first for velocity or force, then for angular

@@ -87,7 +87,7 @@ impl BoxIntegrator {
             root: held,
             tip: held,
             root_frame: RootFrame::Fixed(state.root.frame),
-            scales: Scales([1.0; 4]),
+            scales: Scales { segment: [1.0; 4], end_velocity: 1.0, end_load: 1.0 },
         };
         Ok(Self {
             backup: state.clone(),
@@ -143,11 +143,12 @@ impl BoxIntegrator {
         };
         let dt = end - self.state.time;
         let span = Span::sample(conditions, self.state.time, dt, &k)?;
-        let setup = Setup::new(&self.rod, &self.state, &self.node_forces, &span, k, dt);
+        let tolerance = self.options.tolerance;
+        let setup = Setup::new(&self.rod, &self.state, &self.node_forces, &span, k, dt, tolerance);
         setup.fill(&mut self.stage);
         setup.start(&mut self.newton.trial.x);
         let (iterations, converged) =
-            self.newton.solve(&self.stage, self.options.tolerance, self.options.max_iterations);
+            self.newton.solve(&self.stage, tolerance, self.options.max_iterations);
         report.iterations += iterations;
         report.residual = self.newton.trial.merit.sqrt();
         if converged {

@@ -1,18 +1,22 @@
 use super::coefficients::Coefficients;
 use super::ends::{MixedLoad, StageEnd};
-use super::motion::{Motion, Moving};
+use super::motion::{Motion, Moving, Pose};
 use super::span::{Side, Span};
 use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage, Unknowns};
-use super::state::State;
+use super::state::{NodeState, State};
 use super::units::{Units, largest};
 use super::update::Update;
 use crate::{End, Load, Rod};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
 /// Share of a held tip's distance from its support that is made up in one step. Below 1, so that
 /// the correction is damped at every `rho_infinity`.
 const DRIFT_GAIN: f64 = 0.5;
+/// Rounding errors of a sum of a few terms, relative to the largest.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Where nothing at all acts, residuals are measured by this, in units of the solver.
+const LEAST_LOAD: f64 = 1e-12;
 
 /// Turns a state and the conditions of a step into the equations of the step.
 #[derive(Debug)]
@@ -23,8 +27,12 @@ pub(super) struct Setup<'a> {
     span: &'a Span,
     k: Coefficients,
     dt: f64,
+    tolerance: f64,
+    acceleration: f64,
     units: Units,
     root_motion: Option<Motion>,
+    /// Where the tip is at the start of the step.
+    tip_now: Pose,
 }
 
 impl<'a> Setup<'a> {
@@ -35,10 +43,12 @@ impl<'a> Setup<'a> {
         span: &'a Span,
         k: Coefficients,
         dt: f64,
+        tolerance: f64,
     ) -> Self {
-        let units = Units::of(&rod.fiber, acceleration(rod, node_forces, span));
+        let acceleration = acceleration(rod, node_forces, span);
+        let units = Units::of(&rod.fiber, acceleration);
         let root_motion = span.root_motion(&state.root, units.length);
-        Self { rod, state, node_forces, span, k, dt, units, root_motion }
+        Self { rod, state, node_forces, span, k, dt, tolerance, acceleration, units, root_motion, tip_now: state.tip(rod) }
     }
 
     /// Writes the equations.
@@ -68,6 +78,7 @@ impl<'a> Setup<'a> {
             }
         };
         stage.tip = self.tip();
+        stage.scales = self.scales(stage);
     }
 
     /// Newton's starting point: the old state.
@@ -112,19 +123,46 @@ impl<'a> Setup<'a> {
                 offset: stiffness.component_mul(&(tau * b_kappa - unloaded)),
             };
         }
+    }
+
+    /// Residuals are measured by the loads and internal forces that act, but not finer than
+    /// rounding lets their largest terms cancel.
+    fn scales(&self, stage: &Stage) -> Scales {
+        let u = &self.units;
         let nodes = &self.state.nodes;
-        let largest_moment = stage
-            .nodes
-            .iter()
-            .zip(nodes)
-            .map(|(law, s)| law.stiffness.component_mul(&(length * s.kappa)).norm())
-            .fold(0.0, f64::max);
-        stage.scales = Scales([
-            1.0 + c * largest(nodes.iter().map(|s| &s.v)) / self.units.speed(),
-            1.0 + largest(nodes.iter().map(|s| &s.n)) / self.units.force() + largest_moment,
-            1.0 + c * largest(nodes.iter().map(|s| &s.kappa)) * length,
-            1.0 + largest(nodes.iter().map(|s| &s.omega)) * time,
-        ]);
+        let c = stage.c;
+        let v = largest(nodes.iter().map(|s| s.v)) / u.speed();
+        let omega = largest(nodes.iter().map(|s| s.omega)) * u.time;
+        let kappa = largest(nodes.iter().map(|s| s.kappa)) * u.length;
+        let n = largest(nodes.iter().map(|s| s.n)) / u.force();
+        let laws = || stage.nodes.iter().zip(nodes);
+        let moment = largest(laws().map(|(law, s)| law.moment(&(u.length * s.kappa))));
+        let terms = largest(laws().map(|(law, s)| law.stiffness.component_mul(&s.kappa)));
+        let finest = stage.segments.iter().map(|s| s.h).fold(f64::INFINITY, f64::min);
+        let rounding = ROUNDING / self.tolerance;
+        // A support that moves otherwise than the end did accelerates the rod.
+        let jolt = |end: &StageEnd, x: &NodeState, frame: Rotation3<f64>| match end {
+            StageEnd::Held { velocity, .. } | StageEnd::Pinned { velocity } => {
+                c * (velocity - frame * x.v / u.speed()).norm()
+            }
+            StageEnd::Loaded { .. } => 0.0,
+        };
+        let last = nodes.len() - 1;
+        let jolts = jolt(&stage.root, &nodes[0], self.state.root.frame)
+            + jolt(&stage.tip, &nodes[last], self.tip_now.frame);
+        let load = LEAST_LOAD + self.acceleration / u.acceleration() + n + moment
+            + omega * (omega + v) + jolts;
+        let rate = load / c + omega;
+        Scales {
+            segment: [
+                load + rounding * c * v,
+                load + rounding * u.length * terms / finest,
+                rate + rounding * c * kappa,
+                rate,
+            ],
+            end_velocity: load / c + v + omega,
+            end_load: load + rounding * u.length * terms,
+        }
     }
 
     fn fill_segments(&self, stage: &mut Stage) {
@@ -190,7 +228,7 @@ impl<'a> Setup<'a> {
         if let End::Loaded { force, moment } = &end {
             return self.loaded(force, moment, &self.node_forces[self.node_forces.len() - 1]);
         }
-        let now = self.state.tip(self.rod);
+        let now = self.tip_now;
         let (moving, gap, turn) = self.span.tip_motion(&now).map_or_else(
             || (Moving::still(now.frame), Vector3::zeros(), Vector3::zeros()),
             |(motion, start)| {
@@ -217,10 +255,12 @@ impl<'a> Setup<'a> {
 fn acceleration(rod: &Rod, node_forces: &[Vector3<f64>], span: &Span) -> f64 {
     let mass = rod.fiber.mass();
     let pull = |side| match span.end(side) {
-        End::Loaded { force, .. } => force.components().norm(),
+        End::Loaded { force, moment } => {
+            force.components().norm() + moment.components().norm() / rod.fiber.length()
+        }
         End::Held(_) | End::Pinned(_) => 0.0,
     };
     let line = span.stage.distributed.norm() * rod.fiber.length();
-    let forces = line + largest(node_forces.iter()) + pull(Side::Root) + pull(Side::Tip);
+    let forces = line + largest(node_forces.iter().copied()) + pull(Side::Root) + pull(Side::Tip);
     span.stage.gravity.norm() + forces / mass
 }

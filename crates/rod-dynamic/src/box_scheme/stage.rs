@@ -70,9 +70,15 @@ pub(super) enum RootFrame {
     Free { start: Rotation3<f64>, b: Vector3<f64> },
 }
 
-/// Magnitudes that residuals are measured by: of dv/dt, moments, d(kappa)/dt and dv/ds.
+/// Magnitudes that residuals are measured by.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scales(pub(super) [f64; 4]);
+pub(super) struct Scales {
+    /// Of the equations of a segment: force, moment, curvature rate and velocity per length.
+    pub(super) segment: [f64; 4],
+    /// Of velocities, and of forces and moments, at the ends.
+    pub(super) end_velocity: f64,
+    pub(super) end_load: f64,
+}
 
 /// The nonlinear equations of one step: everything known, in units of the solver.
 ///
@@ -188,7 +194,7 @@ impl Stage {
             },
         );
         *merit = 0.0;
-        let Scales(scales) = self.scales;
+        let scales = self.scales.segment;
         for (i, s) in segments.iter().enumerate() {
             residuals[i] = self.segment_residual(i, s, x, &middles[i]);
             let weighted: f64 =
@@ -201,7 +207,10 @@ impl Stage {
             ends::residual(&self.root, -1.0, &x[0], &law[0], &frames[0]),
             ends::residual(&self.tip, 1.0, &x[last], &law[last], &frames[last]),
         ];
-        *merit += ends.iter().flatten().map(|f| f * f).sum::<f64>();
+        for (end, f) in [&self.root, &self.tip].into_iter().zip(ends) {
+            let scale = end.scales(&self.scales);
+            *merit += f.iter().enumerate().map(|(r, f)| (f / scale[r / 3]).powi(2)).sum::<f64>();
+        }
     }
 
     fn segment_residual(

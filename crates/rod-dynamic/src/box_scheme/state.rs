@@ -4,6 +4,10 @@ use crate::{Energy, Rod, RodError, RodState};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
+/// Corrections of curvatures that are recomputed from frames. Each leaves `sin^2(k h / 2)` of a
+/// wave of wave number k: four suffice for all that a mesh resolves.
+const FITS: usize = 4;
+
 /// Values and time derivatives at a node, material frame, SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NodeState {
@@ -90,6 +94,19 @@ impl State {
         tip
     }
 
+    fn middles(&self, rod: &Rod) -> Vec<Rotation3<f64>> {
+        let mut middles = Vec::with_capacity(rod.fiber.segments());
+        self.walk(rod, |_, middle, _, _| middles.push(middle));
+        middles
+    }
+
+    /// The largest difference of the frames from those given.
+    fn misfit(&self, rod: &Rod, frames: &[Rotation3<f64>]) -> f64 {
+        let middles = self.middles(rod);
+        let gaps = middles.iter().zip(frames).map(|(a, b)| (a.matrix() - b.matrix()).norm());
+        gaps.fold(0.0, f64::max)
+    }
+
     pub(super) fn read(&self, rod: &Rod) -> RodState {
         let mut state = RodState {
             time: self.time,
@@ -127,12 +144,16 @@ impl State {
         // Curvatures at nodes follow from the frames only up to an alternating part; those given
         // decide it where they fit the frames, and are recomputed where they do not.
         adopt(&mut new, &state.curvatures);
-        let mut misfit = 0.0_f64;
-        new.walk(rod, |i, middle, _, _| {
-            misfit = misfit.max((middle.matrix() - state.frames[i].matrix()).norm());
-        });
-        if misfit > 1e-8 {
-            adopt(&mut new, &curvatures_of(&state.frames, h, &state.curvatures));
+        if new.misfit(rod, &state.frames) > 1e-8 && h.len() > 1 {
+            let target = bends(&state.frames, h);
+            let mut kappa = extended(&target);
+            for _ in 0..FITS {
+                adopt(&mut new, &kappa);
+                let found = bends(&new.middles(rod), h);
+                let missing: Vec<_> = target.iter().zip(&found).map(|(t, f)| t - f).collect();
+                kappa.iter_mut().zip(extended(&missing)).for_each(|(k, m)| *k += m);
+            }
+            adopt(&mut new, &kappa);
         }
         let omega = nodal(&state.angular_velocities);
         for (x, omega) in new.nodes.iter_mut().zip(omega) {
@@ -239,21 +260,23 @@ fn check(state: &RodState, segments: usize) -> Result<(), RodError> {
     }
 }
 
-/// Curvatures at the nodes from frames at the midpoints of segments: differences inside, at the
-/// ends those of the neighbours, and for a single segment those given.
-fn curvatures_of(
-    frames: &[Rotation3<f64>],
-    h: &[f64],
-    given: &[Vector3<f64>],
-) -> Vec<Vector3<f64>> {
-    let last = frames.len();
-    if last == 1 {
-        return given.to_vec();
-    }
-    let inner = |j: usize| {
-        so3::log(&(frames[j - 1].inverse() * frames[j])) / (0.5 * (h[j - 1] + h[j]))
+/// Curvatures at the inner nodes as differences of frames at the midpoints of segments: means of
+/// what the scheme has there, `(kappa_(j-1) + 2 kappa_j + kappa_(j+1)) / 4`.
+fn bends(frames: &[Rotation3<f64>], h: &[f64]) -> Vec<Vector3<f64>> {
+    let bend = |(m, h): (&[Rotation3<f64>], &[f64])| {
+        so3::log(&(m[0].inverse() * m[1])) / (0.5 * (h[0] + h[1]))
     };
-    (0..=last).map(|j| inner(j.clamp(1, last - 1))).collect()
+    frames.windows(2).zip(h.windows(2)).map(bend).collect()
+}
+
+/// Values at inner nodes, continued on straight lines to the ends.
+fn extended(inner: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let last = inner.len() - 1;
+    let beyond = |end: usize, next: usize| 2.0 * inner[end] - inner[next];
+    let mut all = vec![beyond(0, 1.min(last))];
+    all.extend_from_slice(inner);
+    all.push(beyond(last, last.saturating_sub(1)));
+    all
 }
 
 /// The least rough values at the nodes whose means over the segments are those given.

@@ -57,6 +57,6 @@ impl Units {
 }
 
 /// The largest norm.
-pub(super) fn largest<'a>(vectors: impl Iterator<Item = &'a Vector3<f64>>) -> f64 {
-    vectors.map(Vector3::norm).fold(0.0, f64::max)
+pub(super) fn largest(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {
+    vectors.map(|v| v.norm()).fold(0.0, f64::max)
 }

@@ -1,5 +1,5 @@
 //! What the integration tests share: reference cases, oracle files, rods in scaled units.
-#![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};

@@ -1,0 +1,474 @@
+//! The implicit problem of one step: find the rotations that balance every segment.
+//!
+//! Node `a` obeys `mu_a u_a = n_(a+1) - n_a + b_a`, with `u_a` its displacement from the start of
+//! the step, `mu_a` its mass times the scheme's coefficient, and `b_a` everything known. Segment
+//! `e` joins nodes `e - 1` and `e` with `r_e - r_(e-1) = h_e d3_e`; `n_e` is that constraint's
+//! multiplier, the force of the part beyond on the part before. Joint `j` lies at node `j`, has
+//! the rotation vector `phi = log(R_j^T R_(j+1))` and the energy `(phi - target)^T K (phi -
+//! target) / 2`. Rotary inertia is a mass on the directors, so it is one more constant vector
+//! `p_k` beside each director: the torque on a segment is
+//! `sum d_k x p_k + h d3 x n + M_(j=e) - M_(j=e-1)`.
+//!
+//! Positions are rebuilt from rotations and forces from positions, so every iterate satisfies the
+//! constraints and the momentum balance to rounding. Newton's matrix, in `(dn_e, dtheta_e)`, is
+//! symmetric quasi-definite and block tridiagonal; see [`super::factor`].
+
+use super::ends::Ends;
+use super::factor::{Block, Factor};
+use super::lanes::{Lane, M3, Quat, Sym, V3};
+use super::search::{MAX_ITERATIONS, Outcome, Search};
+use pulp::Simd;
+use pulp::bytemuck::Zeroable;
+
+/// The unknown rotations of one pack of fibres and everything that determines them.
+///
+/// Arrays hold `components * count` registers; `n` segments, `n + 1` nodes and joints.
+pub(super) struct Chain<S: Simd> {
+    pub(super) simd: S,
+    pub(super) n: usize,
+    /// Segment lengths.
+    pub(super) h: Vec<S::f64s>,
+    /// Stiffness of the joints (3), with the damping of the step in it.
+    pub(super) k: Vec<S::f64s>,
+    /// Rotation vectors at which the joints are at rest (3).
+    pub(super) target: Vec<S::f64s>,
+    /// Mass coefficients of the nodes, and their inverses (zero where a node is held).
+    pub(super) mu: Vec<S::f64s>,
+    pub(super) w: Vec<S::f64s>,
+    /// Known forces on the nodes (3).
+    pub(super) b: Vec<S::f64s>,
+    /// Positions of the nodes at the start of the step (3).
+    pub(super) start: Vec<S::f64s>,
+    /// Inertia vectors beside d1, d2, d3 (9).
+    pub(super) p: Vec<S::f64s>,
+    pub(super) ends: Ends<S>,
+    /// Rotations of the segments (4).
+    pub(super) q: Vec<S::f64s>,
+    /// Positions (3), directors (9), forces (3), rotation vectors of the joints (3).
+    pub(super) r: Vec<S::f64s>,
+    pub(super) d: Vec<S::f64s>,
+    /// Directors at the start of the step (9).
+    pub(super) d_start: Vec<S::f64s>,
+    pub(super) force: Vec<S::f64s>,
+    pub(super) phi: Vec<S::f64s>,
+    pub(super) factor: Factor<S>,
+    /// Increments (6) of the last solve, the direction being searched (6), and its origin (4).
+    step: Vec<S::f64s>,
+    direction: Vec<S::f64s>,
+    origin: Vec<S::f64s>,
+}
+
+impl<S: Simd> Chain<S> {
+    pub(super) fn new(simd: S, n: usize) -> Self {
+        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
+        let zero = S::f64s::zeroed();
+        Self {
+            simd,
+            n,
+            h: zeros(n),
+            k: zeros(3 * (n + 1)),
+            target: zeros(3 * (n + 1)),
+            mu: zeros(n + 1),
+            w: zeros(n + 1),
+            b: zeros(3 * (n + 1)),
+            start: zeros(3 * (n + 1)),
+            p: zeros(9 * n),
+            ends: Ends::new(),
+            q: zeros(4 * n),
+            r: zeros(3 * (n + 1)),
+            d: zeros(9 * n),
+            d_start: zeros(9 * n),
+            force: zeros(3 * n),
+            phi: zeros(3 * (n + 1)),
+            factor: Factor::new(n),
+            step: zeros(6 * n),
+            direction: zeros(6 * n),
+            origin: zeros(4 * n),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn one(&self, a: &[S::f64s], i: usize) -> Lane<S> {
+        Lane::new(self.simd, a[i])
+    }
+    #[inline(always)]
+    pub(super) fn vec(&self, a: &[S::f64s], i: usize) -> V3<S> {
+        let a = &a[3 * i..3 * i + 3];
+        self.lift([a[0], a[1], a[2]])
+    }
+    #[inline(always)]
+    pub(super) fn lift(&self, a: [S::f64s; 3]) -> V3<S> {
+        V3([Lane::new(self.simd, a[0]), Lane::new(self.simd, a[1]), Lane::new(self.simd, a[2])])
+    }
+    #[inline(always)]
+    fn quat(&self, a: &[S::f64s]) -> Quat<S> {
+        Quat { v: self.lift([a[0], a[1], a[2]]), w: Lane::new(self.simd, a[3]) }
+    }
+    #[inline(always)]
+    fn directors(&self, e: usize) -> [V3<S>; 3] {
+        [self.vec(&self.d, 3 * e), self.vec(&self.d, 3 * e + 1), self.vec(&self.d, 3 * e + 2)]
+    }
+    /// A load given in world and follower components, in the world.
+    #[inline(always)]
+    fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
+        let [x, y, z] = self.lift(load[1]).0;
+        frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.lift(load[0]))))
+    }
+
+    /// Keeps the directors of the present rotations as those of the start of the step.
+    #[inline(always)]
+    pub(super) fn keep_directors(&mut self) {
+        for e in 0..self.n {
+            let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
+            for k in 0..3 {
+                store(&mut self.d_start, 3 * e + k, d[k]);
+            }
+        }
+    }
+
+    /// Rebuilds directors, positions and forces from the rotations. Returns the potential energy
+    /// of the nodes and the gap that a held tip leaves.
+    #[inline(always)]
+    pub(super) fn shape(&mut self) -> (Lane<S>, V3<S>) {
+        let (simd, n, ends) = (self.simd, self.n, self.ends);
+        for e in 0..n {
+            let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
+            for k in 0..3 {
+                store(&mut self.d, 3 * e + k, d[k]);
+            }
+        }
+        let last = self.directors(n - 1);
+        let tip_force = self.world(ends.tip_force, last);
+        let root_force = self.world(ends.root_force, self.directors(0));
+        let root_free = Lane::new(simd, ends.root_free);
+        let mut position = self.lift(ends.root_position);
+        if ends.any_root_free {
+            // The momentum of the whole rod places a free root.
+            let mut sum = tip_force + root_force;
+            let mut mass = Lane::splat(simd, 0.0);
+            let mut chord = V3::splat(simd, 0.0);
+            for a in 0..=n {
+                if a > 0 {
+                    chord = self.vec(&self.d, 3 * a - 1).fma(self.one(&self.h, a - 1), chord);
+                }
+                let mu = self.one(&self.mu, a);
+                sum += self.vec(&self.b, a) - (chord - self.vec(&self.start, a)).scale(mu);
+                mass = mass + mu;
+            }
+            let free = sum.scale(mass.recip());
+            position = free.positive_or(root_free, position);
+        }
+        store(&mut self.r, 0, position);
+        for e in 0..n {
+            position = self.vec(&self.d, 3 * e + 2).fma(self.one(&self.h, e), position);
+            store(&mut self.r, e + 1, position);
+        }
+        let gap = (self.lift(ends.tip_position) - position).scale(Lane::new(simd, ends.tip_held));
+        // Forces from the tip inward; the tip's own balance gives the first unless it is held.
+        let (mut u, mut potential) = self.node_potential(n);
+        let free = tip_force + self.vec(&self.b, n) - u.scale(self.one(&self.mu, n));
+        let held = self.lift(ends.tip_reaction);
+        let tip_held = Lane::new(simd, ends.tip_held);
+        potential = potential - tip_force.dot(u);
+        let mut force = held.positive_or(tip_held, free);
+        store(&mut self.force, n - 1, force);
+        for a in (1..n).rev() {
+            let (node, energy) = self.node_potential(a);
+            u = node;
+            potential = potential + energy;
+            force += self.vec(&self.b, a) - u.scale(self.one(&self.mu, a));
+            store(&mut self.force, a - 1, force);
+        }
+        let (u, energy) = self.node_potential(0);
+        potential = potential + root_free * (energy - root_force.dot(u));
+        (potential, gap)
+    }
+
+    /// Displacement of node `a` and its potential `mu u^2 / 2 - b u`.
+    #[inline(always)]
+    fn node_potential(&self, a: usize) -> (V3<S>, Lane<S>) {
+        let u = self.vec(&self.r, a) - self.vec(&self.start, a);
+        let half = u.scale(self.one(&self.mu, a) * Lane::splat(self.simd, 0.5));
+        (u, (half - self.vec(&self.b, a)).dot(u))
+    }
+
+    /// Assembles Newton's matrix at the present shape, factors it, and solves for the increments.
+    /// `definite` lanes (flag 1) use the part of the Hessian that is positive by construction.
+    /// Returns the potential energy of joints and directors and the smallest pivot.
+    #[inline(always)]
+    pub(super) fn assemble(&mut self, gap: V3<S>, definite: Lane<S>) -> (Lane<S>, Lane<S>) {
+        let (simd, n, ends) = (self.simd, self.n, self.ends);
+        let zero = Lane::splat(simd, 0.0);
+        let exact = Lane::splat(simd, 1.0) - definite;
+        let mut potential = zero;
+        let mut pivot = Lane::splat(simd, f64::MAX);
+        let root = self.quat(&ends.root_frame);
+        let tip = self.quat(&ends.tip_frame);
+        let mut here = self.quat(&self.q[..4]);
+        let mut left = self.joint(0, root, here, self.directors(0), exact);
+        store(&mut self.phi, 0, left.phi);
+        potential = potential + left.energy;
+        let mut carry = Block::zero(simd);
+        for e in 0..n {
+            let d = self.directors(e);
+            let right = if e + 1 < n {
+                let next = self.quat(&self.q[4 * e + 4..4 * e + 8]);
+                let right = self.joint(e + 1, here, next, self.directors(e + 1), exact);
+                here = next;
+                right
+            } else if ends.any_tip_joint {
+                self.joint(n, here, tip, tip.directors(), exact)
+            } else {
+                Joint::none(simd)
+            };
+            store(&mut self.phi, e + 1, right.phi);
+            potential = potential + right.energy;
+
+            let h = self.one(&self.h, e);
+            let p = [self.vec(&self.p, 3 * e), self.vec(&self.p, 3 * e + 1), self.vec(&self.p, 3 * e + 2)];
+            let axial = self.vec(&self.force, e).fma(h, p[2]);
+            let mut torque = right.moment - left.moment;
+            let mut hessian = left.hessian + right.hessian;
+            for (d, p) in [(d[0], p[0]), (d[1], p[1]), (d[2], axial)] {
+                torque += d.cross(p);
+                hessian = hessian + director_hessian(d, p, definite);
+            }
+            potential = potential - d[0].dot(p[0]) - d[1].dot(p[1]) - d[2].dot(p[2]);
+            if e == 0 {
+                torque += self.world(ends.root_moment, d);
+            }
+            if e + 1 == n {
+                torque += self.world(ends.tip_moment, d);
+            }
+            let (w0, w1) = (self.one(&self.w, e), self.one(&self.w, e + 1));
+            let block = Block {
+                compliance: Sym::diagonal(-(w0 + w1)),
+                lever: hat(d[2].scale(h)),
+                stiffness: hessian,
+                load: if e + 1 == n { V3::splat(simd, 0.0) - gap } else { V3::splat(simd, 0.0) },
+                torque,
+            };
+            let coupling = hat(right.moment.scale(exact * Lane::splat(simd, 0.5))) - right.coupling.full();
+            let (next, smallest) = self.factor.eliminate(simd, e, block - carry, w1, coupling);
+            carry = next;
+            pivot = pivot.min(smallest);
+            left = right;
+        }
+        self.factor.back_substitute(simd, &mut self.step);
+        (potential, pivot)
+    }
+
+    /// Moment, energy and Hessian of the joint between rotations `a` and `b`; `d` belongs to `b`.
+    #[inline(always)]
+    fn joint(&self, j: usize, a: Quat<S>, b: Quat<S>, d: [V3<S>; 3], exact: Lane<S>) -> Joint<S> {
+        let (phi, fw) = a.inverse_times(b).log();
+        let k = self.vec(&self.k, j);
+        let strain = phi - self.vec(&self.target, j);
+        let m = k.times(strain);
+        let one = fw.lift(1.0);
+        let half = fw.lift(0.5);
+        let angle2 = phi.dot(phi);
+        // (1 - (a/2) cot(a/2)) / a^2; the error of the quotient is multiplied by a^2 below.
+        let c = half.nma(fw, one) * (angle2 + fw.lift(1e-200)).recip();
+        let turned = phi.cross(m);
+        let local = phi.cross(turned).fma(c, m) - turned.scale(half);
+        let moment = combine(d, local);
+        // Rows of J^-1 R^T, J^-1 = E + hat(phi)/2 + c (phi phi^T - a^2 E).
+        let [x, y, z] = phi.0;
+        let s = c.nma(angle2, one);
+        let cp = phi.scale(c);
+        let inverse = M3([
+            V3([cp.0[0].fma(x, s), half.nma(z, cp.0[0] * y), half.fma(y, cp.0[0] * z)]),
+            V3([half.fma(z, cp.0[1] * x), cp.0[1].fma(y, s), half.nma(x, cp.0[1] * z)]),
+            V3([half.nma(y, cp.0[2] * x), half.fma(x, cp.0[2] * y), cp.0[2].fma(z, s)]),
+        ]);
+        let j = M3(d).transposed().times(inverse.transposed()).transposed();
+        let kj = M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]);
+        let coupling = Sym::transposed_product(j, kj);
+        // Second order of the logarithm: (sym(phi m^T) - (phi m) E) / 6, in world components.
+        let (phi_world, m_world) = (combine(d, phi), combine(d, m));
+        let sixth = exact * fw.lift(1.0 / 6.0);
+        let curvature = minus_director_hessian(phi_world, m_world).scale(sixth);
+        let hessian = coupling + curvature;
+        Joint { phi, moment, energy: half * m.dot(strain), hessian, coupling: hessian }
+    }
+
+    /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
+    /// do lanes once they have converged: no fibre depends on its neighbours in the pack.
+    #[inline(always)]
+    pub(super) fn newton(&mut self, wanted: &[bool; 8], out: &mut [Outcome; 8]) {
+        let simd = self.simd;
+        let lanes = S::F64_LANES;
+        let mut search = [Search::default(); 8];
+        for lane in 0..lanes {
+            search[lane].active = wanted[lane];
+            if wanted[lane] {
+                out[lane] = Outcome::NONE;
+            }
+        }
+        let tip_held = Lane::new(simd, self.ends.tip_held);
+        for iteration in 0..MAX_ITERATIONS {
+            let (nodes, gap) = self.shape();
+            let joints = self.solve(gap, &search);
+            let potential = nodes + joints;
+            let mut largest = Lane::splat(simd, 0.0);
+            for e in 0..self.n {
+                largest = largest.max(self.vec(&self.step, 2 * e + 1).max_abs());
+            }
+            let open = gap.max_abs();
+            let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
+            for lane in 0..lanes {
+                if search[lane].active {
+                    let closed = get(open, lane) <= 1e-14 * self.n as f64 * get(self.one(&self.h, 0), lane);
+                    let constrained = get(tip_held, lane) > 0.0;
+                    (fresh[lane], scale[lane]) = search[lane].next(
+                        &mut out[lane],
+                        iteration,
+                        get(largest, lane),
+                        get(potential, lane),
+                        constrained,
+                        closed,
+                    );
+                }
+            }
+            let lift = |x: &[f64; 8]| Lane::new(simd, simd.partial_load_f64s(&x[..lanes]));
+            self.advance(lift(&fresh), lift(&scale));
+            if !search[..lanes].iter().any(|s| s.active) {
+                break;
+            }
+        }
+        self.shape();
+    }
+
+    /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
+    /// definite part. Returns the potential energy of joints and directors.
+    #[inline(always)]
+    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> Lane<S> {
+        let lanes = S::F64_LANES;
+        let mut definite = [0.0; 8];
+        let mut potential = Lane::splat(self.simd, 0.0);
+        for weight in [0.1, 0.3, 1.0, 0.0] {
+            let flags = Lane::new(self.simd, self.simd.partial_load_f64s(&definite[..lanes]));
+            let (energy, pivot) = self.assemble(gap, flags);
+            potential = energy;
+            let mut again = false;
+            for lane in 0..lanes {
+                // A NaN is not positive either; Newton's method gives up on it.
+                let positive = get(pivot, lane) > 0.0;
+                if search[lane].active && !positive && weight > 0.0 {
+                    definite[lane] = weight;
+                    again = true;
+                }
+            }
+            if !again {
+                break;
+            }
+        }
+        potential
+    }
+
+    /// Turns the segments by `scale` times the direction, from where the direction started. Lanes
+    /// with `fresh > 0` take the last solve as their new direction first.
+    #[inline(always)]
+    fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
+        for e in 0..self.n {
+            let (new, old) = (self.vec(&self.step, 2 * e + 1), self.vec(&self.direction, 2 * e + 1));
+            let (here, origin) = (self.quat(&self.q[4 * e..]), self.quat(&self.origin[4 * e..]));
+            let turn = new.positive_or(fresh, old);
+            let from = here.positive_or(fresh, origin);
+            store(&mut self.direction, 2 * e + 1, turn);
+            store_quat(&mut self.origin, e, from);
+            let to = from.turned_by(turn.scale(scale));
+            store_quat(&mut self.q, e, to.positive_or(scale, here));
+        }
+        let reaction = self.vec(&self.step, 2 * (self.n - 1));
+        let held = self.lift(self.ends.tip_reaction);
+        let moved = reaction.fma(scale, held).positive_or(fresh, held);
+        self.ends.tip_reaction = moved.0.map(
+            #[inline(always)]
+            |x| x.value,
+        );
+    }
+}
+
+/// What a joint does to its two segments.
+struct Joint<S: Simd> {
+    phi: V3<S>,
+    /// Moment on the segment before, world components.
+    moment: V3<S>,
+    energy: Lane<S>,
+    hessian: Sym<S>,
+    coupling: Sym<S>,
+}
+
+impl<S: Simd> Joint<S> {
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
+        let sym = Sym::diagonal(zero);
+        Self { phi: v, moment: v, energy: zero, hessian: sym, coupling: sym }
+    }
+}
+
+/// `d1 x + d2 y + d3 z`.
+#[inline(always)]
+fn combine<S: Simd>(d: [V3<S>; 3], v: V3<S>) -> V3<S> {
+    d[0].fma(v.0[0], d[1].fma(v.0[1], d[2].scale(v.0[2])))
+}
+
+#[inline(always)]
+fn hat<S: Simd>(v: V3<S>) -> M3<S> {
+    let [x, y, z] = v.0;
+    let o = x.lift(0.0);
+    M3([V3([o, -z, y]), V3([z, o, -x]), V3([-y, x, o])])
+}
+
+/// Second variation of `-p d` under a rotation of `d`: `(p d) E - sym(p d^T)`; in definite lanes
+/// its part along the director's own length, if positive.
+#[inline(always)]
+fn director_hessian<S: Simd>(d: V3<S>, p: V3<S>, definite: Lane<S>) -> Sym<S> {
+    let along = p.dot(d);
+    let projected = d.scale(along.max(along.lift(0.0)));
+    let mut used = p;
+    used += (projected - p).scale(definite);
+    Sym::diagonal(along.lift(0.0)) - minus_director_hessian(d, used)
+}
+
+/// `sym(p d^T) - (p d) E`.
+#[inline(always)]
+fn minus_director_hessian<S: Simd>(d: V3<S>, p: V3<S>) -> Sym<S> {
+    let ([d0, d1, d2], [p0, p1, p2]) = (d.0, p.0);
+    let half = d0.lift(0.5);
+    let (xx, yy, zz) = (p0 * d0, p1 * d1, p2 * d2);
+    Sym([
+        -(yy + zz),
+        -(xx + zz),
+        -(xx + yy),
+        half * p0.fma(d1, p1 * d0),
+        half * p0.fma(d2, p2 * d0),
+        half * p1.fma(d2, p2 * d1),
+    ])
+}
+
+#[inline(always)]
+pub(super) fn store<S: Simd>(a: &mut [S::f64s], i: usize, v: V3<S>) {
+    let a = &mut a[3 * i..3 * i + 3];
+    for k in 0..3 {
+        a[k] = v.0[k].value;
+    }
+}
+
+#[inline(always)]
+fn store_quat<S: Simd>(a: &mut [S::f64s], i: usize, q: Quat<S>) {
+    let a = &mut a[4 * i..4 * i + 4];
+    for k in 0..3 {
+        a[k] = q.v.0[k].value;
+    }
+    a[3] = q.w.value;
+}
+
+/// The number in one lane.
+#[inline(always)]
+pub(super) fn get<S: Simd>(x: Lane<S>, lane: usize) -> f64 {
+    pulp::bytemuck::cast_slice::<S::f64s, f64>(std::slice::from_ref(&x.value))[lane]
+}

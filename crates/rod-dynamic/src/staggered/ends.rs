@@ -1,0 +1,150 @@
+//! What holds or loads the two ends of each fibre of a pack.
+
+use super::pack::set;
+use crate::{End, Instant, Load};
+use nalgebra::Vector3;
+use pulp::Simd;
+use pulp::bytemuck::Zeroable;
+
+/// The ends, with flags of 0 or 1 in each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<S: Simd> {
+    /// Whether the root's position is free, and whether a joint clamps its frame.
+    pub(super) root_free: S::f64s,
+    pub(super) root_joint: S::f64s,
+    pub(super) root_position: [S::f64s; 3],
+    pub(super) root_frame: [S::f64s; 4],
+    /// Whether the tip's position is held, and whether a joint clamps its frame.
+    pub(super) tip_held: S::f64s,
+    pub(super) tip_joint: S::f64s,
+    pub(super) tip_position: [S::f64s; 3],
+    pub(super) tip_frame: [S::f64s; 4],
+    /// World components, then follower components.
+    pub(super) root_force: [[S::f64s; 3]; 2],
+    pub(super) root_moment: [[S::f64s; 3]; 2],
+    pub(super) tip_force: [[S::f64s; 3]; 2],
+    pub(super) tip_moment: [[S::f64s; 3]; 2],
+    /// Force in the last segment where the tip is held: an unknown of its own.
+    pub(super) tip_reaction: [S::f64s; 3],
+    /// Whether any lane has a free root, or a joint at its tip.
+    pub(super) any_root_free: bool,
+    pub(super) any_tip_joint: bool,
+}
+
+/// The kind of an [`End`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Held,
+    Pinned,
+    Loaded,
+}
+
+/// How the two ends of one lane are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Held {
+    pub(super) root: Kind,
+    pub(super) tip: Kind,
+}
+
+impl Held {
+    pub(super) const FREE: Self = Self { root: Kind::Loaded, tip: Kind::Loaded };
+}
+
+impl<S: Simd> Ends<S> {
+    pub(super) fn new() -> Self {
+        let zero = S::f64s::zeroed();
+        let load = [[zero; 3]; 2];
+        Self {
+            root_free: zero,
+            root_joint: zero,
+            root_position: [zero; 3],
+            root_frame: [zero; 4],
+            tip_held: zero,
+            tip_joint: zero,
+            tip_position: [zero; 3],
+            tip_frame: [zero; 4],
+            root_force: load,
+            root_moment: load,
+            tip_force: load,
+            tip_moment: load,
+            tip_reaction: [zero; 3],
+            any_root_free: false,
+            any_tip_joint: false,
+        }
+    }
+
+    /// Sets one lane. A tip that was free until now starts from the force `reaction`.
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        now: &Instant,
+        before: Held,
+        reaction: [f64; 3],
+    ) -> Held {
+        let root = Part::of(&now.root);
+        put(std::slice::from_mut(&mut self.root_free), lane, &[f64::from(root.kind == Kind::Loaded)]);
+        put(std::slice::from_mut(&mut self.root_joint), lane, &[f64::from(root.kind == Kind::Held)]);
+        put(&mut self.root_position, lane, root.position.as_slice());
+        put(&mut self.root_frame, lane, &root.frame);
+        put_load(&mut self.root_force, lane, &root.force);
+        put_load(&mut self.root_moment, lane, &root.moment);
+        let tip = Part::of(&now.tip);
+        put(std::slice::from_mut(&mut self.tip_held), lane, &[f64::from(tip.kind != Kind::Loaded)]);
+        put(std::slice::from_mut(&mut self.tip_joint), lane, &[f64::from(tip.kind == Kind::Held)]);
+        put(&mut self.tip_position, lane, tip.position.as_slice());
+        put(&mut self.tip_frame, lane, &tip.frame);
+        put_load(&mut self.tip_force, lane, &tip.force);
+        put_load(&mut self.tip_moment, lane, &tip.moment);
+        if before.tip == Kind::Loaded && tip.kind != Kind::Loaded {
+            put(&mut self.tip_reaction, lane, &reaction);
+        }
+        Held { root: root.kind, tip: tip.kind }
+    }
+}
+
+/// One end, with zeros for what it does not have.
+struct Part {
+    kind: Kind,
+    position: Vector3<f64>,
+    frame: [f64; 4],
+    force: Load,
+    moment: Load,
+}
+
+impl Part {
+    fn of(end: &End) -> Self {
+        let none = Self {
+            kind: Kind::Pinned,
+            position: Vector3::zeros(),
+            frame: [0.0, 0.0, 0.0, 1.0],
+            force: Load::ZERO,
+            moment: Load::ZERO,
+        };
+        match *end {
+            End::Held(pose) => Self {
+                kind: Kind::Held,
+                position: pose.translation.vector,
+                frame: pose.rotation.coords.into(),
+                ..none
+            },
+            End::Pinned(position) => Self { position: position.coords, ..none },
+            End::Loaded { force, moment } => Self { kind: Kind::Loaded, force, moment, ..none },
+        }
+    }
+}
+
+fn put<T: pulp::bytemuck::Pod>(a: &mut [T], lane: usize, x: &[f64]) {
+    for (i, x) in x.iter().enumerate() {
+        set(a, i, lane, *x);
+    }
+}
+
+fn put_load<T: pulp::bytemuck::Pod>(a: &mut [[T; 3]; 2], lane: usize, load: &Load) {
+    let zero = Vector3::zeros();
+    let (world, follower) = match load {
+        Load::World(v) => (v, &zero),
+        Load::Follower(v) => (&zero, v),
+    };
+    put(&mut a[0], lane, world.as_slice());
+    put(&mut a[1], lane, follower.as_slice());
+}

@@ -1,0 +1,126 @@
+//! A pack with its register width hidden, and the choice of that width.
+
+use super::pack::{Pack, at, set};
+use super::scheme::Scheme;
+use super::search::Outcome;
+use crate::{Energy, Instant, Rod, RodState};
+use nalgebra::{Point3, Vector3};
+use pulp::Simd;
+
+/// What a batch needs of a [`Pack`], whatever its register width.
+pub(super) trait Engine: Send {
+    fn attempt(
+        &mut self,
+        dt: &[f64; 8],
+        wanted: &[bool; 8],
+        starting: bool,
+        out: &mut [Outcome; 8],
+    );
+    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool);
+    fn set_conditions(&mut self, lane: usize, now: &Instant);
+    fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState);
+    fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
+    fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
+    /// Appends all numbers of one lane's state.
+    fn save(&self, lane: usize, numbers: &mut Vec<f64>);
+    /// Takes the numbers back from the front of `numbers`, and returns the rest.
+    fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64];
+    /// Takes back the rotations and the reaction of one lane only, which an attempt changes.
+    fn undo(&mut self, lane: usize);
+    /// Remembers the rotations and reactions of all lanes for [`Engine::undo`].
+    fn remember(&mut self);
+    /// How many numbers a lane's state has.
+    fn numbers(&self) -> usize;
+}
+
+impl<S: Simd> Engine for Pack<S> {
+    fn attempt(
+        &mut self,
+        dt: &[f64; 8],
+        wanted: &[bool; 8],
+        starting: bool,
+        out: &mut [Outcome; 8],
+    ) {
+        Self::attempt(self, dt, wanted, starting, out);
+    }
+    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool) {
+        Self::commit(self, dt, done, starting);
+    }
+    fn set_conditions(&mut self, lane: usize, now: &Instant) {
+        Self::set_conditions(self, lane, now);
+    }
+    fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState) {
+        Self::set_state(self, lane, root, state);
+    }
+    fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
+        for i in 0..3 {
+            set(&mut self.node_forces, 3 * node + i, lane, force[i]);
+        }
+    }
+    fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState {
+        Self::state(self, lane, rod, time)
+    }
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
+        Self::energy(self, lane, gravity)
+    }
+    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
+        (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
+    }
+    fn save(&self, lane: usize, numbers: &mut Vec<f64>) {
+        for array in self.arrays() {
+            numbers.extend((0..array.len()).map(|i| at(array, i, lane)));
+        }
+    }
+    fn restore<'a>(&mut self, lane: usize, mut numbers: &'a [f64]) -> &'a [f64] {
+        for array in self.arrays_mut() {
+            let (head, tail) = numbers.split_at(array.len());
+            for (i, x) in head.iter().enumerate() {
+                set(array, i, lane, *x);
+            }
+            numbers = tail;
+        }
+        numbers
+    }
+    fn remember(&mut self) {
+        self.q_start.copy_from_slice(&self.chain.q);
+        self.reaction_start = self.chain.ends.tip_reaction;
+    }
+    fn undo(&mut self, lane: usize) {
+        for i in 0..self.q_start.len() {
+            set(&mut self.chain.q, i, lane, at(&self.q_start, i, lane));
+        }
+        for i in 0..3 {
+            set(&mut self.chain.ends.tip_reaction, i, lane, at(&self.reaction_start, i, lane));
+        }
+    }
+    fn numbers(&self) -> usize {
+        self.arrays().iter().map(|a| a.len()).sum()
+    }
+}
+
+/// Builds the engine for at most eight rods: two lanes for one or two, else eight. All variants
+/// compute the same numbers where the machine has fused multiply-add.
+pub(super) fn build(rods: &[Rod], scheme: Scheme) -> Box<dyn Engine> {
+    let wide = rods.len() > 2;
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V4::try_new()
+        && wide
+    {
+        return Box::new(Pack::new(simd, rods, scheme));
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return if wide {
+            Box::new(Pack::new(pulp::x86::V3_512b(simd), rods, scheme))
+        } else {
+            Box::new(Pack::new(pulp::x86::V3_128b(simd), rods, scheme))
+        };
+    }
+    if wide {
+        Box::new(Pack::new(pulp::Scalar512b, rods, scheme))
+    } else {
+        Box::new(Pack::new(pulp::Scalar128b, rods, scheme))
+    }
+}

@@ -1,0 +1,420 @@
+//! Small vectors and matrices whose entries are SIMD lanes, one fibre in each.
+//!
+//! One source serves one fibre and eight: [`Lane`] wraps whatever register `pulp` chose. Every
+//! function is `inline(always)`, because only then does it take on the caller's target features.
+
+use pulp::Simd;
+use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+
+/// One number for each fibre of a pack.
+#[derive(Clone, Copy)]
+pub(super) struct Lane<S: Simd> {
+    simd: S,
+    pub(super) value: S::f64s,
+}
+
+impl<S: Simd> Lane<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, value: S::f64s) -> Self {
+        Self { simd, value }
+    }
+    #[inline(always)]
+    pub(super) fn splat(simd: S, x: f64) -> Self {
+        Self { simd, value: simd.splat_f64s(x) }
+    }
+    /// The constant `x` in all lanes.
+    #[inline(always)]
+    pub(super) fn lift(self, x: f64) -> Self {
+        Self::splat(self.simd, x)
+    }
+    /// `self * b + c` with one rounding where the machine has it.
+    #[inline(always)]
+    pub(super) fn fma(self, b: Self, c: Self) -> Self {
+        Self::new(self.simd, self.simd.mul_add_e_f64s(self.value, b.value, c.value))
+    }
+    /// `c - self * b`.
+    #[inline(always)]
+    pub(super) fn nma(self, b: Self, c: Self) -> Self {
+        (-self).fma(b, c)
+    }
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        Self::new(self.simd, self.simd.sqrt_f64s(self.value))
+    }
+    #[inline(always)]
+    pub(super) fn recip(self) -> Self {
+        Self::new(self.simd, self.simd.div_f64s(self.simd.splat_f64s(1.0), self.value))
+    }
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        Self::new(self.simd, self.simd.abs_f64s(self.value))
+    }
+    #[inline(always)]
+    pub(super) fn max(self, b: Self) -> Self {
+        Self::new(self.simd, self.simd.max_f64s(self.value, b.value))
+    }
+    #[inline(always)]
+    pub(super) fn min(self, b: Self) -> Self {
+        Self::new(self.simd, self.simd.min_f64s(self.value, b.value))
+    }
+    /// `yes` where `self > 0`, else `no` (also for NaN).
+    #[inline(always)]
+    pub(super) fn positive_or(self, yes: Self, no: Self) -> Self {
+        let mask = self.simd.greater_than_f64s(self.value, self.simd.splat_f64s(0.0));
+        Self::new(self.simd, self.simd.select_f64s(mask, yes.value, no.value))
+    }
+}
+
+impl<S: Simd> Add for Lane<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self::new(self.simd, self.simd.add_f64s(self.value, b.value))
+    }
+}
+
+impl<S: Simd> Sub for Lane<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self::new(self.simd, self.simd.sub_f64s(self.value, b.value))
+    }
+}
+
+impl<S: Simd> Mul for Lane<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        Self::new(self.simd, self.simd.mul_f64s(self.value, b.value))
+    }
+}
+
+impl<S: Simd> Neg for Lane<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(self.simd, self.simd.neg_f64s(self.value))
+    }
+}
+
+/// A vector in each lane.
+#[derive(Clone, Copy)]
+pub(super) struct V3<S: Simd>(pub(super) [Lane<S>; 3]);
+
+impl<S: Simd> V3<S> {
+    #[inline(always)]
+    pub(super) fn splat(simd: S, x: f64) -> Self {
+        Self([Lane::splat(simd, x); 3])
+    }
+    #[inline(always)]
+    pub(super) fn dot(self, b: Self) -> Lane<S> {
+        let [x, y, z] = self.0;
+        x.fma(b.0[0], y.fma(b.0[1], z * b.0[2]))
+    }
+    #[inline(always)]
+    pub(super) fn cross(self, b: Self) -> Self {
+        let ([a0, a1, a2], [b0, b1, b2]) = (self.0, b.0);
+        Self([a2.nma(b1, a1 * b2), a0.nma(b2, a2 * b0), a1.nma(b0, a0 * b1)])
+    }
+    #[inline(always)]
+    pub(super) fn scale(self, s: Lane<S>) -> Self {
+        let [x, y, z] = self.0;
+        Self([x * s, y * s, z * s])
+    }
+    /// `self * s + c`.
+    #[inline(always)]
+    pub(super) fn fma(self, s: Lane<S>, c: Self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x.fma(s, c.0[0]), y.fma(s, c.0[1]), z.fma(s, c.0[2])])
+    }
+    /// Product by components.
+    #[inline(always)]
+    pub(super) fn times(self, b: Self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x * b.0[0], y * b.0[1], z * b.0[2]])
+    }
+    /// `self` where `flag > 0`, else `no`.
+    #[inline(always)]
+    pub(super) fn positive_or(self, flag: Lane<S>, no: Self) -> Self {
+        let ([x, y, z], [a, b, c]) = (self.0, no.0);
+        Self([flag.positive_or(x, a), flag.positive_or(y, b), flag.positive_or(z, c)])
+    }
+    #[inline(always)]
+    pub(super) fn max_abs(self) -> Lane<S> {
+        let [x, y, z] = self.0;
+        x.abs().max(y.abs()).max(z.abs())
+    }
+}
+
+impl<S: Simd> Add for V3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x + b.0[0], y + b.0[1], z + b.0[2]])
+    }
+}
+
+impl<S: Simd> AddAssign for V3<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, b: Self) {
+        *self = *self + b;
+    }
+}
+
+impl<S: Simd> Sub for V3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x - b.0[0], y - b.0[1], z - b.0[2]])
+    }
+}
+
+impl<S: Simd> SubAssign for V3<S> {
+    #[inline(always)]
+    fn sub_assign(&mut self, b: Self) {
+        *self = *self - b;
+    }
+}
+
+/// A 3 x 3 matrix in each lane, by rows.
+#[derive(Clone, Copy)]
+pub(super) struct M3<S: Simd>(pub(super) [V3<S>; 3]);
+
+impl<S: Simd> M3<S> {
+    #[inline(always)]
+    pub(super) fn splat(simd: S, x: f64) -> Self {
+        Self([V3::splat(simd, x); 3])
+    }
+    #[inline(always)]
+    pub(super) fn apply(self, v: V3<S>) -> V3<S> {
+        let [a, b, c] = self.0;
+        V3([a.dot(v), b.dot(v), c.dot(v)])
+    }
+    /// `self^T v`.
+    #[inline(always)]
+    pub(super) fn apply_transposed(self, v: V3<S>) -> V3<S> {
+        let [a, b, c] = self.0;
+        a.fma(v.0[0], b.fma(v.0[1], c.scale(v.0[2])))
+    }
+    #[inline(always)]
+    pub(super) fn transposed(self) -> Self {
+        let [a, b, c] = self.0;
+        let row = |i: usize| V3([a.0[i], b.0[i], c.0[i]]);
+        Self([row(0), row(1), row(2)])
+    }
+    #[inline(always)]
+    pub(super) fn times(self, b: Self) -> Self {
+        let [x, y, z] = self.0;
+        Self([b.apply_transposed(x), b.apply_transposed(y), b.apply_transposed(z)])
+    }
+    #[inline(always)]
+    pub(super) fn scale(self, s: Lane<S>) -> Self {
+        let [a, b, c] = self.0;
+        Self([a.scale(s), b.scale(s), c.scale(s)])
+    }
+    /// Adds `s` to the diagonal.
+    #[inline(always)]
+    pub(super) fn add_diagonal(mut self, s: Lane<S>) -> Self {
+        for i in 0..3 {
+            self.0[i].0[i] = self.0[i].0[i] + s;
+        }
+        self
+    }
+}
+
+impl<S: Simd> Add for M3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self([self.0[0] + b.0[0], self.0[1] + b.0[1], self.0[2] + b.0[2]])
+    }
+}
+
+impl<S: Simd> Sub for M3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self([self.0[0] - b.0[0], self.0[1] - b.0[1], self.0[2] - b.0[2]])
+    }
+}
+
+/// A symmetric 3 x 3 matrix: xx, yy, zz, xy, xz, yz.
+#[derive(Clone, Copy)]
+pub(super) struct Sym<S: Simd>(pub(super) [Lane<S>; 6]);
+
+impl<S: Simd> Sym<S> {
+    #[inline(always)]
+    pub(super) fn diagonal(d: Lane<S>) -> Self {
+        let z = d.lift(0.0);
+        Self([d, d, d, z, z, z])
+    }
+    #[inline(always)]
+    pub(super) fn apply(self, v: V3<S>) -> V3<S> {
+        let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (self.0, v.0);
+        V3([
+            xx.fma(x, xy.fma(y, xz * z)),
+            xy.fma(x, yy.fma(y, yz * z)),
+            xz.fma(x, yz.fma(y, zz * z)),
+        ])
+    }
+    #[inline(always)]
+    pub(super) fn full(self) -> M3<S> {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        M3([V3([xx, xy, xz]), V3([xy, yy, yz]), V3([xz, yz, zz])])
+    }
+    /// `self * m`.
+    #[inline(always)]
+    pub(super) fn times(self, m: M3<S>) -> M3<S> {
+        self.full().times(m)
+    }
+    /// The symmetric part of `a^T b`, known to be symmetric.
+    #[inline(always)]
+    pub(super) fn transposed_product(a: M3<S>, b: M3<S>) -> Self {
+        let (a, b) = (a.0, b.0);
+        let e = |i: usize, j: usize| {
+            a[0].0[i].fma(b[0].0[j], a[1].0[i].fma(b[1].0[j], a[2].0[i] * b[2].0[j]))
+        };
+        Self([e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(0, 2), e(1, 2)])
+    }
+    /// `a b^T`, known to be symmetric.
+    #[inline(always)]
+    pub(super) fn product_transposed(a: M3<S>, b: M3<S>) -> Self {
+        let (a, b) = (a.0, b.0);
+        Self([
+            a[0].dot(b[0]),
+            a[1].dot(b[1]),
+            a[2].dot(b[2]),
+            a[0].dot(b[1]),
+            a[0].dot(b[2]),
+            a[1].dot(b[2]),
+        ])
+    }
+    #[inline(always)]
+    pub(super) fn scale(self, s: Lane<S>) -> Self {
+        Self(self.0.map(
+            #[inline(always)]
+            |x| x * s,
+        ))
+    }
+    /// The inverse through `L D L^T`, and the smallest of `sign * pivot`: positive exactly when
+    /// `sign * self` is positive definite.
+    #[inline(always)]
+    pub(super) fn inverse(self, sign: f64) -> (Self, Lane<S>) {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        let sign = xx.lift(sign);
+        let i0 = xx.recip();
+        let (l1, l2) = (xy * i0, xz * i0);
+        let d1 = l1.nma(xy, yy);
+        let i1 = d1.recip();
+        let e = l1.nma(xz, yz);
+        let l3 = e * i1;
+        let d2 = l3.nma(e, l2.nma(xz, zz));
+        let i2 = d2.recip();
+        // L^-1 has the entries -l1, -l3 and l1 l3 - l2.
+        let m = l1.fma(l3, -l2);
+        let (m2, l3i) = (m * i2, -(l3 * i2));
+        let (iyy, iyz) = (l3.nma(l3i, i1), l3i);
+        let ixy = m.fma(l3i, -(l1 * i1));
+        let ixx = m.fma(m2, l1.fma(l1 * i1, i0));
+        let pivot = (sign * xx).min(sign * d1).min(sign * d2);
+        (Self([ixx, iyy, i2, ixy, m2, iyz]), pivot)
+    }
+}
+
+impl<S: Simd> Add for Sym<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        let mut out = self;
+        for i in 0..6 {
+            out.0[i] = self.0[i] + b.0[i];
+        }
+        out
+    }
+}
+
+impl<S: Simd> Sub for Sym<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        let mut out = self;
+        for i in 0..6 {
+            out.0[i] = self.0[i] - b.0[i];
+        }
+        out
+    }
+}
+
+/// A unit quaternion in each lane, vector part first.
+#[derive(Clone, Copy)]
+pub(super) struct Quat<S: Simd> {
+    pub(super) v: V3<S>,
+    pub(super) w: Lane<S>,
+}
+
+impl<S: Simd> Quat<S> {
+    /// `self^-1 b`.
+    #[inline(always)]
+    pub(super) fn inverse_times(self, b: Self) -> Self {
+        Self {
+            v: b.v.fma(self.w, V3::splat(b.w.simd, 0.0) - self.v.scale(b.w)) - self.v.cross(b.v),
+            w: self.w.fma(b.w, self.v.dot(b.v)),
+        }
+    }
+    /// The Cayley rotation of `u` (angle `2 atan(|u|/2)`) from the left, normalised.
+    #[inline(always)]
+    pub(super) fn turned_by(self, u: V3<S>) -> Self {
+        let half = u.scale(self.w.lift(0.5));
+        let v = self.v + half.scale(self.w) + half.cross(self.v);
+        let w = self.w - half.dot(self.v);
+        let norm = w.fma(w, v.dot(v)).sqrt().recip();
+        Self { v: v.scale(norm), w: w * norm }
+    }
+    /// `self` where `flag > 0`, else `no`.
+    #[inline(always)]
+    pub(super) fn positive_or(self, flag: Lane<S>, no: Self) -> Self {
+        Self { v: self.v.positive_or(flag, no.v), w: flag.positive_or(self.w, no.w) }
+    }
+    /// The directors d1, d2, d3, world components.
+    #[inline(always)]
+    pub(super) fn directors(self) -> [V3<S>; 3] {
+        let ([x, y, z], w) = (self.v.0, self.w);
+        let one = w.lift(1.0);
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        [
+            V3([one - (yy + zz), xy + wz, xz - wy]),
+            V3([xy - wz, one - (xx + zz), yz + wx]),
+            V3([xz + wy, yz - wx, one - (xx + yy)]),
+        ]
+    }
+    /// The rotation vector (length at most pi), and `w |phi| / |v|` with both signs made positive.
+    #[inline(always)]
+    pub(super) fn log(self) -> (V3<S>, Lane<S>) {
+        let sign = self.w.positive_or(self.w.lift(1.0), self.w.lift(-1.0));
+        let one = self.w.lift(1.0);
+        let w = self.w * sign;
+        let v2 = self.v.dot(self.v);
+        // tan of a quarter, an eighth and a sixteenth of the angle, as multiples of |v|.
+        let mut k = (one + w).recip();
+        k = k * (one + k.fma(k * v2, one).sqrt()).recip();
+        k = k * (one + k.fma(k * v2, one).sqrt()).recip();
+        let f = k.lift(16.0) * k * atan_over(k * k * v2);
+        (self.v.scale(f * sign), f * w)
+    }
+}
+
+/// `atan(u) / u` for `u^2 <= 0.04`: its Taylor series, exact to rounding there.
+#[inline(always)]
+fn atan_over<S: Simd>(u2: Lane<S>) -> Lane<S> {
+    let mut sum = u2.lift(-1.0 / 23.0);
+    for k in (0..11_i32).rev() {
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        sum = sum.fma(u2, u2.lift(sign / f64::from(2 * k + 1)));
+    }
+    sum
+}

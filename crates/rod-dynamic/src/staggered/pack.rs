@@ -1,0 +1,306 @@
+//! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
+
+use super::chain::{Chain, store};
+use super::ends::{Held, Kind};
+use super::lanes::{Lane, V3};
+use super::scheme::{Scheme, Stage};
+use super::search::Outcome;
+use super::track::Track;
+use crate::{Instant, Rod};
+use pulp::bytemuck::{self, Pod, Zeroable};
+use pulp::{NullaryFnOnce, Simd};
+
+/// Model and state of up to eight fibres with equally many segments.
+pub(super) struct Pack<S: Simd> {
+    pub(super) chain: Chain<S>,
+    pub(super) scheme: Scheme,
+    /// Masses of the nodes.
+    pub(super) mass: Vec<S::f64s>,
+    /// Inertias of d1 and d2 of each segment (2).
+    pub(super) inertia: Vec<S::f64s>,
+    /// Stiffness of the joints over their lengths, and their natural rotation vectors (3).
+    pub(super) stiffness: Vec<S::f64s>,
+    pub(super) rest: Vec<S::f64s>,
+    /// Kelvin-Voigt time.
+    pub(super) damping: S::f64s,
+    /// Positions (3) and joint rotation vectors (3) at the start of the step. Rotations live in
+    /// the chain.
+    pub(super) r: Vec<S::f64s>,
+    pub(super) phi: Vec<S::f64s>,
+    pub(super) nodes: Track<S>,
+    pub(super) directors: Track<S>,
+    pub(super) joints: Track<S>,
+    /// Forces on the nodes from outside (3).
+    pub(super) node_forces: Vec<S::f64s>,
+    /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
+    /// along.
+    pub(super) fields: [S::f64s; 11],
+    pub(super) held: [Held; 8],
+    pub(super) any_damping: bool,
+    /// Rotations (4) and tip reactions at the start of the step.
+    pub(super) q_start: Vec<S::f64s>,
+    pub(super) reaction_start: [S::f64s; 3],
+}
+
+impl<S: Simd> Pack<S> {
+    /// At least one rod, all with the same number of segments. Spare lanes repeat the last rod.
+    pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
+        let n = rods[0].fiber.segments();
+        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
+        let mut pack = Self {
+            chain: Chain::new(simd, n),
+            scheme,
+            mass: zeros(n + 1),
+            inertia: zeros(2 * n),
+            stiffness: zeros(3 * (n + 1)),
+            rest: zeros(3 * (n + 1)),
+            damping: S::f64s::zeroed(),
+            r: zeros(3 * (n + 1)),
+            phi: zeros(3 * (n + 1)),
+            nodes: Track::new(n + 1),
+            directors: Track::new(2 * n),
+            joints: Track::new(n + 1),
+            node_forces: zeros(3 * (n + 1)),
+            fields: [S::f64s::zeroed(); 11],
+            held: [Held::FREE; 8],
+            q_start: zeros(4 * n),
+            reaction_start: [S::f64s::zeroed(); 3],
+            any_damping: rods.iter().any(|rod| rod.damping_time > 0.0),
+        };
+        for lane in 0..S::F64_LANES {
+            pack.model(lane, &rods[lane.min(rods.len() - 1)]);
+        }
+        pack
+    }
+
+    /// Fills in the model of one lane: lumped masses, and joints as long as what they stand for,
+    /// with the properties at the middle of that.
+    fn model(&mut self, lane: usize, rod: &Rod) {
+        let (fiber, n) = (&rod.fiber, rod.fiber.segments());
+        let (nodes, h) = (fiber.nodes(), fiber.segment_lengths());
+        for e in 0..n {
+            set(&mut self.chain.h, e, lane, h[e]);
+            for a in [e, e + 1] {
+                let mass = at(&self.mass, a, lane) + 0.5 * fiber.segment_mass(e);
+                set(&mut self.mass, a, lane, mass);
+            }
+            // The kinetic energy of a section is rho (I2 |d1'|^2 + I1 |d2'|^2) / 2.
+            let inertia = 0.5 * h[e] * (nodes[e].rotary_inertia + nodes[e + 1].rotary_inertia);
+            set(&mut self.inertia, 2 * e, lane, inertia.y);
+            set(&mut self.inertia, 2 * e + 1, lane, inertia.x);
+        }
+        for j in 0..=n {
+            let (length, inner) = match j {
+                0 => (0.5 * h[0], 1),
+                j if j == n => (0.5 * h[n - 1], n - 1),
+                j => (0.5 * (h[j - 1] + h[j]), j),
+            };
+            let (a, b) = (&nodes[j], &nodes[inner]);
+            let stiffness = 0.75 * a.stiffness + 0.25 * b.stiffness;
+            let curvature = 0.75 * a.natural_curvature + 0.25 * b.natural_curvature;
+            for i in 0..3 {
+                set(&mut self.stiffness, 3 * j + i, lane, stiffness[i] / length);
+                set(&mut self.rest, 3 * j + i, lane, curvature[i] * length);
+            }
+        }
+        set(std::slice::from_mut(&mut self.damping), 0, lane, rod.damping_time);
+    }
+
+    /// Solves one step of length `dt[lane]` in the lanes that are wanted, without committing it.
+    /// `starting` solves for the initial acceleration instead.
+    pub(super) fn attempt(
+        &mut self,
+        dt: &[f64; 8],
+        wanted: &[bool; 8],
+        starting: bool,
+        out: &mut [Outcome; 8],
+    ) {
+        struct Attempt<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], bool, &'a mut [Outcome; 8]);
+        impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let Self(pack, dt, wanted, starting, out) = self;
+                pack.prepare(&pack.stage(dt, starting));
+                pack.chain.newton(wanted, out);
+            }
+        }
+        self.chain.simd.vectorize(Attempt(self, dt, wanted, starting, out));
+    }
+
+    /// Makes the last attempt the state, in the lanes that are `done`.
+    pub(super) fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool) {
+        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], bool);
+        impl<S: Simd> NullaryFnOnce for Commit<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let Self(pack, dt, done, starting) = self;
+                let stage = pack.stage(dt, starting);
+                pack.take_over(&stage, done, starting);
+            }
+        }
+        self.chain.simd.vectorize(Commit(self, dt, done, starting));
+    }
+
+    #[inline(always)]
+    fn stage(&self, dt: &[f64; 8], starting: bool) -> Stage<S> {
+        let dt = Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&dt[..S::F64_LANES]));
+        if starting { self.scheme.start(dt) } else { self.scheme.stage(dt) }
+    }
+
+    /// Writes the problem of the step into the chain.
+    #[inline(always)]
+    fn prepare(&mut self, stage: &Stage<S>) {
+        let simd = self.chain.simd;
+        let n = self.chain.n;
+        let one = Lane::splat(simd, 1.0);
+        let zero = Lane::splat(simd, 0.0);
+        let half = Lane::splat(simd, 0.5);
+        let field = |i: usize| V3([0, 1, 2].map(
+            #[inline(always)]
+            |k| Lane::new(simd, self.fields[3 * i + k]),
+        ));
+        let (gravity, distributed, wind) = (field(0), field(1), field(2));
+        let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
+        self.chain.keep_directors();
+        for a in 0..=n {
+            let rates = self.nodes.rates(&self.chain, a);
+            let (du, vc) = self.scheme.predict(stage, rates);
+            let mass = Lane::new(simd, self.mass[a]);
+            let mut length = zero;
+            let mut tangent = V3::splat(simd, 0.0);
+            for e in [a.wrapping_sub(1), a] {
+                if e < n {
+                    let h = self.chain.one(&self.chain.h, e);
+                    length = h.fma(half, length);
+                    tangent = self.chain.vec(&self.chain.d_start, 3 * e + 2).fma(h * half, tangent);
+                }
+            }
+            let drag = across * length;
+            let inertial = mass * stage.c1;
+            let mu = drag.fma(stage.cv, inertial);
+            // Drag along the fibre is smaller than across it: the difference is taken from the
+            // velocity at the start of the step, where it is stable for being the smaller part.
+            let slip = tangent.dot(rates.v - wind) * excess * length.recip();
+            let b = du.scale(inertial)
+                + gravity.scale(mass)
+                + distributed.scale(length)
+                + (wind - vc).scale(drag)
+                + tangent.scale(slip)
+                + self.chain.vec(&self.node_forces, a);
+            let held = match a {
+                0 => one - Lane::new(simd, self.chain.ends.root_free),
+                a if a == n => Lane::new(simd, self.chain.ends.tip_held),
+                _ => zero,
+            };
+            self.chain.mu[a] = mu.value;
+            self.chain.w[a] = held.positive_or(zero, mu.recip()).value;
+            store(&mut self.chain.b, a, b);
+        }
+        self.chain.start.copy_from_slice(&self.r);
+        for i in 0..2 * n {
+            let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
+            let (e, k) = (i / 2, i % 2);
+            let d = self.chain.vec(&self.chain.d_start, 3 * e + k);
+            let inertia = Lane::new(simd, self.inertia[i]) * stage.c1;
+            store(&mut self.chain.p, 3 * e + k, (d + du).scale(inertia));
+        }
+        let damping = Lane::new(simd, self.damping);
+        let factor = damping.fma(stage.cv, one);
+        for j in 0..=n {
+            let mut stiffness = self.chain.vec(&self.stiffness, j);
+            let mut target = self.chain.vec(&self.rest, j);
+            if self.any_damping {
+                let (_, vc) = self.scheme.predict(stage, self.joints.rates(&self.chain, j));
+                let phi = self.chain.vec(&self.phi, j);
+                let rate = phi.scale(stage.cv) - vc;
+                target = rate.fma(damping, target).scale(factor.recip());
+                stiffness = stiffness.scale(factor);
+            }
+            if j == 0 {
+                stiffness = stiffness.scale(Lane::new(simd, self.chain.ends.root_joint));
+            } else if j == n {
+                stiffness = stiffness.scale(Lane::new(simd, self.chain.ends.tip_joint));
+            }
+            store(&mut self.chain.k, j, stiffness);
+            store(&mut self.chain.target, j, target);
+        }
+    }
+
+    #[inline(always)]
+    fn take_over(&mut self, stage: &Stage<S>, done: &[bool; 8], starting: bool) {
+        let simd = self.chain.simd;
+        let n = self.chain.n;
+        let flags = done.map(f64::from);
+        let done = Lane::new(simd, simd.partial_load_f64s(&flags[..S::F64_LANES]));
+        for a in 0..=n {
+            let new = self.chain.vec(&self.chain.r, a);
+            let old = self.chain.vec(&self.r, a);
+            self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done, starting);
+            if !starting {
+                store(&mut self.r, a, new.positive_or(done, old));
+            }
+        }
+        for i in 0..2 * n {
+            let at = 3 * (i / 2) + i % 2;
+            let u = self.chain.vec(&self.chain.d, at) - self.chain.vec(&self.chain.d_start, at);
+            self.directors.commit(&self.chain, self.scheme, stage, i, u, done, starting);
+        }
+        for j in 0..=n {
+            let new = self.chain.vec(&self.chain.phi, j);
+            let old = self.chain.vec(&self.phi, j);
+            if self.any_damping {
+                self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done, starting);
+            }
+            if !starting {
+                store(&mut self.phi, j, new.positive_or(done, old));
+            }
+        }
+    }
+
+    /// Sets what acts on one lane at the end of its step.
+    pub(super) fn set_conditions(&mut self, lane: usize, now: &Instant) {
+        let (air, drag) = now.air.map_or_else(Default::default, |a| (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential]));
+        let numbers = now.gravity.iter().chain(&now.distributed).chain(&air).chain(&drag);
+        for (i, x) in numbers.enumerate() {
+            set(&mut self.fields, i, lane, *x);
+        }
+        let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
+        self.held[lane] = self.chain.ends.set(lane, now, self.held[lane], reaction);
+        self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
+        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
+    }
+
+    /// Every array that a lane's future depends on.
+    pub(super) fn arrays(&self) -> [&[S::f64s]; 14] {
+        let [a, b, c] = self.nodes.arrays();
+        let [d, e, f] = self.directors.arrays();
+        let [g, h, i] = self.joints.arrays();
+        let ends = &self.chain.ends;
+        let (q, force) = (&self.chain.q, &self.chain.force);
+        [a, b, c, d, e, f, g, h, i, &self.r, &self.phi, q, force, &ends.tip_reaction]
+    }
+
+    /// The same, to be written.
+    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 14] {
+        let [a, b, c] = self.nodes.arrays_mut();
+        let [d, e, f] = self.directors.arrays_mut();
+        let [g, h, i] = self.joints.arrays_mut();
+        let Chain { q, force, ends, .. } = &mut self.chain;
+        let (r, phi) = (&mut self.r, &mut self.phi);
+        [a, b, c, d, e, f, g, h, i, r, phi, q, force, &mut ends.tip_reaction]
+    }
+}
+
+/// Writes number `i` of one lane.
+pub(super) fn set<T: Pod>(a: &mut [T], i: usize, lane: usize, x: f64) {
+    let lanes = size_of::<T>() / size_of::<f64>();
+    bytemuck::cast_slice_mut::<T, f64>(a)[i * lanes + lane] = x;
+}
+
+/// Reads number `i` of one lane.
+pub(super) fn at<T: Pod>(a: &[T], i: usize, lane: usize) -> f64 {
+    let lanes = size_of::<T>() / size_of::<f64>();
+    bytemuck::cast_slice::<T, f64>(a)[i * lanes + lane]
+}

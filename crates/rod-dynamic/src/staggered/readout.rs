@@ -1,0 +1,140 @@
+//! Reading one lane of a pack, and setting it.
+
+use super::ends::Kind;
+use super::pack::{Pack, at, set};
+use crate::{Energy, Rod, RodState};
+use nalgebra::{Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use pulp::Simd;
+use rapunzel_fiber::so3;
+
+impl<S: Simd> Pack<S> {
+    pub(super) fn vector(&self, a: &[S::f64s], i: usize, lane: usize) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| at(a, 3 * i + k, lane))
+    }
+
+    fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
+        let q = |i: usize| at(&self.chain.q, 4 * e + i, lane);
+        UnitQuaternion::new_unchecked(Quaternion::new(q(3), q(0), q(1), q(2)))
+    }
+
+    /// Angular velocity of segment `e` in its material frame: half the sum of `d x d'`.
+    fn angular_velocity(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> Vector3<f64> {
+        let h = at(&self.chain.h, e, lane);
+        let v = |a: usize| self.vector(&self.nodes.v, a, lane);
+        let rates = [
+            self.vector(&self.directors.v, 2 * e, lane),
+            self.vector(&self.directors.v, 2 * e + 1, lane),
+            (v(e + 1) - v(e)) / h,
+        ];
+        let mut sum = Vector3::zeros();
+        for (k, rate) in rates.iter().enumerate() {
+            sum += 0.5 * frame.matrix().column(k).cross(rate);
+        }
+        frame.inverse_transform_vector(&sum)
+    }
+
+    pub(super) fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState {
+        let n = self.chain.n;
+        let frames: Vec<_> =
+            (0..n).map(|e| self.rotation(e, lane).to_rotation_matrix()).collect();
+        let nodes = rod.fiber.nodes();
+        let curvatures = (0..=n)
+            .map(|j| {
+                // The joint's stiffness is that of the rod over the joint's length.
+                let rest = self.vector(&self.rest, j, lane);
+                if j == n && self.held[lane].tip != Kind::Held {
+                    return nodes[n].natural_curvature;
+                }
+                if j == 0 && self.held[lane].root != Kind::Held {
+                    return nodes[0].natural_curvature;
+                }
+                let strain = self.vector(&self.phi, j, lane) - rest;
+                let (i, k) = (j.min(n - 1), j.saturating_sub(1).min(n - 1));
+                let h = rod.fiber.segment_lengths();
+                let length = if j == 0 || j == n { 0.5 * h[i] } else { 0.5 * (h[i] + h[k]) };
+                nodes[j].natural_curvature + strain / length
+            })
+            .collect();
+        RodState {
+            time,
+            positions: (0..=n).map(|a| self.vector(&self.r, a, lane).into()).collect(),
+            velocities: (0..=n).map(|a| self.vector(&self.nodes.v, a, lane)).collect(),
+            angular_velocities: frames
+                .iter()
+                .enumerate()
+                .map(|(e, frame)| self.angular_velocity(e, lane, frame))
+                .collect(),
+            frames,
+            forces: (0..n).map(|e| self.vector(&self.chain.force, e, lane)).collect(),
+            curvatures,
+        }
+    }
+
+    /// Starts one lane from `state`, whose arrays fit. Positions follow from the frames.
+    pub(super) fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState) {
+        let n = self.chain.n;
+        for array in self.arrays_mut() {
+            for i in 0..array.len() {
+                set(array, i, lane, 0.0);
+            }
+        }
+        let mut position = root.coords;
+        let mut before: Option<Rotation3<f64>> = None;
+        for a in 0..=n {
+            for i in 0..3 {
+                set(&mut self.r, 3 * a + i, lane, position[i]);
+                set(&mut self.nodes.v, 3 * a + i, lane, state.velocities[a][i]);
+            }
+            if a == n {
+                break;
+            }
+            let frame = so3::quaternion(&state.frames[a]);
+            let coordinates = frame.coords;
+            for i in 0..4 {
+                set(&mut self.chain.q, 4 * a + i, lane, coordinates[i]);
+            }
+            let matrix: Matrix3<f64> = frame.to_rotation_matrix().into_inner();
+            let rates = matrix * so3::hat(&state.angular_velocities[a]);
+            for k in 0..2 {
+                for i in 0..3 {
+                    set(&mut self.directors.v, 3 * (2 * a + k) + i, lane, rates[(i, k)]);
+                }
+            }
+            position += matrix.column(2) * at(&self.chain.h, a, lane);
+            let frame = Rotation3::from_matrix_unchecked(matrix);
+            let turn = match before {
+                Some(before) => so3::log(&(before.inverse() * frame)),
+                None => self.vector(&self.rest, 0, lane),
+            };
+            for i in 0..3 {
+                set(&mut self.phi, 3 * a + i, lane, turn[i]);
+            }
+            before = Some(frame);
+        }
+    }
+
+    pub(super) fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
+        let n = self.chain.n;
+        let mut energy = Energy::default();
+        for a in 0..=n {
+            let mass = at(&self.mass, a, lane);
+            energy.kinetic += 0.5 * mass * self.vector(&self.nodes.v, a, lane).norm_squared();
+            energy.gravitational -= mass * gravity.dot(&self.vector(&self.r, a, lane));
+            let joined = match a {
+                0 => self.held[lane].root == Kind::Held,
+                a if a == n => self.held[lane].tip == Kind::Held,
+                _ => true,
+            };
+            if joined {
+                let strain = self.vector(&self.phi, a, lane) - self.vector(&self.rest, a, lane);
+                let stiffness = self.vector(&self.stiffness, a, lane);
+                energy.elastic += 0.5 * strain.dot(&stiffness.component_mul(&strain));
+            }
+        }
+        for i in 0..2 * n {
+            let rate = self.vector(&self.directors.v, i, lane);
+            energy.kinetic += 0.5 * at(&self.inertia, i, lane) * rate.norm_squared();
+        }
+        energy
+    }
+}

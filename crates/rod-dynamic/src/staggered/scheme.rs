@@ -1,0 +1,95 @@
+//! The generalised-alpha method of Chung and Hulbert for coordinates with a constant mass.
+//!
+//! Positions of nodes and directors of segments are such coordinates: the rod is a system of
+//! constant mass under holonomic constraints (a differential-algebraic one of index 3), and the
+//! method converges with second order for it (Arnold and Bruls 2007). Measured on the whip of a
+//! free hair it stays stable up to `rho_inf` of 0.4, where the same method on rotation increments
+//! gains energy; see the crate's tests.
+//!
+//! With `u` the displacement over the step, the end of the step has the velocity `cv u + vc` and
+//! the acceleration `c1 (u - du)`.
+
+use super::lanes::{Lane, V3};
+use pulp::Simd;
+
+/// Coefficients of the method for one spectral radius at infinite frequency.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scheme {
+    alpha_m: f64,
+    alpha_f: f64,
+    beta: f64,
+    gamma: f64,
+}
+
+/// The method with the step's length put in, one step length in each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Stage<S: Simd> {
+    pub(super) c1: Lane<S>,
+    pub(super) cv: Lane<S>,
+    pub(super) dt: Lane<S>,
+}
+
+/// Velocity, the method's own acceleration-like variable, and the true acceleration.
+#[derive(Clone, Copy)]
+pub(super) struct Rates<S: Simd> {
+    pub(super) v: V3<S>,
+    pub(super) a: V3<S>,
+    pub(super) acceleration: V3<S>,
+}
+
+impl Scheme {
+    pub(super) fn new(rho_inf: f64) -> Self {
+        let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
+        let alpha_f = rho_inf / (rho_inf + 1.0);
+        let base = 1.0 - alpha_m + alpha_f;
+        Self { alpha_m, alpha_f, beta: 0.25 * base * base, gamma: base - 0.5 }
+    }
+
+    #[inline(always)]
+    pub(super) fn stage<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
+        let rate = dt.recip();
+        let c1 = (1.0 - self.alpha_m) / (self.beta * (1.0 - self.alpha_f));
+        Stage { c1: rate * rate * dt.lift(c1), cv: rate * dt.lift(self.gamma / self.beta), dt }
+    }
+
+    /// The stage whose acceleration is that at its start: `u = dt v + dt^2 a / 2`.
+    #[inline(always)]
+    pub(super) fn start<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
+        let rate = dt.recip();
+        let two = dt.lift(2.0);
+        Stage { c1: rate * rate * two, cv: rate * two, dt }
+    }
+
+    /// `(du, vc)`.
+    #[inline(always)]
+    pub(super) fn predict<S: Simd>(self, s: &Stage<S>, h: Rates<S>) -> (V3<S>, V3<S>) {
+        let dt2 = s.dt * s.dt;
+        let base = h.a.fma(dt2 * dt2.lift(0.5 - self.beta), h.v.scale(s.dt));
+        let memory = self.beta / (1.0 - self.alpha_m);
+        let du = h.acceleration.fma(
+            dt2 * dt2.lift(memory * self.alpha_f),
+            h.a.fma(dt2 * dt2.lift(-memory * self.alpha_m), base),
+        );
+        let vc = base.fma(-s.cv, h.a.fma(s.dt * dt2.lift(1.0 - self.gamma), h.v));
+        (du, vc)
+    }
+
+    /// The rates at the end of the step.
+    #[inline(always)]
+    pub(super) fn finish<S: Simd>(
+        self,
+        s: &Stage<S>,
+        h: Rates<S>,
+        v: V3<S>,
+        acceleration: V3<S>,
+    ) -> Rates<S> {
+        let scale = 1.0 / (1.0 - self.alpha_m);
+        let dt = s.dt;
+        let old = h.acceleration.fma(
+            dt.lift(self.alpha_f * scale),
+            h.a.scale(dt.lift(-self.alpha_m * scale)),
+        );
+        let a = acceleration.fma(dt.lift((1.0 - self.alpha_f) * scale), old);
+        Rates { v, a, acceleration }
+    }
+}

@@ -1,0 +1,84 @@
+//! Globalisation of Newton's method in one lane: step lengths, the merit test, and when to stop.
+
+/// Largest number of Newton iterations of one solve.
+pub(super) const MAX_ITERATIONS: usize = 40;
+/// Increments above this, rad, must lower the potential energy of the step. Smaller ones are not
+/// tested: near the solution the test sees rounding only.
+const MERIT_THRESHOLD: f64 = 0.03;
+/// A direction is shortened until its largest increment is this, rad.
+const LARGEST_TURN: f64 = 3.0;
+/// The error that may be left after the last increment, rad.
+const TOLERANCE: f64 = 1e-11;
+/// How often a direction is halved before it is taken as it is.
+const MAX_HALVINGS: u8 = 12;
+
+/// How Newton's method went.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome {
+    pub(super) converged: bool,
+    pub(super) iterations: usize,
+    /// Largest increment of each iteration, rad.
+    pub(super) residuals: [f64; MAX_ITERATIONS],
+}
+
+impl Outcome {
+    pub(super) const NONE: Self =
+        Self { converged: false, iterations: 0, residuals: [0.0; MAX_ITERATIONS] };
+}
+
+/// State of the search in one lane.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Search {
+    pub(super) active: bool,
+    /// Length of the present direction, and the potential at its origin if it must fall.
+    length: f64,
+    reference: Option<f64>,
+    halvings: u8,
+}
+
+impl Search {
+    /// Decides what follows from a solve at the present point: `(fresh, scale)`, where `fresh` is
+    /// 1 to set out along the new direction and 0 to go back and try less of the old one.
+    pub(super) fn next(
+        &mut self,
+        out: &mut Outcome,
+        iteration: usize,
+        turn: f64,
+        potential: f64,
+        constrained: bool,
+        closed: bool,
+    ) -> (f64, f64) {
+        out.iterations = iteration + 1;
+        out.residuals[iteration] = turn;
+        if !turn.is_finite() {
+            self.active = false;
+            return (0.0, 0.0);
+        }
+        if let Some(reference) = self.reference
+            && potential > reference
+            && self.halvings < MAX_HALVINGS
+        {
+            self.halvings += 1;
+            self.length *= 0.5;
+            return (0.0, self.length);
+        }
+        self.halvings = 0;
+        self.length = (LARGEST_TURN / turn).min(1.0);
+        // A held tip makes the problem one of saddle points, without a merit of this kind.
+        let tested = turn > MERIT_THRESHOLD && !constrained;
+        self.reference = tested.then_some(potential + 1e-12 * potential.abs());
+        let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
+        if expected_error(turn, before) < TOLERANCE && (closed || !constrained) {
+            out.converged = true;
+            self.active = false;
+        }
+        (1.0, self.length)
+    }
+}
+
+/// The error expected after an increment `turn` that followed an increment `before`: quadratic
+/// convergence where the two show it, linear otherwise.
+fn expected_error(turn: f64, before: f64) -> f64 {
+    let rate = turn / (before * before);
+    if rate < 30.0 { turn * turn * rate.max(1.0) } else { turn * turn / before }
+}
