@@ -1,12 +1,13 @@
 use crate::conditions::{BundleConditions, FiberConditions};
-use crate::group::{Batch, Group};
-use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
+use crate::group::{Batch, Group, Rods};
+use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, StepperSettings};
 use crate::{SimError, World};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState,
+    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, Staggered,
+    StaggeredBatch,
 };
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ impl Scene {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
                 let lanes = starts.iter().map(|s| s.conditions.clone()).collect();
                 let bundle = starts[0].bundle;
-                let batch = batch(self.stepper.method, &starts)
+                let batch = batch(&self.stepper, &starts)
                     .map_err(|source| SimError::Rod { bundle, source })?;
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
@@ -155,20 +156,39 @@ fn at_rest(fiber: &Fiber) -> (RodState, Isometry3<f64>) {
 }
 
 /// The integrator of a group of fibres of equal segment count.
-fn batch(method: Method, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
-    match method {
-        Method::Box { weights, tolerance } => {
-            let options = BoxOptions {
-                coefficients: weights.coefficients()?,
-                tolerance,
-                ..BoxOptions::default()
-            };
-            let integrator = |start: &&Start| {
-                let mut integrator = BoxIntegrator::new(start.rod.clone(), options)?;
-                integrator.set_state(&start.state)?;
-                Ok(integrator)
-            };
-            Ok(Box::new(starts.iter().map(integrator).collect::<Result<Vec<_>, _>>()?))
+fn batch(settings: &StepperSettings, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
+    let tolerance = settings.tolerance;
+    match settings.method {
+        Method::Staggered { rho_infinity } if tolerance.is_none() => {
+            let rods = starts.iter().map(|start| start.rod.clone()).collect();
+            let mut batch = StaggeredBatch::new(rods, rho_infinity)?;
+            for (lane, start) in starts.iter().enumerate() {
+                batch.set_state(lane, &start.state)?;
+            }
+            Ok(Box::new(batch))
+        }
+        Method::Staggered { rho_infinity } => {
+            let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
+            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
+        }
+        Method::Box { weights, residual } => {
+            let coefficients = weights.coefficients()?;
+            let options = BoxOptions { coefficients, tolerance: residual, ..BoxOptions::default() };
+            let new = |rod| BoxIntegrator::new(rod, options);
+            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
         }
     }
+}
+
+/// Integrators of single rods, each at its start.
+fn started<I: RodIntegrator>(
+    starts: &[&Start],
+    new: impl Fn(Rod) -> Result<I, RodError>,
+) -> Result<Vec<I>, RodError> {
+    let one = |start: &&Start| {
+        let mut integrator = new(start.rod.clone())?;
+        integrator.set_state(&start.state)?;
+        Ok(integrator)
+    };
+    starts.iter().map(one).collect()
 }

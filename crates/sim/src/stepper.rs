@@ -12,15 +12,23 @@ pub struct StepReport {
     pub worst_iterations: usize,
     /// How often the step of a fibre was halved because Newton's method failed.
     pub halvings: usize,
+    /// How often a step was longer than its tolerance allows although it was the smallest.
+    pub missed: usize,
 }
 
 impl StepReport {
+    /// The report of a single fibre.
+    pub(crate) fn of_one(iterations: usize, halvings: usize, missed: usize) -> Self {
+        Self { fibers: 1, iterations, worst_iterations: iterations, halvings, missed }
+    }
+
     /// Counts the fibres of another report too.
     pub(crate) fn add(&mut self, other: &Self) {
         self.fibers += other.fibers;
         self.iterations += other.iterations;
         self.worst_iterations = self.worst_iterations.max(other.worst_iterations);
         self.halvings += other.halvings;
+        self.missed += other.missed;
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Statistics {
     pub worst_iterations: u64,
     /// How often the step of a fibre was halved because Newton's method failed.
     pub halvings: u64,
+    /// How often a step missed its tolerance although it was the smallest.
+    pub missed: u64,
 }
 
 impl Statistics {
@@ -25,6 +27,7 @@ impl Statistics {
         self.fiber_steps += report.fibers as u64;
         self.worst_iterations = self.worst_iterations.max(report.worst_iterations as u64);
         self.halvings += report.halvings as u64;
+        self.missed += report.missed as u64;
     }
 
     /// Mean number of iterations in a step of a fibre.
@@ -80,6 +83,8 @@ pub struct Summary {
     pub worst_iterations: u64,
     /// How often a step was halved because Newton's method failed.
     pub halvings: u64,
+    /// How often a step missed its tolerance although it was the smallest.
+    pub missed: u64,
     /// Kinetic energy, J.
     pub kinetic_energy: f64,
     /// Total mechanical energy, J.
@@ -109,6 +114,7 @@ impl Summary {
             mean_iterations: statistics.mean_iterations(),
             worst_iterations: statistics.worst_iterations,
             halvings: statistics.halvings,
+            missed: statistics.missed,
             kinetic_energy: energy.kinetic,
             total_energy: energy.total(),
         }

@@ -5,7 +5,6 @@ use rapunzel_fiber::Assembly;
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.
-#[derive(Debug)]
 pub struct World {
     environment: Environment,
     assembly: Assembly,

@@ -1,6 +1,9 @@
 use super::check::{Check, Place, Problem};
-use super::Scene;
+use super::{Scene, locate};
 use crate::SimError;
+use ron::error::Error::{
+    ExpectedFloat, ExpectedInteger, ExpectedString, IntegerOutOfBounds, MissingStructField,
+};
 use ron::error::Position;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
@@ -57,9 +60,19 @@ impl Scene {
 fn parse(text: &str) -> Result<Scene, Problem> {
     let at = |position: Position| byte_of(text, position);
     let problem = |path: String, error: ron::error::SpannedError| {
-        let (start, end) = (at(error.span.start), at(error.span.end));
-        let span = start.min(end)..end;
-        Problem { path, message: error.code.to_string(), place: Some(Place::of(text, span)) }
+        let span = match error.code {
+            // For a value of the wrong kind the parser points beside it.
+            ExpectedFloat | ExpectedInteger | ExpectedString | IntegerOutOfBounds => {
+                locate::span(text, &path)
+            }
+            _ => at(error.span.start).min(at(error.span.end))..at(error.span.end),
+        };
+        let message = match error.code {
+            MissingStructField { field, .. } => format!("the field `{field}` is missing"),
+            IntegerOutOfBounds => "the integer is too large, or negative where it must not be".into(),
+            code => code.to_string(),
+        };
+        Problem { path, message, place: Some(Place::of(text, span)) }
     };
     let mut deserializer = ron::Deserializer::from_str_with_options(text, &options())
         .map_err(|e| problem(String::new(), e))?;

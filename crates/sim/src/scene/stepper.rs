@@ -1,5 +1,5 @@
 use super::check::{Allowed, Check};
-use rapunzel_rod_dynamic::{Coefficients, RodError};
+use rapunzel_rod_dynamic::{BoxOptions, Coefficients, RodError, StaggeredBatch};
 use serde::{Deserialize, Serialize};
 
 /// How time advances.
@@ -12,20 +12,31 @@ pub struct StepperSettings {
     /// The integrator.
     #[serde(default)]
     pub method: Method,
+    /// Largest estimated error of the nodes' positions that may build up in a second of simulated
+    /// time, m/s: each step is cut into as many as that takes, at three times the cost of a step
+    /// each. Left out, steps are as `dt` says.
+    #[serde(default)]
+    pub tolerance: Option<f64>,
 }
 
 /// An integrator of a single fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Method {
+    /// The staggered chain: second order in time and space, eight fibres at once.
+    Staggered {
+        /// Part of the highest frequencies that is left after a step: 1 conserves, 0 damps most.
+        #[serde(default = "rho_infinity")]
+        rho_infinity: f64,
+    },
     /// The box scheme in space with the generalised-alpha method in time (thesis 3.4).
     Box {
         /// Weights of the method in time.
         #[serde(default)]
         weights: Weights,
         /// Newton's method stops at this residual, relative to the magnitude of the terms.
-        #[serde(default = "tolerance")]
-        tolerance: f64,
+        #[serde(default = "residual")]
+        residual: f64,
     },
 }
 
@@ -53,13 +64,17 @@ pub enum Weights {
     },
 }
 
-fn tolerance() -> f64 {
-    1e-10
+fn rho_infinity() -> f64 {
+    StaggeredBatch::DEFAULT_RHO_INF
+}
+
+fn residual() -> f64 {
+    BoxOptions::default().tolerance
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self::Box { weights: Weights::default(), tolerance: tolerance() }
+        Self::Staggered { rho_infinity: rho_infinity() }
     }
 }
 
@@ -88,9 +103,15 @@ impl StepperSettings {
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("dt", self.dt, Allowed::Within(1e-9, 1.0), "s");
+        if let Some(tolerance) = self.tolerance {
+            check.number("tolerance", tolerance, Allowed::Positive, "m/s");
+        }
         check.within("method", |c| match &self.method {
-            Method::Box { weights, tolerance } => {
-                c.number("tolerance", *tolerance, Allowed::Within(1e-14, 1e-2), "");
+            Method::Staggered { rho_infinity } => {
+                c.number("rho_infinity", *rho_infinity, Allowed::Within(0.0, 1.0), "");
+            }
+            Method::Box { weights, residual } => {
+                c.number("residual", *residual, Allowed::Within(1e-14, 1e-2), "");
                 match weights {
                     Weights::SecondOrder { rho_infinity } => {
                         let unit = Allowed::Within(0.0, 1.0);
