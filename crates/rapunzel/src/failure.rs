@@ -44,11 +44,22 @@ impl Failure {
         }
     }
 
+    /// What is wrong with the scene, if that is what is.
+    fn problems(&self) -> &[Problem] {
+        match self {
+            Self::Sim { error: SimError::Scene { problems, .. }, .. } => problems,
+            _ => &[],
+        }
+    }
+
     /// Tells the user, and gives the exit code.
     pub(crate) fn tell(&self, json: bool) -> ExitCode {
         let code = self.code();
         if json {
-            let object = serde_json::json!({ "error": self.to_string(), "exit_code": code });
+            let problems: Vec<_> = self.problems().iter().map(as_json).collect();
+            let object = serde_json::json!({
+                "error": self.to_string(), "exit_code": code, "problems": problems,
+            });
             println!("{object}");
         } else if let Self::Sim { error: SimError::Scene { source_text, problems }, scene } = self {
             let name = scene.display().to_string();
@@ -76,6 +87,14 @@ impl fmt::Display for Failure {
             Self::File(message) => message.fmt(f),
         }
     }
+}
+
+fn as_json(problem: &Problem) -> serde_json::Value {
+    serde_json::json!({
+        "path": problem.path, "message": problem.message,
+        "line": problem.place.as_ref().map(|place| place.line),
+        "column": problem.place.as_ref().map(|place| place.column),
+    })
 }
 
 /// A problem of a scene, underlined in its text.

@@ -14,7 +14,9 @@ pub(crate) fn new(options: &NewOptions) -> Result<ExitCode, Failure> {
         .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;
     let failed = |error: std::io::Error| {
         let advice = match error.kind() {
-            std::io::ErrorKind::AlreadyExists => "; name another file, or overwrite it with --force",
+            std::io::ErrorKind::AlreadyExists => {
+                "; name another file, or overwrite it with --force"
+            }
             _ => "",
         };
         Failure::File(format!("cannot write {}: {error}{advice}", path.display()))

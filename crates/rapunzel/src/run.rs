@@ -6,8 +6,8 @@ use rapunzel_sim::{Control, Existing, Outcome, Progress, RunFolder, SimError, Su
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
@@ -91,9 +91,8 @@ fn tell(summary: &Summary, folder: &Path, wall: f64, json: bool) {
 }
 
 fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template(
-        "{bar:40} {percent:>3} %  {msg}  {per_sec} steps  {eta} left",
-    );
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}  {per_sec} steps  {eta} left");
     let bar = ProgressBar::new(0);
     // A constant template is right or wrong for all users alike; wrong, it falls back to plain.
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
@@ -101,9 +100,11 @@ fn progress_bar() -> ProgressBar {
 
 /// Appends what happens to the log in the run's folder.
 fn start_log(path: &Path) -> Result<(), Failure> {
-    let file = File::options().append(true).create(true).open(path).map_err(|error| {
-        Failure::File(format!("cannot write {}: {error}", path.display()))
-    })?;
+    let file = File::options()
+        .append(true)
+        .create(true)
+        .open(path)
+        .map_err(|error| Failure::File(format!("cannot write {}: {error}", path.display())))?;
     tracing_subscriber::fmt().with_ansi(false).with_writer(Mutex::new(file)).init();
     Ok(())
 }

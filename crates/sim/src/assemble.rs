@@ -32,7 +32,8 @@ impl Scene {
         for (i, bundle) in self.fibers.iter().enumerate() {
             // Bundles of one scene must not repeat each other's random choices.
             let seed = self.seed.wrapping_add(i as u64);
-            let fibers = grow(bundle, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
+            let fibers =
+                grow(bundle, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
             let conditions = Arc::new(
                 self.conditions(bundle).map_err(|source| SimError::Rod { bundle: i, source })?,
             );
@@ -86,8 +87,8 @@ impl Scene {
 fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     let pose = bundle.root.isometry()?;
     let material = bundle.material.into();
-    let straight = Fiber::uniform(bundle.length, bundle.segments, bundle.section, &material)?
-        .with_root(pose);
+    let straight =
+        Fiber::uniform(bundle.length, bundle.segments, bundle.section, &material)?.with_root(pose);
     let mut fiber = match bundle.shape {
         Shape::Straight => straight,
         Shape::Helix { radius, pitch, handedness } => {

@@ -71,9 +71,7 @@ impl Conditions for StepConditions<'_> {
                 End::Loaded { force: force.at(t), moment: moment.at(t) }
             }
             Tip::Pulled { until, .. } if self.middle >= *until => End::FREE,
-            Tip::Pulled { velocity, .. } => {
-                self.fiber.moved_tip(Vector3::from(*velocity) * t, 0.0)
-            }
+            Tip::Pulled { velocity, .. } => self.fiber.moved_tip(Vector3::from(*velocity) * t, 0.0),
             Tip::Held => self.fiber.moved_tip(Vector3::zeros(), 0.0),
             Tip::Driven { velocity, ramp, twist, until } => {
                 let way = ramped(t.min(*until), *ramp);

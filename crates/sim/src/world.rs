@@ -1,7 +1,7 @@
 use crate::group::Group;
 use crate::{SimError, scene::Environment};
-use rapunzel_rod_dynamic::{Energy, RodError, RodState};
 use rapunzel_fiber::Assembly;
+use rapunzel_rod_dynamic::{Energy, RodError, RodState};
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.

@@ -24,7 +24,12 @@ fn scene() -> Scene {
 }
 
 /// Runs and is cancelled once `stop` steps are done.
-fn run_until(scene: &Scene, path: &Path, existing: Existing, stop: u64) -> Result<Summary, SimError> {
+fn run_until(
+    scene: &Scene,
+    path: &Path,
+    existing: Existing,
+    stop: u64,
+) -> Result<Summary, SimError> {
     let cancel = AtomicBool::new(false);
     let folder = RunFolder::open(path, existing)?;
     let mut progress = |now: &rapunzel_sim::Progress| {
@@ -95,9 +100,8 @@ fn interruptions_change_no_byte() {
 #[test]
 fn a_step_that_fails_leaves_a_checkpoint() {
     // A straight rod that cannot shorten, its ends driven together.
-    let text = SCENE
-        .replace("shape: Helix(radius: 0.005, pitch: 0.02)", "shape: Straight")
-        .replace(
+    let text =
+        SCENE.replace("shape: Helix(radius: 0.005, pitch: 0.02)", "shape: Straight").replace(
             "motion: Swing(angle: 30, radius: 0.05, period: 0.2)",
             "tip: Driven(velocity: (0, 0, 0.1), until: 1)",
         );

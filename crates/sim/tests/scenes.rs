@@ -36,7 +36,7 @@ fn every_scene_runs() {
             }
         }
         let mut world = scene.build().expect("a sound scene");
-        for _ in 0..40 {
+        for _ in 0..12 {
             FreeFibers
                 .step(&mut world, Plan::new(&scene).dt)
                 .unwrap_or_else(|e| panic!("{}: {e}", path.display()));

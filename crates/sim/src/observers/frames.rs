@@ -84,7 +84,9 @@ impl Observer for FrameWriter {
         let frame = frame(world, index);
         for format in &self.formats {
             match format {
-                Format::Hair => save(&self.file(index, "hair"), |to| export::hair::write(to, &frame)),
+                Format::Hair => {
+                    save(&self.file(index, "hair"), |to| export::hair::write(to, &frame))
+                }
                 Format::Pov => save(&self.file(index, "pov"), |to| export::pov::write(to, &frame)),
                 Format::Usd => Ok(()),
             }?;

@@ -50,9 +50,7 @@ impl Table {
     }
 
     fn flush(&mut self) -> Result<(), SimError> {
-        self.file
-            .write_all(self.pending.as_bytes())
-            .map_err(SimError::io("write", &self.path))?;
+        self.file.write_all(self.pending.as_bytes()).map_err(SimError::io("write", &self.path))?;
         self.length += self.pending.len() as u64;
         self.pending.clear();
         Ok(())
@@ -114,9 +112,7 @@ impl Column {
     /// The names with their units, each after a comma.
     fn names(&self) -> String {
         match self {
-            Self::Energies => {
-                ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned()
-            }
+            Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
             Self::Probe(Probe { fiber, node, quantity }) => {
                 let node = match node {
                     Node::Tip => "tip".to_owned(),

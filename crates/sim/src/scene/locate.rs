@@ -10,7 +10,8 @@ use std::ops::Range;
 /// default; of the whole text if there is none.
 pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
     let wanted: Vec<&str> = path.split(['.', '[', ']']).filter(|p| !p.is_empty()).collect();
-    let mut walk = Walk { text, at: 0, path: Vec::new(), wanted: &wanted, best: (0, 0..text.len()) };
+    let mut walk =
+        Walk { text, at: 0, path: Vec::new(), wanted: &wanted, best: (0, 0..text.len()) };
     walk.value();
     walk.best.1
 }

@@ -14,9 +14,7 @@ mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
-pub use fibers::{
-    Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape,
-};
+pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};

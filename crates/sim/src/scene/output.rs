@@ -20,12 +20,7 @@ pub struct Output {
 
 impl Default for Output {
     fn default() -> Self {
-        Self {
-            frame_rate: 30.0,
-            formats: Vec::new(),
-            record_interval: 0.0,
-            probes: Vec::new(),
-        }
+        Self { frame_rate: 30.0, formats: Vec::new(), record_interval: 0.0, probes: Vec::new() }
     }
 }
 

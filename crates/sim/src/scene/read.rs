@@ -19,8 +19,7 @@ impl Scene {
     /// # Errors
     /// [`SimError::Scene`] with everything that is wrong, at line, column and path.
     pub fn from_ron(text: &str) -> Result<Self, SimError> {
-        let refuse =
-            |problems| Err(SimError::Scene { source_text: text.to_owned(), problems });
+        let refuse = |problems| Err(SimError::Scene { source_text: text.to_owned(), problems });
         match parse(text) {
             Err(problem) => refuse(vec![problem]),
             Ok(scene) => {
@@ -69,7 +68,9 @@ fn parse(text: &str) -> Result<Scene, Problem> {
         };
         let message = match error.code {
             MissingStructField { field, .. } => format!("the field `{field}` is missing"),
-            IntegerOutOfBounds => "the integer is too large, or negative where it must not be".into(),
+            IntegerOutOfBounds => {
+                "the integer is too large, or negative where it must not be".into()
+            }
             code => code.to_string(),
         };
         Problem { path, message, place: Some(Place::of(text, span)) }
