@@ -62,7 +62,6 @@ impl Scene {
             .transpose()?;
         let node = |at: f64| {
             #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
-            #[expect(clippy::cast_sign_loss, reason = "validated to be in 0..=1")]
             let node = (at * bundle.segments as f64).round() as usize;
             node
         };

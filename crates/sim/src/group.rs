@@ -115,7 +115,6 @@ impl<I: RodIntegrator> Batch for Rods<I> {
             let short = RodError::Length { what: "saved numbers", expected: found + 1, found };
             let (count, rest) = numbers.split_first().ok_or(short.clone())?;
             #[expect(clippy::cast_possible_truncation, reason = "a length written by save")]
-            #[expect(clippy::cast_sign_loss, reason = "a length written by save")]
             let (own, rest) = rest.split_at_checked(*count as usize).ok_or(short)?;
             rod.restore(own)?;
             numbers = rest;

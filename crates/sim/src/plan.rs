@@ -35,7 +35,6 @@ impl Plan {
 /// The next integer from 1 on, where rounding errors do not count as more.
 fn up(x: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, reason = "a validated scene has fewer than 2^53")]
-    #[expect(clippy::cast_sign_loss, reason = "at least 1")]
     let integer = (x * (1.0 - 1e-12)).ceil().max(1.0) as u64;
     integer
 }
