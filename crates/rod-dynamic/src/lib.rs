@@ -10,6 +10,7 @@ pub mod adaptive;
 pub mod box_scheme;
 mod conditions;
 mod error;
+mod response;
 mod rod;
 mod staggered;
 
@@ -17,5 +18,6 @@ pub use adaptive::AdaptiveReport;
 pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
+pub use response::{ImpulseResponse, Weight};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
 pub use staggered::{Staggered, StaggeredBatch};

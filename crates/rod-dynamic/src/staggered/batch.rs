@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
 /// Length of the solve for the initial acceleration, as a part of the step.
-const START: f64 = 0.01;
+const START: f64 = 1.0;
 
 /// Up to eight fibres with equally many segments, moved together in SIMD lanes.
 ///
@@ -18,9 +18,11 @@ const START: f64 = 0.01;
 /// The method is second order in time and in space. `rho_inf` is the spectral radius at infinite
 /// frequency: 0 loses most, 0.3 is the default, above 0.4 a whip may need halving.
 pub struct StaggeredBatch {
-    engine: Box<dyn Engine>,
-    rods: Vec<Rod>,
+    pub(super) engine: Box<dyn Engine>,
+    pub(super) rods: Vec<Rod>,
     time: f64,
+    /// Length of the step that has been predicted, s.
+    pub(super) predicted: f64,
     /// Whether a fibre's initial acceleration is still to be found.
     fresh: [bool; 8],
 }
@@ -52,7 +54,7 @@ impl StaggeredBatch {
             return invalid("rho_inf", "must be between 0 and 1");
         }
         let engine = build(&rods, Scheme::new(rho_inf));
-        let mut batch = Self { engine, rods, time: 0.0, fresh: [true; 8] };
+        let mut batch = Self { engine, rods, time: 0.0, predicted: 0.0, fresh: [true; 8] };
         for fiber in 0..batch.rods.len() {
             let state = natural_state(&batch.rods[fiber]);
             batch.set_state(fiber, &state)?;
@@ -138,32 +140,15 @@ impl StaggeredBatch {
         conditions: &[&dyn Conditions],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
+        let wanted = self.begin(dt, conditions, reports)?;
         let count = self.rods.len();
-        assert!(conditions.len() >= count && reports.len() >= count, "one for each fibre");
-        if !(dt > 0.0 && dt.is_finite()) {
-            return Err(StepError::TimeStep(dt));
-        }
-        let mut ends = [None; 8];
-        for fiber in 0..count {
-            let instant = self.conditions(fiber, self.time + dt, conditions[fiber])?;
-            ends[fiber] = Some(instant);
-        }
-        self.engine.remember();
-        self.start(dt, conditions)?;
         let mut out = [Outcome::NONE; 8];
-        let mut wanted = [false; 8];
-        for (fiber, now) in ends.iter().enumerate() {
-            if let Some(now) = now {
-                self.engine.set_conditions(fiber, now);
-                wanted[fiber] = true;
-            }
-        }
         let mut lengths = [dt; 8];
         self.engine.attempt(&lengths, &wanted, false, &mut out);
         let mut whole = wanted;
         let mut saved = Vec::new();
         for fiber in 0..count {
-            reports[fiber] = report(&out[fiber], 0);
+            reports[fiber] = out[fiber].report();
             if !out[fiber].converged {
                 whole[fiber] = false;
                 self.engine.undo(fiber);
@@ -195,8 +180,42 @@ impl StaggeredBatch {
             }
         }
         self.engine.commit(&lengths, &whole, false);
-        self.time += dt;
+        self.advance_time(dt);
         Ok(())
+    }
+
+    /// Checks a step, finds initial accelerations where they are still missing, and sets what acts
+    /// at the end of the step. Returns the lanes in use.
+    pub(super) fn begin(
+        &mut self,
+        dt: f64,
+        conditions: &[&dyn Conditions],
+        reports: &[StepReport],
+    ) -> Result<[bool; 8], StepError> {
+        let count = self.rods.len();
+        assert!(conditions.len() >= count && reports.len() >= count, "one for each fibre");
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(StepError::TimeStep(dt));
+        }
+        let mut ends = [None; 8];
+        for fiber in 0..count {
+            ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
+        }
+        self.engine.remember();
+        self.engine.set_out(&[true; 8]);
+        self.start(dt, conditions)?;
+        let mut used = [false; 8];
+        for (fiber, now) in ends.iter().enumerate() {
+            if let Some(now) = now {
+                self.engine.set_conditions(fiber, now);
+                used[fiber] = true;
+            }
+        }
+        Ok(used)
+    }
+
+    pub(super) fn advance_time(&mut self, dt: f64) {
+        self.time += dt;
     }
 
     /// Takes one fibre through the step in ever smaller parts.
@@ -235,6 +254,7 @@ impl StaggeredBatch {
             self.engine.set_conditions(fiber, &now);
             let mut before = Vec::new();
             self.engine.save(fiber, &mut before);
+            self.engine.set_out(&only);
             self.engine.attempt(lengths, &only, false, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
@@ -244,7 +264,7 @@ impl StaggeredBatch {
                 self.engine.restore(fiber, &before);
             }
         }
-        report.residual = last_residual(&out[fiber]);
+        report.residual = out[fiber].report().residual;
         Ok(report)
     }
 
@@ -423,12 +443,4 @@ fn sets_out_smoothly(
     let change = (second - 2.0 * first + position.coords) / delta;
     let speed = velocity.norm().max(((second - first) / delta).norm());
     jump.norm() <= change.norm() + 1e-9 * speed
-}
-
-fn last_residual(out: &Outcome) -> f64 {
-    out.residuals[out.iterations.saturating_sub(1)]
-}
-
-fn report(out: &Outcome, halvings: usize) -> StepReport {
-    StepReport { iterations: out.iterations, halvings, residual: last_residual(out) }
 }

@@ -52,6 +52,8 @@ pub(super) struct Chain<S: Simd> {
     pub(super) force: Vec<S::f64s>,
     pub(super) phi: Vec<S::f64s>,
     pub(super) factor: Factor<S>,
+    /// Hessians of the segments at the last assembly (6).
+    pub(super) hessian: Vec<S::f64s>,
     /// Increments (6) of the last solve, the direction being searched (6), and its origin (4).
     step: Vec<S::f64s>,
     direction: Vec<S::f64s>,
@@ -61,7 +63,6 @@ pub(super) struct Chain<S: Simd> {
 impl<S: Simd> Chain<S> {
     pub(super) fn new(simd: S, n: usize) -> Self {
         let zeros = |count: usize| vec![S::f64s::zeroed(); count];
-        let zero = S::f64s::zeroed();
         Self {
             simd,
             n,
@@ -81,6 +82,7 @@ impl<S: Simd> Chain<S> {
             force: zeros(3 * n),
             phi: zeros(3 * (n + 1)),
             factor: Factor::new(n),
+            hessian: zeros(6 * n),
             step: zeros(6 * n),
             direction: zeros(6 * n),
             origin: zeros(4 * n),
@@ -115,13 +117,15 @@ impl<S: Simd> Chain<S> {
         frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.lift(load[0]))))
     }
 
-    /// Keeps the directors of the present rotations as those of the start of the step.
+    /// Keeps the directors of the present rotations as those of the start of the step, in the
+    /// lanes where `wanted > 0`.
     #[inline(always)]
-    pub(super) fn keep_directors(&mut self) {
+    pub(super) fn keep_directors(&mut self, wanted: Lane<S>) {
         for e in 0..self.n {
             let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
             for k in 0..3 {
-                store(&mut self.d_start, 3 * e + k, d[k]);
+                let old = self.vec(&self.d_start, 3 * e + k);
+                store(&mut self.d_start, 3 * e + k, d[k].positive_or(wanted, old));
             }
         }
     }
@@ -240,6 +244,9 @@ impl<S: Simd> Chain<S> {
             if e + 1 == n {
                 torque += self.world(ends.tip_moment, d);
             }
+            for i in 0..6 {
+                self.hessian[6 * e + i] = hessian.0[i].value;
+            }
             let (w0, w1) = (self.one(&self.w, e), self.one(&self.w, e + 1));
             let block = Block {
                 compliance: Sym::diagonal(-(w0 + w1)),
@@ -249,7 +256,7 @@ impl<S: Simd> Chain<S> {
                 torque,
             };
             let coupling = hat(right.moment.scale(exact * Lane::splat(simd, 0.5))) - right.coupling.full();
-            let (next, smallest) = self.factor.eliminate(simd, e, block - carry, w1, coupling);
+            let (next, smallest) = self.factor.eliminate(e, block - carry, w1, coupling);
             carry = next;
             pivot = pivot.min(smallest);
             left = right;
@@ -417,7 +424,7 @@ fn combine<S: Simd>(d: [V3<S>; 3], v: V3<S>) -> V3<S> {
 }
 
 #[inline(always)]
-fn hat<S: Simd>(v: V3<S>) -> M3<S> {
+pub(super) fn hat<S: Simd>(v: V3<S>) -> M3<S> {
     let [x, y, z] = v.0;
     let o = x.lift(0.0);
     M3([V3([o, -z, y]), V3([z, o, -x]), V3([-y, x, o])])

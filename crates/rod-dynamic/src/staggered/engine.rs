@@ -3,8 +3,8 @@
 use super::pack::{Pack, at, set};
 use super::scheme::Scheme;
 use super::search::Outcome;
-use crate::{Energy, Instant, Rod, RodState};
-use nalgebra::{Point3, Vector3};
+use crate::{Energy, Instant, Rod, RodState, Weight};
+use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 
 /// What a batch needs of a [`Pack`], whatever its register width.
@@ -16,6 +16,7 @@ pub(super) trait Engine: Send {
         starting: bool,
         out: &mut [Outcome; 8],
     );
+    fn set_out(&mut self, wanted: &[bool; 8]);
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool);
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState);
@@ -23,6 +24,8 @@ pub(super) trait Engine: Send {
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
+    /// How far the last attempt moves a node.
+    fn displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
     /// Appends all numbers of one lane's state.
     fn save(&self, lane: usize, numbers: &mut Vec<f64>);
     /// Takes the numbers back from the front of `numbers`, and returns the rest.
@@ -31,6 +34,12 @@ pub(super) trait Engine: Send {
     fn undo(&mut self, lane: usize);
     /// Remembers the rotations and reactions of all lanes for [`Engine::undo`].
     fn remember(&mut self);
+    /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
+    fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
+    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
+    fn weigh(&mut self, weights: &[Weight]);
+    /// Adds jumps of velocity to the nodes of one lane.
+    fn kick(&mut self, lane: usize, impulses: &[Vector3<f64>]);
     /// How many numbers a lane's state has.
     fn numbers(&self) -> usize;
 }
@@ -44,6 +53,9 @@ impl<S: Simd> Engine for Pack<S> {
         out: &mut [Outcome; 8],
     ) {
         Self::attempt(self, dt, wanted, starting, out);
+    }
+    fn set_out(&mut self, wanted: &[bool; 8]) {
+        Self::set_out(self, wanted);
     }
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool) {
         Self::commit(self, dt, done, starting);
@@ -67,6 +79,9 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
+    }
+    fn displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
+        self.vector(&self.chain.r, node, lane) - self.vector(&self.r, node, lane)
     }
     fn save(&self, lane: usize, numbers: &mut Vec<f64>) {
         for array in self.arrays() {
@@ -93,6 +108,38 @@ impl<S: Simd> Engine for Pack<S> {
         }
         for i in 0..3 {
             set(&mut self.chain.ends.tip_reaction, i, lane, at(&self.reaction_start, i, lane));
+        }
+    }
+    fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
+        let nodes = self.chain.n + 1;
+        for (k, impulse) in impulses.iter().enumerate() {
+            for i in 0..3 {
+                set(&mut self.work.values, 3 * (k % nodes) + i, k / nodes, impulse[i]);
+            }
+        }
+        Self::respond(self);
+        for (k, velocity) in out.iter_mut().enumerate().take(fibers * nodes) {
+            *velocity = self.vector(&self.work.values, k % nodes, k / nodes);
+        }
+    }
+    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]) {
+        Self::response_blocks(self);
+        let nodes = self.chain.n + 1;
+        for (k, block) in blocks.iter_mut().enumerate().take(fibers * nodes) {
+            let entry = |i: usize| at(&self.work.blocks, 6 * (k % nodes) + i, k / nodes);
+            let (xy, xz, yz) = (entry(3), entry(4), entry(5));
+            *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+        }
+    }
+    fn weigh(&mut self, weights: &[Weight]) {
+        Self::weigh(self, weights);
+    }
+    fn kick(&mut self, lane: usize, impulses: &[Vector3<f64>]) {
+        for (a, impulse) in impulses.iter().enumerate() {
+            let v = self.vector(&self.nodes.v, a, lane) + impulse / at(&self.mass, a, lane);
+            for i in 0..3 {
+                set(&mut self.nodes.v, 3 * a + i, lane, v[i]);
+            }
         }
     }
     fn numbers(&self) -> usize {

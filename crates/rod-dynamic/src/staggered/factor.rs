@@ -70,7 +70,6 @@ impl<S: Simd> Factor<S> {
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
-        simd: S,
         e: usize,
         block: Block<S>,
         w: Lane<S>,
@@ -106,8 +105,13 @@ impl<S: Simd> Factor<S> {
         row[30] = w.value;
         store(&mut row[31..], 0, force);
         store(&mut row[31..], 1, turn);
-        let _ = simd;
         (next, pivot_force.min(pivot_turn))
+    }
+
+    /// The block to the right of segment `e`, between turns.
+    #[inline(always)]
+    pub(super) fn coupling(&self, simd: S, e: usize) -> M3<S> {
+        self.row(simd, e).b
     }
 
     #[inline(always)]
@@ -127,17 +131,73 @@ impl<S: Simd> Factor<S> {
         let mut turn = force;
         for e in (0..self.n).rev() {
             let row = self.row(simd, e);
-            let (df, dt) = if e + 1 < self.n {
-                row.inverse(force.scale(row.w), row.b.apply(turn))
-            } else {
-                (V3::splat(simd, 0.0), V3::splat(simd, 0.0))
-            };
+            // Behind the last segment there is nothing: its coupling multiplies zeros.
+            let (df, dt) = row.inverse(force.scale(row.w), row.b.apply(turn));
             force = row.rhs[0] - df;
             turn = row.rhs[1] - dt;
             store(x, 2 * e, force);
             store(x, 2 * e + 1, turn);
         }
     }
+
+    /// Solves for loads on the constraint rows (3 a segment), without torques.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, simd: S, loads: &[S::f64s], x: &mut [S::f64s]) {
+        let mut carry = [V3::splat(simd, 0.0); 2];
+        for e in 0..self.n {
+            let row = self.row(simd, e);
+            let load = V3([0, 1, 2].map(
+                #[inline(always)]
+                |i| Lane::new(simd, loads[3 * e + i]),
+            ));
+            let torque = V3::splat(simd, 0.0) - carry[1];
+            let (force, turn) = row.inverse(load - carry[0], torque);
+            store(&mut self.data[STRIDE * e + 31..], 0, force);
+            store(&mut self.data[STRIDE * e + 31..], 1, turn);
+            carry = [force.scale(row.w), row.b.apply_transposed(turn)];
+        }
+        self.back_substitute(simd, x);
+    }
+
+    /// The force-force blocks of the inverse: diagonal (6 a segment) and, in the row of the
+    /// segment before, to its right (9). Diagonal blocks are kept symmetric: without that the
+    /// recursion loses its digits along the fibre.
+    #[inline(always)]
+    pub(super) fn inverse_blocks(&self, simd: S, diagonal: &mut [S::f64s], right: &mut [S::f64s]) {
+        let zero = Lane::splat(simd, 0.0);
+        let mut behind = Inverse {
+            ff: Sym::diagonal(zero),
+            ft: M3::splat(simd, 0.0),
+            tt: Sym::diagonal(zero),
+        };
+        for e in (0..self.n).rev() {
+            let row = self.row(simd, e);
+            // M = B Z B^T, with B = diag(w E, b).
+            let ft = behind.ft.times(row.b.transposed()).scale(row.w);
+            let ff = behind.ff.scale(row.w * row.w);
+            let tt = Sym::product_transposed(row.b.times(behind.tt.full()), row.b);
+            // -Z_(e, e+1) = D^-1 B Z; only its force-force part is wanted.
+            let bz = row.b.times(behind.ft.transposed());
+            let wz = behind.ff.scale(row.w).full();
+            let side = row.force_rows(wz, bz);
+            for i in 0..3 {
+                for j in 0..3 {
+                    right[9 * e + 3 * i + j] = (-side.0[i].0[j]).value;
+                }
+            }
+            behind = row.sandwich(&Inverse { ff, ft, tt });
+            for i in 0..6 {
+                diagonal[6 * e + i] = behind.ff.0[i].value;
+            }
+        }
+    }
+}
+
+/// A symmetric 6 x 6 block by forces and turns.
+struct Inverse<S: Simd> {
+    ff: Sym<S>,
+    ft: M3<S>,
+    tt: Sym<S>,
 }
 
 struct Row<S: Simd> {
@@ -150,10 +210,36 @@ struct Row<S: Simd> {
 }
 
 impl<S: Simd> Row<S> {
-    /// The inverse of the eliminated diagonal block.
+    /// The inverse of the eliminated diagonal block, applied.
     #[inline(always)]
     fn inverse(&self, load: V3<S>, torque: V3<S>) -> (V3<S>, V3<S>) {
         let turn = self.sigma.apply(torque - self.v.apply_transposed(load));
         (self.p.apply(load) - self.v.apply(turn), turn)
+    }
+
+    /// The force rows of `D^-1 [load; torque]` for three columns at once.
+    #[inline(always)]
+    fn force_rows(&self, load: M3<S>, torque: M3<S>) -> M3<S> {
+        let turn = self.sigma.times(torque - self.v.transposed().times(load));
+        self.p.times(load) - self.v.times(turn)
+    }
+
+    /// `D^-1 + D^-1 M D^-1`, through `D^-1 = [P 0; 0 0] + [-V; E] Sigma [-V^T E]`.
+    #[inline(always)]
+    fn sandwich(&self, m: &Inverse<S>) -> Inverse<S> {
+        let vt = self.v.transposed();
+        // c = [-V^T E] M: first its force columns, then its turn columns.
+        let cf = m.ft.transposed() - vt.times(m.ff.full());
+        let ct = m.tt.full() - vt.times(m.ft);
+        // s = Sigma + Sigma [-V^T E] M [-V; E] Sigma, and y = P M_f [-V; E] Sigma.
+        let inner = Sym::symmetric_part(ct - cf.times(self.v));
+        let sc = self.sigma.times(inner.full());
+        let tt = self.sigma + Sym::product_transposed(sc, self.sigma.full());
+        let y = self.p.times(cf.transposed()).times(self.sigma.full());
+        let pmp = Sym::product_transposed(self.p.times(m.ff.full()), self.p.full());
+        let vs = self.v.times(tt.full());
+        let yv = y.times(vt);
+        let ff = self.p + pmp + Sym::product_transposed(vs, self.v) - Sym::twice_symmetric_part(yv);
+        Inverse { ff, ft: y - vs, tt }
     }
 }

@@ -214,14 +214,6 @@ impl<S: Simd> M3<S> {
         let [a, b, c] = self.0;
         Self([a.scale(s), b.scale(s), c.scale(s)])
     }
-    /// Adds `s` to the diagonal.
-    #[inline(always)]
-    pub(super) fn add_diagonal(mut self, s: Lane<S>) -> Self {
-        for i in 0..3 {
-            self.0[i].0[i] = self.0[i].0[i] + s;
-        }
-        self
-    }
 }
 
 impl<S: Simd> Add for M3<S> {
@@ -277,6 +269,25 @@ impl<S: Simd> Sym<S> {
             a[0].0[i].fma(b[0].0[j], a[1].0[i].fma(b[1].0[j], a[2].0[i] * b[2].0[j]))
         };
         Self([e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(0, 2), e(1, 2)])
+    }
+    /// `v v^T`.
+    #[inline(always)]
+    pub(super) fn outer(v: V3<S>) -> Self {
+        let [x, y, z] = v.0;
+        Self([x * x, y * y, z * z, x * y, x * z, y * z])
+    }
+    /// `(m + m^T) / 2`.
+    #[inline(always)]
+    pub(super) fn symmetric_part(m: M3<S>) -> Self {
+        let half = m.0[0].0[0].lift(0.5);
+        Self::twice_symmetric_part(m).scale(half)
+    }
+    /// `m + m^T`.
+    #[inline(always)]
+    pub(super) fn twice_symmetric_part(m: M3<S>) -> Self {
+        let [a, b, c] = m.0;
+        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (a.0, b.0, c.0);
+        Self([ax + ax, by + by, cz + cz, ay + bx, az + cx, bz + cy])
     }
     /// `a b^T`, known to be symmetric.
     #[inline(always)]

@@ -13,12 +13,14 @@
 
 mod batch;
 mod chain;
+mod coupled;
 mod ends;
 mod engine;
 mod factor;
 mod lanes;
 mod pack;
 mod readout;
+mod response;
 mod scheme;
 mod search;
 mod single;

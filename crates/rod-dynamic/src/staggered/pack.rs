@@ -3,6 +3,7 @@
 use super::chain::{Chain, store};
 use super::ends::{Held, Kind};
 use super::lanes::{Lane, V3};
+use super::response::Workspace;
 use super::scheme::{Scheme, Stage};
 use super::search::Outcome;
 use super::track::Track;
@@ -40,6 +41,9 @@ pub(super) struct Pack<S: Simd> {
     /// Rotations (4) and tip reactions at the start of the step.
     pub(super) q_start: Vec<S::f64s>,
     pub(super) reaction_start: [S::f64s; 3],
+    /// Lengths of the last attempt, for what follows from its factors.
+    pub(super) last_dt: [f64; 8],
+    pub(super) work: Workspace<S>,
 }
 
 impl<S: Simd> Pack<S> {
@@ -65,6 +69,8 @@ impl<S: Simd> Pack<S> {
             held: [Held::FREE; 8],
             q_start: zeros(4 * n),
             reaction_start: [S::f64s::zeroed(); 3],
+            last_dt: [1.0; 8],
+            work: Workspace::new(n),
             any_damping: rods.iter().any(|rod| rod.damping_time > 0.0),
         };
         for lane in 0..S::F64_LANES {
@@ -125,7 +131,28 @@ impl<S: Simd> Pack<S> {
                 pack.chain.newton(wanted, out);
             }
         }
+        self.last_dt = *dt;
         self.chain.simd.vectorize(Attempt(self, dt, wanted, starting, out));
+    }
+
+    /// Makes the present rotations the start of a step, in the lanes that are wanted.
+    pub(super) fn set_out(&mut self, wanted: &[bool; 8]) {
+        struct SetOut<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; 8]);
+        impl<S: Simd> NullaryFnOnce for SetOut<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let wanted = self.0.flags(self.1);
+                self.0.chain.keep_directors(wanted);
+            }
+        }
+        self.chain.simd.vectorize(SetOut(self, wanted));
+    }
+
+    #[inline(always)]
+    fn flags(&self, flags: &[bool; 8]) -> Lane<S> {
+        let numbers = flags.map(f64::from);
+        Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&numbers[..S::F64_LANES]))
     }
 
     /// Makes the last attempt the state, in the lanes that are `done`.
@@ -144,7 +171,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn stage(&self, dt: &[f64; 8], starting: bool) -> Stage<S> {
+    pub(super) fn stage(&self, dt: &[f64; 8], starting: bool) -> Stage<S> {
         let dt = Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&dt[..S::F64_LANES]));
         if starting { self.scheme.start(dt) } else { self.scheme.stage(dt) }
     }
@@ -163,7 +190,6 @@ impl<S: Simd> Pack<S> {
         ));
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
-        self.chain.keep_directors();
         for a in 0..=n {
             let rates = self.nodes.rates(&self.chain, a);
             let (du, vc) = self.scheme.predict(stage, rates);
@@ -230,10 +256,8 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     fn take_over(&mut self, stage: &Stage<S>, done: &[bool; 8], starting: bool) {
-        let simd = self.chain.simd;
         let n = self.chain.n;
-        let flags = done.map(f64::from);
-        let done = Lane::new(simd, simd.partial_load_f64s(&flags[..S::F64_LANES]));
+        let done = self.flags(done);
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.r, a);
             let old = self.chain.vec(&self.r, a);

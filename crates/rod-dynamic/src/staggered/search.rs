@@ -1,5 +1,7 @@
 //! Globalisation of Newton's method in one lane: step lengths, the merit test, and when to stop.
 
+use crate::StepReport;
+
 /// Largest number of Newton iterations of one solve.
 pub(super) const MAX_ITERATIONS: usize = 40;
 /// Increments above this, rad, must lower the potential energy of the step. Smaller ones are not
@@ -24,6 +26,11 @@ pub(super) struct Outcome {
 impl Outcome {
     pub(super) const NONE: Self =
         Self { converged: false, iterations: 0, residuals: [0.0; MAX_ITERATIONS] };
+
+    pub(super) fn report(&self) -> StepReport {
+        let residual = self.residuals[self.iterations.saturating_sub(1)];
+        StepReport { iterations: self.iterations, halvings: 0, residual }
+    }
 }
 
 /// State of the search in one lane.

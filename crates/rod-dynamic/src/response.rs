@@ -1,0 +1,53 @@
+use crate::RodError;
+use nalgebra::{Matrix3, Vector3};
+
+/// A mass added at a point of a fibre, for a solver that needs a metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weight {
+    /// Index of the fibre in its batch.
+    pub fiber: usize,
+    /// Index of the segment.
+    pub segment: usize,
+    /// Where on the segment, 0 at its root end and 1 at its tip end.
+    pub fraction: f64,
+    /// The mass, kg (impulse per velocity), not negative.
+    pub mass: f64,
+}
+
+/// How fibres whose step has been solved, but not finished, answer impulses.
+///
+/// An impulse is a jump of velocity at the start of the step, the answer the change of the mean
+/// velocity over the step: the map is symmetric and positive semidefinite. An impulse `P` at the
+/// fraction `f` of a segment is `(1 - f) P` on the node before and `f P` on the node behind, and
+/// the velocity there is interpolated alike. Vectors are in the world frame; arrays hold the nodes
+/// of the first fibre, then those of the second, and so on.
+pub trait ImpulseResponse {
+    /// Fibres times nodes: the length of the arrays.
+    fn nodes(&self) -> usize;
+
+    /// Writes the change of the mean velocities (m/s) that `impulses` (N s) cause to first order.
+    /// One forward and one backward pass over the fibres.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for arrays of the wrong length.
+    fn respond(
+        &mut self,
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError>;
+
+    /// Writes the answer of every node to an impulse on itself (1/kg), by selected inversion.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
+
+    /// Adds masses at points, in place of all added before, and factorises again: from then on the
+    /// response is the inverse of `W^-1 + H^T M H`, `H` the interpolation to the points. An empty
+    /// list takes them away.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] for a point that is not on a fibre or a mass that is negative or not
+    /// finite.
+    fn set_weights(&mut self, weights: &[Weight]) -> Result<(), RodError>;
+}

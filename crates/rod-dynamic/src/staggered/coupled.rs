@@ -1,0 +1,149 @@
+//! A step in two halves, for a solver of contacts between them.
+
+use super::batch::StaggeredBatch;
+use super::search::Outcome;
+use crate::{Conditions, ImpulseResponse, RodError, StepError, StepReport, Weight};
+use nalgebra::{Matrix3, Vector3};
+
+impl StaggeredBatch {
+    /// Solves the free step of length `dt` without finishing it: [`Self::mean_velocities`] and
+    /// [`ImpulseResponse`] then speak of it, until [`Self::finish`].
+    ///
+    /// # Errors
+    /// [`StepError`]; a step that does not converge is not halved, since all that touches must
+    /// move by the same step. The fibres are then as before.
+    ///
+    /// # Panics
+    /// If there are fewer conditions or reports than fibres.
+    pub fn predict(
+        &mut self,
+        dt: f64,
+        conditions: &[&dyn Conditions],
+        reports: &mut [StepReport],
+    ) -> Result<(), StepError> {
+        self.begin(dt, conditions, reports)?;
+        self.solve(dt, reports)
+    }
+
+    /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    pub fn mean_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        check("velocities", self.nodes(), velocities.len())?;
+        let nodes = self.nodes() / self.rods().len();
+        for (k, velocity) in velocities.iter_mut().enumerate() {
+            *velocity = self.engine.displacement(k / nodes, k % nodes) / self.predicted;
+        }
+        Ok(())
+    }
+
+    /// Takes the predicted step with `impulses` (N s, one a node) at its start: solves it again,
+    /// from where the prediction ended, and makes that the state.
+    ///
+    /// # Errors
+    /// As [`Self::predict`], and [`StepError::Conditions`] for impulses that are not one a node or
+    /// not finite.
+    pub fn finish(
+        &mut self,
+        impulses: &[Vector3<f64>],
+        reports: &mut [StepReport],
+    ) -> Result<(), StepError> {
+        let (dt, time) = (self.predicted, self.time());
+        let error = |why| Err(StepError::Conditions { what: "impulses", time, why });
+        if impulses.len() != self.nodes() {
+            return error("there must be one for each node of each fibre");
+        }
+        if impulses.iter().flatten().any(|x| !x.is_finite()) {
+            return error("must be finite (N s)");
+        }
+        let nodes = self.nodes() / self.rods().len();
+        for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
+            self.engine.kick(fiber, impulses);
+        }
+        let solved = self.solve(dt, reports);
+        if solved.is_err() {
+            let back: Vec<_> = impulses.iter().map(|p| -p).collect();
+            for (fiber, impulses) in back.chunks(nodes).enumerate() {
+                self.engine.kick(fiber, impulses);
+            }
+            return solved;
+        }
+        let mut all = [false; 8];
+        all[..self.rods().len()].fill(true);
+        self.engine.commit(&[dt; 8], &all, false);
+        self.advance_time(dt);
+        Ok(())
+    }
+
+    /// Solves the present step in all fibres, from their present rotations.
+    fn solve(&mut self, dt: f64, reports: &mut [StepReport]) -> Result<(), StepError> {
+        let count = self.rods().len();
+        let mut out = [Outcome::NONE; 8];
+        let mut wanted = [false; 8];
+        wanted[..count].fill(true);
+        self.engine.attempt(&[dt; 8], &wanted, false, &mut out);
+        self.predicted = dt;
+        for fiber in 0..count {
+            reports[fiber] = out[fiber].report();
+            if !out[fiber].converged {
+                for lane in 0..count {
+                    self.engine.undo(lane);
+                }
+                return Err(StepError::NotConverged {
+                    fiber,
+                    time: self.time(),
+                    dt,
+                    residuals: out[fiber].residuals[..out[fiber].iterations].to_vec(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ImpulseResponse for StaggeredBatch {
+    fn nodes(&self) -> usize {
+        self.rods().len() * (self.rods()[0].fiber.segments() + 1)
+    }
+
+    fn respond(
+        &mut self,
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError> {
+        check("impulses", self.nodes(), impulses.len())?;
+        check("velocities", self.nodes(), velocities.len())?;
+        self.engine.respond(self.rods.len(), impulses, velocities);
+        Ok(())
+    }
+
+    fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError> {
+        check("blocks", self.nodes(), blocks.len())?;
+        self.engine.diagonal_blocks(self.rods.len(), blocks);
+        Ok(())
+    }
+
+    fn set_weights(&mut self, weights: &[Weight]) -> Result<(), RodError> {
+        let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
+        let ok = |w: &Weight| {
+            w.fiber < fibers
+                && w.segment < segments
+                && (0.0..=1.0).contains(&w.fraction)
+                && w.mass >= 0.0
+                && w.mass.is_finite()
+        };
+        if !weights.iter().all(ok) {
+            return Err(RodError::Invalid {
+                what: "weights",
+                why: "each needs a fibre, a segment, a fraction in 0..=1 and a mass >= 0 (kg)",
+            });
+        }
+        self.engine.weigh(weights);
+        Ok(())
+    }
+}
+
+fn check(what: &'static str, expected: usize, found: usize) -> Result<(), RodError> {
+    if expected == found { Ok(()) } else { Err(RodError::Length { what, expected, found }) }
+}

@@ -1,0 +1,192 @@
+//! How the rod answers impulses, with the matrix that the last solve has factorised.
+//!
+//! An impulse is a jump of a node's velocity at the start of the step. It moves the end of the
+//! step by `dt P / m` if nothing else acts, so it enters the node's balance as the force
+//! `c1 dt P`, and the answer is the change of the mean velocity, displacement over `dt`. Both maps
+//! are the same up to transposition, so the response is symmetric.
+
+use super::chain::{hat, store};
+use super::factor::Block;
+use super::lanes::{Lane, M3, Sym, V3};
+use super::pack::{Pack, at, set};
+use super::scheme::Stage;
+use crate::Weight;
+use pulp::bytemuck::Zeroable;
+use pulp::{NullaryFnOnce, Simd};
+
+/// Room for one response; allocated with the first.
+pub(super) struct Workspace<S: Simd> {
+    /// Impulses in, mean velocities out (3 a node).
+    pub(super) values: Vec<S::f64s>,
+    loads: Vec<S::f64s>,
+    solution: Vec<S::f64s>,
+    diagonal: Vec<S::f64s>,
+    right: Vec<S::f64s>,
+    /// Diagonal blocks out (6 a node).
+    pub(super) blocks: Vec<S::f64s>,
+    /// Added masses of the nodes, and added inertias of d3 (both kg or kg m^2).
+    mass: Vec<S::f64s>,
+    inertia: Vec<S::f64s>,
+}
+
+impl<S: Simd> Workspace<S> {
+    pub(super) fn new(n: usize) -> Self {
+        let zeros = |count: usize| vec![S::f64s::zeroed(); count];
+        Self {
+            values: zeros(3 * (n + 1)),
+            loads: zeros(3 * n),
+            solution: zeros(6 * n),
+            diagonal: zeros(6 * n),
+            right: zeros(9 * n),
+            blocks: zeros(6 * (n + 1)),
+            mass: zeros(n + 1),
+            inertia: zeros(n),
+        }
+    }
+}
+
+/// What is asked of the factorised step.
+enum Question<'a> {
+    Respond,
+    Blocks,
+    Weigh(&'a [Weight]),
+}
+
+impl<S: Simd> Pack<S> {
+    /// Replaces the impulses in the workspace by mean velocities.
+    pub(super) fn respond(&mut self) {
+        self.ask(Question::Respond);
+    }
+
+    /// Computes the diagonal blocks of all nodes.
+    pub(super) fn response_blocks(&mut self) {
+        self.ask(Question::Blocks);
+    }
+
+    /// Factorises again with masses added at points.
+    pub(super) fn weigh(&mut self, weights: &[Weight]) {
+        self.ask(Question::Weigh(weights));
+    }
+
+    fn ask(&mut self, question: Question<'_>) {
+        struct Ask<'a, 'b, S: Simd>(&'a mut Pack<S>, Question<'b>);
+        impl<S: Simd> NullaryFnOnce for Ask<'_, '_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let stage = self.0.stage(&self.0.last_dt, false);
+                match self.1 {
+                    Question::Respond => self.0.solve_response(&stage),
+                    Question::Blocks => self.0.solve_blocks(&stage),
+                    Question::Weigh(weights) => self.0.factorize_weighted(&stage, weights),
+                }
+            }
+        }
+        self.chain.simd.vectorize(Ask(self, question));
+    }
+
+    #[inline(always)]
+    fn solve_response(&mut self, stage: &Stage<S>) {
+        let (simd, n) = (self.chain.simd, self.chain.n);
+        let (chain, work) = (&mut self.chain, &mut self.work);
+        let gain = stage.c1 * stage.dt;
+        for e in 0..n {
+            let (before, here) = (chain.vec(&work.values, e), chain.vec(&work.values, e + 1));
+            let (w0, w1) = (chain.one(&chain.w, e), chain.one(&chain.w, e + 1));
+            store(&mut work.loads, e, (before.scale(w0) - here.scale(w1)).scale(gain));
+        }
+        chain.factor.solve(simd, &work.loads, &mut work.solution);
+        let rate = stage.dt.recip();
+        for a in 0..=n {
+            let mut sum = chain.vec(&work.values, a).scale(gain);
+            if a < n {
+                sum += chain.vec(&work.solution, 2 * a);
+            }
+            if a > 0 {
+                sum -= chain.vec(&work.solution, 2 * (a - 1));
+            }
+            store(&mut work.values, a, sum.scale(chain.one(&chain.w, a) * rate));
+        }
+    }
+
+    #[inline(always)]
+    fn solve_blocks(&mut self, stage: &Stage<S>) {
+        let (simd, n) = (self.chain.simd, self.chain.n);
+        let work = &mut self.work;
+        self.chain.factor.inverse_blocks(simd, &mut work.diagonal, &mut work.right);
+        let one = Lane::splat(simd, 1.0);
+        let sym = |e: usize| Sym([0, 1, 2, 3, 4, 5].map(
+            #[inline(always)]
+            |i| Lane::new(simd, work.diagonal[6 * e + i]),
+        ));
+        for a in 0..=n {
+            let w = Lane::new(simd, self.chain.w[a]);
+            let mut inner = Sym::diagonal(w.lift(0.0));
+            if a > 0 {
+                inner = inner + sym(a - 1);
+            }
+            if a < n {
+                inner = inner + sym(a);
+            }
+            if a > 0 && a < n {
+                let row = |i: usize| V3([0, 1, 2].map(
+                    #[inline(always)]
+                    |j| Lane::new(simd, work.right[9 * (a - 1) + 3 * i + j]),
+                ));
+                inner = inner - Sym::twice_symmetric_part(M3([row(0), row(1), row(2)]));
+            }
+            let block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);
+            for i in 0..6 {
+                work.blocks[6 * a + i] = block.0[i].value;
+            }
+        }
+    }
+
+    /// A mass at a point of a rigid segment is a mass on each of its nodes, and takes away
+    /// `m f (1 - f) h^2` of the inertia of the segment's d3.
+    #[inline(always)]
+    fn factorize_weighted(&mut self, stage: &Stage<S>, weights: &[Weight]) {
+        let (simd, n) = (self.chain.simd, self.chain.n);
+        let work = &mut self.work;
+        work.mass.fill(S::f64s::zeroed());
+        work.inertia.fill(S::f64s::zeroed());
+        for weight in weights {
+            let (e, f, m) = (weight.segment, weight.fraction, weight.mass);
+            let h = at(&self.chain.h, e, weight.fiber);
+            let add = |array: &mut [S::f64s], i: usize, x: f64| {
+                let old = at(array, i, weight.fiber);
+                set(array, i, weight.fiber, old + x);
+            };
+            add(&mut work.mass, e, m * (1.0 - f));
+            add(&mut work.mass, e + 1, m * f);
+            add(&mut work.inertia, e, -m * f * (1.0 - f) * h * h);
+        }
+        for a in 0..=n {
+            let free = Lane::new(simd, self.chain.w[a]);
+            let mu = stage.c1.fma(Lane::new(simd, work.mass[a]), Lane::new(simd, self.chain.mu[a]));
+            self.chain.w[a] = free.positive_or(mu.recip(), free).value;
+        }
+        let mut carry = Block::zero(simd);
+        let zero = V3::splat(simd, 0.0);
+        for e in 0..n {
+            let h = self.chain.one(&self.chain.h, e);
+            let d = self.chain.vec(&self.chain.d, 3 * e + 2);
+            let inertia = Lane::new(simd, work.inertia[e]) * stage.c1;
+            let hessian = Sym([0, 1, 2, 3, 4, 5].map(
+                #[inline(always)]
+                |i| Lane::new(simd, self.chain.hessian[6 * e + i]),
+            ));
+            let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
+            let (w0, w1) = (self.chain.one(&self.chain.w, e), self.chain.one(&self.chain.w, e + 1));
+            let block = Block {
+                compliance: Sym::diagonal(-(w0 + w1)),
+                lever: hat(d.scale(h)),
+                stiffness: hessian + across,
+                load: zero,
+                torque: zero,
+            };
+            let coupling = self.chain.factor.coupling(simd, e);
+            (carry, _) = self.chain.factor.eliminate(e, block - carry, w1, coupling);
+        }
+    }
+}
