@@ -22,9 +22,7 @@ fn hair() -> BoxIntegrator {
 fn fall(integrator: &mut BoxIntegrator) -> usize {
     let root = *integrator.rod().fiber.root();
     let conditions = Steady(Instant::clamped(root, Vector3::new(0.0, 0.0, -9.81)));
-    (0..STEPS)
-        .map(|_| integrator.step(STEP, &conditions).expect("the hair falls").iterations)
-        .sum()
+    (0..STEPS).map(|_| integrator.step(STEP, &conditions).expect("the hair falls").iterations).sum()
 }
 
 fn box_step(c: &mut Criterion) {

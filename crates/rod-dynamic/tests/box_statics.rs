@@ -48,8 +48,7 @@ fn dead_tip_load() {
         (5.0, 0.387_628_36, 0.713_791_52),
         (10.0, 0.554_995_60, 0.810_609_02),
     ] {
-        let nodes =
-            loaded(|t| (Load::World(Vector3::new(0.0, -a * t, 0.0)), Load::ZERO));
+        let nodes = loaded(|t| (Load::World(Vector3::new(0.0, -a * t, 0.0)), Load::ZERO));
         let exact = Vector3::new(1.0 - shortening, -drop, 0.0);
         let error = (nodes[SEGMENTS] - exact).norm();
         assert!(error < 1e-4, "load {a}: tip off by {error:e}");

@@ -51,7 +51,7 @@ impl Panel {
 }
 
 /// How the rotation increments theta of the two ends of a segment enter:
-/// `force` is the coefficient of theta_a in the first three equations, and
+/// `force` is the coefficient of `theta_a` in the first three equations, and
 /// `theta_b = turn theta_a + lever (d kappa_a + d kappa_b) / 2`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turning {
@@ -72,12 +72,8 @@ struct Factor {
 }
 
 impl Factor {
-    const ZERO: Self = Self {
-        columns: [[0.0; 16]; N],
-        rows: [[0.0; 16]; N],
-        inverse: [0.0; 16],
-        rhs: [0.0; 16],
-    };
+    const ZERO: Self =
+        Self { columns: [[0.0; 16]; N], rows: [[0.0; 16]; N], inverse: [0.0; 16], rhs: [0.0; 16] };
 
     #[inline(always)]
     fn store(&mut self, panel: &Panel) {
@@ -285,7 +281,8 @@ impl WithSimd for BackSubstitute<'_> {
                 for l in 0..8 {
                     sums[l] = row[8 + l].mul_add(next[8 + l], row[l] * next[l]);
                 }
-                let pairs = [sums[0] + sums[4], sums[1] + sums[5], sums[2] + sums[6], sums[3] + sums[7]];
+                let pairs =
+                    [sums[0] + sums[4], sums[1] + sums[5], sums[2] + sums[6], sums[3] + sums[7]];
                 *rest -= (pairs[0] + pairs[2]) + (pairs[1] + pairs[3]);
             }
             for k in (0..N).rev() {

@@ -48,7 +48,19 @@ impl<'a> Setup<'a> {
         let acceleration = acceleration(rod, node_forces, span);
         let units = Units::of(&rod.fiber, acceleration);
         let root_motion = span.root_motion(&state.root, units.length);
-        Self { rod, state, node_forces, span, k, dt, tolerance, acceleration, units, root_motion, tip_now: state.tip(rod) }
+        Self {
+            rod,
+            state,
+            node_forces,
+            span,
+            k,
+            dt,
+            tolerance,
+            acceleration,
+            units,
+            root_motion,
+            tip_now: state.tip(rod),
+        }
     }
 
     /// Writes the equations.
@@ -150,8 +162,12 @@ impl<'a> Setup<'a> {
         let last = nodes.len() - 1;
         let jolts = jolt(&stage.root, &nodes[0], self.state.root.frame)
             + jolt(&stage.tip, &nodes[last], self.tip_now.frame);
-        let load = LEAST_LOAD + self.acceleration / u.acceleration() + n + moment
-            + omega * (omega + v) + jolts;
+        let load = LEAST_LOAD
+            + self.acceleration / u.acceleration()
+            + n
+            + moment
+            + omega * (omega + v)
+            + jolts;
         let rate = load / c + omega;
         Scales {
             segment: [

@@ -115,8 +115,8 @@ pub(super) struct Trial {
     halves: Vec<Rotation3<f64>>,
     /// Frames at the midpoints of the segments.
     pub(super) middles: Vec<Rotation3<f64>>,
-    residuals: Vec<[f64; 12]>,
-    ends: [[f64; 6]; 2],
+    pub(super) residuals: Vec<[f64; 12]>,
+    pub(super) ends: [[f64; 6]; 2],
     /// Sum of the squared relative residuals; the merit of the line search.
     pub(super) merit: f64,
 }
@@ -167,9 +167,7 @@ impl Stage {
     pub(super) fn root_rotation(&self, x: &Unknowns) -> Matrix3<f64> {
         match &self.root_frame {
             RootFrame::Fixed(_) => Matrix3::zeros(),
-            RootFrame::Free { b, .. } => {
-                so3::right_jacobian(&self.root_turn(&x.omega, b)) / self.c
-            }
+            RootFrame::Free { b, .. } => so3::right_jacobian(&self.root_turn(&x.omega, b)) / self.c,
         }
     }
 
@@ -275,8 +273,8 @@ impl Stage {
             + Matrix3::from_diagonal(&self.drag) * so3::hat(&(middle.inverse() * self.wind));
         let force = -s.h * force;
 
-        let v_v = k * (self.c * s.rho * one + Matrix3::from_diagonal(&self.drag))
-            + s.rho * omega_hat;
+        let v_v =
+            k * (self.c * s.rho * one + Matrix3::from_diagonal(&self.drag)) + s.rho * omega_hat;
         let v_omega = -k * s.rho * so3::hat(&v);
         let v_kappa = k * so3::hat(&n) + 0.5 * force * lever;
         let inertia = Matrix3::from_diagonal(&s.inertia);

@@ -43,12 +43,7 @@ impl Update {
         *value += change;
     }
 
-    fn derivative(
-        &self,
-        started: bool,
-        change: Vector3<f64>,
-        old: &Vector3<f64>,
-    ) -> Vector3<f64> {
+    fn derivative(&self, started: bool, change: Vector3<f64>, old: &Vector3<f64>) -> Vector3<f64> {
         let slope = change / self.dt;
         // A first step knows no old derivative; its mean slope is one of the first order, which
         // is all that the second order of the following steps needs.
@@ -62,9 +57,8 @@ impl Update {
         let d = self.k.memory();
         let started = state.started;
         // c (y_stage - y_0) + d y'_0 = rate at the stage, for position and rotation alike.
-        let change = |rate: Vector3<f64>, old: &Vector3<f64>| {
-            (rate - d * old) / (c * self.k.stage())
-        };
+        let change =
+            |rate: Vector3<f64>, old: &Vector3<f64>| (rate - d * old) / (c * self.k.stage());
         let velocity = solution.frames[0] * x.v * u.speed();
         let shift = change(velocity, &state.root_velocity);
         let turn = change(x.omega / u.time, &state.root_rate);

@@ -168,16 +168,10 @@ pub fn chain(segments: usize, node: impl Fn(f64) -> NodeProperties) -> Fiber {
 /// so that positive curvature about d1 bends counterclockwise.
 pub fn planar_clamp(angle: f64) -> Isometry3<f64> {
     let (s, c) = angle.sin_cos();
-    let frame = Matrix3::from_columns(&[
-        Vector3::z(),
-        Vector3::new(s, -c, 0.0),
-        Vector3::new(c, s, 0.0),
-    ]);
+    let frame =
+        Matrix3::from_columns(&[Vector3::z(), Vector3::new(s, -c, 0.0), Vector3::new(c, s, 0.0)]);
     let frame = Rotation3::from_matrix_unchecked(frame);
-    Isometry3::from_parts(
-        Vector3::zeros().into(),
-        UnitQuaternion::from_rotation_matrix(&frame),
-    )
+    Isometry3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_rotation_matrix(&frame))
 }
 
 /// The reference hair of the field: 0.3 m long, 35 um thick in radius, clamped horizontally.
