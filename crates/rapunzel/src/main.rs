@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Run(options) => run::run(&options, json),
         Command::Check { scene } => check::check(&scene, json),
-        Command::New(options) => new::new(&options),
+        Command::New(options) => new::new(&options, json),
         Command::Info { folder } => info::info(&folder, json),
     };
     result.unwrap_or_else(|failure| failure.tell(json))

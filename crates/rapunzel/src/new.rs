@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Writes a scene that ships into a file.
-pub(crate) fn new(options: &NewOptions) -> Result<ExitCode, Failure> {
+pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
     let text = templates::text(name)
@@ -29,6 +29,10 @@ pub(crate) fn new(options: &NewOptions) -> Result<ExitCode, Failure> {
         .open(&path)
         .map_err(failed)?;
     file.write_all(text.as_bytes()).map_err(failed)?;
-    println!("{}: run it with `rapunzel run {}`", path.display(), path.display());
+    if json {
+        println!("{}", serde_json::json!({ "file": path }));
+    } else {
+        println!("{}: run it with `rapunzel run {}`", path.display(), path.display());
+    }
     Ok(ExitCode::SUCCESS)
 }

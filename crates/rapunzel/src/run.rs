@@ -27,15 +27,24 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
 
     let bar = if json { ProgressBar::hidden() } else { progress_bar() };
     let start = Instant::now();
-    let mut first_step = None;
+    let mut before: Option<Progress> = None;
     let mut progress = |now: &Progress| {
-        if first_step.is_none() {
-            first_step = Some(now.steps);
-            bar.set_length(now.planned_steps);
-            bar.reset_eta();
+        match before {
+            // A resumed run begins in the middle, which must not count as speed.
+            None => {
+                bar.set_length(now.planned_steps);
+                bar.set_position(now.steps);
+                bar.reset_eta();
+            }
+            Some(before) if before.statistics.halvings < now.statistics.halvings => {
+                let halvings = now.statistics.halvings - before.statistics.halvings;
+                tracing::warn!(time = now.time, halvings, "a step did not converge at once");
+            }
+            Some(_) => {}
         }
         bar.set_position(now.steps);
         bar.set_message(format!("t = {:.3} s", now.time));
+        before = Some(*now);
     };
     let control = Control {
         checkpoint_every: options.checkpoint_every,

@@ -1,4 +1,5 @@
 use crate::SimError;
+use crate::storage::PARTIAL;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -51,15 +52,27 @@ impl RunFolder {
     pub fn open(path: &Path, existing: Existing) -> Result<Self, SimError> {
         fs::create_dir_all(path).map_err(SimError::io("make the folder", path))?;
         let folder = Self { path: path.to_owned(), _lock: lock(path)? };
-        let mut files =
-            fs::read_dir(path).map_err(SimError::io("read the folder", path))?.flatten();
-        match existing {
-            Existing::Refuse if files.any(|file| file.file_name() != LOCK) => {
-                Err(SimError::FolderNotEmpty(path.to_owned()))
+        let files = fs::read_dir(path).map_err(SimError::io("read the folder", path))?;
+        let names = files.flatten().map(|file| file.file_name().to_string_lossy().into_owned());
+        let foreign = |name: &String| {
+            let name = name.trim_end_matches(PARTIAL);
+            ![LOCK, FRAMES].contains(&name) && !FILES.contains(&name)
+        };
+        let refused = match existing {
+            Existing::Refuse => names.into_iter().any(|name| name != LOCK),
+            // A run that was killed early has not written its scene yet.
+            Existing::Resume => {
+                !folder.file(SCENE).exists() && names.into_iter().any(|n| foreign(&n))
             }
-            Existing::Overwrite => folder.clear().map(|()| folder),
-            Existing::Refuse | Existing::Resume => Ok(folder),
+            Existing::Overwrite => false,
+        };
+        if refused {
+            return Err(SimError::FolderNotEmpty(path.to_owned()));
         }
+        if existing == Existing::Overwrite {
+            folder.clear()?;
+        }
+        Ok(folder)
     }
 
     /// Where the folder is.
@@ -159,5 +172,7 @@ mod tests {
         assert!(matches!(refused, Err(SimError::FolderNotEmpty(_))), "{refused:?}");
         RunFolder::open(temporary.path(), Existing::Overwrite).expect("may be overwritten");
         assert!(!ours.exists() && theirs.exists());
+        let refused = RunFolder::open(temporary.path(), Existing::Resume);
+        assert!(matches!(refused, Err(SimError::FolderNotEmpty(_))), "{refused:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Scenes, the `Stepper` trait, observers and checkpoints.
+#![doc = include_str!("../README.md")]
 
 mod assemble;
 mod checkpoint;

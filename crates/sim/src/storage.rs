@@ -5,6 +5,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
+/// Ends the name of a file that is not whole yet.
+pub(crate) const PARTIAL: &str = ".partial";
+
 /// Writes `path` so that at any moment it holds either what it held before or all of the new
 /// contents, on the disk: into a temporary file beside it, which then takes its name.
 ///
@@ -29,10 +32,9 @@ pub(crate) fn write_atomically(
     })
 }
 
-/// The name under which a file is written before it is whole.
 fn partial(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".partial");
+    name.push(PARTIAL);
     path.with_file_name(name)
 }
 

@@ -1,5 +1,6 @@
 //! What a scene that is wrong is told: where, which field, and what is allowed.
 
+use proptest::prelude::*;
 use rapunzel_sim::scene::Problem;
 use rapunzel_sim::{Scene, SimError};
 
@@ -109,4 +110,28 @@ fn what_only_does_not_fit_together_names_the_bundle() {
     let scene = Scene::from_ron(&SOUND.replace("tip: Free", wave)).expect("each number is sound");
     let error = scene.build().err().expect("10 segments cannot resolve it").to_string();
     assert!(error.starts_with("fibers[0]: "), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is typed into a scene, it is read or refused at a place in its text.
+    #[test]
+    fn any_typing_error_has_its_place(
+        at in 0..SOUND.len(),
+        removed in 0..30_usize,
+        typed in r#"[ -~]{0,6}|[(\[{)\]},:"/é\n]{0,3}|-?[0-9]{1,3}|NaN|inf|1e999|//|/\*"#,
+    ) {
+        let end = (at + removed).min(SOUND.len());
+        let text = format!("{}{typed}{}", &SOUND[..at], &SOUND[end..]);
+        if let Err(error) = Scene::from_ron(&text) {
+            let SimError::Scene { problems, .. } = error else { panic!("{error}") };
+            prop_assert!(!problems.is_empty());
+            for problem in problems {
+                let place = problem.place.expect("a place");
+                prop_assert!(text.get(place.span.clone()).is_some(), "{text}: {place:?}");
+                prop_assert!(place.line <= 1 + text.matches('\n').count());
+            }
+        }
+    }
 }

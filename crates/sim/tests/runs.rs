@@ -1,6 +1,8 @@
 //! Runs in folders: their files, and what interruptions and errors leave.
 
-use rapunzel_sim::{Control, Existing, Outcome, RunFolder, Scene, SimError, Summary, run};
+use rapunzel_sim::{
+    Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary, run,
+};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -73,6 +75,33 @@ fn a_run_leaves_all_its_files() {
     assert!(energies.lines().last().expect("a row").starts_with("0.2,"), "{energies}");
     assert!(text("/probes.csv").contains("fiber 0 tip vx (m/s)"));
     assert_eq!(Summary::read(folder.path()).expect("reads back").steps, 40);
+}
+
+#[test]
+fn tables_hold_what_the_world_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run_until(&scene(), folder.path(), Existing::Refuse, u64::MAX).expect("runs");
+    let rows = |file: &str| -> Vec<Vec<f64>> {
+        let text = fs::read_to_string(folder.path().join(file)).expect("readable");
+        let number = |cell: &str| cell.parse().expect("a number");
+        text.lines().skip(1).map(|row| row.split(',').map(number).collect()).collect()
+    };
+    let (energies, probes) = (rows("energies.csv"), rows("probes.csv"));
+    let mut world = scene().build().expect("a sound scene");
+    for (step, (energies, probe)) in energies.iter().zip(&probes).enumerate() {
+        // Numbers are written so that they read back as the same bits.
+        let energy = world.energy();
+        let (time, velocity) = (world.time(), world.state(0).velocities[8]);
+        assert_eq!(
+            energies[..],
+            [time, energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
+        );
+        assert_eq!(probe[..], [time, velocity.x, velocity.y, velocity.z], "step {step}");
+        FreeFibers.step(&mut world, 0.005).expect("converges");
+    }
+    let last = fs::read(folder.path().join("frames/frame-000010.vtp")).expect("readable");
+    let last = rapunzel_sim::export::vtp::read(&mut &last[..]).expect("a frame");
+    assert_eq!(last.strands[0].velocities[8].as_slice(), &probes[40][1..]);
 }
 
 #[test]

@@ -28,6 +28,9 @@ use serde::{Deserialize, Serialize};
 /// The version of the scene format that this crate reads.
 pub const FORMAT: u32 = 1;
 
+/// The most nodes of a scene, some 100 GB: more is a typing error.
+const MOST_NODES: usize = 100_000_000;
+
 /// Everything that determines a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -172,6 +175,13 @@ impl Scene {
             check.refuse("fibers", "is empty, but a scene needs at least one".into());
         }
         check.each("fibers", &self.fibers, |c, bundle| bundle.check(c));
+        let nodes =
+            |b: &Bundle| b.arrangement.fibers().saturating_mul(b.segments.saturating_add(1));
+        let nodes = self.fibers.iter().map(nodes).fold(0, usize::saturating_add);
+        if nodes > MOST_NODES {
+            let message = format!("have {nodes} nodes, but must have at most {MOST_NODES}");
+            check.refuse("fibers", message);
+        }
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));
         check.within("output", |c| self.output.check(c, |fiber| self.segments_of(fiber)));
