@@ -5,7 +5,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, Instant, Rod, Staggered, StaggeredBatch, Steady, StepReport, RodIntegrator,
+    Conditions, Instant, Rod, RodIntegrator, Staggered, StaggeredBatch, Steady, StepReport,
 };
 use std::f64::consts::FRAC_PI_2;
 

@@ -20,4 +20,4 @@ pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
 pub use response::{ImpulseResponse, Weight};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
-pub use staggered::{Staggered, StaggeredBatch};
+pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};

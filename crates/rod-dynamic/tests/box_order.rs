@@ -30,8 +30,7 @@ fn tip(segments: usize, steps: usize, coefficients: Coefficients) -> Point3<f64>
 /// Order from the differences of neighbours in a list of results, each with half the step.
 fn order(tips: &[Point3<f64>]) -> f64 {
     let differences: Vec<f64> = tips.windows(2).map(|t| (t[1] - t[0]).norm()).collect();
-    let steps: Vec<f64> =
-        std::iter::successors(Some(1.0), |h| Some(0.5 * h)).take(differences.len()).collect();
+    let steps: Vec<f64> = (0..differences.len()).map(|i| 0.5_f64.powi(i as i32)).collect();
     *orders(&steps, &differences).last().expect("three results")
 }
 

@@ -1,7 +1,9 @@
 use super::engine::{Engine, build};
 use super::scheme::Scheme;
 use super::search::Outcome;
-use crate::{Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport};
+use crate::{
+    Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport,
+};
 use nalgebra::{Point3, Vector3};
 
 /// How often a step may be halved.
@@ -214,6 +216,11 @@ impl StaggeredBatch {
         Ok(used)
     }
 
+    /// Lets all fibres set out without an acceleration.
+    pub(super) fn skip_start(&mut self) {
+        self.fresh = [false; 8];
+    }
+
     pub(super) fn advance_time(&mut self, dt: f64) {
         self.time += dt;
     }
@@ -274,7 +281,8 @@ impl StaggeredBatch {
         let delta = START * dt;
         let mut wanted = [false; 8];
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
-            let at = |part: f64| self.conditions(fiber, self.time + part * delta, conditions[fiber]);
+            let at =
+                |part: f64| self.conditions(fiber, self.time + part * delta, conditions[fiber]);
             let (now, then) = (at(1.0)?, at(2.0)?);
             let (position, velocity) = self.engine.node(fiber, 0);
             wanted[fiber] = sets_out_smoothly(&now.root, &then.root, &position, &velocity, delta);
@@ -406,7 +414,8 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
     }
     if let Some(air) = now.air {
         let (normal, tangential) = (air.drag.normal, air.drag.tangential);
-        if !finite(&air.wind) || !(normal >= tangential && tangential >= 0.0 && normal.is_finite()) {
+        if !finite(&air.wind) || !(normal >= tangential && tangential >= 0.0 && normal.is_finite())
+        {
             return error("air", "needs a finite wind and 0 <= tangential <= normal drag");
         }
     }

@@ -16,7 +16,7 @@
 use super::ends::Ends;
 use super::factor::{Block, Factor};
 use super::lanes::{Lane, M3, Quat, Sym, V3};
-use super::search::{MAX_ITERATIONS, Outcome, Search};
+use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
@@ -229,7 +229,11 @@ impl<S: Simd> Chain<S> {
             potential = potential + right.energy;
 
             let h = self.one(&self.h, e);
-            let p = [self.vec(&self.p, 3 * e), self.vec(&self.p, 3 * e + 1), self.vec(&self.p, 3 * e + 2)];
+            let p = [
+                self.vec(&self.p, 3 * e),
+                self.vec(&self.p, 3 * e + 1),
+                self.vec(&self.p, 3 * e + 2),
+            ];
             let axial = self.vec(&self.force, e).fma(h, p[2]);
             let mut torque = right.moment - left.moment;
             let mut hessian = left.hessian + right.hessian;
@@ -255,8 +259,17 @@ impl<S: Simd> Chain<S> {
                 load: if e + 1 == n { V3::splat(simd, 0.0) - gap } else { V3::splat(simd, 0.0) },
                 torque,
             };
-            let coupling = hat(right.moment.scale(exact * Lane::splat(simd, 0.5))) - right.coupling.full();
-            let (next, smallest) = self.factor.eliminate(e, block - carry, w1, coupling);
+            let coupling =
+                hat(right.moment.scale(exact * Lane::splat(simd, 0.5))) - right.coupling.full();
+            let block = block - carry;
+            let (next, smallest) = self.factor.eliminate(e, block, w1, coupling);
+            if e + 1 == n && ends.any_without_potential {
+                let force = combine(d, self.lift(ends.tip_force[1]));
+                let moment =
+                    self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
+                let half = Lane::splat(simd, -0.5);
+                self.factor.close(block, hat(force.scale(-w1)), hat(moment.scale(half)));
+            }
             carry = next;
             pivot = pivot.min(smallest);
             left = right;
@@ -292,32 +305,33 @@ impl<S: Simd> Chain<S> {
         let j = M3(d).transposed().times(inverse.transposed()).transposed();
         let kj = M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]);
         let coupling = Sym::transposed_product(j, kj);
-        // Second order of the logarithm: (sym(phi m^T) - (phi m) E) / 6, in world components.
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
-        let sixth = exact * fw.lift(1.0 / 6.0);
-        let curvature = minus_director_hessian(phi_world, m_world).scale(sixth);
-        let hessian = coupling + curvature;
+        let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
         Joint { phi, moment, energy: half * m.dot(strain), hessian, coupling: hessian }
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
     /// do lanes once they have converged: no fibre depends on its neighbours in the pack.
     #[inline(always)]
-    pub(super) fn newton(&mut self, wanted: &[bool; 8], out: &mut [Outcome; 8]) {
+    pub(super) fn newton(
+        &mut self,
+        wanted: &[bool; 8],
+        potential: &[bool; 8],
+        out: &mut [Outcome; 8],
+    ) {
         let simd = self.simd;
         let lanes = S::F64_LANES;
         let mut search = [Search::default(); 8];
         for lane in 0..lanes {
-            search[lane].active = wanted[lane];
+            search[lane] = Search::new(wanted[lane], potential[lane]);
             if wanted[lane] {
                 out[lane] = Outcome::NONE;
             }
         }
-        let tip_held = Lane::new(simd, self.ends.tip_held);
         for iteration in 0..MAX_ITERATIONS {
             let (nodes, gap) = self.shape();
-            let joints = self.solve(gap, &search);
-            let potential = nodes + joints;
+            let (joints, definite) = self.solve(gap, &search);
+            let energy = nodes + joints;
             let mut largest = Lane::splat(simd, 0.0);
             for e in 0..self.n {
                 largest = largest.max(self.vec(&self.step, 2 * e + 1).max_abs());
@@ -326,16 +340,15 @@ impl<S: Simd> Chain<S> {
             let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
             for lane in 0..lanes {
                 if search[lane].active {
-                    let closed = get(open, lane) <= 1e-14 * self.n as f64 * get(self.one(&self.h, 0), lane);
-                    let constrained = get(tip_held, lane) > 0.0;
-                    (fresh[lane], scale[lane]) = search[lane].next(
-                        &mut out[lane],
+                    let h = get(self.one(&self.h, 0), lane);
+                    let solve = Solve {
                         iteration,
-                        get(largest, lane),
-                        get(potential, lane),
-                        constrained,
-                        closed,
-                    );
+                        turn: get(largest, lane),
+                        energy: get(energy, lane),
+                        closed: get(open, lane) <= 1e-14 * self.n as f64 * h,
+                        definite: definite[lane] > 0.0,
+                    };
+                    (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
             }
             let lift = |x: &[f64; 8]| Lane::new(simd, simd.partial_load_f64s(&x[..lanes]));
@@ -348,9 +361,10 @@ impl<S: Simd> Chain<S> {
     }
 
     /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
-    /// definite part. Returns the potential energy of joints and directors.
+    /// definite part. Returns the potential energy of joints and directors, and how much of the
+    /// definite part was needed.
     #[inline(always)]
-    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> Lane<S> {
+    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> (Lane<S>, [f64; 8]) {
         let lanes = S::F64_LANES;
         let mut definite = [0.0; 8];
         let mut potential = Lane::splat(self.simd, 0.0);
@@ -371,7 +385,7 @@ impl<S: Simd> Chain<S> {
                 break;
             }
         }
-        potential
+        (potential, definite)
     }
 
     /// Turns the segments by `scale` times the direction, from where the direction started. Lanes
@@ -379,7 +393,8 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
         for e in 0..self.n {
-            let (new, old) = (self.vec(&self.step, 2 * e + 1), self.vec(&self.direction, 2 * e + 1));
+            let (new, old) =
+                (self.vec(&self.step, 2 * e + 1), self.vec(&self.direction, 2 * e + 1));
             let (here, origin) = (self.quat(&self.q[4 * e..]), self.quat(&self.origin[4 * e..]));
             let turn = new.positive_or(fresh, old);
             let from = here.positive_or(fresh, origin);
@@ -417,6 +432,42 @@ impl<S: Simd> Joint<S> {
     }
 }
 
+/// What the second derivative of the logarithm adds to the Hessian of a joint with rotation vector
+/// `phi` and moment `m`, both in the world: `sym(phi g^T) + beta E`.
+///
+/// From `log(exp(phi) exp(x)) = phi + J^-1 x + ...`, `J^-1 = E + hat(phi)/2 + c hat(phi)^2`, by
+/// differentiating `J^-T m` and taking the symmetric part. `c` and its derivative by the squared
+/// angle are needed beside a single `phi` here, so they come from their series in it.
+#[inline(always)]
+fn log_hessian<S: Simd>(phi: V3<S>, m: V3<S>, x: Lane<S>) -> Sym<S> {
+    let (mut c, mut slope) = (x.lift(LOG_SERIES[5]), x.lift(5.0 * LOG_SERIES[5]));
+    for k in (0..5_u8).rev() {
+        let term = LOG_SERIES[usize::from(k)];
+        c = c.fma(x, x.lift(term));
+        if k > 0 {
+            slope = slope.fma(x, x.lift(f64::from(k) * term));
+        }
+    }
+    let quarter = x.lift(0.25);
+    let t = phi.cross(m);
+    let p = phi.cross(t);
+    let along = phi.dot(m);
+    let c2 = c * c;
+    let g = m.scale(quarter - c) - t.scale(c) + p.scale(slope + slope + c2) + phi.scale(c2 * along);
+    let beta = along * (c - quarter - c2 * x);
+    Sym::symmetric_outer(phi, g) + Sym::diagonal(beta)
+}
+
+/// Coefficients `|B_2k| / (2k)!` of `(1 - (a/2) cot(a/2)) / a^2` in powers of `a^2`.
+const LOG_SERIES: [f64; 6] = [
+    1.0 / 12.0,
+    1.0 / 720.0,
+    1.0 / 30_240.0,
+    1.0 / 1_209_600.0,
+    1.0 / 47_900_160.0,
+    691.0 / 1_307_674_368_000.0,
+];
+
 /// `d1 x + d2 y + d3 z`.
 #[inline(always)]
 fn combine<S: Simd>(d: [V3<S>; 3], v: V3<S>) -> V3<S> {
@@ -438,23 +489,7 @@ fn director_hessian<S: Simd>(d: V3<S>, p: V3<S>, definite: Lane<S>) -> Sym<S> {
     let projected = d.scale(along.max(along.lift(0.0)));
     let mut used = p;
     used += (projected - p).scale(definite);
-    Sym::diagonal(along.lift(0.0)) - minus_director_hessian(d, used)
-}
-
-/// `sym(p d^T) - (p d) E`.
-#[inline(always)]
-fn minus_director_hessian<S: Simd>(d: V3<S>, p: V3<S>) -> Sym<S> {
-    let ([d0, d1, d2], [p0, p1, p2]) = (d.0, p.0);
-    let half = d0.lift(0.5);
-    let (xx, yy, zz) = (p0 * d0, p1 * d1, p2 * d2);
-    Sym([
-        -(yy + zz),
-        -(xx + zz),
-        -(xx + yy),
-        half * p0.fma(d1, p1 * d0),
-        half * p0.fma(d2, p2 * d0),
-        half * p1.fma(d2, p2 * d1),
-    ])
+    Sym::diagonal(used.dot(d)) - Sym::symmetric_outer(used, d)
 }
 
 #[inline(always)]

@@ -22,7 +22,7 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
         self.begin(dt, conditions, reports)?;
-        self.solve(dt, reports)
+        self.solve(dt, reports).map(|_| ())
     }
 
     /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
@@ -67,7 +67,7 @@ impl StaggeredBatch {
             for (fiber, impulses) in back.chunks(nodes).enumerate() {
                 self.engine.kick(fiber, impulses);
             }
-            return solved;
+            return solved.map(|_| ());
         }
         let mut all = [false; 8];
         all[..self.rods().len()].fill(true);
@@ -76,8 +76,24 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Solves the present step in all fibres, from their present rotations.
-    fn solve(&mut self, dt: f64, reports: &mut [StepReport]) -> Result<(), StepError> {
+    /// Takes a step from rest in one piece, without an acceleration at its start. Tells whether it
+    /// ended at a saddle of the energy instead of a minimum.
+    pub(super) fn settle(
+        &mut self,
+        dt: f64,
+        conditions: &dyn Conditions,
+        reports: &mut [StepReport],
+    ) -> Result<bool, StepError> {
+        self.skip_start();
+        self.begin(dt, &[conditions], reports)?;
+        let saddle = self.solve(dt, reports)?;
+        self.engine.commit(&[dt; 8], &[true; 8], false);
+        Ok(saddle)
+    }
+
+    /// Solves the present step in all fibres, from their present rotations. Tells whether any of
+    /// them ended at a saddle.
+    fn solve(&mut self, dt: f64, reports: &mut [StepReport]) -> Result<bool, StepError> {
         let count = self.rods().len();
         let mut out = [Outcome::NONE; 8];
         let mut wanted = [false; 8];
@@ -98,7 +114,7 @@ impl StaggeredBatch {
                 });
             }
         }
-        Ok(())
+        Ok(out[..count].iter().any(|o| o.saddle))
     }
 }
 

@@ -29,6 +29,8 @@ pub(super) struct Ends<S: Simd> {
     /// Whether any lane has a free root, or a joint at its tip.
     pub(super) any_root_free: bool,
     pub(super) any_tip_joint: bool,
+    /// Whether moments or follower forces act on the tip of any lane.
+    pub(super) any_without_potential: bool,
 }
 
 /// The kind of an [`End`].
@@ -44,10 +46,13 @@ pub(super) enum Kind {
 pub(super) struct Held {
     pub(super) root: Kind,
     pub(super) tip: Kind,
+    /// Whether the step minimises a potential: not with a held tip, which makes it a problem of
+    /// saddle points, nor under moments and follower forces, which have none.
+    pub(super) potential: bool,
 }
 
 impl Held {
-    pub(super) const FREE: Self = Self { root: Kind::Loaded, tip: Kind::Loaded };
+    pub(super) const FREE: Self = Self { root: Kind::Loaded, tip: Kind::Loaded, potential: true };
 }
 
 impl<S: Simd> Ends<S> {
@@ -70,6 +75,7 @@ impl<S: Simd> Ends<S> {
             tip_reaction: [zero; 3],
             any_root_free: false,
             any_tip_joint: false,
+            any_without_potential: false,
         }
     }
 
@@ -82,8 +88,16 @@ impl<S: Simd> Ends<S> {
         reaction: [f64; 3],
     ) -> Held {
         let root = Part::of(&now.root);
-        put(std::slice::from_mut(&mut self.root_free), lane, &[f64::from(root.kind == Kind::Loaded)]);
-        put(std::slice::from_mut(&mut self.root_joint), lane, &[f64::from(root.kind == Kind::Held)]);
+        put(
+            std::slice::from_mut(&mut self.root_free),
+            lane,
+            &[f64::from(root.kind == Kind::Loaded)],
+        );
+        put(
+            std::slice::from_mut(&mut self.root_joint),
+            lane,
+            &[f64::from(root.kind == Kind::Held)],
+        );
         put(&mut self.root_position, lane, root.position.as_slice());
         put(&mut self.root_frame, lane, &root.frame);
         put_load(&mut self.root_force, lane, &root.force);
@@ -98,7 +112,8 @@ impl<S: Simd> Ends<S> {
         if before.tip == Kind::Loaded && tip.kind != Kind::Loaded {
             put(&mut self.tip_reaction, lane, &reaction);
         }
-        Held { root: root.kind, tip: tip.kind }
+        let potential = tip.kind == Kind::Loaded && root.conservative() && tip.conservative();
+        Held { root: root.kind, tip: tip.kind, potential }
     }
 }
 
@@ -112,6 +127,11 @@ struct Part {
 }
 
 impl Part {
+    fn conservative(&self) -> bool {
+        let none = |load: &Load| *load.components() == Vector3::zeros();
+        none(&self.moment) && (matches!(self.force, Load::World(_)) || none(&self.force))
+    }
+
     fn of(end: &End) -> Self {
         let none = Self {
             kind: Kind::Pinned,

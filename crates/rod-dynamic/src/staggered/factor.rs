@@ -108,6 +108,22 @@ impl<S: Simd> Factor<S> {
         (next, pivot_force.min(pivot_turn))
     }
 
+    /// Solves the last segment again where loads that have no potential make its block unsymmetric:
+    /// `follow` is added to the lever above the diagonal, `spin` is the skew part of its stiffness.
+    /// The factors stay those of the symmetric block.
+    #[inline(always)]
+    pub(super) fn close(&mut self, block: Block<S>, follow: M3<S>, spin: M3<S>) {
+        let (p, _) = block.compliance.inverse(-1.0);
+        let below = p.times(block.lever);
+        let above = p.times(block.lever + follow);
+        let sigma = block.stiffness.full() + spin - block.lever.transposed().times(above);
+        let turn = sigma.solve(block.torque - below.apply_transposed(block.load));
+        let force = p.apply(block.load) - above.apply(turn);
+        let at = STRIDE * (self.n - 1) + 31;
+        store(&mut self.data[at..], 0, force);
+        store(&mut self.data[at..], 1, turn);
+    }
+
     /// The block to the right of segment `e`, between turns.
     #[inline(always)]
     pub(super) fn coupling(&self, simd: S, e: usize) -> M3<S> {
@@ -118,10 +134,18 @@ impl<S: Simd> Factor<S> {
     fn row(&self, simd: S, e: usize) -> Row<S> {
         let row = &self.data[STRIDE * e..STRIDE * (e + 1)];
         let one = |i: usize| Lane::new(simd, row[i]);
-        let sym = |i: usize| Sym([one(i), one(i + 1), one(i + 2), one(i + 3), one(i + 4), one(i + 5)]);
+        let sym =
+            |i: usize| Sym([one(i), one(i + 1), one(i + 2), one(i + 3), one(i + 4), one(i + 5)]);
         let vec = |i: usize| V3([one(i), one(i + 1), one(i + 2)]);
         let mat = |i: usize| M3([vec(i), vec(i + 3), vec(i + 6)]);
-        Row { p: sym(0), v: mat(6), sigma: sym(15), b: mat(21), w: one(30), rhs: [vec(31), vec(34)] }
+        Row {
+            p: sym(0),
+            v: mat(6),
+            sigma: sym(15),
+            b: mat(21),
+            w: one(30),
+            rhs: [vec(31), vec(34)],
+        }
     }
 
     /// Solves backward from the eliminated right-hand sides; `x` has 6 entries a segment.
@@ -165,11 +189,8 @@ impl<S: Simd> Factor<S> {
     #[inline(always)]
     pub(super) fn inverse_blocks(&self, simd: S, diagonal: &mut [S::f64s], right: &mut [S::f64s]) {
         let zero = Lane::splat(simd, 0.0);
-        let mut behind = Inverse {
-            ff: Sym::diagonal(zero),
-            ft: M3::splat(simd, 0.0),
-            tt: Sym::diagonal(zero),
-        };
+        let mut behind =
+            Inverse { ff: Sym::diagonal(zero), ft: M3::splat(simd, 0.0), tt: Sym::diagonal(zero) };
         for e in (0..self.n).rev() {
             let row = self.row(simd, e);
             // M = B Z B^T, with B = diag(w E, b).

@@ -216,6 +216,16 @@ impl<S: Simd> M3<S> {
     }
 }
 
+impl<S: Simd> M3<S> {
+    /// `self^-1 v` by Cramer's rule.
+    #[inline(always)]
+    pub(super) fn solve(self, v: V3<S>) -> V3<S> {
+        let [a, b, c] = self.transposed().0;
+        let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
+        V3([bc.dot(v), ca.dot(v), ab.dot(v)]).scale(a.dot(bc).recip())
+    }
+}
+
 impl<S: Simd> Add for M3<S> {
     type Output = Self;
     #[inline(always)]
@@ -275,6 +285,20 @@ impl<S: Simd> Sym<S> {
     pub(super) fn outer(v: V3<S>) -> Self {
         let [x, y, z] = v.0;
         Self([x * x, y * y, z * z, x * y, x * z, y * z])
+    }
+    /// `(a b^T + b a^T) / 2`.
+    #[inline(always)]
+    pub(super) fn symmetric_outer(a: V3<S>, b: V3<S>) -> Self {
+        let ([a0, a1, a2], [b0, b1, b2]) = (a.0, b.0);
+        let half = a0.lift(0.5);
+        Self([
+            a0 * b0,
+            a1 * b1,
+            a2 * b2,
+            half * a0.fma(b1, a1 * b0),
+            half * a0.fma(b2, a2 * b0),
+            half * a1.fma(b2, a2 * b1),
+        ])
     }
     /// `(m + m^T) / 2`.
     #[inline(always)]

@@ -16,6 +16,7 @@ mod chain;
 mod coupled;
 mod ends;
 mod engine;
+mod equilibrium;
 mod factor;
 mod lanes;
 mod pack;
@@ -27,4 +28,5 @@ mod single;
 mod track;
 
 pub use batch::StaggeredBatch;
+pub use equilibrium::{EquilibriumError, equilibrium};
 pub use single::Staggered;

@@ -121,14 +121,24 @@ impl<S: Simd> Pack<S> {
         starting: bool,
         out: &mut [Outcome; 8],
     ) {
-        struct Attempt<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], bool, &'a mut [Outcome; 8]);
+        struct Attempt<'a, S: Simd>(
+            &'a mut Pack<S>,
+            &'a [f64; 8],
+            &'a [bool; 8],
+            bool,
+            &'a mut [Outcome; 8],
+        );
         impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
                 let Self(pack, dt, wanted, starting, out) = self;
                 pack.prepare(&pack.stage(dt, starting));
-                pack.chain.newton(wanted, out);
+                let potential = pack.held.map(
+                    #[inline(always)]
+                    |held| held.potential,
+                );
+                pack.chain.newton(wanted, &potential, out);
             }
         }
         self.last_dt = *dt;
@@ -184,10 +194,12 @@ impl<S: Simd> Pack<S> {
         let one = Lane::splat(simd, 1.0);
         let zero = Lane::splat(simd, 0.0);
         let half = Lane::splat(simd, 0.5);
-        let field = |i: usize| V3([0, 1, 2].map(
-            #[inline(always)]
-            |k| Lane::new(simd, self.fields[3 * i + k]),
-        ));
+        let field = |i: usize| {
+            V3([0, 1, 2].map(
+                #[inline(always)]
+                |k| Lane::new(simd, self.fields[3 * i + k]),
+            ))
+        };
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         for a in 0..=n {
@@ -285,7 +297,9 @@ impl<S: Simd> Pack<S> {
 
     /// Sets what acts on one lane at the end of its step.
     pub(super) fn set_conditions(&mut self, lane: usize, now: &Instant) {
-        let (air, drag) = now.air.map_or_else(Default::default, |a| (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential]));
+        let (air, drag) = now.air.map_or_else(Default::default, |a| {
+            (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential])
+        });
         let numbers = now.gravity.iter().chain(&now.distributed).chain(&air).chain(&drag);
         for (i, x) in numbers.enumerate() {
             set(&mut self.fields, i, lane, *x);
@@ -294,6 +308,7 @@ impl<S: Simd> Pack<S> {
         self.held[lane] = self.chain.ends.set(lane, now, self.held[lane], reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
         self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
+        self.chain.ends.any_without_potential = self.held.iter().any(|h| !h.potential);
     }
 
     /// Every array that a lane's future depends on.

@@ -35,8 +35,7 @@ impl<S: Simd> Pack<S> {
 
     pub(super) fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState {
         let n = self.chain.n;
-        let frames: Vec<_> =
-            (0..n).map(|e| self.rotation(e, lane).to_rotation_matrix()).collect();
+        let frames: Vec<_> = (0..n).map(|e| self.rotation(e, lane).to_rotation_matrix()).collect();
         let nodes = rod.fiber.nodes();
         let curvatures = (0..=n)
             .map(|j| {

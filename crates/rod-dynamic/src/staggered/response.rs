@@ -115,10 +115,12 @@ impl<S: Simd> Pack<S> {
         let work = &mut self.work;
         self.chain.factor.inverse_blocks(simd, &mut work.diagonal, &mut work.right);
         let one = Lane::splat(simd, 1.0);
-        let sym = |e: usize| Sym([0, 1, 2, 3, 4, 5].map(
-            #[inline(always)]
-            |i| Lane::new(simd, work.diagonal[6 * e + i]),
-        ));
+        let sym = |e: usize| {
+            Sym([0, 1, 2, 3, 4, 5].map(
+                #[inline(always)]
+                |i| Lane::new(simd, work.diagonal[6 * e + i]),
+            ))
+        };
         for a in 0..=n {
             let w = Lane::new(simd, self.chain.w[a]);
             let mut inner = Sym::diagonal(w.lift(0.0));
@@ -129,10 +131,12 @@ impl<S: Simd> Pack<S> {
                 inner = inner + sym(a);
             }
             if a > 0 && a < n {
-                let row = |i: usize| V3([0, 1, 2].map(
-                    #[inline(always)]
-                    |j| Lane::new(simd, work.right[9 * (a - 1) + 3 * i + j]),
-                ));
+                let row = |i: usize| {
+                    V3([0, 1, 2].map(
+                        #[inline(always)]
+                        |j| Lane::new(simd, work.right[9 * (a - 1) + 3 * i + j]),
+                    ))
+                };
                 inner = inner - Sym::twice_symmetric_part(M3([row(0), row(1), row(2)]));
             }
             let block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);

@@ -85,10 +85,9 @@ impl Scheme {
     ) -> Rates<S> {
         let scale = 1.0 / (1.0 - self.alpha_m);
         let dt = s.dt;
-        let old = h.acceleration.fma(
-            dt.lift(self.alpha_f * scale),
-            h.a.scale(dt.lift(-self.alpha_m * scale)),
-        );
+        let old = h
+            .acceleration
+            .fma(dt.lift(self.alpha_f * scale), h.a.scale(dt.lift(-self.alpha_m * scale)));
         let a = acceleration.fma(dt.lift((1.0 - self.alpha_f) * scale), old);
         Rates { v, a, acceleration }
     }

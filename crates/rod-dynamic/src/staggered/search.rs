@@ -19,13 +19,15 @@ const MAX_HALVINGS: u8 = 12;
 pub(super) struct Outcome {
     pub(super) converged: bool,
     pub(super) iterations: usize,
+    /// Whether it ended where the Hessian is not positive definite.
+    pub(super) saddle: bool,
     /// Largest increment of each iteration, rad.
     pub(super) residuals: [f64; MAX_ITERATIONS],
 }
 
 impl Outcome {
     pub(super) const NONE: Self =
-        Self { converged: false, iterations: 0, residuals: [0.0; MAX_ITERATIONS] };
+        Self { converged: false, iterations: 0, saddle: false, residuals: [0.0; MAX_ITERATIONS] };
 
     pub(super) fn report(&self) -> StepReport {
         let residual = self.residuals[self.iterations.saturating_sub(1)];
@@ -33,36 +35,49 @@ impl Outcome {
     }
 }
 
+/// What one solve tells about one lane.
+pub(super) struct Solve {
+    pub(super) iteration: usize,
+    /// Largest increment, rad.
+    pub(super) turn: f64,
+    /// Potential energy where the solve was made.
+    pub(super) energy: f64,
+    /// Whether a held tip is where it should be.
+    pub(super) closed: bool,
+    /// Whether the Hessian was made definite.
+    pub(super) definite: bool,
+}
+
 /// State of the search in one lane.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Search {
     pub(super) active: bool,
-    /// Length of the present direction, and the potential at its origin if it must fall.
+    /// Whether there is a potential energy that must fall.
+    potential: bool,
+    /// Length of the present direction, and the energy at its origin if it must fall.
     length: f64,
     reference: Option<f64>,
     halvings: u8,
 }
 
 impl Search {
+    pub(super) fn new(active: bool, potential: bool) -> Self {
+        Self { active, potential, ..Self::default() }
+    }
+
     /// Decides what follows from a solve at the present point: `(fresh, scale)`, where `fresh` is
     /// 1 to set out along the new direction and 0 to go back and try less of the old one.
-    pub(super) fn next(
-        &mut self,
-        out: &mut Outcome,
-        iteration: usize,
-        turn: f64,
-        potential: f64,
-        constrained: bool,
-        closed: bool,
-    ) -> (f64, f64) {
+    pub(super) fn next(&mut self, out: &mut Outcome, solve: &Solve) -> (f64, f64) {
+        let (iteration, turn) = (solve.iteration, solve.turn);
         out.iterations = iteration + 1;
         out.residuals[iteration] = turn;
+        out.saddle = solve.definite && self.potential;
         if !turn.is_finite() {
             self.active = false;
             return (0.0, 0.0);
         }
         if let Some(reference) = self.reference
-            && potential > reference
+            && solve.energy > reference
             && self.halvings < MAX_HALVINGS
         {
             self.halvings += 1;
@@ -71,11 +86,10 @@ impl Search {
         }
         self.halvings = 0;
         self.length = (LARGEST_TURN / turn).min(1.0);
-        // A held tip makes the problem one of saddle points, without a merit of this kind.
-        let tested = turn > MERIT_THRESHOLD && !constrained;
-        self.reference = tested.then_some(potential + 1e-12 * potential.abs());
+        let tested = turn > MERIT_THRESHOLD && self.potential;
+        self.reference = tested.then_some(solve.energy + 1e-12 * solve.energy.abs());
         let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
-        if expected_error(turn, before) < TOLERANCE && (closed || !constrained) {
+        if expected_error(turn, before) < TOLERANCE && solve.closed {
             out.converged = true;
             self.active = false;
         }

@@ -1,0 +1,178 @@
+//! The response of the staggered rod to impulses: what a contact solver builds on.
+
+use nalgebra::{
+    DMatrix, Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
+};
+use rapunzel_fiber::{Fiber, Material, Section};
+use rapunzel_rod_dynamic::{
+    Conditions, ImpulseResponse, Instant, Rod, StaggeredBatch, Steady, StepReport, Weight,
+};
+
+const SEGMENTS: usize = 40;
+const NODES: usize = SEGMENTS + 1;
+
+fn pose() -> Isometry3<f64> {
+    let root = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+    Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), root)
+}
+
+fn hold() -> Steady {
+    Steady(Instant::clamped(pose(), Vector3::new(0.0, 2.0, -9.81)))
+}
+
+/// Curly hairs in full fall, each a little different, and the state before the predicted step.
+fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
+    let rods = (0..fibers)
+        .map(|i| {
+            let radius = 35e-6 * (1.0 + 0.05 * i as f64);
+            let kappa = Vector3::new(1.0, 4.0 + i as f64, 12.0) / 0.3;
+            let section = Section::Circle { radius };
+            let fiber = Fiber::uniform(0.3, SEGMENTS, section, &Material::HAIR)
+                .and_then(|f| f.with_natural_curvature(|_| kappa))
+                .expect("valid hair");
+            Rod::new(fiber.with_root(pose()))
+        })
+        .collect();
+    let mut batch = StaggeredBatch::new(rods, 0.3).expect("valid batch");
+    let (hold, mut reports) = (hold(), vec![StepReport::default(); fibers]);
+    let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
+    for _ in 0..(0.15 / dt).min(400.0) as usize {
+        batch.step(dt, &conditions, &mut reports).expect("a step");
+    }
+    let mut start = Vec::new();
+    batch.save(&mut start);
+    batch.predict(dt, &conditions, &mut reports).expect("a prediction");
+    (batch, start)
+}
+
+/// The response matrix of the first fibre, column by column.
+fn matrix(batch: &mut StaggeredBatch) -> DMatrix<f64> {
+    let total = batch.nodes();
+    let mut w = DMatrix::zeros(3 * NODES, 3 * NODES);
+    let mut velocities = vec![Vector3::zeros(); total];
+    for column in 0..3 * NODES {
+        let mut impulses = vec![Vector3::zeros(); total];
+        impulses[column / 3][column % 3] = 1.0;
+        batch.respond(&impulses, &mut velocities).expect("lengths");
+        for (a, velocity) in velocities[..NODES].iter().enumerate() {
+            w.fixed_view_mut::<3, 1>(3 * a, column).copy_from(velocity);
+        }
+    }
+    w
+}
+
+#[test]
+fn response_is_symmetric_and_semidefinite() {
+    for dt in [1.0 / 30.0, 1e-2, 1e-3, 1e-4] {
+        let w = matrix(&mut falling(1, dt).0);
+        let largest = w.amax();
+        assert!((&w - w.transpose()).amax() <= 1e-12 * largest, "dt {dt}: asymmetric");
+        let smallest = SymmetricEigen::new(0.5 * (&w + w.transpose())).eigenvalues.min();
+        assert!(smallest >= -1e-10 * largest, "dt {dt}: eigenvalue {smallest} of {largest}");
+    }
+}
+
+#[test]
+fn diagonal_blocks_are_those_of_the_columns() {
+    for dt in [1.0 / 30.0, 1e-3] {
+        let (mut batch, _) = falling(3, dt);
+        let w = matrix(&mut batch);
+        let mut blocks = vec![Matrix3::zeros(); batch.nodes()];
+        batch.diagonal_blocks(&mut blocks).expect("lengths");
+        for a in 0..NODES {
+            let column = w.fixed_view::<3, 3>(3 * a, 3 * a);
+            let error = (blocks[a] - column).amax();
+            // The axial part is a difference of larger numbers: two digits are lost there.
+            assert!(error <= 1e-11 * w.amax(), "node {a}: {error}");
+        }
+    }
+}
+
+#[test]
+fn response_is_the_derivative_of_a_step() {
+    for dt in [1.0 / 30.0, 1e-2, 1e-3] {
+        let (mut batch, start) = falling(1, dt);
+        let (hold, mut reports) = (hold(), [StepReport::default()]);
+        let push = [(5, Vector3::x()), (20, Vector3::y()), (40, Vector3::new(0.6, 0.0, 0.8))];
+        for (node, direction) in push {
+            let mut impulses = vec![Vector3::zeros(); NODES];
+            impulses[node] = direction;
+            let mut linear = vec![Vector3::zeros(); NODES];
+            batch.restore(&start).expect("own numbers");
+            batch.predict(dt, &[&hold], &mut reports).expect("a prediction");
+            batch.respond(&impulses, &mut linear).expect("lengths");
+            let scale = linear.iter().map(|v| v.norm()).fold(0.0, f64::max);
+            // An impulse that changes the most mobile node's velocity by a tenth of a millimetre
+            // per second: large against rounding, small against the curvature of the problem.
+            let size = 1e-4 / scale;
+            let mut moved = [Vec::new(), Vec::new()];
+            for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
+                batch.restore(&start).expect("own numbers");
+                batch.predict(dt, &[&hold], &mut reports).expect("a prediction");
+                let small: Vec<_> = impulses.iter().map(|p| p * sign * size).collect();
+                batch.finish(&small, &mut reports).expect("a step");
+                *moved = batch.state(0).positions;
+            }
+            for a in 0..NODES {
+                let difference = (moved[0][a] - moved[1][a]) / (2.0 * size * dt);
+                let error = (difference - linear[a]).norm() / scale;
+                assert!(error < 1e-4, "dt {dt}, impulse at {node}, answer at {a}: {error:.1e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn predicting_and_finishing_is_a_step() {
+    let dt = 1e-3;
+    let (mut batch, start) = falling(1, dt);
+    let (hold, mut reports) = (hold(), [StepReport::default()]);
+    let mut mean = vec![Vector3::zeros(); NODES];
+    batch.mean_velocities(&mut mean).expect("lengths");
+    batch.finish(&vec![Vector3::zeros(); NODES], &mut reports).expect("a step");
+    let halves = batch.state(0);
+    batch.restore(&start).expect("own numbers");
+    let before = batch.state(0);
+    batch.step(dt, &[&hold], &mut reports).expect("a step");
+    let whole = batch.state(0);
+    for a in 0..NODES {
+        // Newton's method leaves 1e-11 rad a segment.
+        assert!((halves.positions[a] - whole.positions[a]).norm() < 1e-10 * 0.3, "node {a}");
+        assert!((halves.velocities[a] - whole.velocities[a]).norm() < 1e-10 * 0.3 / dt, "node {a}");
+        let displacement = whole.positions[a] - before.positions[a];
+        assert!((displacement / dt - mean[a]).norm() < 1e-10 * 0.3 / dt, "mean velocity {a}");
+    }
+}
+
+#[test]
+fn weights_add_to_the_inverse() {
+    let (mut batch, _) = falling(2, 1e-2);
+    let w = matrix(&mut batch);
+    let mass = batch.rods()[0].fiber.mass();
+    let weights = [
+        Weight { fiber: 0, segment: 7, fraction: 0.25, mass: 0.3 * mass },
+        Weight { fiber: 0, segment: 7, fraction: 0.9, mass: 0.02 * mass },
+        Weight { fiber: 0, segment: 39, fraction: 1.0, mass: 0.5 * mass },
+        Weight { fiber: 1, segment: 20, fraction: 0.5, mass },
+    ];
+    batch.set_weights(&weights).expect("valid weights");
+    let weighted = matrix(&mut batch);
+    // (W^-1 + H^T M H)^-1 = W - W H^T (M^-1 + H W H^T)^-1 H W, for W is singular.
+    let mut h = DMatrix::zeros(9, 3 * NODES);
+    let mut inverse = DMatrix::zeros(9, 9);
+    for (i, weight) in weights[..3].iter().enumerate() {
+        for k in 0..3 {
+            h[(3 * i + k, 3 * weight.segment + k)] = 1.0 - weight.fraction;
+            h[(3 * i + k, 3 * weight.segment + 3 + k)] = weight.fraction;
+            inverse[(3 * i + k, 3 * i + k)] = 1.0 / weight.mass;
+        }
+    }
+    let hw = &h * &w;
+    let inner = (inverse + &hw * h.transpose()).try_inverse().expect("positive definite");
+    let expected = &w - hw.transpose() * inner * &hw;
+    // The weighted matrix is linearised at the last iterate, the dense one at that before.
+    assert!((&weighted - &expected).amax() < 1e-7 * w.amax(), "weighted response");
+    assert!((&weighted - &w).amax() > 1e-2 * w.amax(), "the weights matter");
+    batch.set_weights(&[]).expect("no weights");
+    assert!((matrix(&mut batch) - &w).amax() < 1e-7 * w.amax(), "weights are taken away");
+}
