@@ -70,8 +70,9 @@ type Budget = (String, Option<f64>, Option<f64>);
 
 fn parse(table: &str) -> Result<Vec<Budget>> {
     let row = |line: &str| {
-        let columns: Vec<&str> = line.split(',').map(str::trim).collect();
-        let [case, budget, thesis] = columns[..] else {
+        // From the right: the name of a case may have commas of its own.
+        let columns: Vec<&str> = line.rsplitn(3, ',').map(str::trim).collect();
+        let [thesis, budget, case] = columns[..] else {
             bail!("`{line}` is not `case,budget,thesis`");
         };
         Ok((case.to_owned(), seconds(budget)?, seconds(thesis)?))
@@ -165,6 +166,8 @@ mod tests {
         assert_eq!(shown(123.4e-3), "123 ms");
         assert_eq!(shown(4000.0), "4000 s");
         assert!(seconds("8.1").is_err());
+        let named = parse("hair, 100 segments, 1 ms, -").expect("a budget");
+        assert_eq!(named, [("hair, 100 segments".to_owned(), Some(1e-3), None)]);
         assert!(parse("a,1 ms").is_err());
     }
 }

@@ -7,7 +7,7 @@ pub(super) struct View {
     right: Vector3<f64>,
     down: Vector3<f64>,
     away: Vector3<f64>,
-    /// Extent along `away`, m.
+    /// Distance along `away` over which fibres fade, m.
     depth: f64,
     /// Width and height, m; neither zero nor much smaller than the other.
     pub(super) size: [f64; 2],
@@ -44,11 +44,12 @@ impl View {
         let padded = |axis| (1.08 * extent(axis)).max(largest / 3.0);
         let size = [padded(&right), padded(&down)];
         let middle = nalgebra::center(&low, &high).coords;
-        let depth = extent(&away);
+        // A flat scene has no haze.
+        let depth = extent(&away).max(0.2 * largest);
         let origin = Vector3::new(
             right.dot(&middle) - 0.5 * size[0],
             down.dot(&middle) - 0.5 * size[1],
-            away.dot(&middle) - 0.5 * depth,
+            away.dot(&middle) - 0.5 * extent(&away),
         );
         let half_way = (-2.0 * away - down - 0.5 * right).normalize();
         Some(Self { origin, right, down, away, depth, size, half_way })
@@ -59,7 +60,7 @@ impl View {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
-    /// 0 at the near side of the box, 1 at the far side.
+    /// 0 at the near side of the box, up to 1 at the far side of a deep one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
         ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
     }
