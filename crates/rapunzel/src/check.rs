@@ -29,7 +29,6 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
         println!("  fibres    {fibers}, with {nodes} nodes");
         println!("  time      {} s in {} steps of {:.6e} s", scene.duration, plan.steps, plan.dt);
         println!("  frames    {}", plan.frames());
-        println!("  energy    {:.6e} J at the start", world.energy().total());
     }
     Ok(ExitCode::SUCCESS)
 }
