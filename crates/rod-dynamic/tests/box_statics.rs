@@ -19,8 +19,9 @@ fn settle(fiber: Fiber, conditions: &(dyn Fn(f64) -> Instant + Sync)) -> BoxInte
     let options = BoxOptions::with_damping(0.0).expect("valid");
     let mut integrator = BoxIntegrator::new(rod, options).expect("valid");
     let ramped = |t: f64| conditions((t / 500.0).min(1.0));
-    for _ in 0..60 {
-        integrator.step(25.0, &ramped as &dyn Conditions).expect("converges");
+    for step in 0..60 {
+        let dt = if step < 20 { 25.0 } else { 1e3 };
+        integrator.step(dt, &ramped as &dyn Conditions).expect("converges");
     }
     let state = integrator.state();
     let fastest = state.velocities.iter().map(|v| v.norm()).fold(0.0, f64::max);
@@ -104,32 +105,45 @@ fn follower_tip_load() {
     }
 }
 
-/// The heavy elastica where it has a single equilibrium: tip errors of 2e-4 at 100 segments and a
-/// gravity parameter of 300 grow with the root of the parameter, and those of a curved rod by the
-/// `(k h)^2 / 12` of its chords.
+/// The distance of a settled planar rod's tip from the nearest stable equilibrium. A push
+/// sideways while gravity grows decides which, and moves upright rods off their unstable one.
+fn elastica_error(case: &Elastica, segments: usize) -> f64 {
+    let root = planar_clamp(case.clamp_angle_deg.to_radians());
+    let node = |s: f64| {
+        let mut node = scaled(1.0 / case.g, 1.0 / case.g);
+        node.natural_curvature.x = case.natural_curvature(s);
+        node
+    };
+    let hung = settle(chain(segments, node).with_root(root), &|t| {
+        Instant::clamped(root, Vector3::new(0.3 * (PI * t).sin(), -t, 0.0))
+    });
+    let tip = hung.state().positions[segments].coords;
+    case.equilibria
+        .iter()
+        .filter(|e| e.stable)
+        .map(|e| (tip - Vector3::new(e.tip[0], e.tip[1], 0.0)).norm())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The heavy elastica: a rod settles at one of the stable equilibria, off by an error of second
+/// order whose constant grows with the curvature, at the sharpest `k = 58 / L`: `k h^2 / 4`.
+/// Means flatten a wave of natural curvature, of at most `6 pi` per length, by `(6 pi h)^2 / 12`.
 #[test]
 fn heavy_planar_rods_hang_as_the_reference() {
     let oracle: Oracle<Elastica> = common::oracle("b_heavy_elastica_planar.json");
-    let mut checked = 0;
+    let h = 1.0 / SEGMENTS as f64;
     for case in &oracle.cases {
-        let kappa0 = case.kappa0.as_str().and_then(|k| k.parse::<f64>().ok());
-        let (Some(kappa0), [only]) = (kappa0, case.equilibria.as_slice()) else { continue };
-        if !only.stable {
-            continue;
+        let fine = elastica_error(case, SEGMENTS);
+        let waves = case.natural_curvature(0.0) != case.natural_curvature(0.1);
+        let flattened = if waves { (6.0 * PI * h).powi(2) / 12.0 } else { 0.0 };
+        let tolerance = 58.0 / 4.0 * h * h + flattened;
+        assert!(fine < tolerance, "{}: tip off by {fine:e}", case.name);
+        // Below that the reference's 1e-10 and the solver's tolerance are seen.
+        if fine > 1e-6 {
+            let order = (elastica_error(case, SEGMENTS / 2) / fine).log2();
+            assert!((order - 2.0).abs() < 0.2, "{}: order {order} at {fine:e}", case.name);
         }
-        let mut node = scaled(1.0 / case.g, 1.0 / case.g);
-        node.natural_curvature.x = kappa0;
-        let root = planar_clamp(case.clamp_angle_deg.to_radians());
-        let fiber = chain(SEGMENTS, |_| node).with_root(root);
-        let hung = settle(fiber, &|t| Instant::clamped(root, Vector3::new(0.0, -t, 0.0)));
-        let tip = hung.state().positions[SEGMENTS].coords;
-        let error = (tip - Vector3::new(only.tip[0], only.tip[1], 0.0)).norm();
-        let turn = kappa0 / SEGMENTS as f64;
-        let tolerance = 2e-4 * (case.g / 300.0).sqrt().max(0.5) + turn * turn / 12.0;
-        assert!(error < tolerance, "{}: tip off by {error:e}", case.name);
-        checked += 1;
     }
-    assert!(checked >= 15, "{checked} cases with one equilibrium");
 }
 
 /// Naturally curved rods in space, followed from no gravity to all of it.

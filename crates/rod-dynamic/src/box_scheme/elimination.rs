@@ -51,7 +51,7 @@ impl Panel {
 }
 
 /// How the rotation increments theta of the two ends of a segment enter:
-/// `force` is the coefficient of theta_a in the first three equations, and
+/// `force` is the coefficient of `theta_a` in the first three equations, and
 /// `theta_b = turn theta_a + lever (d kappa_a + d kappa_b) / 2`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turning {

@@ -231,3 +231,99 @@ impl RodIntegrator for BoxIntegrator {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Air, Drag, End, Instant, Load, Steady};
+    use nalgebra::{Isometry3, Point3};
+    use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
+
+    /// A wavy, moving, damped state of an uneven rod under every kind of load.
+    fn waving(root: End, tip: End) -> BoxIntegrator {
+        let material = Material::HAIR;
+        let section = |j: usize| Section::Ellipse { a: 1e-3 * (2.0 - 0.1 * j as f64), b: 1e-3 };
+        let nodes = (0..=8).map(|j| NodeProperties::new(section(j), &material)).collect();
+        let lengths = (0..8).map(|i| 0.03 + 0.002 * f64::from(i)).collect();
+        let fiber = Fiber::new(Isometry3::identity(), lengths, nodes).expect("valid");
+        let rod = Rod { fiber, damping_time: 1e-3 };
+        let mut integrator = BoxIntegrator::new(rod, BoxOptions::default()).expect("valid");
+        let wave = |j: usize, k: f64| {
+            let s = j as f64 / 8.0;
+            Vector3::new((k + 3.0 * s).sin(), (2.0 * k - 5.0 * s).cos(), (k * k + s).sin())
+        };
+        integrator.state.started = true;
+        integrator.state.root_rate = wave(0, 0.3);
+        for (j, x) in integrator.state.nodes.iter_mut().enumerate() {
+            x.v = wave(j, 1.0);
+            x.omega = 2.0 * wave(j, 2.0);
+            x.kappa = 9.0 * wave(j, 3.0);
+            (x.dv, x.domega, x.dkappa) = (wave(j, 4.0), wave(j, 5.0), wave(j, 6.0));
+            x.n = 0.02 * wave(j, 7.0);
+        }
+        integrator.node_forces.iter_mut().enumerate().for_each(|(j, f)| *f = wave(j, 8.0) * 1e-3);
+        let instant = Instant {
+            gravity: Vector3::new(1.0, -9.0, 3.0),
+            distributed: Vector3::new(0.02, 0.01, 0.0),
+            root,
+            tip,
+            air: Some(Air {
+                wind: Vector3::new(1.0, 2.0, 0.5),
+                drag: Drag { normal: 0.03, tangential: 0.01 },
+            }),
+        };
+        let k = integrator.options.coefficients;
+        let span = Span::sample(&Steady(instant), 0.0, 0.02, &k).expect("finite");
+        let BoxIntegrator { rod, state, node_forces, stage, newton, .. } = &mut integrator;
+        let setup = Setup::new(rod, state, node_forces, &span, k, 0.02, 1e-10);
+        setup.fill(stage);
+        setup.start(&mut newton.trial.x);
+        integrator
+    }
+
+    /// All residuals as one list.
+    fn residuals(trial: &super::super::stage::Trial) -> Vec<f64> {
+        let [root, tip] = &trial.ends;
+        trial.residuals.iter().flatten().chain(root).chain(tip).copied().collect()
+    }
+
+    /// The Newton increment solves the linearised equations: along it every residual falls at the
+    /// rate of its own value. This holds only with an exact Jacobian and an exact elimination.
+    #[test]
+    fn residuals_vanish_linearly_along_the_newton_step() {
+        let push = |world: bool| {
+            let (f, m) = (Vector3::new(0.1, 0.2, -0.1), Vector3::new(0.01, -0.02, 0.005));
+            if world {
+                End::Loaded { force: Load::World(f), moment: Load::World(m) }
+            } else {
+                End::Loaded { force: Load::Follower(f), moment: Load::Follower(m) }
+            }
+        };
+        let held = End::Held(Isometry3::translation(0.01, 0.0, 0.0));
+        let pinned = End::Pinned(Point3::new(0.0, 0.01, 0.0));
+        for root in [held, pinned, push(true), push(false)] {
+            for tip in [push(true), push(false), held, pinned] {
+                let mut integrator = waving(root, tip);
+                let BoxIntegrator { stage, newton, .. } = &mut integrator;
+                stage.evaluate(&mut newton.trial);
+                let increments = newton.increments(stage);
+                let at = |mu: f64| {
+                    let mut trial = newton.trial.clone();
+                    trial.x.iter_mut().zip(&increments).for_each(|(x, d)| *x = x.plus(mu, d));
+                    stage.evaluate(&mut trial);
+                    residuals(&trial)
+                };
+                let size = residuals(&newton.trial).iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+                let eps = 1e-6;
+                let (plus, minus) = (at(eps), at(-eps));
+                for (r, f) in residuals(&newton.trial).iter().enumerate() {
+                    let slope = (plus[r] - minus[r]) / (2.0 * eps);
+                    assert!(
+                        (slope + f).abs() < 1e-7 * size,
+                        "{root:?} {tip:?} row {r}: {slope} {f}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,4 +1,4 @@
-use super::elimination::Elimination;
+use super::elimination::{Elimination, Increment};
 use super::stage::{Stage, Trial};
 
 /// Full Newton steps are halved at most this often in the line search.
@@ -62,10 +62,7 @@ impl Newton {
     /// One Newton step; false when no fraction of it decreases the merit.
     fn advance(&mut self, stage: &Stage) -> bool {
         let Self { trial, candidate, elimination, .. } = self;
-        let [root, tip] = stage.end_rows(trial);
-        let root_rotation = stage.root_rotation(&trial.x[0]);
-        let increments = elimination
-            .solve(&root, &root_rotation, &tip, |i, panel| stage.linearise(trial, i, panel));
+        let increments = increments(stage, trial, elimination);
         let mut mu = 1.0;
         for _ in 0..=BACKTRACKS {
             for ((new, old), d) in candidate.x.iter_mut().zip(&trial.x).zip(increments) {
@@ -79,5 +76,24 @@ impl Newton {
             mu *= 0.5;
         }
         false
+    }
+}
+
+/// The Newton increments at `trial`, which has been evaluated.
+fn increments<'a>(
+    stage: &Stage,
+    trial: &Trial,
+    elimination: &'a mut Elimination,
+) -> &'a [Increment] {
+    let [root, tip] = stage.end_rows(trial);
+    let root_rotation = stage.root_rotation(&trial.x[0]);
+    elimination.solve(&root, &root_rotation, &tip, |i, panel| stage.linearise(trial, i, panel))
+}
+
+#[cfg(test)]
+impl Newton {
+    /// The increments at `self.trial`, which has been evaluated.
+    pub(super) fn increments(&mut self, stage: &Stage) -> Vec<Increment> {
+        increments(stage, &self.trial, &mut self.elimination).to_vec()
     }
 }

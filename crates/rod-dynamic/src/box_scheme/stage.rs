@@ -115,8 +115,8 @@ pub(super) struct Trial {
     halves: Vec<Rotation3<f64>>,
     /// Frames at the midpoints of the segments.
     pub(super) middles: Vec<Rotation3<f64>>,
-    residuals: Vec<[f64; 12]>,
-    ends: [[f64; 6]; 2],
+    pub(super) residuals: Vec<[f64; 12]>,
+    pub(super) ends: [[f64; 6]; 2],
     /// Sum of the squared relative residuals; the merit of the line search.
     pub(super) merit: f64,
 }

@@ -368,7 +368,7 @@ impl<S: Simd> Chain<S> {
         let lanes = S::F64_LANES;
         let mut definite = [0.0; 8];
         let mut potential = Lane::splat(self.simd, 0.0);
-        for weight in [0.1, 0.3, 1.0, 0.0] {
+        for weight in [1e-3, 0.03, 0.3, 1.0, 0.0] {
             let flags = Lane::new(self.simd, self.simd.partial_load_f64s(&definite[..lanes]));
             let (energy, pivot) = self.assemble(gap, flags);
             potential = energy;

@@ -91,6 +91,13 @@ impl StaggeredBatch {
         Ok(saddle)
     }
 
+    /// Takes all motion away.
+    pub(super) fn stop(&mut self) {
+        for fiber in 0..self.rods().len() {
+            self.engine.stop(fiber);
+        }
+    }
+
     /// Solves the present step in all fibres, from their present rotations. Tells whether any of
     /// them ended at a saddle.
     fn solve(&mut self, dt: f64, reports: &mut [StepReport]) -> Result<bool, StepError> {

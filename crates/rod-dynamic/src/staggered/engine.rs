@@ -3,6 +3,7 @@
 use super::pack::{Pack, at, set};
 use super::scheme::Scheme;
 use super::search::Outcome;
+use super::track::Track;
 use crate::{Energy, Instant, Rod, RodState, Weight};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
@@ -40,6 +41,8 @@ pub(super) trait Engine: Send {
     fn weigh(&mut self, weights: &[Weight]);
     /// Adds jumps of velocity to the nodes of one lane.
     fn kick(&mut self, lane: usize, impulses: &[Vector3<f64>]);
+    /// Takes all motion of one lane away.
+    fn stop(&mut self, lane: usize);
     /// How many numbers a lane's state has.
     fn numbers(&self) -> usize;
 }
@@ -139,6 +142,14 @@ impl<S: Simd> Engine for Pack<S> {
             let v = self.vector(&self.nodes.v, a, lane) + impulse / at(&self.mass, a, lane);
             for i in 0..3 {
                 set(&mut self.nodes.v, 3 * a + i, lane, v[i]);
+            }
+        }
+    }
+    fn stop(&mut self, lane: usize) {
+        let tracks = [&mut self.nodes, &mut self.directors, &mut self.joints];
+        for array in tracks.into_iter().flat_map(Track::arrays_mut) {
+            for i in 0..array.len() {
+                set(array, i, lane, 0.0);
             }
         }
     }

@@ -11,6 +11,9 @@ const MERIT_THRESHOLD: f64 = 0.03;
 const LARGEST_TURN: f64 = 3.0;
 /// The error that may be left after the last increment, rad.
 const TOLERANCE: f64 = 1e-11;
+/// Increments below this, rad, that grow again are rounding: some rods have modes that cost nearly
+/// no energy, and the increments along them are noise.
+const NOISE: f64 = 1e-5;
 /// How often a direction is halved before it is taken as it is.
 const MAX_HALVINGS: u8 = 12;
 
@@ -89,7 +92,8 @@ impl Search {
         let tested = turn > MERIT_THRESHOLD && self.potential;
         self.reference = tested.then_some(solve.energy + 1e-12 * solve.energy.abs());
         let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
-        if expected_error(turn, before) < TOLERANCE && solve.closed {
+        let converged = expected_error(turn, before) < TOLERANCE || (turn < NOISE && turn > before);
+        if converged && solve.closed {
             out.converged = true;
             self.active = false;
         }

@@ -103,6 +103,20 @@ pub struct Elastica {
     pub equilibria: Vec<Equilibrium>,
 }
 
+impl Elastica {
+    /// Natural curvature at `s`: the oracle has numbers and `a*sin(b*s)`.
+    pub fn natural_curvature(&self, s: f64) -> f64 {
+        let text = self.kappa0.to_string();
+        let text = text.trim_matches('"');
+        let number =
+            |t: &str| t.parse::<f64>().unwrap_or_else(|e| panic!("{}: {t}: {e}", self.name));
+        match text.split_once("*sin(") {
+            None => number(text),
+            Some((a, rest)) => number(a) * (number(rest.trim_end_matches("*s)")) * s).sin(),
+        }
+    }
+}
+
 #[derive(Debug, Deserialize)]
 pub struct Equilibrium {
     pub tip: [f64; 2],
