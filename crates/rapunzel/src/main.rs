@@ -1,1 +1,27 @@
-fn main() {}
+//! The fibre-by-fibre simulator of hair and other slender fibres: the command line.
+
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program talks to its user")]
+
+mod arguments;
+mod check;
+mod failure;
+mod info;
+mod new;
+mod run;
+mod templates;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let json = arguments.json;
+    let result = match arguments.command {
+        Command::Run(options) => run::run(&options, json),
+        Command::Check { scene } => check::check(&scene, json),
+        Command::New(options) => new::new(&options, json),
+        Command::Info { folder } => info::info(&folder, json),
+    };
+    result.unwrap_or_else(|failure| failure.tell(json))
+}

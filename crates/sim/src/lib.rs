@@ -1,3 +1,26 @@
-//! Scenes, the `Stepper` trait, observers and checkpoints.
+#![doc = include_str!("../README.md")]
 
+mod assemble;
+mod checkpoint;
+mod conditions;
+mod error;
 pub mod export;
+mod folder;
+mod group;
+mod observers;
+mod plan;
+mod run;
+pub mod scene;
+mod stepper;
+mod storage;
+mod summary;
+mod world;
+
+pub use error::SimError;
+pub use folder::{Existing, RunFolder, in_use};
+pub use plan::Plan;
+pub use run::{Control, Progress, run};
+pub use scene::Scene;
+pub use stepper::{FreeFibers, StepReport, Stepper};
+pub use summary::{Outcome, Statistics, Summary};
+pub use world::{Snapshot, World};

@@ -1,0 +1,34 @@
+use crate::failure::Failure;
+use rapunzel_sim::{Plan, Scene};
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Reads the scene in a file.
+pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| {
+        Failure::File(format!("cannot read the scene {}: {error}; check the path", path.display()))
+    })?;
+    Scene::from_ron(&text).map_err(Failure::of(path))
+}
+
+/// Says what a scene would do.
+pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
+    let scene = read(path)?;
+    let world = scene.build().map_err(Failure::of(path))?;
+    let plan = Plan::new(&scene);
+    let (fibers, nodes) = (world.assembly().fibers().len(), world.assembly().nodes());
+    if json {
+        let object = serde_json::json!({
+            "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
+            "steps": plan.steps, "frames": plan.frames(),
+        });
+        println!("{object}");
+    } else {
+        println!("{}", if scene.name.is_empty() { "the scene is sound" } else { &scene.name });
+        println!("  fibres    {fibers}, with {nodes} nodes");
+        println!("  time      {} s in {} steps of {:.6e} s", scene.duration, plan.steps, plan.dt);
+        println!("  frames    {}", plan.frames());
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,125 @@
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use rapunzel_sim::SimError;
+use rapunzel_sim::scene::Problem;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Why a command did not do what it was asked to.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The simulation said no.
+    Sim {
+        error: SimError,
+        /// The file of the scene.
+        scene: PathBuf,
+    },
+    /// A file or folder cannot be used.
+    File(String),
+}
+
+/// A step could not be taken.
+const FAILED: u8 = 1;
+/// The scene is wrong.
+const SCENE: u8 = 3;
+/// A file or folder cannot be used.
+const FILE: u8 = 4;
+/// Interrupted by the user: 128 and the number of the signal, as shells have it.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+impl Failure {
+    /// An error of the simulation of the scene in `scene`.
+    pub(crate) fn of(scene: &Path) -> impl Fn(SimError) -> Self {
+        move |error| Self::Sim { error, scene: scene.to_owned() }
+    }
+
+    fn code(&self) -> u8 {
+        match self {
+            Self::Sim { error: SimError::Step { .. }, .. } => FAILED,
+            Self::Sim {
+                error: SimError::Scene { .. } | SimError::Fiber { .. } | SimError::Rod { .. },
+                ..
+            } => SCENE,
+            Self::Sim { .. } | Self::File(_) => FILE,
+        }
+    }
+
+    /// What is wrong with the scene, if that is what is.
+    fn problems(&self) -> &[Problem] {
+        match self {
+            Self::Sim { error: SimError::Scene { problems, .. }, .. } => problems,
+            _ => &[],
+        }
+    }
+
+    /// Tells the user, and gives the exit code.
+    pub(crate) fn tell(&self, json: bool) -> ExitCode {
+        let code = self.code();
+        if json {
+            let problems: Vec<_> = self.problems().iter().map(as_json).collect();
+            let object = serde_json::json!({
+                "error": self.to_string(), "exit_code": code, "problems": problems,
+            });
+            println!("{object}");
+        } else if let Self::Sim { error: SimError::Scene { source_text, problems }, scene } = self {
+            let name = scene.display().to_string();
+            for problem in problems {
+                let report = SceneReport {
+                    source: NamedSource::new(&name, source_text.clone()),
+                    problem: problem.clone(),
+                };
+                eprintln!("{:?}", miette::Report::new(report));
+            }
+        } else {
+            eprintln!("error: {self}");
+        }
+        ExitCode::from(code)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sim { error: error @ SimError::Scene { .. }, scene } => {
+                write!(f, "{}: {error}", scene.display())
+            }
+            Self::Sim { error, .. } => error.fmt(f),
+            Self::File(message) => message.fmt(f),
+        }
+    }
+}
+
+fn as_json(problem: &Problem) -> serde_json::Value {
+    serde_json::json!({
+        "path": problem.path, "message": problem.message,
+        "line": problem.place.as_ref().map(|place| place.line),
+        "column": problem.place.as_ref().map(|place| place.column),
+    })
+}
+
+/// A problem of a scene, underlined in its text.
+#[derive(Debug)]
+struct SceneReport {
+    source: NamedSource<String>,
+    problem: Problem,
+}
+
+impl fmt::Display for SceneReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Problem { path, message, .. } = &self.problem;
+        if path.is_empty() { message.fmt(f) } else { write!(f, "{path}: {message}") }
+    }
+}
+
+impl std::error::Error for SceneReport {}
+
+impl Diagnostic for SceneReport {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.problem.place.as_ref()?;
+        Some(Box::new(std::iter::once(LabeledSpan::underline(place.span.clone()))))
+    }
+}

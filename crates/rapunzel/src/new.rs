@@ -1,0 +1,38 @@
+use crate::arguments::NewOptions;
+use crate::failure::Failure;
+use crate::templates;
+use std::fs::File;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Writes a scene that ships into a file.
+pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
+    let name = &options.template;
+    let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
+    let text = templates::text(name)
+        .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;
+    let failed = |error: std::io::Error| {
+        let advice = match error.kind() {
+            std::io::ErrorKind::AlreadyExists => {
+                "; name another file, or overwrite it with --force"
+            }
+            _ => "",
+        };
+        Failure::File(format!("cannot write {}: {error}{advice}", path.display()))
+    };
+    let mut file = File::options()
+        .write(true)
+        .create(options.force)
+        .create_new(!options.force)
+        .truncate(options.force)
+        .open(&path)
+        .map_err(failed)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    if json {
+        println!("{}", serde_json::json!({ "file": path }));
+    } else {
+        println!("{}: run it with `rapunzel run {}`", path.display(), path.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}

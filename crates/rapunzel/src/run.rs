@@ -1,0 +1,136 @@
+use crate::arguments::RunOptions;
+use crate::failure::{Failure, INTERRUPTED};
+use crate::{check, info};
+use indicatif::{ProgressBar, ProgressStyle};
+use rapunzel_sim::{Control, Existing, Outcome, Progress, RunFolder, SimError, Summary};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+static CANCEL: AtomicBool = AtomicBool::new(false);
+
+/// Runs a scene into a folder.
+pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure> {
+    let scene = check::read(&options.scene)?;
+    let existing = match (options.resume, options.force) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Overwrite,
+        _ => Existing::Refuse,
+    };
+    let path = options.out.clone().unwrap_or_else(|| default_folder(&options.scene));
+    let folder = RunFolder::open(&path, existing).map_err(|error| advise(error, &options.scene))?;
+    start_log(&folder.file("run.log"))?;
+    set_up(options.threads)?;
+
+    let bar = if json { ProgressBar::hidden() } else { progress_bar() };
+    let start = Instant::now();
+    let mut before: Option<Progress> = None;
+    let mut progress = |now: &Progress| {
+        match before {
+            // A resumed run begins in the middle, which must not count as speed.
+            None => {
+                bar.set_length(now.planned_steps);
+                bar.set_position(now.steps);
+                bar.reset_eta();
+            }
+            Some(before) if before.statistics.halvings < now.statistics.halvings => {
+                let halvings = now.statistics.halvings - before.statistics.halvings;
+                tracing::warn!(time = now.time, halvings, "a step did not converge at once");
+            }
+            Some(_) => {}
+        }
+        bar.set_position(now.steps);
+        bar.set_message(format!("t = {:.3} s", now.time));
+        before = Some(*now);
+    };
+    let control = Control {
+        checkpoint_every: options.checkpoint_every,
+        cancel: &CANCEL,
+        progress: &mut progress,
+    };
+    tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
+    let result = rapunzel_sim::run(&scene, &folder, control);
+    bar.finish_and_clear();
+    let wall = start.elapsed().as_secs_f64();
+    match result {
+        Ok(summary) => {
+            tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
+            tell(&summary, &path, wall, json);
+            let interrupted = summary.outcome == Outcome::Cancelled;
+            Ok(ExitCode::from(if interrupted { INTERRUPTED } else { 0 }))
+        }
+        Err(error) => {
+            tracing::error!(wall_seconds = wall, %error, "end");
+            Err(advise(error, &options.scene))
+        }
+    }
+}
+
+/// `runs/` and the name of the scene.
+fn default_folder(scene: &Path) -> PathBuf {
+    Path::new("runs").join(scene.file_stem().unwrap_or_default())
+}
+
+/// The error, with the options of the command line that help.
+fn advise(error: SimError, scene: &Path) -> Failure {
+    match error {
+        SimError::FolderNotEmpty(path) => Failure::File(format!(
+            "{} is not empty: go on with the run in it with --resume, start anew with --force, or \
+             choose another folder with --out",
+            path.display()
+        )),
+        error => Failure::of(scene)(error),
+    }
+}
+
+fn tell(summary: &Summary, folder: &Path, wall: f64, json: bool) {
+    if json {
+        let object = serde_json::json!({
+            "folder": folder, "wall_seconds": wall, "summary": summary,
+        });
+        println!("{object}");
+    } else {
+        info::print(summary, false);
+        println!("  took        {wall:.2} s");
+        println!("  results     {}", folder.display());
+    }
+}
+
+fn progress_bar() -> ProgressBar {
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}  {per_sec} steps  {eta} left");
+    let bar = ProgressBar::new(0);
+    // A constant template is right or wrong for all users alike; wrong, it falls back to plain.
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Appends what happens to the log in the run's folder.
+fn start_log(path: &Path) -> Result<(), Failure> {
+    let file = File::options()
+        .append(true)
+        .create(true)
+        .open(path)
+        .map_err(|error| Failure::File(format!("cannot write {}: {error}", path.display())))?;
+    tracing_subscriber::fmt().with_ansi(false).with_writer(Mutex::new(file)).init();
+    Ok(())
+}
+
+/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, the
+/// second leaves at once.
+fn set_up(threads: Option<u16>) -> Result<(), Failure> {
+    if let Some(threads) = threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .map_err(|error| Failure::File(format!("cannot start {threads} threads: {error}")))?;
+    }
+    ctrlc::set_handler(|| {
+        if CANCEL.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    })
+    .map_err(|error| Failure::File(format!("cannot catch interrupts: {error}")))
+}

@@ -1,0 +1,27 @@
+//! The scenes that ship, inside the program.
+
+macro_rules! templates {
+    ($($name:literal),+ $(,)?) => {
+        /// Names of the scenes.
+        pub(crate) const NAMES: &[&str] = &[$($name),+];
+        /// Texts of the scenes, in the order of the names.
+        const TEXTS: &[&str] = &[$(include_str!(concat!("../../../scenes/", $name, ".ron"))),+];
+    };
+}
+
+templates![
+    "lock-under-gravity",
+    "sine-under-gravity",
+    "helix-with-end-load",
+    "straight-rod-with-torque",
+    "prestressed-spring",
+    "buckling",
+    "lock-pulled",
+    "lock-falling",
+    "lock-on-moving-root",
+];
+
+/// The text of a scene that ships.
+pub(crate) fn text(name: &str) -> Option<&'static str> {
+    NAMES.iter().position(|n| *n == name).map(|i| TEXTS[i])
+}

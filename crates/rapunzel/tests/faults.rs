@@ -1,0 +1,152 @@
+//! What the program does when something is wrong: exit codes and words.
+
+mod common;
+
+use common::{SCENE, rapunzel, run_in, scene_file, wait_for};
+use std::fs;
+use std::process::{Output, Stdio};
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_missing_scene_is_named() {
+    let output = rapunzel().args(["run", "no-such.ron"]).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot read the scene no-such.ron"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_wrong_scene_is_underlined() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (from, to, message) in [
+        ("duration: 0.5", "duration: 0.5 0.6", "Expected comma"),
+        ("length: 0.05", "length: -0.05", "fibers[0].length: is -0.05, but must be between"),
+        ("segments: 8", "segments: 0", "fibers[0].segments: is 0, but must be between 2"),
+        ("length: 0.05", "length: NaN", "fibers[0].length: is NaN"),
+        ("dt: 0.001", "dt: 0", "stepper.dt: is 0.0"),
+        ("radius: 4e-5", "radius: 0", "fibers[0].section.radius: is 0.0, but must be positive"),
+        (
+            "Swing(angle: 30, radius: 0.05, period: 0.2)",
+            "Keyframes(points: [(time: 0), (time: 0, translation: (1, 0, 0))])",
+            "fibers[0].motion.points[1].time: is 0.0, but must be later than 0.0",
+        ),
+    ] {
+        let scene = scene_file(folder.path(), &SCENE.replace(from, to));
+        for command in ["check", "run"] {
+            let output = rapunzel().arg(command).arg(&scene).output().expect("runs");
+            let words = stderr(&output).replace("\n  │ ", " ");
+            assert_eq!(output.status.code(), Some(3), "{words}");
+            assert!(words.contains(message), "{words}");
+            assert!(words.contains("scene.ron:"), "the file, line and column: {words}");
+        }
+    }
+    assert!(!folder.path().join("runs").exists(), "nothing was begun");
+}
+
+#[test]
+fn problems_can_be_read_by_machines() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), &SCENE.replace("8,", "0,"));
+    let output = rapunzel().args(["check", "--json"]).arg(&scene).output().expect("runs");
+    assert_eq!(output.status.code(), Some(3));
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(object["exit_code"], 3);
+    assert_eq!(object["problems"][0]["path"], "fibers[0].segments");
+    assert_eq!(object["problems"][0]["line"], 4);
+}
+
+#[test]
+fn a_folder_in_use_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), &SCENE.replace("duration: 0.5", "duration: 1e5"));
+    let out = folder.path().join("out");
+    let mut first = run_in(&scene, &out).stderr(Stdio::null()).spawn().expect("starts");
+    wait_for(&out.join("checkpoint.bin"));
+    for option in ["--resume", "--force"] {
+        let output = run_in(&scene, &out).arg(option).output().expect("runs");
+        assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+        let process = format!("in use by the run with process number {}", first.id());
+        assert!(stderr(&output).contains(&process), "{}", stderr(&output));
+    }
+    let info = rapunzel().arg("info").arg(&out).output().expect("runs");
+    assert!(String::from_utf8_lossy(&info.stdout).contains("running"), "{info:?}");
+    first.kill().expect("it runs");
+    first.wait().expect("it ends");
+    let info = rapunzel().arg("info").arg(&out).output().expect("runs");
+    assert!(String::from_utf8_lossy(&info.stdout).contains("killed"), "{info:?}");
+    // What is there is not overwritten without being asked.
+    let output = run_in(&scene, &out).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    // A folder inside of a file: no one may write there, not even the system's owner.
+    let out = scene.join("out");
+    let output = run_in(&scene, &out).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot make the folder"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_cannot_grow_stops_the_run_until_it_can() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let (out, whole) = (folder.path().join("out"), folder.path().join("whole"));
+    // A limit on the size of files, in blocks: as a full disk, but within one process.
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 30; exec {} run {} --out {}",
+        env!("CARGO_BIN_EXE_rapunzel"),
+        scene.display(),
+        out.display()
+    );
+    let output = std::process::Command::new("sh").args(["-c", &limited]).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("raise the limit on file sizes"), "{}", stderr(&output));
+
+    assert!(run_in(&scene, &out).arg("--resume").status().expect("runs").success());
+    assert!(run_in(&scene, &whole).status().expect("runs").success());
+    for file in ["energies.csv", "frames/frame-000015.vtp", "fibers.usda", "preview.png"] {
+        let read = |folder: &std::path::Path| fs::read(folder.join(file)).expect("readable");
+        assert!(read(&out) == read(&whole), "{file} differs");
+    }
+}
+
+#[test]
+fn a_step_that_fails_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = SCENE.replace(
+        "motion: Swing(angle: 30, radius: 0.05, period: 0.2)",
+        "tip: Pulled(velocity: (0, 0, -1), until: 1)",
+    );
+    let scene = scene_file(folder.path(), &text);
+    let out = folder.path().join("out");
+    let output = run_in(&scene, &out).output().expect("runs");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("which cannot stretch"), "{}", stderr(&output));
+    assert!(out.join("checkpoint.bin").exists() && out.join("summary.json").exists());
+    let log = fs::read_to_string(out.join("run.log")).expect("a log");
+    assert!(log.contains("ERROR") && log.contains("which cannot stretch"), "{log}");
+}
+
+#[test]
+fn templates_are_sound_and_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let new = |options: &[&str]| {
+        let mut command = rapunzel();
+        command.current_dir(folder.path()).args(["new", "buckling"]).args(options);
+        command.output().expect("runs").status.code()
+    };
+    assert_eq!([new(&[]), new(&[]), new(&["--force"])], [Some(0), Some(4), Some(0)]);
+    let path = folder.path().join("buckling.ron");
+    assert!(rapunzel().arg("check").arg(path).status().expect("runs").success());
+    let unknown = rapunzel().args(["new", "wig"]).output().expect("runs");
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("lock-under-gravity"), "the list: {}", stderr(&unknown));
+}

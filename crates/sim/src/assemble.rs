@@ -1,0 +1,194 @@
+use crate::conditions::{BundleConditions, FiberConditions};
+use crate::group::{Batch, Group, Rods};
+use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, StepperSettings};
+use crate::{SimError, World};
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
+use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
+use rapunzel_rod_dynamic::{
+    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, Staggered,
+    StaggeredBatch,
+};
+use std::sync::Arc;
+
+/// One fibre of the scene, ready to be handed to an integrator.
+struct Start {
+    bundle: usize,
+    rod: Rod,
+    state: RodState,
+    conditions: FiberConditions,
+}
+
+impl Scene {
+    /// Builds the world at its start.
+    ///
+    /// # Errors
+    /// [`SimError::Scene`] if the scene makes no sense; [`SimError::Fiber`] and [`SimError::Rod`]
+    /// where only the combination of its numbers does not, such as a sine too fine for its
+    /// segments.
+    pub fn build(&self) -> Result<World, SimError> {
+        self.validate()?;
+        let mut starts = Vec::new();
+        for (i, bundle) in self.fibers.iter().enumerate() {
+            // Bundles of one scene must not repeat each other's random choices.
+            let seed = self.seed.wrapping_add(i as u64);
+            let fibers =
+                grow(bundle, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
+            let conditions = Arc::new(
+                self.conditions(bundle).map_err(|source| SimError::Rod { bundle: i, source })?,
+            );
+            starts.extend(fibers.into_iter().map(|fiber| start(i, bundle, fiber, &conditions)));
+        }
+        let assembly = Assembly::new(starts.iter().map(|s| s.rod.fiber.clone()).collect());
+        let groups = assembly
+            .groups()
+            .map(|fibers| {
+                let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
+                let lanes = starts.iter().map(|s| s.conditions.clone()).collect();
+                let bundle = starts[0].bundle;
+                let batch = batch(&self.stepper, &starts)
+                    .map_err(|source| SimError::Rod { bundle, source })?;
+                Ok(Group { fibers: fibers.to_vec(), batch, lanes })
+            })
+            .collect::<Result<_, SimError>>()?;
+        Ok(World::new(self.environment.clone(), assembly, groups))
+    }
+
+    fn conditions(&self, bundle: &Bundle) -> Result<BundleConditions, RodError> {
+        let viscosity = self.environment.viscosity;
+        let radius = bundle.section.equivalent_radius();
+        let drag = (viscosity > 0.0)
+            .then(|| Drag::slender_body(viscosity, bundle.length, radius))
+            .transpose()?;
+        let node = |at: f64| {
+            #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
+            let node = (at * bundle.segments as f64).round() as usize;
+            node
+        };
+        let node_forces = bundle
+            .point_forces
+            .iter()
+            .map(|f| (node(f.at), Vector3::from(f.value), f.profile.clone()))
+            .collect();
+        Ok(BundleConditions {
+            environment: self.environment.clone(),
+            drag,
+            motion: bundle.motion.clone(),
+            tip: bundle.tip.clone(),
+            start: Point3::from(bundle.root.position),
+            nodes: bundle.segments + 1,
+            node_forces,
+        })
+    }
+}
+
+/// The fibres of a bundle in their natural state.
+fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
+    let pose = bundle.root.isometry()?;
+    let material = bundle.material.into();
+    let straight =
+        Fiber::uniform(bundle.length, bundle.segments, bundle.section, &material)?.with_root(pose);
+    let mut fiber = match bundle.shape {
+        Shape::Straight => straight,
+        Shape::Helix { radius, pitch, handedness } => {
+            Helix { radius, pitch, handedness }.bend(straight)?
+        }
+        Shape::Sine { amplitude, wavelength } => Sine { amplitude, wavelength }.bend(straight)?,
+        Shape::Curved { curvature } => {
+            straight.with_natural_curvature(|_| Vector3::from(curvature))?
+        }
+    };
+    if bundle.initial == Initial::Straight {
+        // The generators turn the root so that the shape runs along the pose; a straight start
+        // does so itself.
+        fiber = fiber.with_root(pose);
+    }
+    match bundle.arrangement {
+        Arrangement::Single => Ok(vec![fiber]),
+        Arrangement::Ellipse { semi_axes: [a, b], count } => {
+            generate::bundle(&fiber, &Ellipse { pose, a, b }, count, seed)
+        }
+        Arrangement::EllipseAtDensity { semi_axes: [a, b], density } => {
+            let patch = Ellipse { pose, a, b };
+            generate::bundle(&fiber, &patch, patch.count(density)?, seed)
+        }
+        Arrangement::Lock { count, radius, curvature_variation, clumping } => {
+            Lock { count, radius, curvature_variation, clumping }.grow(&fiber, seed)
+        }
+    }
+}
+
+fn start(bundle: usize, of: &Bundle, fiber: Fiber, conditions: &Arc<BundleConditions>) -> Start {
+    let shape = match of.initial {
+        Initial::Natural => fiber.clone(),
+        // Zero is finite, so straightening cannot fail; the natural shape would be the answer.
+        Initial::Straight => {
+            let straight = fiber.clone().with_natural_curvature(|_| Vector3::zeros());
+            straight.unwrap_or_else(|_| fiber.clone())
+        }
+    };
+    let (state, tip) = at_rest(&shape);
+    let conditions = FiberConditions { bundle: Arc::clone(conditions), root: *fiber.root(), tip };
+    Start { bundle, rod: Rod { fiber, damping_time: of.damping_time }, state, conditions }
+}
+
+/// The unloaded shape of `fiber`, at rest, and the pose of its tip.
+fn at_rest(fiber: &Fiber) -> (RodState, Isometry3<f64>) {
+    let (positions, frames) = fiber.rest_shape();
+    let segments = fiber.segments();
+    let tip = Isometry3::from_parts(
+        positions[segments].into(),
+        UnitQuaternion::from_rotation_matrix(&frames[segments]),
+    );
+    let middle = |pair: &[Rotation3<f64>]| {
+        pair[0] * so3::exp(&(0.5 * so3::log(&(pair[0].inverse() * pair[1]))))
+    };
+    let state = RodState {
+        time: 0.0,
+        velocities: vec![Vector3::zeros(); positions.len()],
+        frames: frames.windows(2).map(middle).collect(),
+        angular_velocities: vec![Vector3::zeros(); segments],
+        forces: vec![Vector3::zeros(); segments],
+        curvatures: fiber.nodes().iter().map(|n| n.natural_curvature).collect(),
+        positions,
+    };
+    (state, tip)
+}
+
+/// The integrator of a group of fibres of equal segment count.
+fn batch(settings: &StepperSettings, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
+    let tolerance = settings.tolerance;
+    match settings.method {
+        Method::Staggered { rho_infinity } if tolerance.is_none() => {
+            let rods = starts.iter().map(|start| start.rod.clone()).collect();
+            let mut batch = StaggeredBatch::new(rods, rho_infinity)?;
+            for (lane, start) in starts.iter().enumerate() {
+                batch.set_state(lane, &start.state)?;
+            }
+            Ok(Box::new(batch))
+        }
+        Method::Staggered { rho_infinity } => {
+            let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
+            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
+        }
+        Method::Box { weights, residual } => {
+            let coefficients = weights.coefficients()?;
+            let options = BoxOptions { coefficients, tolerance: residual, ..BoxOptions::default() };
+            let new = |rod| BoxIntegrator::new(rod, options);
+            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
+        }
+    }
+}
+
+/// Integrators of single rods, each at its start.
+fn started<I: RodIntegrator>(
+    starts: &[&Start],
+    new: impl Fn(Rod) -> Result<I, RodError>,
+) -> Result<Vec<I>, RodError> {
+    let one = |start: &&Start| {
+        let mut integrator = new(start.rod.clone())?;
+        integrator.set_state(&start.state)?;
+        Ok(integrator)
+    };
+    starts.iter().map(one).collect()
+}

@@ -1,0 +1,71 @@
+use crate::storage::write_atomically;
+use crate::{Scene, SimError, Snapshot, Statistics};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+/// First bytes of a checkpoint: the name and the version of the format.
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x01\0\0\0";
+/// The program that can go on with a checkpoint: another version may compute other bits.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Everything from which a run goes on so that its output is the same, byte for byte, as if it had
+/// never stopped.
+///
+/// The file is the magic number, the BLAKE3 hash of the rest, and the rest: the version of the
+/// program as a length and text, then the checkpoint in postcard's format.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Checkpoint {
+    /// Hash of the scene.
+    pub(crate) scene: [u8; 32],
+    pub(crate) snapshot: Snapshot,
+    pub(crate) statistics: Statistics,
+    /// How far each output has come, in the order of the observers.
+    pub(crate) marks: Vec<u64>,
+}
+
+/// The hash that tells scenes apart: of the RON with all defaults filled in.
+pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
+    Ok(blake3::hash(scene.to_ron()?.as_bytes()).into())
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint; the one before stays until this one is whole.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
+        let bytes = postcard::to_stdvec(&(VERSION, self)).map_err(|e| unusable(path, &e))?;
+        write_atomically(path, |to| {
+            to.write_all(MAGIC)?;
+            to.write_all(blake3::hash(&bytes).as_bytes())?;
+            to.write_all(&bytes)
+        })
+    }
+
+    /// Reads a checkpoint; `None` if there is none.
+    pub(crate) fn read(path: &Path) -> Result<Option<Self>, SimError> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let file = fs::read(path).map_err(SimError::io("read", path))?;
+        let broken = || unusable(path, &"it is damaged");
+        let (magic, rest) = file.split_first_chunk::<12>().ok_or_else(broken)?;
+        if magic != MAGIC {
+            return Err(unusable(path, &"it is not a checkpoint of this version"));
+        }
+        let (hash, bytes) = rest.split_first_chunk::<32>().ok_or_else(broken)?;
+        if blake3::hash(bytes) != *hash {
+            return Err(broken());
+        }
+        let (version, bytes): (&str, _) = postcard::take_from_bytes(bytes).map_err(|_| broken())?;
+        if version != VERSION {
+            let why = format!("it was written by version {version}, and this is {VERSION}");
+            return Err(unusable(path, &why));
+        }
+        postcard::from_bytes(bytes).map(Some).map_err(|_| broken())
+    }
+}
+
+fn unusable(path: &Path, why: &dyn std::fmt::Display) -> SimError {
+    let why = format!("cannot be used: {why}; force a new run");
+    SimError::Checkpoint { path: path.to_owned(), why }
+}

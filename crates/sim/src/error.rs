@@ -1,0 +1,128 @@
+use crate::export::ExportError;
+use crate::scene::Problem;
+use rapunzel_fiber::FiberError;
+use rapunzel_rod_dynamic::{RodError, StepError};
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What can go wrong between a scene file and its results.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// The scene is not understood or asks for nonsense.
+    #[error("the scene has {}:{}", counted(problems.len()), listed(problems))]
+    Scene {
+        /// The text of the scene, to underline the problems in.
+        source_text: String,
+        /// Everything that is wrong, in the order of the scene.
+        problems: Vec<Problem>,
+    },
+    /// A fibre of the scene cannot be built although each of its numbers is in range.
+    #[error("fibers[{bundle}]: {source}")]
+    Fiber {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// What is wrong with the fibre.
+        source: FiberError,
+    },
+    /// A rod of the scene cannot be built or restored.
+    #[error("fibers[{bundle}]: {source}")]
+    Rod {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// What is wrong with the rod.
+        source: RodError,
+    },
+    /// A step could not be taken.
+    #[error("the run stopped at t = {time} s: {source}")]
+    Step {
+        /// Start of the step, s.
+        time: f64,
+        /// Which fibre and why.
+        source: StepError,
+    },
+    /// Reading or writing failed.
+    #[error("cannot {action} {}: {}", path.display(), explained(source))]
+    Io {
+        /// What was tried, a verb.
+        action: &'static str,
+        /// Where.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A frame cannot be written or read back.
+    #[error("{}: {source}", path.display())]
+    Export {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ExportError,
+    },
+    /// Another run holds the folder.
+    #[error(
+        "{} is in use by the run with process number {process}; wait for it, stop it, or choose \
+         another folder",
+        path.display()
+    )]
+    FolderInUse {
+        /// The folder.
+        path: PathBuf,
+        /// Who holds it, as written in its lock file.
+        process: String,
+    },
+    /// The folder has contents that would be overwritten.
+    #[error("{} is not empty: resume the run in it, or force a new one, or choose another folder", .0.display())]
+    FolderNotEmpty(PathBuf),
+    /// The folder holds a run of a different scene.
+    #[error(
+        "{} holds a run of a different scene (or of one that has changed since); resume with the \
+         scene.ron in that folder, or force a new run",
+        .0.display()
+    )]
+    DifferentScene(PathBuf),
+    /// A checkpoint cannot be used.
+    #[error("the checkpoint {} {why}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and what to do.
+        why: String,
+    },
+}
+
+impl SimError {
+    /// An [`SimError::Io`] from what was tried on which path.
+    pub(crate) fn io<'a>(
+        action: &'static str,
+        path: &'a (impl AsRef<Path> + ?Sized),
+    ) -> impl FnOnce(io::Error) -> Self + 'a {
+        move |source| Self::Io { action, path: path.as_ref().to_owned(), source }
+    }
+}
+
+fn counted(problems: usize) -> String {
+    if problems == 1 { "a problem".into() } else { format!("{problems} problems") }
+}
+
+fn listed(problems: &[Problem]) -> String {
+    problems.iter().map(|p| format!("\n  {p}")).collect()
+}
+
+/// The operating system's words, with what to do where that is known.
+fn explained(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            format!("{error}; free some space and resume the run")
+        }
+        io::ErrorKind::FileTooLarge => {
+            format!("{error}; raise the limit on file sizes and resume the run")
+        }
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            format!("{error}; choose a folder that you may write to")
+        }
+        io::ErrorKind::NotFound => format!("{error}; check the path"),
+        _ => error.to_string(),
+    }
+}

@@ -1,0 +1,167 @@
+use crate::StepReport;
+use crate::conditions::FiberConditions;
+use nalgebra::Vector3;
+use rapunzel_rod_dynamic::{
+    self as rod, Conditions, Energy, RodError, RodIntegrator, RodState, StaggeredBatch, StepError,
+    adaptive,
+};
+
+/// Rods that are stepped together.
+pub(crate) trait Batch: Send {
+    fn state(&self, lane: usize) -> RodState;
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
+    fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError>;
+    fn save(&self, numbers: &mut Vec<f64>);
+    fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError>;
+}
+
+/// Fibres in SIMD lanes.
+impl Batch for StaggeredBatch {
+    fn state(&self, lane: usize) -> RodState {
+        self.state(lane)
+    }
+
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
+        self.energy(lane, gravity)
+    }
+
+    fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
+        self.set_node_forces(lane, forces)
+    }
+
+    fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError> {
+        let mut reports = [rod::StepReport::default(); Self::MAX_FIBERS];
+        self.step(dt, lanes, &mut reports)?;
+        let mut sum = StepReport::default();
+        for one in &reports[..lanes.len()] {
+            sum.add(&StepReport::of_one(one.iterations, one.halvings, 0));
+        }
+        Ok(sum)
+    }
+
+    fn save(&self, numbers: &mut Vec<f64>) {
+        self.save(numbers);
+    }
+
+    fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
+        self.restore(numbers)
+    }
+}
+
+/// Rods that are stepped one after another.
+pub(crate) struct Rods<I> {
+    pub(crate) rods: Vec<I>,
+    /// Error allowed in a second, m/s; `None` for steps as they are asked for.
+    pub(crate) tolerance: Option<f64>,
+}
+
+impl<I: RodIntegrator> Rods<I> {
+    fn step_one(
+        &mut self,
+        lane: usize,
+        dt: f64,
+        conditions: &dyn Conditions,
+    ) -> Result<StepReport, StepError> {
+        let rod = &mut self.rods[lane];
+        match self.tolerance {
+            None => {
+                let one = rod.step(dt, conditions)?;
+                Ok(StepReport::of_one(one.iterations, one.halvings, 0))
+            }
+            Some(tolerance) => {
+                let one = adaptive::advance(rod, dt, tolerance * dt, conditions)?;
+                Ok(StepReport::of_one(one.iterations, one.halvings, one.missed))
+            }
+        }
+    }
+}
+
+impl<I: RodIntegrator> Batch for Rods<I> {
+    fn state(&self, lane: usize) -> RodState {
+        self.rods[lane].state()
+    }
+
+    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
+        self.rods[lane].energy(gravity)
+    }
+
+    fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
+        self.rods[lane].set_node_forces(forces)
+    }
+
+    fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError> {
+        let mut sum = StepReport::default();
+        for (lane, conditions) in lanes.iter().enumerate() {
+            let one = self.step_one(lane, dt, *conditions);
+            sum.add(&one.map_err(|error| at_lane(error, lane))?);
+        }
+        Ok(sum)
+    }
+
+    /// Each rod's numbers after their count.
+    fn save(&self, numbers: &mut Vec<f64>) {
+        for rod in &self.rods {
+            let at = numbers.len();
+            numbers.push(0.0);
+            rod.save(numbers);
+            numbers[at] = (numbers.len() - at - 1) as f64;
+        }
+    }
+
+    fn restore(&mut self, mut numbers: &[f64]) -> Result<(), RodError> {
+        let found = numbers.len();
+        for rod in &mut self.rods {
+            let short = RodError::Length { what: "saved numbers", expected: found + 1, found };
+            let (count, rest) = numbers.split_first().ok_or(short.clone())?;
+            #[expect(clippy::cast_possible_truncation, reason = "a length written by save")]
+            let (own, rest) = rest.split_at_checked(*count as usize).ok_or(short)?;
+            rod.restore(own)?;
+            numbers = rest;
+        }
+        Ok(())
+    }
+}
+
+/// An error of a rod by itself as one of a rod in a batch.
+fn at_lane(mut error: StepError, lane: usize) -> StepError {
+    if let StepError::NotConverged { fiber, .. } = &mut error {
+        *fiber = lane;
+    }
+    error
+}
+
+/// A batch of fibres with what acts on them: the unit of parallel work.
+pub(crate) struct Group {
+    /// Indices of the fibres, one per lane.
+    pub(crate) fibers: Vec<usize>,
+    pub(crate) batch: Box<dyn Batch>,
+    pub(crate) lanes: Vec<FiberConditions>,
+}
+
+impl Group {
+    /// Moves all fibres of the group from `time` by `dt`, s.
+    pub(crate) fn step(&mut self, time: f64, dt: f64) -> Result<StepReport, StepError> {
+        let middle = time + 0.5 * dt;
+        for (lane, conditions) in self.lanes.iter().enumerate() {
+            if let Some(forces) = conditions.node_forces(middle) {
+                self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {
+                    what: "node forces",
+                    time,
+                    why: "must be finite",
+                })?;
+            }
+        }
+        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
+        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
+        self.batch.step(dt, &lanes).map_err(|error| self.name_fiber(error))
+    }
+
+    /// Puts the index of the fibre in the scene in place of the lane.
+    fn name_fiber(&self, mut error: StepError) -> StepError {
+        if let StepError::NotConverged { fiber, .. } = &mut error {
+            *fiber = self.fibers[*fiber];
+        }
+        error
+    }
+}

@@ -1,0 +1,161 @@
+use super::Observer;
+use crate::export::{self, ExportError, Frame, Strand};
+use crate::folder::{FRAMES, PREVIEW, PVD, RunFolder, USD};
+use crate::scene::Format;
+use crate::storage::write_atomically;
+use crate::{SimError, World};
+use std::fs::{self, File};
+use std::io::{BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+
+/// Frames on the contact sheet.
+const PREVIEW_FRAMES: usize = 12;
+
+/// Writes a file for every frame, and at the end those that hold many.
+///
+/// A frame's VTP holds it at full precision; what needs all frames reads them back from there, so
+/// that neither memory nor a restart matters.
+#[derive(Debug)]
+pub(crate) struct FrameWriter {
+    folder: PathBuf,
+    formats: Vec<Format>,
+    /// Steps between frames.
+    every: u64,
+    /// Time between frames, s.
+    interval: f64,
+    /// Frames written.
+    count: usize,
+}
+
+impl FrameWriter {
+    /// Makes the folder of the frames.
+    pub(crate) fn open(
+        folder: &RunFolder,
+        formats: &[Format],
+        every: u64,
+        interval: f64,
+    ) -> Result<Self, SimError> {
+        let frames = folder.file(FRAMES);
+        fs::create_dir_all(&frames).map_err(SimError::io("make the folder", &frames))?;
+        let (folder, formats) = (folder.path().to_owned(), formats.to_vec());
+        Ok(Self { folder, formats, every, interval, count: 0 })
+    }
+
+    fn file(&self, index: usize, extension: &str) -> PathBuf {
+        self.folder.join(name(index, extension))
+    }
+
+    /// Lists the frames so far for ParaView.
+    fn write_pvd(&self) -> Result<(), SimError> {
+        let names: Vec<_> = (0..self.count).map(|i| name(i, "vtp")).collect();
+        let entries = names.iter().enumerate();
+        let entries = entries.map(|(i, name)| (i as f64 * self.interval, name.as_str()));
+        save(&self.folder.join(PVD), |to| export::pvd::write(to, entries))
+    }
+
+    fn read(&self, index: usize) -> Result<Frame, ExportError> {
+        export::vtp::read(&mut BufReader::new(File::open(self.file(index, "vtp"))?))
+    }
+
+    fn write_usd(&self) -> Result<(), SimError> {
+        let times: Vec<f64> = (0..self.count).map(|i| i as f64 * self.interval).collect();
+        let frames = (0..self.count).map(|i| self.read(i));
+        // Straight lines between the nodes are what was simulated.
+        save(&self.folder.join(USD), |to| {
+            export::usda::write(to, export::usda::Curve::Linear, &times, frames)
+        })
+    }
+
+    fn write_preview(&self) -> Result<(), SimError> {
+        let shown = self.count.min(PREVIEW_FRAMES);
+        let frames = (0..shown).map(|i| self.read(i * (self.count - 1) / (shown - 1).max(1)));
+        save(&self.folder.join(PREVIEW), |to| {
+            export::preview::write(to, &frames.collect::<Result<Vec<_>, _>>()?)
+        })
+    }
+}
+
+impl Observer for FrameWriter {
+    fn observe(&mut self, world: &World) -> Result<(), SimError> {
+        if !world.steps().is_multiple_of(self.every) {
+            return Ok(());
+        }
+        let index = self.count;
+        let frame = frame(world, index);
+        for format in &self.formats {
+            match format {
+                Format::Hair => {
+                    save(&self.file(index, "hair"), |to| export::hair::write(to, &frame))
+                }
+                Format::Pov => save(&self.file(index, "pov"), |to| export::pov::write(to, &frame)),
+                Format::Usd => Ok(()),
+            }?;
+        }
+        save(&self.file(index, "vtp"), |to| export::vtp::write(to, &frame))?;
+        self.count += 1;
+        Ok(())
+    }
+
+    fn mark(&mut self) -> Result<u64, SimError> {
+        Ok(self.count as u64)
+    }
+
+    fn sync(&mut self) -> Result<(), SimError> {
+        self.write_pvd()
+    }
+
+    fn rewind(&mut self, mark: u64) -> Result<(), SimError> {
+        self.count = usize::try_from(mark).unwrap_or(usize::MAX);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), SimError> {
+        self.write_pvd()?;
+        if self.formats.contains(&Format::Usd) {
+            self.write_usd()?;
+        }
+        self.write_preview()
+    }
+}
+
+/// The name of a frame's file as seen from the folder of the run.
+fn name(index: usize, extension: &str) -> String {
+    format!("{FRAMES}/frame-{index:06}.{extension}")
+}
+
+/// All fibres as they are now.
+fn frame(world: &World, index: usize) -> Frame {
+    let strand = |i: usize| {
+        let state = world.state(i);
+        let nodes = world.assembly().node_range(i);
+        Strand {
+            points: state.positions,
+            radii: world.assembly().radii()[nodes].to_vec(),
+            velocities: state.velocities,
+            frames: state.frames,
+            curvatures: state.curvatures,
+            forces: state.forces,
+        }
+    };
+    let strands = (0..world.assembly().fibers().len()).map(strand).collect();
+    Frame { index, time: world.time(), strands }
+}
+
+fn save(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ExportError>,
+) -> Result<(), SimError> {
+    let mut refused = None;
+    let written = write_atomically(path, |to| match write(to) {
+        Ok(()) => Ok(()),
+        Err(ExportError::Io(error)) => Err(error),
+        Err(error) => {
+            refused = Some(error);
+            Err(std::io::ErrorKind::InvalidData.into())
+        }
+    });
+    match refused {
+        Some(source) => Err(SimError::Export { path: path.to_owned(), source }),
+        None => written,
+    }
+}

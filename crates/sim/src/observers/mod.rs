@@ -1,0 +1,27 @@
+//! What looks at a world while it moves, and never changes it.
+
+mod frames;
+mod table;
+
+pub(crate) use frames::FrameWriter;
+pub(crate) use table::{Column, Table};
+
+use crate::{SimError, World};
+
+/// Looks at a world at the start and after every step.
+pub(crate) trait Observer {
+    /// Takes note of the world, if it is time to.
+    fn observe(&mut self, world: &World) -> Result<(), SimError>;
+
+    /// How far the output has come.
+    fn mark(&mut self) -> Result<u64, SimError>;
+
+    /// Makes what has been written so far safe from a loss of power.
+    fn sync(&mut self) -> Result<(), SimError>;
+
+    /// Goes back to where [`Observer::mark`] was; to the very start for 0.
+    fn rewind(&mut self, mark: u64) -> Result<(), SimError>;
+
+    /// Writes what can be written only when all has been seen.
+    fn finish(&mut self) -> Result<(), SimError>;
+}

@@ -1,0 +1,151 @@
+use super::Observer;
+use crate::scene::{Node, Probe, Quantity};
+use crate::{SimError, World};
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// A CSV file with a row at regular steps; its first column is the time.
+///
+/// Rows are appended as wholes, so that the file can be watched while it grows.
+#[derive(Debug)]
+pub(crate) struct Table {
+    path: PathBuf,
+    file: File,
+    header: String,
+    columns: Vec<Column>,
+    /// Steps between rows.
+    every: u64,
+    /// Rows that are not in the file yet.
+    pending: String,
+    /// Length of the file, bytes.
+    length: u64,
+}
+
+/// One or several numbers of a row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Column {
+    /// Kinetic, elastic, gravitational energy and their sum.
+    Energies,
+    /// What a probe reads.
+    Probe(Probe),
+}
+
+/// Pending rows are written when they are longer than this, bytes.
+const BUFFER: usize = 1 << 16;
+
+impl Table {
+    /// Opens the file of a table without changing it; [`Observer::rewind`] says where to begin.
+    pub(crate) fn open(path: &Path, columns: Vec<Column>, every: u64) -> Result<Self, SimError> {
+        let file = File::options()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .map_err(SimError::io("write", path))?;
+        let names: String = columns.iter().map(|c| c.names()).collect();
+        let header = format!("time (s){names}\n");
+        let pending = String::new();
+        Ok(Self { path: path.to_owned(), file, header, columns, every, pending, length: 0 })
+    }
+
+    fn flush(&mut self) -> Result<(), SimError> {
+        self.file.write_all(self.pending.as_bytes()).map_err(SimError::io("write", &self.path))?;
+        self.length += self.pending.len() as u64;
+        self.pending.clear();
+        Ok(())
+    }
+}
+
+impl Observer for Table {
+    fn observe(&mut self, world: &World) -> Result<(), SimError> {
+        if !world.steps().is_multiple_of(self.every) {
+            return Ok(());
+        }
+        self.pending += &format!("{:?}", world.time());
+        for column in &self.columns {
+            for x in column.read(world) {
+                self.pending += &format!(",{x:?}");
+            }
+        }
+        self.pending.push('\n');
+        if self.pending.len() > BUFFER { self.flush() } else { Ok(()) }
+    }
+
+    fn mark(&mut self) -> Result<u64, SimError> {
+        self.flush()?;
+        Ok(self.length)
+    }
+
+    fn sync(&mut self) -> Result<(), SimError> {
+        self.file.sync_data().map_err(SimError::io("write", &self.path))
+    }
+
+    fn rewind(&mut self, mark: u64) -> Result<(), SimError> {
+        let length = self.file.metadata().map_err(SimError::io("read", &self.path))?.len();
+        if length < mark {
+            let why = format!(
+                "does not fit the folder: {} is shorter than it was; force a new run",
+                self.path.display()
+            );
+            return Err(SimError::Checkpoint { path: self.path.clone(), why });
+        }
+        self.file
+            .set_len(mark)
+            .and_then(|()| self.file.seek(SeekFrom::Start(mark)))
+            .map_err(SimError::io("write", &self.path))?;
+        self.length = mark;
+        self.pending.clear();
+        if mark == 0 {
+            self.pending += &self.header;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), SimError> {
+        self.flush()?;
+        self.sync()
+    }
+}
+
+impl Column {
+    /// The names with their units, each after a comma.
+    fn names(&self) -> String {
+        match self {
+            Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
+            Self::Probe(Probe { fiber, node, quantity }) => {
+                let node = match node {
+                    Node::Tip => "tip".to_owned(),
+                    Node::At { index } => format!("node {index}"),
+                };
+                let (symbol, unit) = match quantity {
+                    Quantity::Position => ("", "m"),
+                    Quantity::Velocity => ("v", "m/s"),
+                };
+                let name = |axis| format!(",fiber {fiber} {node} {symbol}{axis} ({unit})");
+                ["x", "y", "z"].map(name).concat()
+            }
+        }
+    }
+
+    fn read(&self, world: &World) -> Vec<f64> {
+        match self {
+            Self::Energies => {
+                let energy = world.energy();
+                vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
+            }
+            Self::Probe(probe) => {
+                let state = world.state(probe.fiber);
+                let node = match probe.node {
+                    Node::Tip => state.positions.len() - 1,
+                    Node::At { index } => index,
+                };
+                let value = match probe.quantity {
+                    Quantity::Position => state.positions[node].coords,
+                    Quantity::Velocity => state.velocities[node],
+                };
+                value.iter().copied().collect()
+            }
+        }
+    }
+}

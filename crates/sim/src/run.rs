@@ -1,0 +1,195 @@
+use crate::checkpoint::{Checkpoint, scene_hash};
+use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
+use crate::observers::{Column, FrameWriter, Observer, Table};
+use crate::storage::write_atomically;
+use crate::{FreeFibers, Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How a run is watched and stopped.
+pub struct Control<'a> {
+    /// Frames from checkpoint to checkpoint.
+    pub checkpoint_every: u64,
+    /// Stops the run with a checkpoint after the step at hand, once it is true.
+    pub cancel: &'a AtomicBool,
+    /// Called at the start and after every step.
+    pub progress: &'a mut dyn FnMut(&Progress),
+}
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps of the whole run.
+    pub planned_steps: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// What the steps have cost.
+    pub statistics: Statistics,
+}
+
+/// Runs a scene in a folder, from its checkpoint if there is one and from its start if not.
+///
+/// The contents of all files depend on the scene alone, not on the number of threads nor on
+/// interruptions; only `run.log`, which this function does not write, tells of them.
+///
+/// # Errors
+/// [`SimError`]; where a step could not be taken, the last checkpoint is that of the frame before.
+/// After every error a run can be resumed once its cause is removed.
+pub fn run(scene: &Scene, folder: &RunFolder, control: Control) -> Result<Summary, SimError> {
+    let mut run = Run::start(scene, folder)?;
+    let result = run.go(control);
+    let outcome = match &result {
+        Ok(outcome) => outcome.clone(),
+        Err(error) => Outcome::Failed { error: error.to_string() },
+    };
+    let summary = run.summary(outcome);
+    // Of an error in the run and one in telling of it, the first is the one to report.
+    let written = summary.write(folder);
+    result.and(written).map(|()| summary)
+}
+
+struct Run<'a> {
+    scene: &'a Scene,
+    scene_hash: [u8; 32],
+    folder: &'a RunFolder,
+    plan: Plan,
+    world: World,
+    statistics: Statistics,
+    observers: Vec<Box<dyn Observer>>,
+    /// The run at the last frame.
+    last: Checkpoint,
+}
+
+impl<'a> Run<'a> {
+    fn start(scene: &'a Scene, folder: &'a RunFolder) -> Result<Self, SimError> {
+        let plan = Plan::new(scene);
+        let mut world = scene.build()?;
+        let mut observers = observers(scene, folder, &plan)?;
+        let scene_hash = scene_hash(scene)?;
+        let last = match Checkpoint::read(&folder.file(CHECKPOINT))? {
+            Some(last) if last.scene != scene_hash => {
+                return Err(SimError::DifferentScene(folder.path().to_owned()));
+            }
+            Some(last) => {
+                world.restore(&last.snapshot)?;
+                for (observer, mark) in observers.iter_mut().zip(&last.marks) {
+                    observer.rewind(*mark)?;
+                }
+                last
+            }
+            None => {
+                let text = scene.to_ron()?;
+                write_atomically(&folder.file(SCENE), |to| to.write_all(text.as_bytes()))?;
+                for observer in &mut observers {
+                    observer.rewind(0)?;
+                    observer.observe(&world)?;
+                }
+                let statistics = Statistics::default();
+                checkpoint(scene_hash, &world, statistics, &mut observers)?
+            }
+        };
+        let statistics = last.statistics;
+        Ok(Self { scene, scene_hash, folder, plan, world, statistics, observers, last })
+    }
+
+    fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
+        let Control { checkpoint_every, cancel, progress } = control;
+        progress(&self.progress());
+        self.save()?;
+        while self.world.steps() < self.plan.steps {
+            if cancel.load(Ordering::Relaxed) {
+                self.remember()?;
+                self.save()?;
+                return Ok(Outcome::Cancelled);
+            }
+            if let Err(error) = self.step() {
+                // On a full disk saving fails too; then the checkpoint before stays, and the
+                // error to report is still the first.
+                let _ = self.go_back().and_then(|()| self.save());
+                return Err(error);
+            }
+            if self.world.steps().is_multiple_of(self.plan.steps_per_frame) {
+                self.remember()?;
+                let frame = self.world.steps() / self.plan.steps_per_frame;
+                if frame.is_multiple_of(checkpoint_every) {
+                    self.save()?;
+                }
+            }
+            progress(&self.progress());
+        }
+        self.remember()?;
+        self.save()?;
+        self.observers.iter_mut().try_for_each(|observer| observer.finish())?;
+        Ok(Outcome::Complete)
+    }
+
+    fn step(&mut self) -> Result<(), SimError> {
+        let report = FreeFibers.step(&mut self.world, self.plan.dt)?;
+        self.statistics.add(&report);
+        self.observers.iter_mut().try_for_each(|observer| observer.observe(&self.world))
+    }
+
+    /// Goes back to where the run was last remembered.
+    fn go_back(&mut self) -> Result<(), SimError> {
+        self.statistics = self.last.statistics;
+        self.world.restore(&self.last.snapshot)
+    }
+
+    /// Remembers the run as it is now.
+    fn remember(&mut self) -> Result<(), SimError> {
+        let (world, statistics) = (&self.world, self.statistics);
+        self.last = checkpoint(self.scene_hash, world, statistics, &mut self.observers)?;
+        Ok(())
+    }
+
+    /// Writes what was last remembered to the disk: the outputs first, so that a checkpoint never
+    /// knows more than they hold.
+    fn save(&mut self) -> Result<(), SimError> {
+        self.observers.iter_mut().try_for_each(|observer| observer.sync())?;
+        self.last.write(&self.folder.file(CHECKPOINT))?;
+        self.summary(Outcome::Unfinished).write(self.folder)
+    }
+
+    fn summary(&self, outcome: Outcome) -> Summary {
+        Summary::new(outcome, self.scene, &self.plan, &self.world, &self.statistics)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            steps: self.world.steps(),
+            planned_steps: self.plan.steps,
+            time: self.world.time(),
+            statistics: self.statistics,
+        }
+    }
+}
+
+fn observers(
+    scene: &Scene,
+    folder: &RunFolder,
+    plan: &Plan,
+) -> Result<Vec<Box<dyn Observer>>, SimError> {
+    let output = &scene.output;
+    let every = plan.steps_per_record;
+    let interval = plan.dt * plan.steps_per_frame as f64;
+    let frames = FrameWriter::open(folder, &output.formats, plan.steps_per_frame, interval)?;
+    let energies = Table::open(&folder.file(ENERGIES), vec![Column::Energies], every)?;
+    let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
+    if !output.probes.is_empty() {
+        let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();
+        observers.push(Box::new(Table::open(&folder.file(PROBES), columns, every)?));
+    }
+    Ok(observers)
+}
+
+fn checkpoint(
+    scene: [u8; 32],
+    world: &World,
+    statistics: Statistics,
+    observers: &mut [Box<dyn Observer>],
+) -> Result<Checkpoint, SimError> {
+    let marks = observers.iter_mut().map(|observer| observer.mark()).collect::<Result<_, _>>()?;
+    Ok(Checkpoint { scene, snapshot: world.snapshot(), statistics, marks })
+}

@@ -1,0 +1,352 @@
+use super::check::{Allowed, Check};
+use super::motion::Motion;
+use super::tip::{Profile, Tip};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use rapunzel_fiber::generate::{Ellipse, Handedness, root_pose};
+use rapunzel_fiber::{self as fiber, FiberError, Section};
+use serde::{Deserialize, Serialize};
+
+/// The most fibres of a bundle, against typing errors.
+const MOST_FIBERS: usize = 1_000_000;
+
+/// Fibres that belong together: one, or many of the same kind on one moving base.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bundle {
+    /// Length along the fibre, m.
+    pub length: f64,
+    /// Number of segments.
+    pub segments: usize,
+    /// Cross section, m.
+    pub section: Section,
+    /// What the fibres are made of.
+    #[serde(default)]
+    pub material: Material,
+    /// Retardation time of the internal damping (Kelvin-Voigt), s.
+    #[serde(default)]
+    pub damping_time: f64,
+    /// Shape without load.
+    #[serde(default)]
+    pub shape: Shape,
+    /// Shape at the start.
+    #[serde(default)]
+    pub initial: Initial,
+    /// Where the bundle starts.
+    #[serde(default)]
+    pub root: Pose,
+    /// One fibre or many.
+    #[serde(default)]
+    pub arrangement: Arrangement,
+    /// How the roots move.
+    #[serde(default)]
+    pub motion: Motion,
+    /// What holds or loads the tips.
+    #[serde(default)]
+    pub tip: Tip,
+    /// Forces along the fibres.
+    #[serde(default)]
+    pub point_forces: Vec<PointForce>,
+}
+
+/// What a fibre is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Material {
+    /// Dry human hair: 1300 kg/m^3, 3.8 GPa, a third of it in shear.
+    #[default]
+    Hair,
+    /// Homogeneous and linearly elastic.
+    Elastic {
+        /// Mass density, kg/m^3.
+        density: f64,
+        /// Young's modulus, Pa.
+        youngs_modulus: f64,
+        /// Shear modulus, Pa.
+        shear_modulus: f64,
+    },
+}
+
+/// The shape of a fibre without load.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Shape {
+    /// Straight.
+    #[default]
+    Straight,
+    /// A helix whose axis is along the direction of the root.
+    Helix {
+        /// Radius of the cylinder, m.
+        radius: f64,
+        /// Advance along the axis in one turn, m; zero makes a ring.
+        pitch: f64,
+        /// Which way it winds.
+        #[serde(default = "right")]
+        handedness: Handedness,
+    },
+    /// A plane sine along the direction of the root.
+    Sine {
+        /// Half of the whole height, m.
+        amplitude: f64,
+        /// Length of a period along the axis, m.
+        wavelength: f64,
+    },
+    /// Constant curvature and twist.
+    Curved {
+        /// Darboux vector in the material frame (about d1, d2, tangent), 1/m.
+        curvature: [f64; 3],
+    },
+}
+
+fn right() -> Handedness {
+    Handedness::Right
+}
+
+/// The shape of a fibre at the start; it starts at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Initial {
+    /// Without load.
+    #[default]
+    Natural,
+    /// Straight and untwisted along the direction of the root, so that a curved fibre is
+    /// prestressed.
+    Straight,
+}
+
+/// A position and an orientation.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Pose {
+    /// Position, m, world frame.
+    pub position: [f64; 3],
+    /// Orientation of the material frame.
+    pub orientation: Orientation,
+}
+
+/// The orientation of the material frame at a root.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Orientation {
+    /// By the tangent: the shortest turn from the world's z axis to it (straight down: about x).
+    Along {
+        /// The tangent, world frame, any length.
+        direction: [f64; 3],
+        /// A turn about the tangent before, degrees.
+        #[serde(default)]
+        roll: f64,
+    },
+    /// By turns about the world's fixed x, then y, then z axes.
+    Euler {
+        /// The three angles, degrees.
+        degrees: [f64; 3],
+    },
+}
+
+impl Default for Orientation {
+    fn default() -> Self {
+        Self::Along { direction: [0.0, 0.0, -1.0], roll: 0.0 }
+    }
+}
+
+/// One fibre or many.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Arrangement {
+    /// One fibre.
+    #[default]
+    Single,
+    /// Parallel copies with their roots spread over an ellipse across the direction of the root.
+    Ellipse {
+        /// Semi-axes along d1 and d2 of the root, m.
+        semi_axes: [f64; 2],
+        /// Number of fibres.
+        count: usize,
+    },
+    /// The same with a number of fibres per area.
+    EllipseAtDensity {
+        /// Semi-axes along d1 and d2 of the root, m.
+        semi_axes: [f64; 2],
+        /// Fibres per area, 1/m^2; a scalp has about 2.5e6.
+        density: f64,
+    },
+    /// A lock: a guide fibre and others around it that follow its shape.
+    Lock {
+        /// Number of fibres beside the guide, which is the first.
+        count: usize,
+        /// Radius of the disc on which the roots stand, m.
+        radius: f64,
+        /// Relative variation of the natural curvature, 0 to 1.
+        #[serde(default)]
+        curvature_variation: f64,
+        /// How far the tips draw together, 0 (parallel) to 1 (all at the guide's tip).
+        #[serde(default)]
+        clumping: f64,
+    },
+}
+
+/// A force at a place along every fibre of a bundle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointForce {
+    /// Where: the arc length as a part of the whole, 0 at the root and 1 at the tip. It acts on
+    /// the nearest node.
+    pub at: f64,
+    /// The force, N, world frame.
+    pub value: [f64; 3],
+    /// Its factor over time.
+    #[serde(default)]
+    pub profile: Profile,
+}
+
+impl From<Material> for fiber::Material {
+    fn from(material: Material) -> Self {
+        match material {
+            Material::Hair => Self::HAIR,
+            Material::Elastic { density, youngs_modulus, shear_modulus } => {
+                Self { density, youngs_modulus, shear_modulus }
+            }
+        }
+    }
+}
+
+impl Pose {
+    /// The pose as a map from the material frame to the world.
+    ///
+    /// # Errors
+    /// [`FiberError::NoDirection`] for a tangent without length.
+    pub fn isometry(&self) -> Result<Isometry3<f64>, FiberError> {
+        let position = Point3::from(self.position);
+        match &self.orientation {
+            Orientation::Along { direction, roll } => {
+                let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll.to_radians());
+                Ok(root_pose(position, &Vector3::from(*direction))? * turn)
+            }
+            Orientation::Euler { degrees } => {
+                let [x, y, z] = degrees.map(f64::to_radians);
+                let rotation = UnitQuaternion::from_euler_angles(x, y, z);
+                Ok(Isometry3::from_parts(position.into(), rotation))
+            }
+        }
+    }
+
+    fn check(&self, check: &mut Check) {
+        check.vector("position", &self.position, "m");
+        check.within("orientation", |c| match &self.orientation {
+            Orientation::Along { direction, roll } => {
+                c.direction("direction", direction);
+                c.number("roll", *roll, Allowed::Finite, "degrees");
+            }
+            Orientation::Euler { degrees } => c.vector("degrees", degrees, "degrees"),
+        });
+    }
+}
+
+impl Bundle {
+    /// Notes what makes no sense.
+    pub(crate) fn check(&self, check: &mut Check) {
+        check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
+        check.count("segments", self.segments, 2, 100_000);
+        // A rod must be slender, and a NaN length has been refused already.
+        let thickest = if self.length > 0.0 { self.length / 10.0 } else { f64::MAX };
+        let size = |c: &mut Check, name: &str, value| {
+            c.number(name, value, Allowed::Positive, "m");
+            if value > thickest {
+                let message = format!(
+                    "is {value:?}, but must be at most {thickest:?} (m), a tenth of the length: \
+                     a fibre is slender"
+                );
+                c.refuse(name, message);
+            }
+        };
+        check.within("section", |c| match self.section {
+            Section::Circle { radius } => size(c, "radius", radius),
+            Section::Ellipse { a, b } => {
+                size(c, "a", a);
+                size(c, "b", b);
+            }
+        });
+        check.within("material", |c| {
+            if let Material::Elastic { density, youngs_modulus, shear_modulus } = self.material {
+                c.number("density", density, Allowed::Positive, "kg/m^3");
+                c.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
+                c.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
+            }
+        });
+        check.number("damping_time", self.damping_time, Allowed::NonNegative, "s");
+        check.within("shape", |c| self.shape.check(c));
+        check.within("root", |c| self.root.check(c));
+        check.within("arrangement", |c| self.arrangement.check(c));
+        check.within("motion", |c| self.motion.check(c));
+        check.within("tip", |c| self.tip.check(c));
+        check.each("point_forces", &self.point_forces, |c, force| {
+            c.number("at", force.at, Allowed::Within(0.0, 1.0), "");
+            c.vector("value", &force.value, "N");
+            c.within("profile", |c| force.profile.check(c));
+        });
+    }
+}
+
+impl Shape {
+    fn check(&self, check: &mut Check) {
+        match self {
+            Self::Straight => {}
+            Self::Helix { radius, pitch, .. } => {
+                check.number("radius", *radius, Allowed::Positive, "m");
+                check.number("pitch", *pitch, Allowed::NonNegative, "m");
+            }
+            Self::Sine { amplitude, wavelength } => {
+                check.number("amplitude", *amplitude, Allowed::NonNegative, "m");
+                check.number("wavelength", *wavelength, Allowed::Positive, "m");
+            }
+            Self::Curved { curvature } => check.vector("curvature", curvature, "1/m"),
+        }
+    }
+}
+
+impl Arrangement {
+    /// Number of fibres.
+    #[must_use]
+    pub fn fibers(&self) -> usize {
+        match *self {
+            Self::Single => 1,
+            Self::Ellipse { count, .. } => count,
+            Self::EllipseAtDensity { semi_axes: [a, b], density } => {
+                let patch = Ellipse { pose: Isometry3::identity(), a, b };
+                patch.count(density).unwrap_or(0)
+            }
+            Self::Lock { count, .. } => 1 + count,
+        }
+    }
+
+    fn check(&self, check: &mut Check) {
+        match self {
+            Self::Single => {}
+            Self::Ellipse { semi_axes, count } => {
+                check_axes(check, semi_axes);
+                check.count("count", *count, 1, MOST_FIBERS);
+            }
+            Self::EllipseAtDensity { semi_axes, density } => {
+                check_axes(check, semi_axes);
+                check.number("density", *density, Allowed::Positive, "1/m^2");
+                let count = self.fibers();
+                if *density > 0.0 && !(1..=MOST_FIBERS).contains(&count) {
+                    let message =
+                        format!("makes {count} fibres, but must make between 1 and {MOST_FIBERS}");
+                    check.refuse("density", message);
+                }
+            }
+            Self::Lock { count, radius, curvature_variation, clumping } => {
+                check.count("count", *count, 1, MOST_FIBERS);
+                check.number("radius", *radius, Allowed::Positive, "m");
+                let fraction = Allowed::Within(0.0, 1.0);
+                check.number("curvature_variation", *curvature_variation, fraction, "");
+                check.number("clumping", *clumping, fraction, "");
+            }
+        }
+    }
+}
+
+fn check_axes(check: &mut Check, semi_axes: &[f64; 2]) {
+    for (i, &x) in semi_axes.iter().enumerate() {
+        check.number(&format!("semi_axes[{i}]"), x, Allowed::Positive, "m");
+    }
+}

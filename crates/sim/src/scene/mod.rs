@@ -1,0 +1,189 @@
+//! What a user asks for: the scene.
+//!
+//! A scene is a RON file. Every number is in SI units, angles in degrees; positions and
+//! directions are in the world frame. Fields that are left out have defaults; a field that is not
+//! known is an error, and so is a number that makes no sense.
+
+mod check;
+mod fibers;
+mod locate;
+mod motion;
+mod output;
+mod read;
+mod stepper;
+mod tip;
+
+pub use check::{Place, Problem};
+pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
+pub(crate) use motion::ramped;
+pub use motion::{Keyframe, Motion, Pace};
+pub use output::{Format, Node, Output, Probe, Quantity};
+pub use stepper::{Method, StepperSettings, Weights};
+pub use tip::{Load, LoadFrame, Profile, Tip};
+
+use check::{Allowed, Check};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The version of the scene format that this crate reads.
+pub const FORMAT: u32 = 1;
+
+/// The most nodes of a scene, some 100 GB: more is a typing error.
+const MOST_NODES: usize = 100_000_000;
+
+/// Everything that determines a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Version of the format, 1.
+    pub format: u32,
+    /// A title.
+    #[serde(default)]
+    pub name: String,
+    /// Seed of all random numbers.
+    #[serde(default)]
+    pub seed: u64,
+    /// Simulated time, s.
+    pub duration: f64,
+    /// The fibres.
+    pub fibers: Vec<Bundle>,
+    /// What acts on all fibres.
+    #[serde(default)]
+    pub environment: Environment,
+    /// How time advances.
+    pub stepper: StepperSettings,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// What acts on all fibres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Environment {
+    /// Acceleration of free fall, m/s^2.
+    pub gravity: [f64; 3],
+    /// Time in which gravity grows from nothing at constant rate, s; 0 for at once.
+    pub gravity_ramp: f64,
+    /// Dynamic viscosity of the air, Pa s; 0 for none. Air has 1.8e-5. It drags a fibre as a
+    /// slender body in creeping flow.
+    pub viscosity: f64,
+    /// The wind; it acts through the viscosity.
+    pub wind: Wind,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self {
+            gravity: [0.0, 0.0, -9.81],
+            gravity_ramp: 0.0,
+            viscosity: 0.0,
+            wind: Wind::default(),
+        }
+    }
+}
+
+/// The velocity of the air, the same everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Wind {
+    /// Constant.
+    Steady {
+        /// Velocity, m/s.
+        velocity: [f64; 3],
+    },
+    /// Gusts that come and go: `velocity + gust (1 - cos(2 pi t / period)) / 2`.
+    Gusts {
+        /// Velocity between the gusts, m/s.
+        velocity: [f64; 3],
+        /// What the peak of a gust adds, m/s.
+        gust: [f64; 3],
+        /// Time from gust to gust, s.
+        period: f64,
+    },
+}
+
+impl Default for Wind {
+    fn default() -> Self {
+        Self::Steady { velocity: [0.0; 3] }
+    }
+}
+
+impl Environment {
+    /// Gravity at time `t` (s), m/s^2.
+    #[must_use]
+    pub fn gravity_at(&self, t: f64) -> Vector3<f64> {
+        let ramp = self.gravity_ramp;
+        Vector3::from(self.gravity) * if t < ramp { t / ramp } else { 1.0 }
+    }
+
+    fn check(&self, check: &mut Check) {
+        check.vector("gravity", &self.gravity, "m/s^2");
+        check.number("gravity_ramp", self.gravity_ramp, Allowed::NonNegative, "s");
+        check.number("viscosity", self.viscosity, Allowed::NonNegative, "Pa s");
+        check.within("wind", |c| match &self.wind {
+            Wind::Steady { velocity } => c.vector("velocity", velocity, "m/s"),
+            Wind::Gusts { velocity, gust, period } => {
+                c.vector("velocity", velocity, "m/s");
+                c.vector("gust", gust, "m/s");
+                c.number("period", *period, Allowed::Positive, "s");
+            }
+        });
+        if self.viscosity == 0.0 && self.wind != Wind::default() {
+            let message = "is 0, but wind acts through the viscosity; air has 1.8e-5 (Pa s)";
+            check.refuse("viscosity", message.into());
+        }
+    }
+}
+
+impl Wind {
+    /// Velocity at time `t` (s), m/s.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Vector3<f64> {
+        match self {
+            Self::Steady { velocity } => Vector3::from(*velocity),
+            Self::Gusts { velocity, gust, period } => {
+                let strength = 0.5 * (1.0 - (std::f64::consts::TAU * t / period).cos());
+                Vector3::from(*velocity) + Vector3::from(*gust) * strength
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// Number of segments of fibre `fiber`, counted over all bundles.
+    fn segments_of(&self, mut fiber: usize) -> Option<usize> {
+        for bundle in &self.fibers {
+            let count = bundle.arrangement.fibers();
+            if fiber < count {
+                return Some(bundle.segments);
+            }
+            fiber -= count;
+        }
+        None
+    }
+
+    /// Notes everything that makes no sense: numbers out of range, directions without length,
+    /// roots that jump, probes of fibres that do not exist.
+    fn check(&self, check: &mut Check) {
+        if self.format != FORMAT {
+            let message = format!("is {}, but this version reads format {FORMAT}", self.format);
+            check.refuse("format", message);
+        }
+        check.number("duration", self.duration, Allowed::Within(1e-9, 1e6), "s");
+        if self.fibers.is_empty() {
+            check.refuse("fibers", "is empty, but a scene needs at least one".into());
+        }
+        check.each("fibers", &self.fibers, |c, bundle| bundle.check(c));
+        let nodes =
+            |b: &Bundle| b.arrangement.fibers().saturating_mul(b.segments.saturating_add(1));
+        let nodes = self.fibers.iter().map(nodes).fold(0, usize::saturating_add);
+        if nodes > MOST_NODES {
+            let message = format!("have {nodes} nodes, but must have at most {MOST_NODES}");
+            check.refuse("fibers", message);
+        }
+        check.within("environment", |c| self.environment.check(c));
+        check.within("stepper", |c| self.stepper.check(c));
+        check.within("output", |c| self.output.check(c, |fiber| self.segments_of(fiber)));
+    }
+}

@@ -1,0 +1,291 @@
+use super::check::{Allowed, Check};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// The fastest that keyframes may move a root, m/s; beyond it lies a typing error or a jump.
+const FASTEST: f64 = 100.0;
+
+/// How the roots of a bundle move: all of them rigidly, as one body.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Motion {
+    /// Not at all.
+    #[default]
+    Fixed,
+    /// To and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns with
+    /// the arc.
+    Swing {
+        /// Angle of the arc, degrees.
+        angle: f64,
+        /// Radius of the arc, m.
+        radius: f64,
+        /// Time to go along the arc and back, s.
+        period: f64,
+        /// Axis of the turn, world frame, any length.
+        #[serde(default = "y_axis")]
+        axis: [f64; 3],
+        /// Direction from the bundle to the center of the arc, world frame, any length; only its
+        /// part across the axis counts.
+        #[serde(default = "z_axis")]
+        center: [f64; 3],
+        /// How the angle depends on time.
+        #[serde(default)]
+        pace: Pace,
+    },
+    /// Along a line at constant velocity, then at rest.
+    Translate {
+        /// Velocity, m/s, world frame.
+        velocity: [f64; 3],
+        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        #[serde(default)]
+        ramp: f64,
+        /// End of the motion, s.
+        until: f64,
+    },
+    /// To and fro along a line, `amplitude sin(2 pi frequency t)`.
+    Shake {
+        /// Largest displacement, m, world frame.
+        amplitude: [f64; 3],
+        /// Frequency, Hz.
+        frequency: f64,
+    },
+    /// About an axis through the position of the bundle at constant rate, then at rest.
+    Rotate {
+        /// Axis of the turn, world frame, any length.
+        axis: [f64; 3],
+        /// Rate, degrees per second.
+        rate: f64,
+        /// End of the motion, s.
+        until: f64,
+    },
+    /// Through given poses, at constant velocity and rate between them; at rest after the last.
+    Keyframes {
+        /// The poses, in the order of time; the first is at time 0 and moves nothing.
+        points: Vec<Keyframe>,
+    },
+}
+
+/// How a swing goes along its arc.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Pace {
+    /// As a cosine: it starts and turns around smoothly.
+    #[default]
+    Smooth,
+    /// At constant speed, as in the thesis; the velocity jumps at the ends of the arc.
+    Constant,
+}
+
+/// A displacement of a bundle at an instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Keyframe {
+    /// When, s.
+    pub time: f64,
+    /// Translation from where the bundle started, m, world frame.
+    #[serde(default)]
+    pub translation: [f64; 3],
+    /// Rotation about the position of the bundle, as a rotation vector in degrees, world frame.
+    #[serde(default)]
+    pub rotation: [f64; 3],
+}
+
+fn y_axis() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn z_axis() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+impl Motion {
+    /// The rigid displacement at time `t` (s) of a bundle that started at `start`, as a map from
+    /// the world to the world; the identity at `t = 0`.
+    #[must_use]
+    pub fn displacement(&self, t: f64, start: &Point3<f64>) -> Isometry3<f64> {
+        match self {
+            Self::Fixed => Isometry3::identity(),
+            Self::Swing { angle, radius, period, axis, center, pace } => {
+                let phase = match pace {
+                    Pace::Smooth => 0.5 * (1.0 - (TAU * t / period).cos()),
+                    Pace::Constant => 1.0 - (1.0 - 2.0 * (t / period).rem_euclid(1.0)).abs(),
+                };
+                let axis = Vector3::from(*axis).normalize();
+                let center = across(&Vector3::from(*center), &axis).normalize();
+                turn(&(start + *radius * center), axis * (angle.to_radians() * phase))
+            }
+            Self::Translate { velocity, ramp, until } => {
+                Translation3::from(Vector3::from(*velocity) * ramped(t.min(*until), *ramp)).into()
+            }
+            Self::Shake { amplitude, frequency } => {
+                Translation3::from(Vector3::from(*amplitude) * (TAU * frequency * t).sin()).into()
+            }
+            Self::Rotate { axis, rate, until } => {
+                let angle = rate.to_radians() * t.min(*until);
+                turn(start, Vector3::from(*axis).normalize() * angle)
+            }
+            Self::Keyframes { points } => between(points, t, start),
+        }
+    }
+
+    /// Notes what makes no sense.
+    pub(crate) fn check(&self, check: &mut Check) {
+        match self {
+            Self::Fixed => {}
+            Self::Swing { angle, radius, period, axis, center, .. } => {
+                check.number("angle", *angle, Allowed::Within(-360.0, 360.0), "degrees");
+                check.number("radius", *radius, Allowed::NonNegative, "m");
+                check.number("period", *period, Allowed::Positive, "s");
+                check.direction("axis", axis);
+                check.direction("center", center);
+                let (axis, center) = (Vector3::from(*axis), Vector3::from(*center));
+                if across(&center, &axis.normalize()).norm() < 1e-9 * center.norm() {
+                    check.refuse("center", "must not be parallel to the axis".into());
+                }
+            }
+            Self::Translate { velocity, ramp, until } => {
+                check.vector("velocity", velocity, "m/s");
+                check.number("ramp", *ramp, Allowed::NonNegative, "s");
+                check.number("until", *until, Allowed::NonNegative, "s");
+            }
+            Self::Shake { amplitude, frequency } => {
+                check.vector("amplitude", amplitude, "m");
+                check.number("frequency", *frequency, Allowed::NonNegative, "Hz");
+            }
+            Self::Rotate { axis, rate, until } => {
+                check.direction("axis", axis);
+                check.number("rate", *rate, Allowed::Finite, "degrees/s");
+                check.number("until", *until, Allowed::NonNegative, "s");
+            }
+            Self::Keyframes { points } => check_keyframes(points, check),
+        }
+    }
+}
+
+/// What a speed that grows from 0 to 1 within `ramp` has covered by the time `t`.
+pub(crate) fn ramped(t: f64, ramp: f64) -> f64 {
+    if t < ramp { 0.5 * t * t / ramp } else { t - 0.5 * ramp }
+}
+
+fn across(v: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+    v - axis * v.dot(axis)
+}
+
+/// The rotation by a rotation vector about a point.
+fn turn(about: &Point3<f64>, rotation: Vector3<f64>) -> Isometry3<f64> {
+    Isometry3::rotation_wrt_point(UnitQuaternion::from_scaled_axis(rotation), *about)
+}
+
+fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
+    let after = points.partition_point(|k| k.time <= t);
+    let Some(last) = points.get(after.saturating_sub(1)) else { return Isometry3::identity() };
+    let next = points.get(after).unwrap_or(last);
+    let x = if next.time > last.time { (t - last.time) / (next.time - last.time) } else { 0.0 };
+    let rotation = |k: &Keyframe| {
+        UnitQuaternion::from_scaled_axis(Vector3::from(k.rotation.map(f64::to_radians)))
+    };
+    // Along the geodesic, so that the rate is constant.
+    let (a, b) = (rotation(last), rotation(next));
+    let turned = a * UnitQuaternion::from_scaled_axis((a.inverse() * b).scaled_axis() * x);
+    let moved = Vector3::from(last.translation).lerp(&next.translation.into(), x);
+    Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
+}
+
+fn check_keyframes(points: &[Keyframe], check: &mut Check) {
+    check.each("points", points, |c, k| {
+        c.number("time", k.time, Allowed::NonNegative, "s");
+        c.vector("translation", &k.translation, "m");
+        c.vector("rotation", &k.rotation, "degrees");
+    });
+    match points.first() {
+        None => check.refuse("points", "is empty, but must have at least one entry".into()),
+        Some(first) if first.time != 0.0 => {
+            let message = format!("is {:?}, but the first keyframe must be at 0 s", first.time);
+            check.refuse("points[0].time", message);
+        }
+        Some(first) if first.translation != [0.0; 3] || first.rotation != [0.0; 3] => {
+            let message = "must not move the bundle: the root would jump at the start; move \
+                           `root.position` instead";
+            check.refuse("points[0]", message.into());
+        }
+        Some(_) => {}
+    }
+    for (i, pair) in points.windows(2).enumerate() {
+        let time = pair[1].time - pair[0].time;
+        let way = (Vector3::from(pair[1].translation) - Vector3::from(pair[0].translation)).norm();
+        if time <= 0.0 {
+            let message = format!(
+                "is {:?}, but must be later than {:?}, the time of the keyframe before: a root \
+                 cannot jump",
+                pair[1].time, pair[0].time
+            );
+            check.refuse(&format!("points[{}].time", i + 1), message);
+        } else if way > FASTEST * time {
+            let message = format!(
+                "moves the root by {way} m in {time} s: a jump; at most {FASTEST} m/s are allowed"
+            );
+            check.refuse(&format!("points[{}]", i + 1), message);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn start() -> Point3<f64> {
+        Point3::new(0.1, 0.2, 0.3)
+    }
+
+    fn swing(pace: Pace) -> Motion {
+        let (axis, center) = (y_axis(), z_axis());
+        Motion::Swing { angle: 45.0, radius: 0.3, period: 2.0, axis, center, pace }
+    }
+
+    #[test]
+    fn a_swing_stays_on_its_arc() {
+        let center: Point3<f64> = start() + 0.3 * Vector3::z();
+        for pace in [Pace::Smooth, Pace::Constant] {
+            for t in [0.0, 0.3, 1.0, 1.7, 9.1] {
+                let moved = swing(pace).displacement(t, &start()) * start();
+                assert_relative_eq!((moved - center).norm(), 0.3, max_relative = 1e-14);
+            }
+            let chord = swing(pace).displacement(1.0, &start()) * start() - start();
+            assert_relative_eq!(chord.norm(), 0.6 * 22.5_f64.to_radians().sin(), epsilon = 1e-14);
+            let back = swing(pace).displacement(4.0, &start()) * start() - start();
+            assert_relative_eq!(back.norm(), 0.0, epsilon = 1e-15);
+        }
+    }
+
+    #[test]
+    fn every_motion_starts_with_the_identity() {
+        let key = |time, x| Keyframe { time, translation: [x, 0.0, 0.0], rotation: [0.0; 3] };
+        for motion in [
+            Motion::Fixed,
+            swing(Pace::Smooth),
+            Motion::Translate { velocity: [1.0, 2.0, 3.0], ramp: 0.1, until: 1.0 },
+            Motion::Shake { amplitude: [1.0, 2.0, 3.0], frequency: 3.0 },
+            Motion::Rotate { axis: [1.0, 2.0, 3.0], rate: 90.0, until: 1.0 },
+            Motion::Keyframes { points: vec![key(0.0, 0.0), key(1.0, 2.0)] },
+        ] {
+            let moved = motion.displacement(0.0, &start()).to_homogeneous();
+            assert_relative_eq!(moved, nalgebra::Matrix4::identity(), epsilon = 1e-15);
+        }
+    }
+
+    #[test]
+    fn keyframes_are_linear_between_and_rest_after() {
+        let points = vec![
+            Keyframe { time: 0.0, translation: [0.0; 3], rotation: [0.0; 3] },
+            Keyframe { time: 2.0, translation: [0.4, 0.0, 0.0], rotation: [0.0, 0.0, 80.0] },
+        ];
+        let motion = Motion::Keyframes { points };
+        for (t, x) in [(0.5, 0.25), (2.0, 1.0), (7.0, 1.0)] {
+            let moved = motion.displacement(t, &start());
+            assert_relative_eq!((moved * start()).x, 0.1 + 0.4 * x, epsilon = 1e-15);
+            let angle = (80.0 * x).to_radians();
+            assert_relative_eq!(moved.rotation.scaled_axis().z, angle, epsilon = 1e-14);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+use super::check::{Allowed, Check};
+use serde::{Deserialize, Serialize};
+
+/// What a run writes into its folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a
+    /// little smaller where the interval is not a multiple of it.
+    pub frame_rate: f64,
+    /// Files written of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
+    /// ParaView), which are always written.
+    pub formats: Vec<Format>,
+    /// Time between the rows of `energies.csv` and `probes.csv`, s, rounded to steps; 0 for a row
+    /// at every step.
+    pub record_interval: f64,
+    /// Columns of `probes.csv`.
+    pub probes: Vec<Probe>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { frame_rate: 30.0, formats: Vec::new(), record_interval: 0.0, probes: Vec::new() }
+    }
+}
+
+/// A file format for frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Format {
+    /// One USD file with all frames as `BasisCurves`: for Blender, Houdini.
+    Usd,
+    /// Cem Yuksel's binary format, a file for each frame.
+    Hair,
+    /// POV-Ray scene description, a file for each frame.
+    Pov,
+}
+
+/// A quantity of one node over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Index of the fibre, over all bundles in the order of the scene.
+    #[serde(default)]
+    pub fiber: usize,
+    /// The node.
+    #[serde(default)]
+    pub node: Node,
+    /// What of it.
+    pub quantity: Quantity,
+}
+
+/// A node of a fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Node {
+    /// The last one.
+    #[default]
+    Tip,
+    /// By its number from the root, which is 0.
+    At {
+        /// The number.
+        index: usize,
+    },
+}
+
+/// What a probe reads, in the world frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quantity {
+    /// Position, m.
+    Position,
+    /// Velocity, m/s.
+    Velocity,
+}
+
+impl Output {
+    /// Notes what makes no sense; `fibers` gives the segments of fibre `i`, if there is one.
+    pub(crate) fn check(&self, check: &mut Check, segments: impl Fn(usize) -> Option<usize>) {
+        check.number("frame_rate", self.frame_rate, Allowed::Within(1e-3, 1e6), "1/s");
+        check.number("record_interval", self.record_interval, Allowed::NonNegative, "s");
+        check.each("probes", &self.probes, |c, probe| match (segments(probe.fiber), probe.node) {
+            (None, _) => {
+                c.refuse("fiber", format!("is {}, but there is no such fibre", probe.fiber));
+            }
+            (Some(segments), Node::At { index }) if index > segments => {
+                let message = format!("is {index}, but the nodes are numbered 0 to {segments}");
+                c.refuse("node.index", message);
+            }
+            _ => {}
+        });
+    }
+}

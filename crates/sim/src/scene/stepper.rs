@@ -1,0 +1,129 @@
+use super::check::{Allowed, Check};
+use rapunzel_rod_dynamic::{BoxOptions, Coefficients, RodError, StaggeredBatch};
+use serde::{Deserialize, Serialize};
+
+/// How time advances.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepperSettings {
+    /// Largest time step, s. The step taken is the largest not above it of which the frame
+    /// interval is a multiple.
+    pub dt: f64,
+    /// The integrator.
+    #[serde(default)]
+    pub method: Method,
+    /// Largest estimated error of the nodes' positions that may build up in a second of simulated
+    /// time, m/s: each step is cut into as many as that takes, at three times the cost of a step
+    /// each. Left out, steps are as `dt` says.
+    #[serde(default)]
+    pub tolerance: Option<f64>,
+}
+
+/// An integrator of a single fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Method {
+    /// The staggered chain: second order in time and space, eight fibres at once.
+    Staggered {
+        /// Part of the highest frequencies that is left after a step: 1 conserves, 0 damps most.
+        #[serde(default = "rho_infinity")]
+        rho_infinity: f64,
+    },
+    /// The box scheme in space with the generalised-alpha method in time (thesis 3.4).
+    Box {
+        /// Weights of the method in time.
+        #[serde(default)]
+        weights: Weights,
+        /// Newton's method stops at this residual, relative to the magnitude of the terms.
+        #[serde(default = "residual")]
+        residual: f64,
+    },
+}
+
+/// Weights of the generalised-alpha method.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Weights {
+    /// Second order.
+    SecondOrder {
+        /// Part of the highest frequencies that is left after a step: 1 conserves, 0 damps most.
+        rho_infinity: f64,
+    },
+    /// The thesis's for most of its examples, alpha 0.3, beta 0, gamma 0.7: first order, damped.
+    Thesis,
+    /// The thesis's for its damped helix, alpha 0.4, beta 0, gamma 1: first order, damped more.
+    ThesisDamped,
+    /// Any stable ones.
+    Given {
+        /// Weight of the old derivative, at most 1/2.
+        alpha: f64,
+        /// Weight of the old value, 0 to 1/2.
+        beta: f64,
+        /// Weight of the new derivative in the update, at least 1/2 and 1/2 - alpha + beta.
+        gamma: f64,
+    },
+}
+
+fn rho_infinity() -> f64 {
+    StaggeredBatch::DEFAULT_RHO_INF
+}
+
+fn residual() -> f64 {
+    BoxOptions::default().tolerance
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Staggered { rho_infinity: rho_infinity() }
+    }
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self::SecondOrder { rho_infinity: 0.8 }
+    }
+}
+
+impl Weights {
+    /// The weights as the integrator takes them.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] for weights that are not stable.
+    pub fn coefficients(&self) -> Result<Coefficients, RodError> {
+        match *self {
+            Self::SecondOrder { rho_infinity } => Coefficients::second_order(rho_infinity),
+            Self::Thesis => Ok(Coefficients::THESIS),
+            Self::ThesisDamped => Ok(Coefficients::THESIS_DAMPED),
+            Self::Given { alpha, beta, gamma } => Coefficients::new(alpha, beta, gamma),
+        }
+    }
+}
+
+impl StepperSettings {
+    /// Notes what makes no sense.
+    pub(crate) fn check(&self, check: &mut Check) {
+        check.number("dt", self.dt, Allowed::Within(1e-9, 1.0), "s");
+        if let Some(tolerance) = self.tolerance {
+            check.number("tolerance", tolerance, Allowed::Positive, "m/s");
+        }
+        check.within("method", |c| match &self.method {
+            Method::Staggered { rho_infinity } => {
+                c.number("rho_infinity", *rho_infinity, Allowed::Within(0.0, 1.0), "");
+            }
+            Method::Box { weights, residual } => {
+                c.number("residual", *residual, Allowed::Within(1e-14, 1e-2), "");
+                match weights {
+                    Weights::SecondOrder { rho_infinity } => {
+                        let unit = Allowed::Within(0.0, 1.0);
+                        c.number("weights.rho_infinity", *rho_infinity, unit, "");
+                    }
+                    other => {
+                        if let Err(error) = other.coefficients() {
+                            c.refuse("weights", error.to_string());
+                        }
+                    }
+                }
+            }
+        });
+    }
+}

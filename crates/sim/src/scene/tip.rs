@@ -1,0 +1,219 @@
+use super::check::{Allowed, Check};
+use nalgebra::Vector3;
+use rapunzel_rod_dynamic as rod;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// What holds or loads the tips of a bundle. Times are from the start of the run; a change of kind
+/// takes effect at the nearest step.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Tip {
+    /// Nothing.
+    #[default]
+    Free,
+    /// A force and a moment that may change with time.
+    Loaded {
+        /// Force on the tip, N.
+        #[serde(default)]
+        force: Load,
+        /// Moment on the tip, N m.
+        #[serde(default)]
+        moment: Load,
+    },
+    /// Clamped and pulled at constant velocity, then let go (thesis 3.4.9.6).
+    Pulled {
+        /// Velocity, m/s, world frame.
+        velocity: [f64; 3],
+        /// When it is let go, s.
+        until: f64,
+    },
+    /// Clamped where it starts.
+    Held,
+    /// Clamped, driven at constant velocity while it is turned about its tangent, then held there;
+    /// with a root that moves the other way, buckling (thesis 3.4.9.5, where a constant torque
+    /// takes the place of the turn: a straight rod that is turned by `angle` carries the torque
+    /// `G J angle / L`).
+    Driven {
+        /// Velocity, m/s, world frame.
+        velocity: [f64; 3],
+        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        #[serde(default)]
+        ramp: f64,
+        /// Angle of the whole turn about the tangent, degrees.
+        #[serde(default)]
+        twist: f64,
+        /// When it stops, s.
+        until: f64,
+    },
+}
+
+/// A force or a moment over time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Components in the frame, N or N m.
+    pub value: [f64; 3],
+    /// The frame of the components.
+    #[serde(default)]
+    pub frame: LoadFrame,
+    /// The factor over time.
+    #[serde(default)]
+    pub profile: Profile,
+}
+
+/// The frame of a load's components.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum LoadFrame {
+    /// The world: the direction stays.
+    #[default]
+    World,
+    /// The material frame at the tip (d1, d2, tangent): the direction follows the fibre.
+    Follower,
+}
+
+/// A factor over time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Profile {
+    /// Always 1.
+    #[default]
+    Constant,
+    /// From 0 to 1 at constant rate, then 1.
+    Ramp {
+        /// When it reaches 1, s.
+        until: f64,
+    },
+    /// First 1, then 0.
+    Pulse {
+        /// When it becomes 0, s.
+        until: f64,
+    },
+    /// `sin(2 pi frequency t + phase)`.
+    Sine {
+        /// Frequency, Hz.
+        frequency: f64,
+        /// Phase, degrees.
+        #[serde(default)]
+        phase: f64,
+    },
+    /// Straight lines between points; constant before the first and after the last.
+    Linear {
+        /// Pairs of time (s) and factor, in the order of time.
+        points: Vec<(f64, f64)>,
+    },
+}
+
+impl Profile {
+    /// The factor at time `t`, s.
+    #[must_use]
+    pub fn at(&self, t: f64) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Ramp { until } => (t / until).clamp(0.0, 1.0),
+            Self::Pulse { until } => f64::from(t < *until),
+            Self::Sine { frequency, phase } => (TAU * frequency * t + phase.to_radians()).sin(),
+            Self::Linear { points } => {
+                let after = points.partition_point(|p| p.0 <= t);
+                match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+                    (Some((t0, y0)), Some((t1, y1))) => y0 + (y1 - y0) * (t - t0) / (t1 - t0),
+                    (Some((_, y)), None) | (None, Some(&(_, y))) => y,
+                    (None, None) => 0.0,
+                }
+            }
+        }
+    }
+
+    pub(crate) fn check(&self, check: &mut Check) {
+        match self {
+            Self::Constant => {}
+            Self::Ramp { until } => check.number("until", *until, Allowed::Positive, "s"),
+            Self::Pulse { until } => check.number("until", *until, Allowed::NonNegative, "s"),
+            Self::Sine { frequency, phase } => {
+                check.number("frequency", *frequency, Allowed::NonNegative, "Hz");
+                check.number("phase", *phase, Allowed::Finite, "degrees");
+            }
+            Self::Linear { points } => {
+                if points.is_empty() {
+                    check.refuse("points", "is empty, but must have at least one entry".into());
+                }
+                for (i, &(time, factor)) in points.iter().enumerate() {
+                    check.number(&format!("points[{i}][0]"), time, Allowed::Finite, "s");
+                    check.number(&format!("points[{i}][1]"), factor, Allowed::Finite, "");
+                }
+                for i in 1..points.len() {
+                    if points[i].0 <= points[i - 1].0 {
+                        let message = format!("is {:?}, but times must increase", points[i].0);
+                        check.refuse(&format!("points[{i}][0]"), message);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Load {
+    /// The load at time `t`, s.
+    #[must_use]
+    pub fn at(&self, t: f64) -> rod::Load {
+        let value = Vector3::from(self.value) * self.profile.at(t);
+        match self.frame {
+            LoadFrame::World => rod::Load::World(value),
+            LoadFrame::Follower => rod::Load::Follower(value),
+        }
+    }
+
+    fn check(&self, check: &mut Check, unit: &str) {
+        check.vector("value", &self.value, unit);
+        check.within("profile", |c| self.profile.check(c));
+    }
+}
+
+impl Tip {
+    /// Notes what makes no sense.
+    pub(crate) fn check(&self, check: &mut Check) {
+        match self {
+            Self::Free | Self::Held => {}
+            Self::Loaded { force, moment } => {
+                check.within("force", |c| force.check(c, "N"));
+                check.within("moment", |c| moment.check(c, "N m"));
+            }
+            Self::Pulled { velocity, until } => {
+                check.vector("velocity", velocity, "m/s");
+                check.number("until", *until, Allowed::NonNegative, "s");
+            }
+            Self::Driven { velocity, ramp, twist, until } => {
+                check.vector("velocity", velocity, "m/s");
+                check.number("ramp", *ramp, Allowed::NonNegative, "s");
+                check.number("twist", *twist, Allowed::Finite, "degrees");
+                check.number("until", *until, Allowed::Positive, "s");
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_have_their_values() {
+        let linear = Profile::Linear { points: vec![(1.0, 2.0), (3.0, -2.0)] };
+        let sine = Profile::Sine { frequency: 0.25, phase: 90.0 };
+        for (profile, t, y) in [
+            (&Profile::Constant, 5.0, 1.0),
+            (&Profile::Ramp { until: 2.0 }, 0.5, 0.25),
+            (&Profile::Ramp { until: 2.0 }, 3.0, 1.0),
+            (&Profile::Pulse { until: 0.1 }, 0.099, 1.0),
+            (&Profile::Pulse { until: 0.1 }, 0.1, 0.0),
+            (&sine, 0.0, 1.0),
+            (&sine, 2.0, -1.0),
+            (&linear, 0.0, 2.0),
+            (&linear, 1.5, 1.0),
+            (&linear, 3.0, -2.0),
+            (&linear, 9.0, -2.0),
+        ] {
+            assert!((profile.at(t) - y).abs() < 1e-15, "{profile:?} at {t}: {}", profile.at(t));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+use crate::{SimError, World};
+use rayon::prelude::*;
+
+/// What a step of many fibres cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StepReport {
+    /// Number of fibres.
+    pub fibers: usize,
+    /// Newton iterations, summed over the fibres.
+    pub iterations: usize,
+    /// Iterations of the fibre that needed most.
+    pub worst_iterations: usize,
+    /// How often the step of a fibre was halved because Newton's method failed.
+    pub halvings: usize,
+    /// How often a step was longer than its tolerance allows although it was the smallest.
+    pub missed: usize,
+}
+
+impl StepReport {
+    /// The report of a single fibre.
+    pub(crate) fn of_one(iterations: usize, halvings: usize, missed: usize) -> Self {
+        Self { fibers: 1, iterations, worst_iterations: iterations, halvings, missed }
+    }
+
+    /// Counts the fibres of another report too.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.fibers += other.fibers;
+        self.iterations += other.iterations;
+        self.worst_iterations = self.worst_iterations.max(other.worst_iterations);
+        self.halvings += other.halvings;
+        self.missed += other.missed;
+    }
+}
+
+/// Moves a world in time.
+pub trait Stepper {
+    /// Moves all of `world` by `dt` seconds. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`SimError::Step`] names the fibre. Some fibres have then been moved and others not:
+    /// [restore](World::restore) a snapshot before going on.
+    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError>;
+}
+
+/// Every fibre by itself: no contacts. Parallel over groups of fibres.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FreeFibers;
+
+impl Stepper for FreeFibers {
+    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
+        let time = world.time();
+        // The order of the results is that of the groups, whoever computes them; of several
+        // errors the first fibre's is reported.
+        let results: Vec<_> = world.groups.par_iter_mut().map(|g| g.step(time, dt)).collect();
+        let mut report = StepReport::default();
+        for result in results {
+            report.add(&result.map_err(|source| SimError::Step { time, source })?);
+        }
+        world.advance_clock(dt);
+        Ok(report)
+    }
+}

@@ -1,0 +1,132 @@
+use crate::folder::{RunFolder, SUMMARY};
+use crate::storage::write_atomically;
+use crate::{Plan, Scene, SimError, StepReport, World};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::Write;
+
+/// What the steps of a run have cost so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Newton iterations, over all steps and fibres.
+    pub iterations: u64,
+    /// Steps of single fibres.
+    pub fiber_steps: u64,
+    /// Iterations of the worst step of a fibre.
+    pub worst_iterations: u64,
+    /// How often the step of a fibre was halved because Newton's method failed.
+    pub halvings: u64,
+    /// How often a step missed its tolerance although it was the smallest.
+    pub missed: u64,
+}
+
+impl Statistics {
+    /// Counts a step.
+    pub(crate) fn add(&mut self, report: &StepReport) {
+        self.iterations += report.iterations as u64;
+        self.fiber_steps += report.fibers as u64;
+        self.worst_iterations = self.worst_iterations.max(report.worst_iterations as u64);
+        self.halvings += report.halvings as u64;
+        self.missed += report.missed as u64;
+    }
+
+    /// Mean number of iterations in a step of a fibre.
+    #[must_use]
+    pub fn mean_iterations(&self) -> f64 {
+        self.iterations as f64 / self.fiber_steps.max(1) as f64
+    }
+}
+
+/// How a run stands.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Not at its end; it runs, or it was killed and can be resumed.
+    Unfinished,
+    /// At its end, with all its files.
+    Complete,
+    /// Stopped by the user; it can be resumed.
+    Cancelled,
+    /// Stopped by an error.
+    Failed {
+        /// The error.
+        error: String,
+    },
+}
+
+/// The contents of `summary.json`: nothing that depends on the computer or on interruptions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How the run stands.
+    pub outcome: Outcome,
+    /// Title of the scene.
+    pub scene: String,
+    /// Version of the program.
+    pub version: String,
+    /// Number of fibres.
+    pub fibers: usize,
+    /// Number of nodes of all fibres.
+    pub nodes: usize,
+    /// Time step taken, s.
+    pub dt: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps of the whole run.
+    pub planned_steps: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Frames written.
+    pub frames: u64,
+    /// Mean number of Newton iterations in a step of a fibre.
+    pub mean_iterations: f64,
+    /// Largest number of them.
+    pub worst_iterations: u64,
+    /// How often a step was halved because Newton's method failed.
+    pub halvings: u64,
+    /// How often a step missed its tolerance although it was the smallest.
+    pub missed: u64,
+}
+
+impl Summary {
+    pub(crate) fn new(
+        outcome: Outcome,
+        scene: &Scene,
+        plan: &Plan,
+        world: &World,
+        statistics: &Statistics,
+    ) -> Self {
+        Self {
+            outcome,
+            scene: scene.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            fibers: world.assembly().fibers().len(),
+            nodes: world.assembly().nodes(),
+            dt: plan.dt,
+            steps: world.steps(),
+            planned_steps: plan.steps,
+            time: world.time(),
+            frames: 1 + world.steps() / plan.steps_per_frame,
+            mean_iterations: statistics.mean_iterations(),
+            worst_iterations: statistics.worst_iterations,
+            halvings: statistics.halvings,
+            missed: statistics.missed,
+        }
+    }
+
+    pub(crate) fn write(&self, folder: &RunFolder) -> Result<(), SimError> {
+        write_atomically(&folder.file(SUMMARY), |to| {
+            serde_json::to_writer_pretty(&mut *to, self)?;
+            to.write_all(b"\n")
+        })
+    }
+
+    /// Reads the summary of the run in a folder.
+    ///
+    /// # Errors
+    /// [`SimError::Io`] if there is none, or if it is damaged.
+    pub fn read(folder: &std::path::Path) -> Result<Self, SimError> {
+        let path = folder.join(SUMMARY);
+        let text = fs::read_to_string(&path).map_err(SimError::io("read", &path))?;
+        serde_json::from_str(&text).map_err(|e| SimError::io("read", &path)(e.into()))
+    }
+}

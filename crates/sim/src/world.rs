@@ -1,0 +1,127 @@
+use crate::group::Group;
+use crate::{SimError, scene::Environment};
+use rapunzel_fiber::Assembly;
+use rapunzel_rod_dynamic::{Energy, RodError, RodState};
+use serde::{Deserialize, Serialize};
+
+/// All fibres of a scene at one instant, and what acts on them.
+pub struct World {
+    environment: Environment,
+    assembly: Assembly,
+    pub(crate) groups: Vec<Group>,
+    /// Group and lane of every fibre.
+    lanes: Vec<(usize, usize)>,
+    clock: Clock,
+}
+
+/// Time as a count of equal steps, so that it is exact after any number of them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Clock {
+    /// Time when the step last changed, s.
+    origin: f64,
+    dt: f64,
+    steps_since: u64,
+    steps: u64,
+}
+
+/// The raw numbers of a world, from which it goes on bit for bit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    clock: Clock,
+    groups: Vec<Vec<f64>>,
+}
+
+impl World {
+    /// The groups must be those of the assembly, in its order.
+    pub(crate) fn new(environment: Environment, assembly: Assembly, groups: Vec<Group>) -> Self {
+        let mut lanes = vec![(0, 0); assembly.fibers().len()];
+        for (g, group) in groups.iter().enumerate() {
+            for (lane, &fiber) in group.fibers.iter().enumerate() {
+                lanes[fiber] = (g, lane);
+            }
+        }
+        Self { environment, assembly, groups, lanes, clock: Clock::default() }
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.clock.origin + self.clock.steps_since as f64 * self.clock.dt
+    }
+
+    /// Number of steps since the start.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.clock.steps
+    }
+
+    /// The fibres in their natural state.
+    #[must_use]
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// Where fibre `i` is and how it moves. Allocates; costs one pass over its nodes.
+    ///
+    /// # Panics
+    /// If there is no such fibre.
+    #[must_use]
+    pub fn state(&self, i: usize) -> RodState {
+        let (group, lane) = self.lanes[i];
+        self.groups[group].batch.state(lane)
+    }
+
+    /// Energy of all fibres, J, in the gravity of the instant. Costs one pass over all nodes.
+    #[must_use]
+    pub fn energy(&self) -> Energy {
+        let gravity = self.environment.gravity_at(self.time());
+        let mut sum = Energy::default();
+        for group in &self.groups {
+            for lane in 0..group.fibers.len() {
+                let energy = group.batch.energy(lane, &gravity);
+                sum.kinetic += energy.kinetic;
+                sum.elastic += energy.elastic;
+                sum.gravitational += energy.gravitational;
+            }
+        }
+        sum
+    }
+
+    /// All numbers that determine what follows.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let numbers = |group: &Group| {
+            let mut numbers = Vec::new();
+            group.batch.save(&mut numbers);
+            numbers
+        };
+        Snapshot { clock: self.clock, groups: self.groups.iter().map(numbers).collect() }
+    }
+
+    /// Goes back to a snapshot of this world.
+    ///
+    /// # Errors
+    /// [`SimError::Rod`] if it is one of another scene.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
+        let error = |source| SimError::Rod { bundle: 0, source };
+        if snapshot.groups.len() != self.groups.len() {
+            let (expected, found) = (self.groups.len(), snapshot.groups.len());
+            return Err(error(RodError::Length { what: "groups of fibers", expected, found }));
+        }
+        for (group, numbers) in self.groups.iter_mut().zip(&snapshot.groups) {
+            group.batch.restore(numbers).map_err(error)?;
+        }
+        self.clock = snapshot.clock;
+        Ok(())
+    }
+
+    /// Notes that a step of `dt` seconds has been taken.
+    pub(crate) fn advance_clock(&mut self, dt: f64) {
+        if dt != self.clock.dt {
+            let (origin, steps) = (self.time(), self.clock.steps);
+            self.clock = Clock { origin, dt, steps_since: 0, steps };
+        }
+        self.clock.steps_since += 1;
+        self.clock.steps += 1;
+    }
+}

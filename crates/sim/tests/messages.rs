@@ -1,0 +1,137 @@
+//! What a scene that is wrong is told: where, which field, and what is allowed.
+
+use proptest::prelude::*;
+use rapunzel_sim::scene::Problem;
+use rapunzel_sim::{Scene, SimError};
+
+const SOUND: &str = "(
+    format: 1,
+    duration: 0.1,
+    fibers: [
+        (
+            length: 0.2,
+            segments: 10,
+            section: Circle(radius: 4e-5),
+            motion: Fixed,
+            tip: Free,
+        ),
+    ],
+    stepper: (dt: 0.001),
+    output: (probes: [(fiber: 0, quantity: Position)]),
+)";
+
+/// The problems of the sound scene with a text in it replaced.
+fn problems(from: &str, to: &str) -> Vec<Problem> {
+    assert_eq!(SOUND.matches(from).count(), 1, "{from} is in the scene once");
+    match Scene::from_ron(&SOUND.replace(from, to)) {
+        Err(SimError::Scene { problems, .. }) => problems,
+        other => panic!("{to} was not refused as a scene: {other:?}"),
+    }
+}
+
+#[test]
+fn the_scene_is_sound() {
+    Scene::from_ron(SOUND).expect("a sound scene");
+}
+
+#[test]
+fn every_problem_has_its_line_column_path_and_range() {
+    for (from, to, line, column, path, message) in [
+        ("format: 1", "format: 2", 2, 13, "format", "is 2, but this version reads format 1"),
+        ("length: 0.2", "length: -0.2", 6, 21, "fibers[0].length", "between 1e-6 and 1000.0 (m)"),
+        ("length: 0.2", "length: NaN", 6, 21, "fibers[0].length", "is NaN, but must be"),
+        ("length: 0.2", "length: inf", 6, 21, "fibers[0].length", "is inf, but must be"),
+        ("segments: 10", "segments: 0", 7, 23, "fibers[0].segments", "between 2 and 100000"),
+        ("4e-5", "0", 8, 37, "fibers[0].section.radius", "is 0.0, but must be positive"),
+        ("4e-5", "-4e-5", 8, 37, "fibers[0].section.radius", "is -4e-5, but must be positive"),
+        ("4e-5", "0.1", 8, 37, "fibers[0].section.radius", "a fibre is slender"),
+        ("0.001", "0", 13, 19, "stepper.dt", "is 0.0, but must be between 1e-9 and 1.0 (s)"),
+        ("0.001", "-1e-3", 13, 19, "stepper.dt", "is -0.001"),
+        ("duration: 0.1", "duration: 0", 3, 15, "duration", "is 0.0"),
+        ("fiber: 0", "fiber: 7", 14, 31, "output.probes[0].fiber", "no such fibre"),
+        (
+            "Free",
+            "Pulled(velocity: (0, NaN, 0), until: 1)",
+            10,
+            39,
+            "fibers[0].tip.velocity[1]",
+            "",
+        ),
+        // Fields and variants that do not exist, and values of the wrong kind.
+        (
+            "length: 0.2",
+            "lenght: 0.2",
+            6,
+            13,
+            "fibers[0].lenght",
+            "Unexpected field named `lenght`",
+        ),
+        ("duration: 0.1,", "", 15, 1, "", "the field `duration` is missing"),
+        ("Circle(radius", "Square(side", 8, 22, "fibers[0].section", "variant named `Square`"),
+        ("segments: 10", "segments: -3", 7, 23, "fibers[0].segments", "or negative"),
+        ("length: 0.2", "length: \"long\"", 6, 21, "fibers[0].length", "Expected float"),
+        ("length: 0.2,", "length: 0.2", 7, 13, "fibers[0]", "Expected"),
+    ] {
+        let found = problems(from, to);
+        let [problem] = &found[..] else { panic!("{to}: one problem, not {found:#?}") };
+        let place = problem.place.as_ref().expect("a place in the text");
+        let found = (place.line, place.column, problem.path.as_str());
+        assert_eq!(found, (line, column, path), "{to}: {problem}");
+        assert!(problem.message.contains(message), "{to}: {problem}");
+    }
+}
+
+#[test]
+fn a_root_cannot_jump() {
+    let keyframes = |points: &str| problems("Fixed", &format!("Keyframes(points: [{points}])"));
+    let jump = "(time: 0), (time: 0.1, translation: (0.01, 0, 0)), (time: 0.1)";
+    let found = keyframes(jump);
+    assert_eq!(found[0].path, "fibers[0].motion.points[2].time");
+    assert!(found[0].message.contains("a root cannot jump"), "{}", found[0]);
+
+    let fast = "(time: 0), (time: 0.001, translation: (1, 0, 0))";
+    assert!(keyframes(fast)[0].message.contains("at most 100 m/s"), "{}", keyframes(fast)[0]);
+    let start = "(time: 0, translation: (1, 0, 0))";
+    assert!(keyframes(start)[0].message.contains("jump at the start"), "{}", keyframes(start)[0]);
+    assert!(keyframes("")[0].message.contains("is empty"), "{}", keyframes("")[0]);
+}
+
+#[test]
+fn all_problems_are_told_at_once() {
+    let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "9");
+    let error = Scene::from_ron(&text).expect_err("three problems").to_string();
+    assert!(error.starts_with("the scene has 3 problems:"), "{error}");
+    assert!(error.contains("\n  line 8, column 37: fibers[0].section.radius: is NaN"), "{error}");
+}
+
+#[test]
+fn what_only_does_not_fit_together_names_the_bundle() {
+    let wave = "tip: Free, shape: Sine(amplitude: 0.1, wavelength: 0.01)";
+    let scene = Scene::from_ron(&SOUND.replace("tip: Free", wave)).expect("each number is sound");
+    let error = scene.build().err().expect("10 segments cannot resolve it").to_string();
+    assert!(error.starts_with("fibers[0]: "), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is typed into a scene, it is read or refused at a place in its text.
+    #[test]
+    fn any_typing_error_has_its_place(
+        at in 0..SOUND.len(),
+        removed in 0..30_usize,
+        typed in r#"[ -~]{0,6}|[(\[{)\]},:"/é\n]{0,3}|-?[0-9]{1,3}|NaN|inf|1e999|//|/\*"#,
+    ) {
+        let end = (at + removed).min(SOUND.len());
+        let text = format!("{}{typed}{}", &SOUND[..at], &SOUND[end..]);
+        if let Err(error) = Scene::from_ron(&text) {
+            let SimError::Scene { problems, .. } = error else { panic!("{error}") };
+            prop_assert!(!problems.is_empty());
+            for problem in problems {
+                let place = problem.place.expect("a place");
+                prop_assert!(text.get(place.span.clone()).is_some(), "{text}: {place:?}");
+                prop_assert!(place.line <= 1 + text.matches('\n').count());
+            }
+        }
+    }
+}

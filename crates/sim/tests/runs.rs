@@ -1,0 +1,173 @@
+//! Runs in folders: their files, and what interruptions and errors leave.
+
+use rapunzel_sim::{
+    Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary, run,
+};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Three short hairs that swing: 0.2 s in 40 steps, 11 frames.
+const SCENE: &str = "(
+    format: 1, name: \"test\", duration: 0.2,
+    fibers: [(
+        length: 0.05, segments: 8, section: Circle(radius: 4e-5), damping_time: 1e-3,
+        shape: Helix(radius: 0.005, pitch: 0.02),
+        arrangement: Lock(count: 2, radius: 0.003, curvature_variation: 0.1),
+        motion: Swing(angle: 30, radius: 0.05, period: 0.2),
+    )],
+    stepper: (dt: 0.005),
+    output: (frame_rate: 50, formats: [Usd, Hair, Pov], probes: [(quantity: Velocity)]),
+)";
+
+fn scene() -> Scene {
+    Scene::from_ron(SCENE).expect("a sound scene")
+}
+
+/// Runs and is cancelled once `stop` steps are done.
+fn run_until(
+    scene: &Scene,
+    path: &Path,
+    existing: Existing,
+    stop: u64,
+) -> Result<Summary, SimError> {
+    let cancel = AtomicBool::new(false);
+    let folder = RunFolder::open(path, existing)?;
+    let mut progress = |now: &rapunzel_sim::Progress| {
+        cancel.store(now.steps >= stop, Ordering::Relaxed);
+    };
+    run(scene, &folder, Control { checkpoint_every: 3, cancel: &cancel, progress: &mut progress })
+}
+
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for folder in [folder, &folder.join("frames")] {
+        for file in fs::read_dir(folder).expect("a folder") {
+            let path = file.expect("a file").path();
+            if path.is_file() && !path.ends_with(".lock") {
+                found.insert(path.display().to_string(), fs::read(&path).expect("readable"));
+            }
+        }
+    }
+    let folder = folder.display().to_string();
+    found.into_iter().map(|(path, bytes)| (path.replace(&folder, ""), bytes)).collect()
+}
+
+#[test]
+fn a_run_leaves_all_its_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let summary = run_until(&scene(), folder.path(), Existing::Refuse, u64::MAX).expect("runs");
+    assert_eq!((summary.outcome, summary.steps, summary.frames), (Outcome::Complete, 40, 11));
+    let files = files(folder.path());
+    let count = |extension: &str| files.keys().filter(|name| name.ends_with(extension)).count();
+    assert_eq!((count(".vtp"), count(".hair"), count(".pov")), (11, 11, 11));
+    for name in ["scene.ron", "checkpoint.bin", "summary.json", "preview.png", "fibers.usda"] {
+        assert!(files.contains_key(&format!("/{name}")), "{name} in {:?}", files.keys());
+    }
+    assert_eq!(count(".partial"), 0);
+    let text = |name: &str| String::from_utf8(files[name].clone()).expect("text");
+    assert_eq!(Scene::from_ron(&text("/scene.ron")).expect("sound"), scene());
+    assert_eq!(text("/frames.pvd").matches("frames/frame-").count(), 11);
+    let energies = text("/energies.csv");
+    assert_eq!(energies.lines().count(), 42, "a header and a row for each instant");
+    assert!(energies.starts_with("time (s),kinetic (J),elastic (J),"), "{energies}");
+    assert!(energies.lines().last().expect("a row").starts_with("0.2,"), "{energies}");
+    assert!(text("/probes.csv").contains("fiber 0 tip vx (m/s)"));
+    assert_eq!(Summary::read(folder.path()).expect("reads back").steps, 40);
+}
+
+#[test]
+fn tables_hold_what_the_world_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run_until(&scene(), folder.path(), Existing::Refuse, u64::MAX).expect("runs");
+    let rows = |file: &str| -> Vec<Vec<f64>> {
+        let text = fs::read_to_string(folder.path().join(file)).expect("readable");
+        let number = |cell: &str| cell.parse().expect("a number");
+        text.lines().skip(1).map(|row| row.split(',').map(number).collect()).collect()
+    };
+    let (energies, probes) = (rows("energies.csv"), rows("probes.csv"));
+    let mut world = scene().build().expect("a sound scene");
+    for (step, (energies, probe)) in energies.iter().zip(&probes).enumerate() {
+        // Numbers are written so that they read back as the same bits.
+        let energy = world.energy();
+        let (time, velocity) = (world.time(), world.state(0).velocities[8]);
+        assert_eq!(
+            energies[..],
+            [time, energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
+        );
+        assert_eq!(probe[..], [time, velocity.x, velocity.y, velocity.z], "step {step}");
+        FreeFibers.step(&mut world, 0.005).expect("converges");
+    }
+    let last = fs::read(folder.path().join("frames/frame-000010.vtp")).expect("readable");
+    let last = rapunzel_sim::export::vtp::read(&mut &last[..]).expect("a frame");
+    assert_eq!(last.strands[0].velocities[8].as_slice(), &probes[40][1..]);
+}
+
+#[test]
+fn interruptions_change_no_byte() {
+    let [whole, parts] = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
+    run_until(&scene(), whole.path(), Existing::Refuse, u64::MAX).expect("runs");
+    // At the start, within a frame, on a frame, on a checkpoint, and just before the end.
+    for stop in [0, 1, 6, 8, 12, 23, 39] {
+        let summary = run_until(&scene(), parts.path(), Existing::Resume, stop).expect("runs");
+        assert_eq!((summary.outcome, summary.steps), (Outcome::Cancelled, stop));
+    }
+    // What a killed run may leave beyond its checkpoint.
+    let table = parts.path().join("energies.csv");
+    let longer = fs::read_to_string(&table).expect("readable") + "0.19,half of a r";
+    fs::write(&table, longer).expect("writable");
+    fs::write(parts.path().join("frames/frame-000010.vtp.partial"), "half").expect("writable");
+    // The second time, the run is at its end already.
+    for _ in 0..2 {
+        run_until(&scene(), parts.path(), Existing::Resume, u64::MAX).expect("runs");
+    }
+    let (whole, parts) = (files(whole.path()), files(parts.path()));
+    assert_eq!(whole.keys().collect::<Vec<_>>(), parts.keys().collect::<Vec<_>>());
+    for (name, bytes) in &whole {
+        assert!(bytes == &parts[name], "{name} differs");
+    }
+}
+
+#[test]
+fn a_step_that_fails_leaves_a_checkpoint() {
+    // A straight rod that cannot shorten, its ends driven together.
+    let text =
+        SCENE.replace("shape: Helix(radius: 0.005, pitch: 0.02)", "shape: Straight").replace(
+            "motion: Swing(angle: 30, radius: 0.05, period: 0.2)",
+            "tip: Driven(velocity: (0, 0, 0.1), until: 1)",
+        );
+    let scene = Scene::from_ron(&text).expect("each number is sound");
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = run_until(&scene, folder.path(), Existing::Refuse, u64::MAX).expect_err("fails");
+    let message = error.to_string();
+    assert!(matches!(error, SimError::Step { .. }), "{message}");
+    assert!(message.contains("fibre 0: Newton's method did not converge"), "{message}");
+    assert!(message.contains("residuals ["), "{message}");
+    let summary = Summary::read(folder.path()).expect("is written");
+    assert_eq!((summary.outcome, summary.steps), (Outcome::Failed { error: message }, 0));
+    assert!(folder.path().join("checkpoint.bin").exists());
+}
+
+#[test]
+fn a_checkpoint_of_another_scene_or_damaged_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let other = Scene::from_ron(&SCENE.replace("0.05, seg", "0.06, seg")).expect("sound");
+    run_until(&other, folder.path(), Existing::Refuse, 5).expect("runs");
+    let resume = || run_until(&scene(), folder.path(), Existing::Resume, u64::MAX);
+    let error = resume().expect_err("another scene");
+    assert!(matches!(error, SimError::DifferentScene(_)), "{error}");
+
+    let path = folder.path().join("checkpoint.bin");
+    let mut bytes = fs::read(&path).expect("readable");
+    *bytes.last_mut().expect("not empty") ^= 1;
+    fs::write(&path, &bytes).expect("writable");
+    let error = resume().expect_err("a flipped bit").to_string();
+    assert!(error.contains("it is damaged; force a new run"), "{error}");
+    fs::write(&path, "PK").expect("writable");
+    assert!(resume().is_err(), "another file");
+
+    let error = run_until(&scene(), folder.path(), Existing::Refuse, 0).expect_err("occupied");
+    assert!(matches!(error, SimError::FolderNotEmpty(_)), "{error}");
+    run_until(&scene(), folder.path(), Existing::Overwrite, u64::MAX).expect("starts anew");
+}

@@ -1,0 +1,70 @@
+//! The scenes that ship.
+
+use rapunzel_sim::scene::Arrangement;
+use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper};
+use std::fs;
+use std::path::PathBuf;
+
+fn shipped() -> Vec<(PathBuf, String)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
+    let files = fs::read_dir(folder).expect("the folder of the scenes");
+    let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "ron"));
+    paths.sort();
+    assert!(paths.len() >= 9, "{paths:?}");
+    paths.into_iter().map(|p| (p.clone(), fs::read_to_string(p).expect("readable"))).collect()
+}
+
+#[test]
+fn every_scene_is_sound_and_survives_writing() {
+    for (path, text) in shipped() {
+        let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        assert!(!scene.name.is_empty(), "{} has no title", path.display());
+        let written = scene.to_ron().expect("a sound scene");
+        assert_eq!(Scene::from_ron(&written).expect("reads back"), scene);
+        scene.build().unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    }
+}
+
+#[test]
+fn every_scene_runs() {
+    for (path, text) in shipped() {
+        let mut scene = Scene::from_ron(&text).expect("a sound scene");
+        for bundle in &mut scene.fibers {
+            if let Arrangement::Lock { count, .. } = &mut bundle.arrangement {
+                *count = 2;
+            }
+        }
+        let mut world = scene.build().expect("a sound scene");
+        for _ in 0..12 {
+            FreeFibers
+                .step(&mut world, Plan::new(&scene).dt)
+                .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        }
+        for i in 0..world.assembly().fibers().len() {
+            let (state, fiber) = (world.state(i), &world.assembly().fibers()[i]);
+            let longest = fiber.length() * (1.0 + 1e-9);
+            let tip = state.positions[fiber.segments()];
+            let reach = (tip - state.positions[0]).norm();
+            assert!(reach <= longest, "{}: fibre {i} stretched to {reach} m", path.display());
+        }
+    }
+}
+
+#[test]
+fn steps_do_not_depend_on_the_threads() {
+    let (_, text) = &shipped()[4];
+    let scene = Scene::from_ron(text).expect("a sound scene");
+    let after = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut world = scene.build().expect("a sound scene");
+            for _ in 0..3 {
+                FreeFibers.step(&mut world, 1e-3).expect("converges");
+            }
+            world.snapshot()
+        })
+    };
+    assert_eq!(scene.fibers[0].arrangement.fibers(), 181, "a scene with many groups");
+    assert_eq!(after(1), after(3));
+}
