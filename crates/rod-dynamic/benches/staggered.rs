@@ -21,9 +21,10 @@ fn pose() -> Isometry3<f64> {
 
 fn hair(segments: usize, curly: bool) -> Rod {
     let kappa = if curly { Vector3::new(0.0, 4.0, 12.0) / LENGTH } else { Vector3::zeros() };
-    let fiber = Fiber::uniform(LENGTH, segments, Section::Circle { radius: 35e-6 }, &Material::HAIR)
-        .and_then(|fiber| fiber.with_natural_curvature(|_| kappa))
-        .expect("a valid hair");
+    let fiber =
+        Fiber::uniform(LENGTH, segments, Section::Circle { radius: 35e-6 }, &Material::HAIR)
+            .and_then(|fiber| fiber.with_natural_curvature(|_| kappa))
+            .expect("a valid hair");
     Rod::new(fiber.with_root(pose()))
 }
 

@@ -1,6 +1,6 @@
 //! What holds or loads the two ends of each fibre of a pack.
 
-use super::pack::set;
+use super::pack::{at, set};
 use crate::{End, Instant, Load};
 use nalgebra::Vector3;
 use pulp::Simd;
@@ -79,14 +79,14 @@ impl<S: Simd> Ends<S> {
         }
     }
 
+    /// Whether a joint clamps the root's and the tip's frame in one lane.
+    pub(super) fn joined(&self, lane: usize) -> [bool; 2] {
+        [self.root_joint, self.tip_joint].map(|flag| at(std::slice::from_ref(&flag), 0, lane) > 0.0)
+    }
+
     /// Sets one lane. A tip that was free until now starts from the force `reaction`.
-    pub(super) fn set(
-        &mut self,
-        lane: usize,
-        now: &Instant,
-        before: Held,
-        reaction: [f64; 3],
-    ) -> Held {
+    pub(super) fn set(&mut self, lane: usize, now: &Instant, reaction: [f64; 3]) -> Held {
+        let was_held = at(std::slice::from_ref(&self.tip_held), 0, lane) > 0.0;
         let root = Part::of(&now.root);
         put(
             std::slice::from_mut(&mut self.root_free),
@@ -109,7 +109,7 @@ impl<S: Simd> Ends<S> {
         put(&mut self.tip_frame, lane, &tip.frame);
         put_load(&mut self.tip_force, lane, &tip.force);
         put_load(&mut self.tip_moment, lane, &tip.moment);
-        if before.tip == Kind::Loaded && tip.kind != Kind::Loaded {
+        if !was_held && tip.kind != Kind::Loaded {
             put(&mut self.tip_reaction, lane, &reaction);
         }
         let potential = tip.kind == Kind::Loaded && root.conservative() && tip.conservative();

@@ -1,7 +1,7 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
 use super::chain::{Chain, store};
-use super::ends::{Held, Kind};
+use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
 use super::response::Workspace;
 use super::scheme::{Scheme, Stage};
@@ -304,30 +304,33 @@ impl<S: Simd> Pack<S> {
             set(&mut self.fields, i, lane, *x);
         }
         let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
-        self.held[lane] = self.chain.ends.set(lane, now, self.held[lane], reaction);
+        self.held[lane] = self.chain.ends.set(lane, now, reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
         self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
         self.chain.ends.any_without_potential = self.held.iter().any(|h| !h.potential);
     }
 
     /// Every array that a lane's future depends on.
-    pub(super) fn arrays(&self) -> [&[S::f64s]; 14] {
+    pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
         let [g, h, i] = self.joints.arrays();
-        let ends = &self.chain.ends;
-        let (q, force) = (&self.chain.q, &self.chain.force);
-        [a, b, c, d, e, f, g, h, i, &self.r, &self.phi, q, force, &ends.tip_reaction]
+        let Chain { q, force, ends, .. } = &self.chain;
+        let flags = [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint];
+        let [j, k, l, m] = flags.map(std::slice::from_ref);
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
     }
 
     /// The same, to be written.
-    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 14] {
+    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
         let [g, h, i] = self.joints.arrays_mut();
         let Chain { q, force, ends, .. } = &mut self.chain;
+        let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, .. } = ends;
+        let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
         let (r, phi) = (&mut self.r, &mut self.phi);
-        [a, b, c, d, e, f, g, h, i, r, phi, q, force, &mut ends.tip_reaction]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction]
     }
 }
 

@@ -1,6 +1,5 @@
 //! Reading one lane of a pack, and setting it.
 
-use super::ends::Kind;
 use super::pack::{Pack, at, set};
 use crate::{Energy, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -37,15 +36,13 @@ impl<S: Simd> Pack<S> {
         let n = self.chain.n;
         let frames: Vec<_> = (0..n).map(|e| self.rotation(e, lane).to_rotation_matrix()).collect();
         let nodes = rod.fiber.nodes();
+        let [root, tip] = self.chain.ends.joined(lane);
         let curvatures = (0..=n)
             .map(|j| {
                 // The joint's stiffness is that of the rod over the joint's length.
                 let rest = self.vector(&self.rest, j, lane);
-                if j == n && self.held[lane].tip != Kind::Held {
-                    return nodes[n].natural_curvature;
-                }
-                if j == 0 && self.held[lane].root != Kind::Held {
-                    return nodes[0].natural_curvature;
+                if (j == 0 && !root) || (j == n && !tip) {
+                    return nodes[j].natural_curvature;
                 }
                 let strain = self.vector(&self.phi, j, lane) - rest;
                 let (i, k) = (j.min(n - 1), j.saturating_sub(1).min(n - 1));
@@ -114,14 +111,15 @@ impl<S: Simd> Pack<S> {
 
     pub(super) fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
         let n = self.chain.n;
+        let [root, tip] = self.chain.ends.joined(lane);
         let mut energy = Energy::default();
         for a in 0..=n {
             let mass = at(&self.mass, a, lane);
             energy.kinetic += 0.5 * mass * self.vector(&self.nodes.v, a, lane).norm_squared();
             energy.gravitational -= mass * gravity.dot(&self.vector(&self.r, a, lane));
             let joined = match a {
-                0 => self.held[lane].root == Kind::Held,
-                a if a == n => self.held[lane].tip == Kind::Held,
+                0 => root,
+                a if a == n => tip,
                 _ => true,
             };
             if joined {
