@@ -146,7 +146,7 @@ impl StaggeredBatch {
         let count = self.rods.len();
         let mut out = [Outcome::NONE; 8];
         let mut lengths = [dt; 8];
-        self.engine.attempt(&lengths, &wanted, false, &mut out);
+        self.engine.attempt(&lengths, &wanted, false, true, &mut out);
         let mut whole = wanted;
         let mut saved = Vec::new();
         for fiber in 0..count {
@@ -262,7 +262,7 @@ impl StaggeredBatch {
             let mut before = Vec::new();
             self.engine.save(fiber, &mut before);
             self.engine.set_out(&only);
-            self.engine.attempt(lengths, &only, false, &mut out);
+            self.engine.attempt(lengths, &only, false, true, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
                 self.engine.commit(lengths, &only, false);
@@ -291,7 +291,7 @@ impl StaggeredBatch {
         if wanted.contains(&true) {
             let mut out = [Outcome::NONE; 8];
             let lengths = [delta; 8];
-            self.engine.attempt(&lengths, &wanted, true, &mut out);
+            self.engine.attempt(&lengths, &wanted, true, false, &mut out);
             let mut done = wanted;
             for fiber in 0..count {
                 done[fiber] &= out[fiber].converged;

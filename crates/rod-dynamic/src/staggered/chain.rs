@@ -38,7 +38,7 @@ pub(super) struct Chain<S: Simd> {
     pub(super) b: Array<S>,
     /// Positions of the nodes at the start of the step (3).
     pub(super) start: Array<S>,
-    /// Inertia vectors beside d1, d2, d3 (9).
+    /// Inertia vectors beside d1 and d2 (6).
     pub(super) p: Array<S>,
     pub(super) ends: Ends<S>,
     /// Rotations of the segments (4).
@@ -71,7 +71,7 @@ impl<S: Simd> Chain<S> {
             w: zeros::<S>(n + 1),
             b: zeros::<S>(3 * (n + 1)),
             start: zeros::<S>(3 * (n + 1)),
-            p: zeros::<S>(9 * n),
+            p: zeros::<S>(6 * n),
             ends: Ends::new(),
             q: zeros::<S>(4 * n),
             r: zeros::<S>(3 * (n + 1)),
@@ -134,6 +134,14 @@ impl<S: Simd> Chain<S> {
                 store(&mut self.d_start, 3 * e + k, d[k].positive_or(wanted, old));
             }
         }
+    }
+
+    /// Turns segment `e` by the rotation vector `u`, world components.
+    #[inline(always)]
+    pub(super) fn turn(&mut self, e: usize, u: V3<S>, wanted: Lane<S>) {
+        let here = self.quat(&self.q[4 * e..4 * e + 4]);
+        let to = here.turned_by(u).positive_or(wanted, here);
+        store_quat(&mut self.q, e, to);
     }
 
     /// Rebuilds directors, positions and forces from the rotations. Returns the potential energy
@@ -208,77 +216,67 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     pub(super) fn assemble(&mut self, gap: V3<S>, definite: Lane<S>) -> (Lane<S>, Lane<S>) {
         let (simd, n, ends) = (self.simd, self.n, self.ends);
-        let zero = Lane::splat(simd, 0.0);
         let exact = Lane::splat(simd, 1.0) - definite;
-        let mut potential = zero;
+        let half = Lane::splat(simd, 0.5);
+        let zero = V3::splat(simd, 0.0);
+        let mut potential = Lane::splat(simd, 0.0);
         let mut pivot = Lane::splat(simd, f64::MAX);
-        let root = self.quat(&ends.root_frame);
-        let tip = self.quat(&ends.tip_frame);
-        let mut here = self.quat(&self.q[..4]);
-        let mut left = self.joint(0, root, here, self.directors(0), exact);
-        store(&mut self.phi, 0, left.phi);
-        potential = potential + left.energy;
+        let mut before = self.quat(&ends.root_frame);
+        let mut directors = [zero; 3];
+        let mut left = Joint::none(simd);
         let mut carry = Block::zero(simd);
-        for e in 0..n {
-            let d = self.directors(e);
-            let right = if e + 1 < n {
-                let next = self.quat(&self.q[4 * e + 4..4 * e + 8]);
-                let right = self.joint(e + 1, here, next, self.directors(e + 1), exact);
-                here = next;
-                right
-            } else if ends.any_tip_joint {
-                self.joint(n, here, tip, tip.directors(), exact)
-            } else {
-                Joint::none(simd)
-            };
-            store(&mut self.phi, e + 1, right.phi);
+        // Joint j comes after segment j - 1, which is complete with it.
+        for j in 0..=n {
+            let after = self.quat(if j < n { &self.q[4 * j..4 * j + 4] } else { &ends.tip_frame });
+            let next = after.directors();
+            let right = self.joint(j, before, after, next, exact);
+            store(&mut self.phi, j, right.phi);
             potential = potential + right.energy;
-
-            let h = self.one(&self.h, e);
-            let p = [
-                self.vec(&self.p, 3 * e),
-                self.vec(&self.p, 3 * e + 1),
-                self.vec(&self.p, 3 * e + 2),
-            ];
-            let axial = self.vec(&self.force, e).fma(h, p[2]);
-            let mut torque = right.moment - left.moment;
-            let mut hessian = left.hessian + right.hessian;
-            for (d, p) in [(d[0], p[0]), (d[1], p[1]), (d[2], axial)] {
-                torque += d.cross(p);
-                hessian = hessian + director_hessian(d, p, definite);
+            if j > 0 {
+                let (e, d) = (j - 1, directors);
+                let h = self.one(&self.h, e);
+                let p = [self.vec(&self.p, 2 * e), self.vec(&self.p, 2 * e + 1)];
+                let axial = self.vec(&self.force, e).scale(h);
+                let mut torque = right.moment - left.moment;
+                let mut hessian = left.hessian + right.hessian;
+                for (d, p) in [(d[0], p[0]), (d[1], p[1]), (d[2], axial)] {
+                    torque += d.cross(p);
+                    hessian = hessian + director_hessian(d, p, definite);
+                }
+                potential = potential - d[0].dot(p[0]) - d[1].dot(p[1]);
+                if j == 1 {
+                    torque += self.world(ends.root_moment, d);
+                }
+                let mut load = zero;
+                if j == n {
+                    torque += self.world(ends.tip_moment, d);
+                    load = zero - gap;
+                }
+                for i in 0..6 {
+                    self.hessian[6 * e + i] = hessian.0[i].value;
+                }
+                let (w0, w1) = (self.one(&self.w, e), self.one(&self.w, j));
+                let block = Block {
+                    compliance: Sym::diagonal(-(w0 + w1)),
+                    lever: hat(d[2].scale(h)),
+                    stiffness: hessian,
+                    load,
+                    torque,
+                } - carry;
+                let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
+                let (passed, smallest) = self.factor.eliminate(e, block, w1, coupling);
+                if j == n && ends.any_without_potential {
+                    let force = combine(d, self.lift(ends.tip_force[1]));
+                    let moment =
+                        self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
+                    self.factor.close(block, hat(force.scale(-w1)), hat(moment.scale(-half)));
+                }
+                carry = passed;
+                pivot = pivot.min(smallest);
             }
-            potential = potential - d[0].dot(p[0]) - d[1].dot(p[1]) - d[2].dot(p[2]);
-            if e == 0 {
-                torque += self.world(ends.root_moment, d);
-            }
-            if e + 1 == n {
-                torque += self.world(ends.tip_moment, d);
-            }
-            for i in 0..6 {
-                self.hessian[6 * e + i] = hessian.0[i].value;
-            }
-            let (w0, w1) = (self.one(&self.w, e), self.one(&self.w, e + 1));
-            let block = Block {
-                compliance: Sym::diagonal(-(w0 + w1)),
-                lever: hat(d[2].scale(h)),
-                stiffness: hessian,
-                load: if e + 1 == n { V3::splat(simd, 0.0) - gap } else { V3::splat(simd, 0.0) },
-                torque,
-            };
-            let coupling =
-                hat(right.moment.scale(exact * Lane::splat(simd, 0.5))) - right.coupling.full();
-            let block = block - carry;
-            let (next, smallest) = self.factor.eliminate(e, block, w1, coupling);
-            if e + 1 == n && ends.any_without_potential {
-                let force = combine(d, self.lift(ends.tip_force[1]));
-                let moment =
-                    self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
-                let half = Lane::splat(simd, -0.5);
-                self.factor.close(block, hat(force.scale(-w1)), hat(moment.scale(half)));
-            }
-            carry = next;
-            pivot = pivot.min(smallest);
             left = right;
+            before = after;
+            directors = next;
         }
         self.factor.back_substitute(simd, &mut self.step);
         (potential, pivot)
@@ -313,7 +311,7 @@ impl<S: Simd> Chain<S> {
         let coupling = Sym::transposed_product(j, kj);
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
         let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
-        Joint { phi, moment, energy: half * m.dot(strain), hessian, coupling: hessian }
+        Joint { phi, moment, energy: half * m.dot(strain), hessian }
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
@@ -426,7 +424,6 @@ struct Joint<S: Simd> {
     moment: V3<S>,
     energy: Lane<S>,
     hessian: Sym<S>,
-    coupling: Sym<S>,
 }
 
 impl<S: Simd> Joint<S> {
@@ -434,7 +431,7 @@ impl<S: Simd> Joint<S> {
     fn none(simd: S) -> Self {
         let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
         let sym = Sym::diagonal(zero);
-        Self { phi: v, moment: v, energy: zero, hessian: sym, coupling: sym }
+        Self { phi: v, moment: v, energy: zero, hessian: sym }
     }
 }
 

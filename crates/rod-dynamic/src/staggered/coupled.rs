@@ -22,7 +22,7 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
         self.begin(dt, conditions, reports)?;
-        self.solve(dt, reports).map(|_| ())
+        self.solve(dt, true, reports).map(|_| ())
     }
 
     /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
@@ -61,7 +61,7 @@ impl StaggeredBatch {
         for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
             self.engine.kick(fiber, impulses);
         }
-        let solved = self.solve(dt, reports);
+        let solved = self.solve(dt, false, reports);
         if solved.is_err() {
             let back: Vec<_> = impulses.iter().map(|p| -p).collect();
             for (fiber, impulses) in back.chunks(nodes).enumerate() {
@@ -86,7 +86,7 @@ impl StaggeredBatch {
     ) -> Result<bool, StepError> {
         self.skip_start();
         self.begin(dt, &[conditions], reports)?;
-        let saddle = self.solve(dt, reports)?;
+        let saddle = self.solve(dt, true, reports)?;
         self.engine.commit(&[dt; 8], &[true; 8], false);
         Ok(saddle)
     }
@@ -98,14 +98,20 @@ impl StaggeredBatch {
         }
     }
 
-    /// Solves the present step in all fibres, from their present rotations. Tells whether any of
+    /// Solves the present step in all fibres, from their present rotations or from where their
+    /// motion leads. Tells whether any of
     /// them ended at a saddle.
-    fn solve(&mut self, dt: f64, reports: &mut [StepReport]) -> Result<bool, StepError> {
+    fn solve(
+        &mut self,
+        dt: f64,
+        ahead: bool,
+        reports: &mut [StepReport],
+    ) -> Result<bool, StepError> {
         let count = self.rods().len();
         let mut out = [Outcome::NONE; 8];
         let mut wanted = [false; 8];
         wanted[..count].fill(true);
-        self.engine.attempt(&[dt; 8], &wanted, false, &mut out);
+        self.engine.attempt(&[dt; 8], &wanted, false, ahead, &mut out);
         self.predicted = dt;
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();

@@ -15,6 +15,7 @@ pub(super) trait Engine: Send {
         dt: &[f64; 8],
         wanted: &[bool; 8],
         starting: bool,
+        ahead: bool,
         out: &mut [Outcome; 8],
     );
     fn set_out(&mut self, wanted: &[bool; 8]);
@@ -53,9 +54,10 @@ impl<S: Simd> Engine for Pack<S> {
         dt: &[f64; 8],
         wanted: &[bool; 8],
         starting: bool,
+        ahead: bool,
         out: &mut [Outcome; 8],
     ) {
-        Self::attempt(self, dt, wanted, starting, out);
+        Self::attempt(self, dt, wanted, starting, ahead, out);
     }
     fn set_out(&mut self, wanted: &[bool; 8]) {
         Self::set_out(self, wanted);

@@ -112,12 +112,14 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Solves one step of length `dt[lane]` in the lanes that are wanted, without committing it.
-    /// `starting` solves for the initial acceleration instead.
+    /// `starting` solves for the initial acceleration instead; `ahead` starts Newton's method from
+    /// where the motion leads.
     pub(super) fn attempt(
         &mut self,
         dt: &[f64; 8],
         wanted: &[bool; 8],
         starting: bool,
+        ahead: bool,
         out: &mut [Outcome; 8],
     ) {
         struct Attempt<'a, S: Simd>(
@@ -125,14 +127,19 @@ impl<S: Simd> Pack<S> {
             &'a [f64; 8],
             &'a [bool; 8],
             bool,
+            bool,
             &'a mut [Outcome; 8],
         );
         impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let Self(pack, dt, wanted, starting, out) = self;
-                pack.prepare(&pack.stage(dt, starting));
+                let Self(pack, dt, wanted, starting, ahead, out) = self;
+                let stage = pack.stage(dt, starting);
+                pack.prepare(&stage);
+                if ahead {
+                    pack.look_ahead(&stage, wanted);
+                }
                 let potential = pack.held.map(
                     #[inline(always)]
                     |held| held.potential,
@@ -141,7 +148,7 @@ impl<S: Simd> Pack<S> {
             }
         }
         self.last_dt = *dt;
-        self.chain.simd.vectorize(Attempt(self, dt, wanted, starting, out));
+        self.chain.simd.vectorize(Attempt(self, dt, wanted, starting, ahead, out));
     }
 
     /// Makes the present rotations the start of a step, in the lanes that are wanted.
@@ -241,7 +248,7 @@ impl<S: Simd> Pack<S> {
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.inertia[i]) * stage.c1;
-            store(&mut self.chain.p, 3 * e + k, (d + du).scale(inertia));
+            store(&mut self.chain.p, i, (d + du).scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
         let factor = damping.fma(stage.cv, one);
@@ -262,6 +269,25 @@ impl<S: Simd> Pack<S> {
             }
             store(&mut self.chain.k, j, stiffness);
             store(&mut self.chain.target, j, target);
+        }
+    }
+
+    /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
+    /// method from which the forces are already of the right size.
+    #[inline(always)]
+    fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
+        let wanted = self.flags(wanted);
+        let half = Lane::splat(self.chain.simd, 0.5);
+        for e in 0..self.chain.n {
+            let ahead = |track: &Track<S>, i: usize| {
+                self.scheme.predict(stage, track.rates(&self.chain, i)).0
+            };
+            let chord = ahead(&self.nodes, e + 1) - ahead(&self.nodes, e);
+            let d = |k: usize| self.chain.vec(&self.chain.d_start, 3 * e + k);
+            let turn = d(0).cross(ahead(&self.directors, 2 * e))
+                + d(1).cross(ahead(&self.directors, 2 * e + 1))
+                + d(2).cross(chord.scale(self.chain.one(&self.chain.h, e).recip()));
+            self.chain.turn(e, turn.scale(half), wanted);
         }
     }
 
