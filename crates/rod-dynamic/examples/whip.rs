@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p rapunzel-rod-dynamic --example whip -- [planar|curly] [dt s] [time s]
 //! [fibers] [rho_inf]`
+#![expect(clippy::print_stdout, clippy::cast_possible_truncation, reason = "a program of its own")]
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
