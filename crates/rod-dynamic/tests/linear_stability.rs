@@ -55,7 +55,6 @@ fn threshold(mut low: f64, mut high: f64, stable: impl Fn(f64) -> bool) -> f64 {
 
 fn meets(name: &str, found: f64, exact: f64, tolerance: f64) {
     let error = (found / exact - 1.0).abs();
-    println!("{name}: {found} for {exact}: {error:e}");
     assert!(error < tolerance, "{name}: {found} for {exact}, off by {error:e}");
 }
 
@@ -152,8 +151,9 @@ fn twisted_ring() {
             End::Held(Isometry3::from_parts(Translation3::identity(), rotation))
         };
         let ends = still(half(state.frames[0], 1.0), half(state.frames[n - 1], -1.0));
-        let l = linearize(&rod, &ends, &state).expect("eq"); let mut v: Vec<f64> = l.stiffness().clone().symmetric_eigenvalues().iter().copied().collect(); v.sort_by(f64::total_cmp); println!("{twist} {:?} {:?}", &v[..4], l.stiffness().amax());
-        is_stable(&rod, &ends, &state)
+        // The ends miss each other by so little that turning about the clamp costs 1e-9; the
+        // mode that leaves the plane loses 1e-7 with 1e-4 of the twist.
+        linearize(&rod, &ends, &state).expect("an equilibrium").smallest_stiffness() > -1e-7
     });
     meets("ring", found, TAU * 3f64.sqrt() / torsion, 5e-3);
 }
