@@ -98,8 +98,8 @@ const SCENES: [Scene; 8] = [
         curl: Vector3::new(0.5, 0.0, 1.0),
         damping_time: 0.0,
         conditions: |t| {
-            let force = Load::World(Vector3::new(0.1, 0.1, 0.2) * rise(t));
-            let moment = Load::Follower(Vector3::new(0.05, 0.0, 0.05) * rise(t));
+            let force = Load::Follower(Vector3::new(0.1, 0.1, 0.2) * rise(t));
+            let moment = Load::World(Vector3::new(0.05, 0.0, 0.05) * rise(t));
             Instant { tip: End::Loaded { force, moment }, ..fall(t) }
         },
     },
