@@ -164,7 +164,7 @@ fn small_oscillations_are_damped_as_the_method_says() {
             let mut integrator = Staggered::with_rho_inf(rod.clone(), rho).expect("valid");
             let mut state = rest.clone();
             for (frame, q) in state.frames.iter_mut().zip(&mode.rotations) {
-                *frame = so3::exp(&(1e-5 * q)) * *frame;
+                *frame = so3::exp(&(1e-3 * q)) * *frame;
             }
             integrator.set_state(&state).expect("fits");
             let dt = omega_dt / mode.angular_frequency;
@@ -188,8 +188,8 @@ fn small_oscillations_are_damped_as_the_method_says() {
             mean(20);
             let (first, second) = (mean(period), mean(period));
             let found = 0.5 * (second - first) / period as f64;
-            println!("rho {rho} w {omega_dt}: {found:e} for {expected:e}");
-            let tolerance = 0.03 * expected.abs() + 1e-5;
+            // Where the phase does not come round within 1e-3, 2 % at omega dt = 1.
+            let tolerance = 0.02 * expected.abs() + 1e-6;
             assert!((found - expected).abs() < tolerance, "rho {rho}: {found:e} for {expected:e}");
         }
     }
