@@ -1,0 +1,119 @@
+//! The joint between two segments: bending and torsion of what lies between their middles.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rapunzel_fiber::{Fiber, so3};
+
+/// Stiffness over length, and rotation vector at rest.
+pub(super) struct Joint {
+    stiffness: Vector3<f64>,
+    rest: Vector3<f64>,
+}
+
+/// What a joint does, in the world frame.
+pub(super) struct Action {
+    /// Moment on the segment before.
+    pub(super) moment: Vector3<f64>,
+    /// Second derivative of the energy by a rotation of the segment behind.
+    pub(super) hessian: Matrix3<f64>,
+}
+
+impl Joint {
+    /// Joint `j` of `0..=n`, as the staggered rod has it: as long as what it stands for, half a
+    /// segment at the ends, with the properties at the middle of that.
+    pub(super) fn new(fiber: &Fiber, j: usize) -> Self {
+        let (nodes, h, n) = (fiber.nodes(), fiber.segment_lengths(), fiber.segments());
+        let (length, inner) = match j {
+            0 => (0.5 * h[0], 1),
+            j if j == n => (0.5 * h[n - 1], n - 1),
+            j => (0.5 * (h[j - 1] + h[j]), j),
+        };
+        let weighted = |a: &Vector3<f64>, b: &Vector3<f64>| 0.75 * a + 0.25 * b;
+        let (a, b) = (&nodes[j], &nodes[inner]);
+        Self {
+            stiffness: weighted(&a.stiffness, &b.stiffness) / length,
+            rest: weighted(&a.natural_curvature, &b.natural_curvature) * length,
+        }
+    }
+
+    /// Energy `(phi - rest)^T K (phi - rest) / 2` with `phi = log(a^T b)`, differentiated twice by
+    /// `b -> exp(hat(x)) b`: `phi` changes by `J^-1 y + ...` with `y = b^T x`.
+    pub(super) fn act(&self, a: &Rotation3<f64>, b: &Rotation3<f64>) -> Action {
+        let phi = so3::log(&(a.inverse() * b));
+        let m = self.stiffness.component_mul(&(phi - self.rest));
+        let inverse = so3::right_jacobian_inverse(&phi);
+        let elastic = inverse.transpose() * Matrix3::from_diagonal(&self.stiffness) * inverse;
+        // The derivative of J^-T m at constant m; the order of two rotations makes it unsymmetric,
+        // which is no part of the energy's second derivative.
+        let (c, slope) = log_coefficient(phi.norm_squared());
+        let along = phi.dot(&m);
+        let varied = 0.5 * so3::hat(&m)
+            + c * (Matrix3::from_diagonal_element(along) + phi * m.transpose()
+                - 2.0 * m * phi.transpose())
+            + 2.0 * slope * phi.cross(&phi.cross(&m)) * phi.transpose();
+        let geometric = varied * inverse;
+        let local = elastic + 0.5 * (geometric + geometric.transpose());
+        Action {
+            moment: b * (inverse.transpose() * m),
+            hessian: b.matrix() * local * b.matrix().transpose(),
+        }
+    }
+}
+
+/// `c = (1 - (a/2) cot(a/2)) / a^2` and its derivative by the square `x = a^2` of the angle.
+fn log_coefficient(x: f64) -> (f64, f64) {
+    // |B_2k| / (2k)!, the series in powers of x / (2 pi)^2; enough to rounding below 1/4.
+    const SERIES: [f64; 6] = [
+        1.0 / 12.0,
+        1.0 / 720.0,
+        1.0 / 30_240.0,
+        1.0 / 1_209_600.0,
+        1.0 / 47_900_160.0,
+        691.0 / 1_307_674_368_000.0,
+    ];
+    if x < 0.25 {
+        let term = |(value, slope): (f64, f64), c: &f64| (c + x * value, value + x * slope);
+        SERIES.iter().rev().fold((0.0, 0.0), term)
+    } else {
+        let half = 0.5 * x.sqrt();
+        let (sin, cot) = (half.sin(), 1.0 / half.tan());
+        let c = (1.0 - half * cot) / x;
+        (c, ((half / (sin * sin) - cot) / (8.0 * half) - c) / x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn series_meets_the_closed_form() {
+        let (below, above) = (log_coefficient(0.25 - 1e-12), log_coefficient(0.25));
+        assert_relative_eq!(below.0, above.0, epsilon = 1e-13);
+        assert_relative_eq!(below.1, above.1, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn hessian_is_the_second_difference_of_the_energy() {
+        let joint =
+            Joint { stiffness: Vector3::new(1.0, 2.0, 0.7), rest: Vector3::new(0.1, -0.2, 0.3) };
+        for size in [0.1, 0.9, 2.0] {
+            let a = so3::exp(&Vector3::new(0.3, -0.7, 0.2));
+            let b = a * so3::exp(&(size * Vector3::new(0.6, -0.3, 0.74)));
+            let energy = |x: Vector3<f64>| {
+                let strain = so3::log(&(a.inverse() * so3::exp(&x) * b)) - joint.rest;
+                0.5 * strain.dot(&joint.stiffness.component_mul(&strain))
+            };
+            let action = joint.act(&a, &b);
+            for direction in [Vector3::x(), Vector3::new(0.0, 0.6, 0.8), Vector3::repeat(0.5)] {
+                let d = 1e-3 * direction;
+                let (plus, here, minus) = (energy(d), energy(Vector3::zeros()), energy(-d));
+                let first = (plus - minus) / 2e-3;
+                let second = (plus - 2.0 * here + minus) / 1e-6;
+                assert_relative_eq!(first, direction.dot(&action.moment), epsilon = 1e-5);
+                let exact = direction.dot(&(action.hessian * direction));
+                assert_relative_eq!(second, exact, epsilon = 1e-5);
+            }
+        }
+    }
+}
