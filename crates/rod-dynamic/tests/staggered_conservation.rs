@@ -174,8 +174,7 @@ fn small_oscillations_are_damped_as_the_method_says() {
             // half periods.
             let halves = |n: usize| n as f64 * factor.arg().abs() / PI;
             let fraction = |n: &usize| (halves(*n) - halves(*n).round()).abs();
-            let period =
-                (80..160).min_by(|a, b| fraction(a).total_cmp(&fraction(b))).expect("some");
+            let period = (20..60).min_by(|a, b| fraction(a).total_cmp(&fraction(b))).expect("some");
             let mut mean = |steps: usize| {
                 (0..steps)
                     .map(|_| {

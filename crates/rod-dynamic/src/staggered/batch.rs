@@ -26,7 +26,7 @@ pub struct StaggeredBatch {
     /// Length of the step that has been predicted, s.
     pub(super) predicted: f64,
     /// Whether a fibre's initial acceleration is still to be found.
-    fresh: [bool; 8],
+    pub(super) fresh: [bool; 8],
 }
 
 impl StaggeredBatch {
@@ -142,20 +142,18 @@ impl StaggeredBatch {
         conditions: &[&dyn Conditions],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
+        let fresh = self.fresh;
         let wanted = self.begin(dt, conditions, reports)?;
         let count = self.rods.len();
         let mut out = [Outcome::NONE; 8];
         let mut lengths = [dt; 8];
         self.engine.attempt(&lengths, &wanted, false, true, &mut out);
         let mut whole = wanted;
-        let mut saved = Vec::new();
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
             if !out[fiber].converged {
                 whole[fiber] = false;
                 self.engine.undo(fiber);
-                let from = saved.len();
-                self.engine.save(fiber, &mut saved);
                 let result = self.creep(fiber, dt, conditions[fiber], &mut lengths, &out[fiber]);
                 match result {
                     Ok(report) => {
@@ -164,17 +162,7 @@ impl StaggeredBatch {
                         reports[fiber].residual = report.residual;
                     }
                     Err(error) => {
-                        // Nothing else has been committed; take everything back.
-                        for lane in 0..count {
-                            self.engine.undo(lane);
-                        }
-                        let mut numbers = &saved[..from];
-                        for lane in 0..fiber {
-                            if !whole[lane] {
-                                numbers = self.engine.restore(lane, numbers);
-                            }
-                        }
-                        self.engine.restore(fiber, &saved[from..]);
+                        self.take_back(fresh);
                         return Err(error);
                     }
                 }
@@ -205,7 +193,11 @@ impl StaggeredBatch {
         }
         self.engine.remember();
         self.engine.set_out(&[true; 8]);
-        self.start(dt, conditions)?;
+        let fresh = self.fresh;
+        if let Err(error) = self.start(dt, conditions) {
+            self.take_back(fresh);
+            return Err(error);
+        }
         let mut used = [false; 8];
         for (fiber, now) in ends.iter().enumerate() {
             if let Some(now) = now {
@@ -214,6 +206,12 @@ impl StaggeredBatch {
             }
         }
         Ok(used)
+    }
+
+    /// Takes back all that a failed step has changed.
+    pub(super) fn take_back(&mut self, fresh: [bool; 8]) {
+        self.engine.undo_all();
+        self.fresh = fresh;
     }
 
     /// Lets all fibres set out without an acceleration.
@@ -280,6 +278,13 @@ impl StaggeredBatch {
         let count = self.rods.len();
         let delta = START * dt;
         let mut wanted = [false; 8];
+        if self.fresh[..count].contains(&true) {
+            for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
+                let now = self.conditions(fiber, self.time, conditions[fiber])?;
+                self.engine.set_conditions(fiber, &now);
+            }
+            self.engine.measure(&self.fresh);
+        }
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
             let at =
                 |part: f64| self.conditions(fiber, self.time + part * delta, conditions[fiber]);

@@ -230,7 +230,6 @@ impl<S: Simd> Chain<S> {
             let after = self.quat(if j < n { &self.q[4 * j..4 * j + 4] } else { &ends.tip_frame });
             let next = after.directors();
             let right = self.joint(j, before, after, next, exact);
-            store(&mut self.phi, j, right.phi);
             potential = potential + right.energy;
             if j > 0 {
                 let (e, d) = (j - 1, directors);
@@ -269,7 +268,9 @@ impl<S: Simd> Chain<S> {
                     let force = combine(d, self.lift(ends.tip_force[1]));
                     let moment =
                         self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
-                    self.factor.close(block, hat(force.scale(-w1)), hat(moment.scale(-half)));
+                    let wanted = Lane::new(simd, ends.without_potential);
+                    let (follow, spin) = (force.scale(-w1), moment.scale(-half));
+                    self.factor.close(block, hat(follow), hat(spin), wanted);
                 }
                 carry = passed;
                 pivot = pivot.min(smallest);
@@ -311,7 +312,7 @@ impl<S: Simd> Chain<S> {
         let coupling = Sym::transposed_product(j, kj);
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
         let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
-        Joint { phi, moment, energy: half * m.dot(strain), hessian }
+        Joint { moment, energy: half * m.dot(strain), hessian }
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
@@ -350,7 +351,7 @@ impl<S: Simd> Chain<S> {
                         turn: get(largest, lane),
                         energy: get(energy, lane),
                         closed: get(open, lane) <= 1e-14 * self.n as f64 * h,
-                        definite: definite[lane] > 0.0,
+                        definite: definite[lane] == 0.0,
                     };
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
@@ -362,6 +363,20 @@ impl<S: Simd> Chain<S> {
             }
         }
         self.shape();
+        self.measure_joints();
+    }
+
+    /// Rotation vectors of the joints at the present rotations.
+    #[inline(always)]
+    pub(super) fn measure_joints(&mut self) {
+        let mut before = self.quat(&self.ends.root_frame);
+        for j in 0..=self.n {
+            let tip = self.ends.tip_frame;
+            let after = self.quat(if j < self.n { &self.q[4 * j..4 * j + 4] } else { &tip });
+            let (phi, _) = before.inverse_times(after).log();
+            store(&mut self.phi, j, phi);
+            before = after;
+        }
     }
 
     /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
@@ -419,7 +434,6 @@ impl<S: Simd> Chain<S> {
 
 /// What a joint does to its two segments.
 struct Joint<S: Simd> {
-    phi: V3<S>,
     /// Moment on the segment before, world components.
     moment: V3<S>,
     energy: Lane<S>,
@@ -431,7 +445,7 @@ impl<S: Simd> Joint<S> {
     fn none(simd: S) -> Self {
         let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
         let sym = Sym::diagonal(zero);
-        Self { phi: v, moment: v, energy: zero, hessian: sym }
+        Self { moment: v, energy: zero, hessian: sym }
     }
 }
 

@@ -21,8 +21,13 @@ impl StaggeredBatch {
         conditions: &[&dyn Conditions],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
+        let fresh = self.fresh;
         self.begin(dt, conditions, reports)?;
-        self.solve(dt, true, reports).map(|_| ())
+        let solved = self.solve(dt, true, reports);
+        if solved.is_err() {
+            self.take_back(fresh);
+        }
+        solved.map(|_| ())
     }
 
     /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
@@ -61,13 +66,10 @@ impl StaggeredBatch {
         for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
             self.engine.kick(fiber, impulses);
         }
-        let solved = self.solve(dt, false, reports);
-        if solved.is_err() {
-            let back: Vec<_> = impulses.iter().map(|p| -p).collect();
-            for (fiber, impulses) in back.chunks(nodes).enumerate() {
-                self.engine.kick(fiber, impulses);
-            }
-            return solved.map(|_| ());
+        let fresh = self.fresh;
+        if let Err(error) = self.solve(dt, false, reports) {
+            self.take_back(fresh);
+            return Err(error);
         }
         let mut all = [false; 8];
         all[..self.rods().len()].fill(true);
@@ -116,9 +118,6 @@ impl StaggeredBatch {
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
             if !out[fiber].converged {
-                for lane in 0..count {
-                    self.engine.undo(lane);
-                }
                 return Err(StepError::NotConverged {
                     fiber,
                     time: self.time(),

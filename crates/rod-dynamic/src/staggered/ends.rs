@@ -29,7 +29,8 @@ pub(super) struct Ends<S: Simd> {
     /// Whether any lane has a free root, or a joint at its tip.
     pub(super) any_root_free: bool,
     pub(super) any_tip_joint: bool,
-    /// Whether moments or follower forces act on the tip of any lane.
+    /// Whether the step has no potential, in each lane and in any.
+    pub(super) without_potential: S::f64s,
     pub(super) any_without_potential: bool,
 }
 
@@ -52,7 +53,8 @@ pub(super) struct Held {
 }
 
 impl Held {
-    pub(super) const FREE: Self = Self { root: Kind::Loaded, tip: Kind::Loaded, potential: true };
+    /// A clamped root and a free tip: what lanes that are not in use stand as.
+    pub(super) const CLAMPED: Self = Self { root: Kind::Held, tip: Kind::Loaded, potential: true };
 }
 
 impl<S: Simd> Ends<S> {
@@ -75,6 +77,7 @@ impl<S: Simd> Ends<S> {
             tip_reaction: [zero; 3],
             any_root_free: false,
             any_tip_joint: false,
+            without_potential: zero,
             any_without_potential: false,
         }
     }
@@ -113,6 +116,7 @@ impl<S: Simd> Ends<S> {
             put(&mut self.tip_reaction, lane, &reaction);
         }
         let potential = tip.kind == Kind::Loaded && root.conservative() && tip.conservative();
+        put(std::slice::from_mut(&mut self.without_potential), lane, &[f64::from(!potential)]);
         Held { root: root.kind, tip: tip.kind, potential }
     }
 }

@@ -1,5 +1,6 @@
 //! A pack with its register width hidden, and the choice of that width.
 
+use super::lanes::zeros;
 use super::pack::{Pack, at, set};
 use super::scheme::Scheme;
 use super::search::Outcome;
@@ -19,6 +20,7 @@ pub(super) trait Engine: Send {
         out: &mut [Outcome; 8],
     );
     fn set_out(&mut self, wanted: &[bool; 8]);
+    fn measure(&mut self, wanted: &[bool; 8]);
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool);
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState);
@@ -34,8 +36,10 @@ pub(super) trait Engine: Send {
     fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64];
     /// Takes back the rotations and the reaction of one lane only, which an attempt changes.
     fn undo(&mut self, lane: usize);
-    /// Remembers the rotations and reactions of all lanes for [`Engine::undo`].
+    /// Remembers the state of all lanes, for [`Engine::undo`] and [`Engine::undo_all`].
     fn remember(&mut self);
+    /// Takes all lanes back to the state that was remembered.
+    fn undo_all(&mut self);
     /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
@@ -58,6 +62,9 @@ impl<S: Simd> Engine for Pack<S> {
         out: &mut [Outcome; 8],
     ) {
         Self::attempt(self, dt, wanted, starting, ahead, out);
+    }
+    fn measure(&mut self, wanted: &[bool; 8]) {
+        Self::measure(self, wanted);
     }
     fn set_out(&mut self, wanted: &[bool; 8]) {
         Self::set_out(self, wanted);
@@ -103,7 +110,23 @@ impl<S: Simd> Engine for Pack<S> {
         }
         numbers
     }
+    fn undo_all(&mut self) {
+        let backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
+        let mut rest = &backup[..];
+        for array in self.arrays_mut() {
+            let (head, tail) = rest.split_at(array.len());
+            array.copy_from_slice(head);
+            rest = tail;
+        }
+        self.backup = backup;
+    }
     fn remember(&mut self) {
+        let mut backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
+        backup.clear();
+        for array in self.arrays() {
+            backup.extend_from_slice(array);
+        }
+        self.backup = backup;
         self.q_start.copy_from_slice(&self.chain.q);
         self.reaction_start = self.chain.ends.tip_reaction;
     }

@@ -109,9 +109,9 @@ impl<S: Simd> Factor<S> {
 
     /// Solves the last segment again where loads that have no potential make its block unsymmetric:
     /// `follow` is added to the lever above the diagonal, `spin` is the skew part of its stiffness.
-    /// The factors stay those of the symmetric block.
+    /// Only in the lanes that are wanted; the factors stay those of the symmetric block.
     #[inline(always)]
-    pub(super) fn close(&mut self, block: Block<S>, follow: M3<S>, spin: M3<S>) {
+    pub(super) fn close(&mut self, block: Block<S>, follow: M3<S>, spin: M3<S>, wanted: Lane<S>) {
         let (p, _) = block.compliance.inverse(-1.0);
         let below = p.times(block.lever);
         let above = p.times(block.lever + follow);
@@ -119,6 +119,13 @@ impl<S: Simd> Factor<S> {
         let turn = sigma.solve(block.torque - below.apply_transposed(block.load));
         let force = p.apply(block.load) - above.apply(turn);
         let at = STRIDE * (self.n - 1) + 31;
+        let old = |i: usize| {
+            V3([0, 1, 2].map(
+                #[inline(always)]
+                |k| Lane::new(wanted.simd(), self.data[at + 3 * i + k]),
+            ))
+        };
+        let (force, turn) = (force.positive_or(wanted, old(0)), turn.positive_or(wanted, old(1)));
         store(&mut self.data[at..], 0, force);
         store(&mut self.data[at..], 1, turn);
     }

@@ -33,6 +33,10 @@ impl<S: Simd> Lane<S> {
     pub(super) fn splat(simd: S, x: f64) -> Self {
         Self { simd, value: simd.splat_f64s(x) }
     }
+    #[inline(always)]
+    pub(super) fn simd(self) -> S {
+        self.simd
+    }
     /// The constant `x` in all lanes.
     #[inline(always)]
     pub(super) fn lift(self, x: f64) -> Self {

@@ -7,9 +7,11 @@ use super::response::Workspace;
 use super::scheme::{Scheme, Stage};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Instant, Rod};
+use crate::{End, Instant, Load, Rod};
+use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
+use rapunzel_fiber::so3;
 
 /// Model and state of up to eight fibres with equally many segments.
 pub(super) struct Pack<S: Simd> {
@@ -41,6 +43,8 @@ pub(super) struct Pack<S: Simd> {
     /// Rotations (4) and tip reactions at the start of the step.
     pub(super) q_start: Array<S>,
     pub(super) reaction_start: [S::f64s; 3],
+    /// All numbers of the state before the step.
+    pub(super) backup: Array<S>,
     /// Lengths of the last attempt, for what follows from its factors.
     pub(super) last_dt: [f64; 8],
     pub(super) work: Workspace<S>,
@@ -65,9 +69,10 @@ impl<S: Simd> Pack<S> {
             joints: Track::new(n + 1),
             node_forces: zeros::<S>(3 * (n + 1)),
             fields: [S::f64s::zeroed(); 11],
-            held: [Held::FREE; 8],
+            held: [Held::CLAMPED; 8],
             q_start: zeros::<S>(4 * n),
             reaction_start: [S::f64s::zeroed(); 3],
+            backup: zeros::<S>(0),
             last_dt: [1.0; 8],
             work: Workspace::new(n),
             any_damping: rods.iter().any(|rod| rod.damping_time > 0.0),
@@ -163,6 +168,27 @@ impl<S: Simd> Pack<S> {
             }
         }
         self.chain.simd.vectorize(SetOut(self, wanted));
+    }
+
+    /// Takes the rotation vectors of the joints from the present rotations, in the lanes that are
+    /// wanted: the damping of the first step starts from them.
+    pub(super) fn measure(&mut self, wanted: &[bool; 8]) {
+        struct Measure<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; 8]);
+        impl<S: Simd> NullaryFnOnce for Measure<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let Self(pack, wanted) = self;
+                let wanted = pack.flags(wanted);
+                pack.chain.measure_joints();
+                for j in 0..=pack.chain.n {
+                    let (new, old) =
+                        (pack.chain.vec(&pack.chain.phi, j), pack.chain.vec(&pack.phi, j));
+                    store(&mut pack.phi, j, new.positive_or(wanted, old));
+                }
+            }
+        }
+        self.chain.simd.vectorize(Measure(self, wanted));
     }
 
     #[inline(always)]
@@ -329,8 +355,13 @@ impl<S: Simd> Pack<S> {
         for (i, x) in numbers.enumerate() {
             set(&mut self.fields, i, lane, *x);
         }
+        let n = self.chain.n;
+        // A follower load turns with the end, half a segment from the frame of the last segment.
+        let mut now = *now;
+        now.root = ahead(&now.root, &-self.vector(&self.rest, 0, lane));
+        now.tip = ahead(&now.tip, &self.vector(&self.rest, n, lane));
         let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
-        self.held[lane] = self.chain.ends.set(lane, now, reaction);
+        self.held[lane] = self.chain.ends.set(lane, &now, reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
         self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
         self.chain.ends.any_without_potential = self.held.iter().any(|h| !h.potential);
@@ -357,6 +388,19 @@ impl<S: Simd> Pack<S> {
         let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
         let (r, phi) = (&mut self.r, &mut self.phi);
         [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction]
+    }
+}
+
+/// The end with its follower loads in the frame of the segment next to it, from which the frame of
+/// the end is turned by `turn` where no moment bends it further.
+fn ahead(end: &End, turn: &Vector3<f64>) -> End {
+    let moved = |load: &Load| match load {
+        Load::Follower(v) => Load::Follower(so3::exp(turn) * v),
+        Load::World(_) => *load,
+    };
+    match end {
+        End::Loaded { force, moment } => End::Loaded { force: moved(force), moment: moved(moment) },
+        _ => *end,
     }
 }
 

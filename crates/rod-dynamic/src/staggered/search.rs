@@ -10,7 +10,7 @@ const MERIT_THRESHOLD: f64 = 0.03;
 /// A direction is shortened until its largest increment is this, rad.
 const LARGEST_TURN: f64 = 3.0;
 /// The error that may be left after the last increment, rad.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-13;
 /// Increments below this, rad, that grow again are rounding: some rods have modes that cost nearly
 /// no energy, and the increments along them are noise.
 const NOISE: f64 = 1e-5;
@@ -47,7 +47,7 @@ pub(super) struct Solve {
     pub(super) energy: f64,
     /// Whether a held tip is where it should be.
     pub(super) closed: bool,
-    /// Whether the Hessian was made definite.
+    /// Whether the Hessian is positive definite, so that nothing was changed in it.
     pub(super) definite: bool,
 }
 
@@ -74,7 +74,7 @@ impl Search {
         let (iteration, turn) = (solve.iteration, solve.turn);
         out.iterations = iteration + 1;
         out.residuals[iteration] = turn;
-        out.saddle = solve.definite && self.potential;
+        out.saddle = self.potential && !solve.definite;
         if !turn.is_finite() {
             self.active = false;
             return (0.0, 0.0);
@@ -92,7 +92,8 @@ impl Search {
         let tested = turn > MERIT_THRESHOLD && self.potential;
         self.reference = tested.then_some(solve.energy + 1e-12 * solve.energy.abs());
         let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
-        let converged = expected_error(turn, before) < TOLERANCE || (turn < NOISE && turn > before);
+        let expected = expected_error(turn, before, solve.definite);
+        let converged = expected < TOLERANCE || (turn < NOISE && turn > before);
         if converged && solve.closed {
             out.converged = true;
             self.active = false;
@@ -102,8 +103,14 @@ impl Search {
 }
 
 /// The error expected after an increment `turn` that followed an increment `before`: quadratic
-/// convergence where the two show it, linear otherwise.
-fn expected_error(turn: f64, before: f64) -> f64 {
+/// convergence where the two show it and the Hessian was exact, linear otherwise.
+fn expected_error(turn: f64, before: f64, exact: bool) -> f64 {
     let rate = turn / (before * before);
-    if rate < 30.0 { turn * turn * rate.max(1.0) } else { turn * turn / before }
+    if exact && rate < 30.0 {
+        turn * turn * rate.max(1.0)
+    } else if before.is_finite() {
+        turn * turn / before
+    } else {
+        turn
+    }
 }
