@@ -34,4 +34,8 @@ pub(crate) fn print(summary: &Summary, running: bool) {
         "  iterations  {:.2} in the mean, {} at worst, {halvings} steps halved",
         summary.mean_iterations, summary.worst_iterations
     );
+    println!(
+        "  energy      {:.6e} J, of it kinetic {:.6e} J",
+        summary.total_energy, summary.kinetic_energy
+    );
 }

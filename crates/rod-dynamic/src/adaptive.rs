@@ -55,7 +55,7 @@ pub fn advance(
     }
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         let why = "must be positive and finite (m)";
-        return Err(StepError::Conditions { what: "tolerance", time, why });
+        return Err(StepError::Conditions { fiber: 0, what: "tolerance", time, why });
     }
     let mut before = Vec::new();
     integrator.save(&mut before);

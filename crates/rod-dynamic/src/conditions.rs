@@ -30,8 +30,13 @@ impl Load {
 pub enum End {
     /// Position and material frame are prescribed: a clamp, at rest or moving.
     Held(Isometry3<f64>),
-    /// The position is prescribed and the frame is free: a ball joint.
-    Pinned(Point3<f64>),
+    /// The position is prescribed and the frame is free, under a moment: a ball joint.
+    Pinned {
+        /// Position, m, world.
+        position: Point3<f64>,
+        /// Moment on the rod, N m.
+        moment: Load,
+    },
     /// Free, under a force (N) and a moment (N m) that act on the rod.
     Loaded {
         /// Force on the rod, N.
@@ -44,6 +49,12 @@ pub enum End {
 impl End {
     /// A free end without load.
     pub const FREE: Self = Self::Loaded { force: Load::ZERO, moment: Load::ZERO };
+
+    /// A ball joint at `position` (m, world) without moment.
+    #[must_use]
+    pub fn pinned(position: Point3<f64>) -> Self {
+        Self::Pinned { position, moment: Load::ZERO }
+    }
 }
 
 /// Linear drag coefficients of a fibre in slow flow, force per length and speed.

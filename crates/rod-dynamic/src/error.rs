@@ -32,8 +32,10 @@ pub enum StepError {
     #[error("the time step is {0} s, but must be positive and finite")]
     TimeStep(f64),
     /// A condition is not finite, or its kind changed within the step.
-    #[error("{what} at t = {time} s: {why}")]
+    #[error("fibre {fiber}: {what} at t = {time} s: {why}")]
     Conditions {
+        /// Index of the fibre in its batch, 0 for a single rod.
+        fiber: usize,
         /// Which condition.
         what: &'static str,
         /// When, s.
@@ -56,4 +58,18 @@ pub enum StepError {
         /// Relative residuals of the last attempt, one per iteration.
         residuals: Vec<f64>,
     },
+}
+
+impl StepError {
+    /// The same error of another fibre: `index` gives the new number for the old.
+    #[must_use]
+    pub fn renumbered(mut self, index: impl Fn(usize) -> usize) -> Self {
+        match &mut self {
+            Self::Conditions { fiber, .. } | Self::NotConverged { fiber, .. } => {
+                *fiber = index(*fiber);
+            }
+            Self::TimeStep(_) => {}
+        }
+        self
+    }
 }

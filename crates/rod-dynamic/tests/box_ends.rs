@@ -117,7 +117,7 @@ fn a_pinned_rod_is_a_pendulum() {
     integrator.set_state(&hung.state()).expect("fits");
     let conditions = Steady(Instant {
         gravity: -Vector3::y(),
-        root: End::Pinned(Point3::origin()),
+        root: End::pinned(Point3::origin()),
         ..nothing()
     });
     let dt = 0.02;
@@ -152,7 +152,7 @@ fn a_pinned_tip_stays() {
     let pin = move |t: f64| start - 0.2 * (t / 2.0).min(1.0) * Vector3::x();
     let conditions = |t: f64| Instant {
         gravity: -Vector3::y(),
-        tip: End::Pinned(pin(t)),
+        tip: End::pinned(pin(t)),
         ..Instant::clamped(root, Vector3::zeros())
     };
     for _ in 0..200 {

@@ -94,7 +94,7 @@ impl<I: RodIntegrator> Batch for Rods<I> {
         let mut sum = StepReport::default();
         for (lane, conditions) in lanes.iter().enumerate() {
             let one = self.step_one(lane, dt, *conditions);
-            sum.add(&one.map_err(|error| at_lane(error, lane))?);
+            sum.add(&one.map_err(|error| error.renumbered(|_| lane))?);
         }
         Ok(sum)
     }
@@ -123,14 +123,6 @@ impl<I: RodIntegrator> Batch for Rods<I> {
     }
 }
 
-/// An error of a rod by itself as one of a rod in a batch.
-fn at_lane(mut error: StepError, lane: usize) -> StepError {
-    if let StepError::NotConverged { fiber, .. } = &mut error {
-        *fiber = lane;
-    }
-    error
-}
-
 /// A batch of fibres with what acts on them: the unit of parallel work.
 pub(crate) struct Group {
     /// Indices of the fibres, one per lane.
@@ -146,6 +138,7 @@ impl Group {
         for (lane, conditions) in self.lanes.iter().enumerate() {
             if let Some(forces) = conditions.node_forces(middle) {
                 self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {
+                    fiber: self.fibers[lane],
                     what: "node forces",
                     time,
                     why: "must be finite",
@@ -154,14 +147,6 @@ impl Group {
         }
         let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
         let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
-        self.batch.step(dt, &lanes).map_err(|error| self.name_fiber(error))
-    }
-
-    /// Puts the index of the fibre in the scene in place of the lane.
-    fn name_fiber(&self, mut error: StepError) -> StepError {
-        if let StepError::NotConverged { fiber, .. } = &mut error {
-            *fiber = self.fibers[*fiber];
-        }
-        error
+        self.batch.step(dt, &lanes).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 }

@@ -85,6 +85,10 @@ pub struct Summary {
     pub halvings: u64,
     /// How often a step missed its tolerance although it was the smallest.
     pub missed: u64,
+    /// Kinetic energy, J.
+    pub kinetic_energy: f64,
+    /// Total mechanical energy, J.
+    pub total_energy: f64,
 }
 
 impl Summary {
@@ -95,6 +99,7 @@ impl Summary {
         world: &World,
         statistics: &Statistics,
     ) -> Self {
+        let energy = world.energy();
         Self {
             outcome,
             scene: scene.name.clone(),
@@ -110,6 +115,8 @@ impl Summary {
             worst_iterations: statistics.worst_iterations,
             halvings: statistics.halvings,
             missed: statistics.missed,
+            kinetic_energy: energy.kinetic,
+            total_energy: energy.total(),
         }
     }
 

@@ -1,5 +1,6 @@
 use super::elimination::EndRows;
 use super::stage::{NodeLaw, Scales, Unknowns};
+use crate::Load;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3::hat;
 
@@ -11,13 +12,24 @@ pub(super) struct MixedLoad {
     pub(super) follower: Vector3<f64>,
 }
 
+impl MixedLoad {
+    /// A load, in the given unit.
+    pub(super) fn new(load: &Load, unit: f64) -> Self {
+        let zero = Vector3::zeros();
+        match load {
+            Load::World(v) => Self { world: v / unit, follower: zero },
+            Load::Follower(v) => Self { world: zero, follower: v / unit },
+        }
+    }
+}
+
 /// What an end of the rod does at the stage of a step, in the units of the solver.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum StageEnd {
     /// Velocity (world) and angular velocity (material frame) are prescribed.
     Held { velocity: Vector3<f64>, angular_velocity: Vector3<f64> },
-    /// The velocity (world) is prescribed; no moment.
-    Pinned { velocity: Vector3<f64> },
+    /// The velocity (world) is prescribed, and a moment acts on the rod.
+    Pinned { velocity: Vector3<f64>, moment: MixedLoad },
     /// A force and a moment act on the rod.
     Loaded { force: MixedLoad, moment: MixedLoad },
 }
@@ -49,7 +61,9 @@ pub(super) fn residual(
         StageEnd::Held { velocity, angular_velocity } => {
             (x.v - frame.inverse() * velocity, x.omega - angular_velocity)
         }
-        StageEnd::Pinned { velocity } => (x.v - frame.inverse() * velocity, law.moment(&x.kappa)),
+        StageEnd::Pinned { velocity, moment } => {
+            (x.v - frame.inverse() * velocity, law.moment(&x.kappa) - side * local(moment))
+        }
         StageEnd::Loaded { force, moment } => {
             (x.n - side * local(force), law.moment(&x.kappa) - side * local(moment))
         }
@@ -81,10 +95,10 @@ pub(super) fn rows(
             diagonal(3, 3, &one);
             (turned(velocity), Matrix3::zeros())
         }
-        StageEnd::Pinned { velocity } => {
+        StageEnd::Pinned { velocity, moment } => {
             diagonal(0, 0, &one);
             diagonal(3, 6, &law.stiffness);
-            (turned(velocity), Matrix3::zeros())
+            (turned(velocity), side * turned(&moment.world))
         }
         StageEnd::Loaded { force, moment } => {
             diagonal(0, 9, &one);

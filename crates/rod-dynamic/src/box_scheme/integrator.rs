@@ -300,9 +300,13 @@ mod tests {
             }
         };
         let held = End::Held(Isometry3::translation(0.01, 0.0, 0.0));
-        let pinned = End::Pinned(Point3::new(0.0, 0.01, 0.0));
-        for root in [held, pinned, push(true), push(false)] {
-            for tip in [push(true), push(false), held, pinned] {
+        let pinned = |moment: fn(Vector3<f64>) -> Load| End::Pinned {
+            position: Point3::new(0.0, 0.01, 0.0),
+            moment: moment(Vector3::new(-0.01, 0.02, 0.015)),
+        };
+        let (turned, twisted) = (pinned(Load::World), pinned(Load::Follower));
+        for root in [held, turned, twisted, push(true), push(false)] {
+            for tip in [push(true), push(false), held, turned, twisted] {
                 let mut integrator = waving(root, tip);
                 let BoxIntegrator { stage, newton, .. } = &mut integrator;
                 stage.evaluate(&mut newton.trial);

@@ -84,9 +84,9 @@ impl<'a> Setup<'a> {
                 StageEnd::Held { velocity: m.velocity, angular_velocity: m.angular_velocity },
                 RootFrame::Fixed(m.frame),
             ),
-            (End::Held(_) | End::Pinned(_), m) => {
+            (end, m) => {
                 let velocity = m.map_or(zero, |m| m.velocity);
-                (StageEnd::Pinned { velocity }, self.free_root())
+                (StageEnd::Pinned { velocity, moment: self.pin_moment(&end) }, self.free_root())
             }
         };
         stage.tip = self.tip();
@@ -154,7 +154,7 @@ impl<'a> Setup<'a> {
         let rounding = ROUNDING / self.tolerance;
         // A support that moves otherwise than the end did accelerates the rod.
         let jolt = |end: &StageEnd, x: &NodeState, frame: Rotation3<f64>| match end {
-            StageEnd::Held { velocity, .. } | StageEnd::Pinned { velocity } => {
+            StageEnd::Held { velocity, .. } | StageEnd::Pinned { velocity, .. } => {
                 c * (velocity - frame * x.v / u.speed()).norm()
             }
             StageEnd::Loaded { .. } => 0.0,
@@ -224,16 +224,14 @@ impl<'a> Setup<'a> {
     }
 
     fn loaded(&self, force: &Load, moment: &Load, node_force: &Vector3<f64>) -> StageEnd {
-        let mixed = |load: &Load, unit: f64| {
-            let zero = Vector3::zeros();
-            match load {
-                Load::World(f) => MixedLoad { world: f / unit, follower: zero },
-                Load::Follower(f) => MixedLoad { world: zero, follower: f / unit },
-            }
-        };
-        let mut force = mixed(force, self.units.force());
+        let mut force = MixedLoad::new(force, self.units.force());
         force.world += node_force / self.units.force();
-        StageEnd::Loaded { force, moment: mixed(moment, self.units.moment()) }
+        StageEnd::Loaded { force, moment: MixedLoad::new(moment, self.units.moment()) }
+    }
+
+    fn pin_moment(&self, end: &End) -> MixedLoad {
+        let moment = if let End::Pinned { moment, .. } = end { moment } else { &Load::ZERO };
+        MixedLoad::new(moment, self.units.moment())
     }
 
     /// The tip's conditions. The scheme prescribes a held tip's velocity, and its pose follows
@@ -262,7 +260,10 @@ impl<'a> Setup<'a> {
                 velocity: moving.velocity,
                 angular_velocity: moving.angular_velocity,
             },
-            _ => StageEnd::Pinned { velocity: moving.velocity },
+            end => {
+                let moment = self.pin_moment(&end);
+                StageEnd::Pinned { velocity: moving.velocity, moment }
+            }
         }
     }
 }
@@ -274,7 +275,8 @@ fn acceleration(rod: &Rod, node_forces: &[Vector3<f64>], span: &Span) -> f64 {
         End::Loaded { force, moment } => {
             force.components().norm() + moment.components().norm() / rod.fiber.length()
         }
-        End::Held(_) | End::Pinned(_) => 0.0,
+        End::Pinned { moment, .. } => moment.components().norm() / rod.fiber.length(),
+        End::Held(_) => 0.0,
     };
     let line = span.stage.distributed.norm() * rod.fiber.length();
     let forces = line + largest(node_forces.iter().copied()) + pull(Side::Root) + pull(Side::Tip);

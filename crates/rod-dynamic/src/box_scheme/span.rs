@@ -54,7 +54,8 @@ impl Span {
     /// step's conditions touch the next one's. A load is that at the stage.
     pub(super) fn end(&self, side: Side) -> End {
         match (side.of(&self.middle), side.of(&self.stage)) {
-            (End::Loaded { .. }, load @ End::Loaded { .. }) => load,
+            (End::Loaded { .. }, load @ End::Loaded { .. })
+            | (End::Pinned { .. }, load @ End::Pinned { .. }) => load,
             (end, _) => end,
         }
     }
@@ -92,7 +93,7 @@ fn pose(end: &End, frame: Rotation3<f64>) -> Option<Pose> {
         End::Held(Isometry3 { rotation, translation }) => {
             Some(Pose { position: translation.vector, frame: rotation.to_rotation_matrix() })
         }
-        End::Pinned(point) => Some(Pose { position: point.coords, frame }),
+        End::Pinned { position, .. } => Some(Pose { position: position.coords, frame }),
         End::Loaded { .. } => None,
     }
 }
@@ -103,7 +104,7 @@ fn check(instant: &Instant, time: f64) -> Result<(), StepError> {
         End::Held(pose) => {
             finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
         }
-        End::Pinned(point) => finite(&point.coords),
+        End::Pinned { position, moment } => finite(&position.coords) && finite(moment.components()),
         End::Loaded { force, moment } => {
             [force, moment].into_iter().map(Load::components).all(finite)
         }
@@ -124,6 +125,7 @@ fn check(instant: &Instant, time: f64) -> Result<(), StepError> {
     match failed {
         None => Ok(()),
         Some((what, _)) => Err(StepError::Conditions {
+            fiber: 0,
             what,
             time,
             why: "every number must be finite, and drag not negative",

@@ -100,7 +100,7 @@ impl StaggeredBatch {
     /// As [`crate::RodIntegrator::set_state`].
     pub fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), RodError> {
         check_state(&self.rods[fiber], state)?;
-        self.engine.set_state(fiber, &state.positions[0], state);
+        self.engine.set_state(fiber, &self.rods[fiber], state);
         self.time = state.time;
         self.fresh[fiber] = true;
         Ok(())
@@ -318,7 +318,7 @@ impl StaggeredBatch {
         conditions: &dyn Conditions,
     ) -> Result<Instant, StepError> {
         let now = conditions.at(time);
-        check_conditions(&self.rods[fiber], &now, time)?;
+        check_conditions(&self.rods[fiber], &now, time).map_err(|e| e.renumbered(|_| fiber))?;
         Ok(now)
     }
 
@@ -378,6 +378,7 @@ fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
         ("velocities", n + 1, state.velocities.len()),
         ("frames", n, state.frames.len()),
         ("angular velocities", n, state.angular_velocities.len()),
+        ("curvatures", n + 1, state.curvatures.len()),
     ] {
         if expected != found {
             return Err(RodError::Length { what, expected, found });
@@ -387,6 +388,7 @@ fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
         .velocities
         .iter()
         .chain(&state.angular_velocities)
+        .chain(&state.curvatures)
         .flatten()
         .chain(state.frames.iter().flat_map(|f| f.matrix().iter()))
         .chain(&state.positions[0].coords);
@@ -398,14 +400,14 @@ fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
 }
 
 fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError> {
-    let error = |what, why| Err(StepError::Conditions { what, time, why });
+    let error = |what, why| Err(StepError::Conditions { fiber: 0, what, time, why });
     let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
     let load = |l: &Load| finite(l.components());
     let end = |end: &End| match end {
         End::Held(pose) => {
             finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
         }
-        End::Pinned(position) => finite(&position.coords),
+        End::Pinned { position, moment } => finite(&position.coords) && load(moment),
         End::Loaded { force, moment } => load(force) && load(moment),
     };
     if !finite(&now.gravity) || !finite(&now.distributed) {
@@ -426,7 +428,7 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
     }
     let position = |end: &End| match end {
         End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned(position) => Some(position.coords),
+        End::Pinned { position, .. } => Some(position.coords),
         End::Loaded { .. } => None,
     };
     match (position(&now.root), position(&now.tip)) {
@@ -449,7 +451,7 @@ fn sets_out_smoothly(
 ) -> bool {
     let place = |end: &End| match end {
         End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned(position) => Some(position.coords),
+        End::Pinned { position, .. } => Some(position.coords),
         End::Loaded { .. } => None,
     };
     let (Some(first), Some(second)) = (place(now), place(then)) else { return true };

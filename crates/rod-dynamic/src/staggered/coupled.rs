@@ -55,14 +55,15 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
         let (dt, time) = (self.predicted, self.time());
-        let error = |why| Err(StepError::Conditions { what: "impulses", time, why });
-        if impulses.len() != self.nodes() {
-            return error("there must be one for each node of each fibre");
-        }
-        if impulses.iter().flatten().any(|x| !x.is_finite()) {
-            return error("must be finite (N s)");
-        }
         let nodes = self.nodes() / self.rods().len();
+        let error = |fiber, why| Err(StepError::Conditions { fiber, what: "impulses", time, why });
+        if impulses.len() != self.nodes() {
+            let fiber = (impulses.len() / nodes).min(self.rods().len() - 1);
+            return error(fiber, "there must be one for each node of each fibre");
+        }
+        if let Some(k) = impulses.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return error(k / nodes, "must be finite (N s)");
+        }
         for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
             self.engine.kick(fiber, impulses);
         }

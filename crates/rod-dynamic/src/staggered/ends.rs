@@ -87,6 +87,13 @@ impl<S: Simd> Ends<S> {
         [self.root_joint, self.tip_joint].map(|flag| at(std::slice::from_ref(&flag), 0, lane) > 0.0)
     }
 
+    /// Lets joints clamp both frames in one lane, until its conditions are set.
+    pub(super) fn join(&mut self, lane: usize) {
+        for flag in [&mut self.root_joint, &mut self.tip_joint] {
+            put(std::slice::from_mut(flag), lane, &[1.0]);
+        }
+    }
+
     /// Sets one lane. A tip that was free until now starts from the force `reaction`.
     pub(super) fn set(&mut self, lane: usize, now: &Instant, reaction: [f64; 3]) -> Held {
         let was_held = at(std::slice::from_ref(&self.tip_held), 0, lane) > 0.0;
@@ -151,7 +158,7 @@ impl Part {
                 frame: pose.rotation.coords.into(),
                 ..none
             },
-            End::Pinned(position) => Self { position: position.coords, ..none },
+            End::Pinned { position, moment } => Self { position: position.coords, moment, ..none },
             End::Loaded { force, moment } => Self { kind: Kind::Loaded, force, moment, ..none },
         }
     }

@@ -23,7 +23,7 @@ pub(super) trait Engine: Send {
     fn measure(&mut self, wanted: &[bool; 8]);
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool);
     fn set_conditions(&mut self, lane: usize, now: &Instant);
-    fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState);
+    fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
@@ -75,8 +75,8 @@ impl<S: Simd> Engine for Pack<S> {
     fn set_conditions(&mut self, lane: usize, now: &Instant) {
         Self::set_conditions(self, lane, now);
     }
-    fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState) {
-        Self::set_state(self, lane, root, state);
+    fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
+        Self::set_state(self, lane, rod, state);
     }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
         for i in 0..3 {

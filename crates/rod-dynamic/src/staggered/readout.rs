@@ -2,7 +2,7 @@
 
 use super::pack::{Pack, at, set};
 use crate::{Energy, Rod, RodState};
-use nalgebra::{Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
 
@@ -39,16 +39,12 @@ impl<S: Simd> Pack<S> {
         let [root, tip] = self.chain.ends.joined(lane);
         let curvatures = (0..=n)
             .map(|j| {
-                // The joint's stiffness is that of the rod over the joint's length.
                 let rest = self.vector(&self.rest, j, lane);
                 if (j == 0 && !root) || (j == n && !tip) {
                     return nodes[j].natural_curvature;
                 }
                 let strain = self.vector(&self.phi, j, lane) - rest;
-                let (i, k) = (j.min(n - 1), j.saturating_sub(1).min(n - 1));
-                let h = rod.fiber.segment_lengths();
-                let length = if j == 0 || j == n { 0.5 * h[i] } else { 0.5 * (h[i] + h[k]) };
-                nodes[j].natural_curvature + strain / length
+                nodes[j].natural_curvature + strain / joint_length(rod, j)
             })
             .collect();
         RodState {
@@ -66,15 +62,17 @@ impl<S: Simd> Pack<S> {
         }
     }
 
-    /// Starts one lane from `state`, whose arrays fit. Positions follow from the frames.
-    pub(super) fn set_state(&mut self, lane: usize, root: &Point3<f64>, state: &RodState) {
+    /// Starts one lane from `state`, whose arrays fit. Positions follow from the frames, and the
+    /// strains of the joints at the ends from the curvatures there: that of an end that is not
+    /// clamped is natural, which makes the strain vanish.
+    pub(super) fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
         let n = self.chain.n;
         for array in self.arrays_mut() {
             for i in 0..array.len() {
                 set(array, i, lane, 0.0);
             }
         }
-        let mut position = root.coords;
+        let mut position = state.positions[0].coords;
         let mut before: Option<Rotation3<f64>> = None;
         for a in 0..=n {
             for i in 0..3 {
@@ -98,14 +96,23 @@ impl<S: Simd> Pack<S> {
             }
             position += matrix.column(2) * at(&self.chain.h, a, lane);
             let frame = Rotation3::from_matrix_unchecked(matrix);
-            let turn = match before {
-                Some(before) => so3::log(&(before.inverse() * frame)),
-                None => self.vector(&self.rest, 0, lane),
-            };
-            for i in 0..3 {
-                set(&mut self.phi, 3 * a + i, lane, turn[i]);
+            if let Some(before) = before {
+                let turn = so3::log(&(before.inverse() * frame));
+                self.set_turn(lane, a, &turn);
             }
             before = Some(frame);
+        }
+        self.chain.ends.join(lane);
+        for j in [0, n] {
+            let strain = state.curvatures[j] - rod.fiber.nodes()[j].natural_curvature;
+            let turn = self.vector(&self.rest, j, lane) + strain * joint_length(rod, j);
+            self.set_turn(lane, j, &turn);
+        }
+    }
+
+    fn set_turn(&mut self, lane: usize, joint: usize, turn: &Vector3<f64>) {
+        for i in 0..3 {
+            set(&mut self.phi, 3 * joint + i, lane, turn[i]);
         }
     }
 
@@ -133,5 +140,16 @@ impl<S: Simd> Pack<S> {
             energy.kinetic += 0.5 * at(&self.inertia, i, lane) * rate.norm_squared();
         }
         energy
+    }
+}
+
+/// Length of what joint `j` stands for: its stiffness is that of the rod over this length.
+fn joint_length(rod: &Rod, j: usize) -> f64 {
+    let h = rod.fiber.segment_lengths();
+    let n = h.len();
+    match j {
+        0 => 0.5 * h[0],
+        j if j == n => 0.5 * h[n - 1],
+        j => 0.5 * (h[j - 1] + h[j]),
     }
 }
