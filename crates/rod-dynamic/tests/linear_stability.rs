@@ -65,11 +65,16 @@ fn euler_loads() {
     let clamp = End::Held(*rod.fiber.root());
     let point = Point3::new(1.0, 0.0, 0.0);
     let clamped_tip = End::Held(Translation3::from(point.coords) * rod.fiber.root());
-    let hinge = End::Pinned(Point3::origin());
+    let hinge = End::Pinned { position: Point3::origin(), moment: Load::ZERO };
     for (name, root, tip, exact) in [
         ("clamped, free", clamp, None, PI * PI / 4.0),
-        ("pinned", hinge, Some(End::Pinned(point)), PI * PI),
-        ("clamped, pinned", clamp, Some(End::Pinned(point)), 20.190_729),
+        ("pinned", hinge, Some(End::Pinned { position: point, moment: Load::ZERO }), PI * PI),
+        (
+            "clamped, pinned",
+            clamp,
+            Some(End::Pinned { position: point, moment: Load::ZERO }),
+            20.190_729,
+        ),
         ("clamped", clamp, Some(clamped_tip), 4.0 * PI * PI),
     ] {
         let found = threshold(0.5 * exact, 1.5 * exact, |load| {

@@ -89,7 +89,10 @@ const SCENES: [Scene; 9] = [
         damping_time: 0.02,
         conditions: |t| {
             let tip = driven_tip(Vector3::new(1.0, 0.5, 2.0), t).translation.vector;
-            Instant { tip: End::Pinned(Point3::from(tip)), ..fall(t) }
+            Instant {
+                tip: End::Pinned { position: Point3::from(tip), moment: Load::ZERO },
+                ..fall(t)
+            }
         },
     },
     Scene {

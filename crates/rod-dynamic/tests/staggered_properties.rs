@@ -64,7 +64,7 @@ fn end(kind: &Kind, pose: Isometry3<f64>, velocity: Vector3<f64>, weight: f64, t
     let (force, moment) = (weight * velocity, 0.1 * weight * velocity.yzx());
     match kind {
         Kind::Held => End::Held(Isometry3::from_parts(point.into(), turn * pose.rotation)),
-        Kind::Pinned => End::Pinned(Point3::from(point)),
+        Kind::Pinned => End::Pinned { position: Point3::from(point), moment: Load::ZERO },
         Kind::World => End::Loaded { force: Load::World(force), moment: Load::World(moment) },
         Kind::Follower => {
             End::Loaded { force: Load::Follower(force), moment: Load::Follower(moment) }
