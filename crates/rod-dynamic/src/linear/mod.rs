@@ -74,8 +74,8 @@ pub fn linearize(
     if !stiffness.iter().all(|x| x.is_finite()) {
         return invalid("state or conditions", "all numbers must be finite");
     }
-    // Negated, so that NaN is refused.
-    if !(chain.imbalance() <= BALANCED * stiffness.amax()) {
+    let imbalance = chain.imbalance();
+    if imbalance.is_nan() || imbalance > BALANCED * stiffness.amax() {
         return invalid("state", "torques do not balance: it must be an equilibrium");
     }
     let displacement = chain.displacement();
