@@ -1,5 +1,7 @@
 //! Loads at which equilibria of the linearised staggered rod lose their stability.
 
+#![allow(clippy::type_complexity, reason = "tables of cases")]
+
 mod common;
 
 use common::{chain, planar_clamp, scaled};

@@ -1,5 +1,7 @@
 //! Large planar swings of the staggered rod against the independent reference.
 
+#![allow(clippy::doc_markdown, reason = "names of oracle cases")]
+
 mod common;
 
 use common::{Oracle, Swing};
