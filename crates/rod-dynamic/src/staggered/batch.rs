@@ -1,5 +1,5 @@
 use super::engine::{Engine, build};
-use super::scheme::Scheme;
+use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::{
     Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport,
@@ -147,7 +147,7 @@ impl StaggeredBatch {
         let count = self.rods.len();
         let mut out = [Outcome::NONE; 8];
         let mut lengths = [dt; 8];
-        self.engine.attempt(&lengths, &wanted, false, true, &mut out);
+        self.engine.attempt(&lengths, &wanted, Problem::Step, &mut out);
         let mut whole = wanted;
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
@@ -169,7 +169,7 @@ impl StaggeredBatch {
                 lengths[fiber] = dt;
             }
         }
-        self.engine.commit(&lengths, &whole, false);
+        self.engine.commit(&lengths, &whole, Problem::Step);
         self.advance_time(dt);
         Ok(())
     }
@@ -260,10 +260,10 @@ impl StaggeredBatch {
             let mut before = Vec::new();
             self.engine.save(fiber, &mut before);
             self.engine.set_out(&only);
-            self.engine.attempt(lengths, &only, false, true, &mut out);
+            self.engine.attempt(lengths, &only, Problem::Step, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
-                self.engine.commit(lengths, &only, false);
+                self.engine.commit(lengths, &only, Problem::Step);
                 done += part;
             } else {
                 self.engine.restore(fiber, &before);
@@ -296,12 +296,12 @@ impl StaggeredBatch {
         if wanted.contains(&true) {
             let mut out = [Outcome::NONE; 8];
             let lengths = [delta; 8];
-            self.engine.attempt(&lengths, &wanted, true, false, &mut out);
+            self.engine.attempt(&lengths, &wanted, Problem::Start, &mut out);
             let mut done = wanted;
             for fiber in 0..count {
                 done[fiber] &= out[fiber].converged;
             }
-            self.engine.commit(&lengths, &done, true);
+            self.engine.commit(&lengths, &done, Problem::Start);
             for fiber in (0..count).filter(|&fiber| wanted[fiber]) {
                 self.engine.undo(fiber);
             }

@@ -13,10 +13,10 @@
 //! constraints and the momentum balance to rounding. Newton's matrix, in `(dn_e, dtheta_e)`, is
 //! symmetric quasi-definite and block tridiagonal; see [`super::factor`].
 
-use super::ends::Ends;
+use super::ends::{Ends, Held};
 use super::factor::{Block, Factor};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
-use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
+use super::search::{LARGEST_TURN, MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
 
 /// The unknown rotations of one pack of fibres and everything that determines them.
@@ -212,7 +212,8 @@ impl<S: Simd> Chain<S> {
 
     /// Assembles Newton's matrix at the present shape, factors it, and solves for the increments.
     /// `definite` lanes (flag 1) use the part of the Hessian that is positive by construction.
-    /// Returns the potential energy of joints and directors and the smallest pivot.
+    /// Returns the potential energy of joints and directors, and the signature of the matrix: zero
+    /// where the Hessian is positive definite.
     #[inline(always)]
     pub(super) fn assemble(&mut self, gap: V3<S>, definite: Lane<S>) -> (Lane<S>, Lane<S>) {
         let (simd, n, ends) = (self.simd, self.n, self.ends);
@@ -220,7 +221,7 @@ impl<S: Simd> Chain<S> {
         let half = Lane::splat(simd, 0.5);
         let zero = V3::splat(simd, 0.0);
         let mut potential = Lane::splat(simd, 0.0);
-        let mut pivot = Lane::splat(simd, f64::MAX);
+        let mut signature = Lane::splat(simd, 0.0);
         let mut before = self.quat(&ends.root_frame);
         let mut directors = [zero; 3];
         let mut left = Joint::none(simd);
@@ -263,24 +264,24 @@ impl<S: Simd> Chain<S> {
                     torque,
                 } - carry;
                 let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
-                let (passed, smallest) = self.factor.eliminate(e, block, w1, coupling);
-                if j == n && ends.any_without_potential {
+                let (passed, signs) = self.factor.eliminate(e, block, w1, coupling);
+                if j == n && ends.any_circulatory {
                     let force = combine(d, self.lift(ends.tip_force[1]));
                     let moment =
                         self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
-                    let wanted = Lane::new(simd, ends.without_potential);
+                    let wanted = Lane::new(simd, ends.circulatory);
                     let (follow, spin) = (force.scale(-w1), moment.scale(-half));
                     self.factor.close(block, hat(follow), hat(spin), wanted);
                 }
                 carry = passed;
-                pivot = pivot.min(smallest);
+                signature = signature + signs;
             }
             left = right;
             before = after;
             directors = next;
         }
         self.factor.back_substitute(simd, &mut self.step);
-        (potential, pivot)
+        (potential, signature)
     }
 
     /// Moment, energy and Hessian of the joint between rotations `a` and `b`; `d` belongs to `b`.
@@ -318,29 +319,20 @@ impl<S: Simd> Chain<S> {
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
     /// do lanes once they have converged: no fibre depends on its neighbours in the pack.
     #[inline(always)]
-    pub(super) fn newton(
-        &mut self,
-        wanted: &[bool; 8],
-        potential: &[bool; 8],
-        out: &mut [Outcome; 8],
-    ) {
+    pub(super) fn newton(&mut self, wanted: &[bool; 8], held: &[Held; 8], out: &mut [Outcome; 8]) {
         let simd = self.simd;
         let lanes = S::F64_LANES;
-        let mut search = [Search::default(); 8];
+        let mut search = [Search::new(false, Held::CLAMPED); 8];
         for lane in 0..lanes {
-            search[lane] = Search::new(wanted[lane], potential[lane]);
+            search[lane] = Search::new(wanted[lane], held[lane]);
             if wanted[lane] {
                 out[lane] = Outcome::NONE;
             }
         }
         for iteration in 0..MAX_ITERATIONS {
             let (nodes, gap) = self.shape();
-            let (joints, definite) = self.solve(gap, &search);
-            let energy = nodes + joints;
-            let mut largest = Lane::splat(simd, 0.0);
-            for e in 0..self.n {
-                largest = largest.max(self.vec(&self.step, 2 * e + 1).max_abs());
-            }
+            let direction = self.solve(gap, &search);
+            let energy = nodes + direction.potential;
             let open = gap.max_abs();
             let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
             for lane in 0..lanes {
@@ -348,10 +340,10 @@ impl<S: Simd> Chain<S> {
                     let h = get(self.one(&self.h, 0), lane);
                     let solve = Solve {
                         iteration,
-                        turn: get(largest, lane),
+                        turn: get(direction.turn, lane),
                         energy: get(energy, lane),
-                        closed: get(open, lane) <= 1e-14 * self.n as f64 * h,
-                        definite: definite[lane] == 0.0,
+                        closed: get(open, lane) <= 1e-13 * self.n as f64 * h,
+                        definite: direction.definite[lane] == 0.0,
                     };
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
@@ -380,31 +372,35 @@ impl<S: Simd> Chain<S> {
     }
 
     /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
-    /// definite part. Returns the potential energy of joints and directors, and how much of the
-    /// definite part was needed.
+    /// definite part, until it is enough and the increments are of a size that makes sense.
     #[inline(always)]
-    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> (Lane<S>, [f64; 8]) {
-        let lanes = S::F64_LANES;
+    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> Direction<S> {
+        let (simd, lanes) = (self.simd, S::F64_LANES);
         let mut definite = [0.0; 8];
-        let mut potential = Lane::splat(self.simd, 0.0);
-        for weight in [1e-3, 0.03, 0.3, 1.0, 0.0] {
-            let flags = Lane::new(self.simd, self.simd.partial_load_f64s(&definite[..lanes]));
-            let (energy, pivot) = self.assemble(gap, flags);
-            potential = energy;
+        let mut weights = DEFINITE_PARTS.iter();
+        loop {
+            let flags = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
+            let (potential, signature) = self.assemble(gap, flags);
+            let mut turn = Lane::splat(simd, 0.0);
+            for e in 0..self.n {
+                turn = turn.max(self.vec(&self.step, 2 * e + 1).max_abs());
+            }
+            let weight = weights.next();
             let mut again = false;
-            for lane in 0..lanes {
-                // A NaN is not positive either; Newton's method gives up on it.
-                let positive = get(pivot, lane) > 0.0;
-                if search[lane].active && !positive && weight > 0.0 {
-                    definite[lane] = weight;
+            for lane in (0..lanes).filter(|&lane| search[lane].active) {
+                let weak = get(signature, lane) != 0.0
+                    || (definite[lane] > 0.0
+                        && definite[lane] < 0.3
+                        && get(turn, lane) > LARGEST_TURN);
+                if let (true, Some(weight)) = (weak, weight) {
+                    definite[lane] = *weight;
                     again = true;
                 }
             }
             if !again {
-                break;
+                return Direction { potential, turn, definite };
             }
         }
-        (potential, definite)
     }
 
     /// Turns the segments by `scale` times the direction, from where the direction started. Lanes
@@ -430,6 +426,20 @@ impl<S: Simd> Chain<S> {
             |x| x.value,
         );
     }
+}
+
+/// How much of the definite part is tried in turn where the Hessian is indefinite: as little as
+/// leads downhill, since with all of it saddles are left only slowly.
+const DEFINITE_PARTS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+
+/// What a Newton solve tells beside the increments.
+struct Direction<S: Simd> {
+    /// Potential energy of joints and directors.
+    potential: Lane<S>,
+    /// Largest increment, rad.
+    turn: Lane<S>,
+    /// How much of the definite part was needed.
+    definite: [f64; 8],
 }
 
 /// What a joint does to its two segments.

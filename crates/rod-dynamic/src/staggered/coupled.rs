@@ -1,6 +1,7 @@
 //! A step in two halves, for a solver of contacts between them.
 
 use super::batch::StaggeredBatch;
+use super::scheme::Problem;
 use super::search::Outcome;
 use crate::{Conditions, ImpulseResponse, RodError, StepError, StepReport, Weight};
 use nalgebra::{Matrix3, Vector3};
@@ -23,7 +24,7 @@ impl StaggeredBatch {
     ) -> Result<(), StepError> {
         let fresh = self.fresh;
         self.begin(dt, conditions, reports)?;
-        let solved = self.solve(dt, true, reports);
+        let solved = self.solve(dt, Problem::Step, reports);
         if solved.is_err() {
             self.take_back(fresh);
         }
@@ -68,53 +69,48 @@ impl StaggeredBatch {
             self.engine.kick(fiber, impulses);
         }
         let fresh = self.fresh;
-        if let Err(error) = self.solve(dt, false, reports) {
+        if let Err(error) = self.solve(dt, Problem::Again, reports) {
             self.take_back(fresh);
             return Err(error);
         }
         let mut all = [false; 8];
         all[..self.rods().len()].fill(true);
-        self.engine.commit(&[dt; 8], &all, false);
+        self.engine.commit(&[dt; 8], &all, Problem::Step);
         self.advance_time(dt);
         Ok(())
     }
 
-    /// Takes a step from rest in one piece, without an acceleration at its start. Tells whether it
-    /// ended at a saddle of the energy instead of a minimum.
+    /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step whose
+    /// inertia keeps Newton's matrix from being singular. Tells whether any ended at a saddle of
+    /// its energy instead of a minimum.
     pub(super) fn settle(
         &mut self,
         dt: f64,
-        conditions: &dyn Conditions,
+        conditions: &[&dyn Conditions],
         reports: &mut [StepReport],
     ) -> Result<bool, StepError> {
         self.skip_start();
-        self.begin(dt, &[conditions], reports)?;
-        let saddle = self.solve(dt, true, reports)?;
-        self.engine.commit(&[dt; 8], &[true; 8], false);
-        Ok(saddle)
-    }
-
-    /// Takes all motion away.
-    pub(super) fn stop(&mut self) {
+        self.begin(dt, conditions, reports)?;
+        let saddle = self.solve(dt, Problem::Rest, reports)?;
+        self.engine.commit(&[dt; 8], &[true; 8], Problem::Rest);
         for fiber in 0..self.rods().len() {
             self.engine.stop(fiber);
         }
+        Ok(saddle)
     }
 
-    /// Solves the present step in all fibres, from their present rotations or from where their
-    /// motion leads. Tells whether any of
-    /// them ended at a saddle.
+    /// Solves one problem in all fibres. Tells whether any of them ended at a saddle.
     fn solve(
         &mut self,
         dt: f64,
-        ahead: bool,
+        problem: Problem,
         reports: &mut [StepReport],
     ) -> Result<bool, StepError> {
         let count = self.rods().len();
         let mut out = [Outcome::NONE; 8];
         let mut wanted = [false; 8];
         wanted[..count].fill(true);
-        self.engine.attempt(&[dt; 8], &wanted, false, ahead, &mut out);
+        self.engine.attempt(&[dt; 8], &wanted, problem, &mut out);
         self.predicted = dt;
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();

@@ -29,9 +29,9 @@ pub(super) struct Ends<S: Simd> {
     /// Whether any lane has a free root, or a joint at its tip.
     pub(super) any_root_free: bool,
     pub(super) any_tip_joint: bool,
-    /// Whether the step has no potential, in each lane and in any.
-    pub(super) without_potential: S::f64s,
-    pub(super) any_without_potential: bool,
+    /// Whether moments or follower forces act, which have no potential, in each lane and in any.
+    pub(super) circulatory: S::f64s,
+    pub(super) any_circulatory: bool,
 }
 
 /// The kind of an [`End`].
@@ -47,14 +47,21 @@ pub(super) enum Kind {
 pub(super) struct Held {
     pub(super) root: Kind,
     pub(super) tip: Kind,
-    /// Whether the step minimises a potential: not with a held tip, which makes it a problem of
-    /// saddle points, nor under moments and follower forces, which have none.
-    pub(super) potential: bool,
+    /// Whether all loads have a potential; moments and follower forces have none.
+    pub(super) conservative: bool,
 }
 
 impl Held {
     /// A clamped root and a free tip: what lanes that are not in use stand as.
-    pub(super) const CLAMPED: Self = Self { root: Kind::Held, tip: Kind::Loaded, potential: true };
+    pub(super) const CLAMPED: Self =
+        Self { root: Kind::Held, tip: Kind::Loaded, conservative: true };
+
+    /// Whether the step minimises the potential freely; a held tip makes it a problem of saddle
+    /// points, where the energy of an iterate that leaves a gap says nothing.
+    #[inline(always)]
+    pub(super) fn minimizes(&self) -> bool {
+        self.conservative && self.tip == Kind::Loaded
+    }
 }
 
 impl<S: Simd> Ends<S> {
@@ -77,8 +84,8 @@ impl<S: Simd> Ends<S> {
             tip_reaction: [zero; 3],
             any_root_free: false,
             any_tip_joint: false,
-            without_potential: zero,
-            any_without_potential: false,
+            circulatory: zero,
+            any_circulatory: false,
         }
     }
 
@@ -122,9 +129,9 @@ impl<S: Simd> Ends<S> {
         if !was_held && tip.kind != Kind::Loaded {
             put(&mut self.tip_reaction, lane, &reaction);
         }
-        let potential = tip.kind == Kind::Loaded && root.conservative() && tip.conservative();
-        put(std::slice::from_mut(&mut self.without_potential), lane, &[f64::from(!potential)]);
-        Held { root: root.kind, tip: tip.kind, potential }
+        let conservative = root.conservative() && tip.conservative();
+        put(std::slice::from_mut(&mut self.circulatory), lane, &[f64::from(!conservative)]);
+        Held { root: root.kind, tip: tip.kind, conservative }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::lanes::zeros;
 use super::pack::{Pack, at, set};
-use super::scheme::Scheme;
+use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
 use crate::{Energy, Instant, Rod, RodState, Weight};
@@ -15,13 +15,12 @@ pub(super) trait Engine: Send {
         &mut self,
         dt: &[f64; 8],
         wanted: &[bool; 8],
-        starting: bool,
-        ahead: bool,
+        problem: Problem,
         out: &mut [Outcome; 8],
     );
     fn set_out(&mut self, wanted: &[bool; 8]);
     fn measure(&mut self, wanted: &[bool; 8]);
-    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool);
+    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem);
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
@@ -57,11 +56,10 @@ impl<S: Simd> Engine for Pack<S> {
         &mut self,
         dt: &[f64; 8],
         wanted: &[bool; 8],
-        starting: bool,
-        ahead: bool,
+        problem: Problem,
         out: &mut [Outcome; 8],
     ) {
-        Self::attempt(self, dt, wanted, starting, ahead, out);
+        Self::attempt(self, dt, wanted, problem, out);
     }
     fn measure(&mut self, wanted: &[bool; 8]) {
         Self::measure(self, wanted);
@@ -69,8 +67,8 @@ impl<S: Simd> Engine for Pack<S> {
     fn set_out(&mut self, wanted: &[bool; 8]) {
         Self::set_out(self, wanted);
     }
-    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool) {
-        Self::commit(self, dt, done, starting);
+    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
+        Self::commit(self, dt, done, problem);
     }
     fn set_conditions(&mut self, lane: usize, now: &Instant) {
         Self::set_conditions(self, lane, now);

@@ -1,16 +1,16 @@
 //! The step of infinite length: a static solver.
 
 use super::batch::StaggeredBatch;
-use crate::{Instant, Rod, RodError, RodState, Steady, StepError, StepReport};
+use crate::{End, Instant, Rod, RodError, RodState, Steady, StepError, StepReport};
 use nalgebra::Vector3;
 use rapunzel_fiber::so3;
 use thiserror::Error;
 
-/// Length of the step in units of the rod's slowest bending time. Inertia then has a part of
-/// `1e-8` in the balance: enough to hold modes that cost no energy, as when a rod of circular
-/// section that has buckled from upright turns about its clamp. A second step from where the first
-/// ended takes that part out.
-const LONG: f64 = 1e4;
+/// Length of the step in units of the rod's slowest bending time. Inertia has a part of `1e-6` in
+/// Newton's matrix, and none in the balance: enough to hold modes that cost no energy, as when a
+/// rod of circular section that has buckled from upright turns about its clamp. A longer step would
+/// cost digits where the tip is held.
+const LONG: f64 = 1e3;
 
 /// Curvature that is added to leave a saddle of the energy, as the turn of the whole rod in rad.
 const KICK: f64 = 0.05;
@@ -31,11 +31,14 @@ pub enum EquilibriumError {
 
 /// The equilibrium of `rod` under `conditions` that minimising the energy from `start` leads to.
 ///
-/// It is stable: where the Hessian's pivots are not all positive, as for a tall rod that balances
+/// It is stable: where the Hessian is not positive definite, as for a tall rod that balances
 /// upright, the rod is bent a little and let go again. (Moments and follower forces at the ends
-/// have no energy, and stability is then not claimed.) The state returned is at rest. Second order in the length of the segments:
-/// the tip of a clamped horizontal hair of 100 segments is off by `2.7e-4` of its length.
-/// Extrapolation from two meshes removes nearly all of that. Cost: 4 to 8 Newton iterations.
+/// have no energy, and stability is then not claimed.) A free root is taken as pinned where it is:
+/// without that nothing holds the rod. The state returned is at rest.
+///
+/// Second order in the length of the segments: the tip of a clamped horizontal hair of 100 segments
+/// is off by `2.7e-4` of its length. Extrapolation from two meshes removes nearly all of that.
+/// Cost: 4 to 8 Newton iterations.
 ///
 /// # Errors
 /// [`EquilibriumError::Rod`] for a start that does not fit the rod, [`EquilibriumError::Solve`]
@@ -52,19 +55,19 @@ pub fn equilibrium(
     let mut state = start.clone();
     state.velocities.fill(Vector3::zeros());
     state.angular_velocities.fill(Vector3::zeros());
+    let mut conditions = *conditions;
+    if let End::Loaded { moment, .. } = conditions.root {
+        conditions.root = End::Pinned { position: start.positions[0], moment };
+    }
     let softest = rod.fiber.nodes().iter().map(|n| n.stiffness.min()).fold(f64::MAX, f64::min);
     let bending_time = (rod.fiber.mass() * rod.fiber.length().powi(3) / softest).sqrt();
     let mut total = StepReport::default();
     for kicks in 0..=MAX_KICKS {
         batch.set_state(0, &state)?;
-        let mut saddle = false;
-        for _ in 0..2 {
-            let mut reports = [StepReport::default()];
-            saddle = batch.settle(LONG * bending_time, &Steady(*conditions), &mut reports)?;
-            total.iterations += reports[0].iterations;
-            total.residual = reports[0].residual;
-            batch.stop();
-        }
+        let mut reports = [StepReport::default()];
+        let saddle = batch.settle(LONG * bending_time, &[&Steady(conditions)], &mut reports)?;
+        total.iterations += reports[0].iterations;
+        total.residual = reports[0].residual;
         state = batch.state(0);
         state.time = start.time;
         if !saddle || kicks == MAX_KICKS {

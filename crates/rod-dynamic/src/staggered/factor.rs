@@ -3,8 +3,9 @@
 //!
 //! Unknowns of segment `e` are the increments of its force and of its rotation vector. Diagonal
 //! blocks are `[[-C, S], [S^T, A]]`, the block to the right `[[w E, 0], [0, B]]`. Forces are
-//! eliminated before rotations; the pivots' signs are the inertia, and three negative and three
-//! positive ones in every block say that the reduced Hessian is positive definite.
+//! eliminated before rotations. By Sylvester's law of inertia the reduced Hessian is positive
+//! definite exactly when as many pivots of the whole matrix are positive as negative; in single
+//! blocks they need not be, as in a rod under thrust that only both its ends together hold.
 //! Some 220 multiplications a segment to factor, 100 to solve once more.
 
 use super::chain::store;
@@ -65,7 +66,7 @@ impl<S: Simd> Factor<S> {
     }
 
     /// Eliminates segment `e`, whose block already lacks what its predecessor takes away. Returns
-    /// what to take from the next block, and the smallest signed pivot.
+    /// what to take from the next block, and the signature of the pivots.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -74,10 +75,10 @@ impl<S: Simd> Factor<S> {
         w: Lane<S>,
         b: M3<S>,
     ) -> (Block<S>, Lane<S>) {
-        let (p, pivot_force) = block.compliance.inverse(-1.0);
+        let (p, of_forces) = block.compliance.inverse();
         let v = p.times(block.lever);
-        let (sigma, pivot_turn) =
-            (block.stiffness - Sym::transposed_product(block.lever, v)).inverse(1.0);
+        let (sigma, of_turns) =
+            (block.stiffness - Sym::transposed_product(block.lever, v)).inverse();
         let turn = sigma.apply(block.torque - v.apply_transposed(block.load));
         let force = p.apply(block.load) - v.apply(turn);
         let x = v.times(sigma.full());
@@ -104,7 +105,7 @@ impl<S: Simd> Factor<S> {
         row[30] = w.value;
         store(&mut row[31..], 0, force);
         store(&mut row[31..], 1, turn);
-        (next, pivot_force.min(pivot_turn))
+        (next, of_forces + of_turns)
     }
 
     /// Solves the last segment again where loads that have no potential make its block unsymmetric:
@@ -112,7 +113,7 @@ impl<S: Simd> Factor<S> {
     /// Only in the lanes that are wanted; the factors stay those of the symmetric block.
     #[inline(always)]
     pub(super) fn close(&mut self, block: Block<S>, follow: M3<S>, spin: M3<S>, wanted: Lane<S>) {
-        let (p, _) = block.compliance.inverse(-1.0);
+        let (p, _) = block.compliance.inverse();
         let below = p.times(block.lever);
         let above = p.times(block.lever + follow);
         let sigma = block.stiffness.full() + spin - block.lever.transposed().times(above);

@@ -68,9 +68,10 @@ impl<S: Simd> Lane<S> {
     pub(super) fn max(self, b: Self) -> Self {
         Self::new(self.simd, self.simd.max_f64s(self.value, b.value))
     }
+    /// 1 where `self > 0`, else -1 (also for NaN).
     #[inline(always)]
-    pub(super) fn min(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.min_f64s(self.value, b.value))
+    pub(super) fn sign(self) -> Self {
+        self.positive_or(self.lift(1.0), self.lift(-1.0))
     }
     /// `yes` where `self > 0`, else `no` (also for NaN).
     #[inline(always)]
@@ -348,12 +349,11 @@ impl<S: Simd> Sym<S> {
             |x| x * s,
         ))
     }
-    /// The inverse through `L D L^T`, and the smallest of `sign * pivot`: positive exactly when
-    /// `sign * self` is positive definite.
+    /// The inverse through `L D L^T`, and its signature: how many pivots are positive less how
+    /// many are not.
     #[inline(always)]
-    pub(super) fn inverse(self, sign: f64) -> (Self, Lane<S>) {
+    pub(super) fn inverse(self) -> (Self, Lane<S>) {
         let [xx, yy, zz, xy, xz, yz] = self.0;
-        let sign = xx.lift(sign);
         let i0 = xx.recip();
         let (l1, l2) = (xy * i0, xz * i0);
         let d1 = l1.nma(xy, yy);
@@ -368,8 +368,8 @@ impl<S: Simd> Sym<S> {
         let (iyy, iyz) = (l3.nma(l3i, i1), l3i);
         let ixy = m.fma(l3i, -(l1 * i1));
         let ixx = m.fma(m2, l1.fma(l1 * i1, i0));
-        let pivot = (sign * xx).min(sign * d1).min(sign * d2);
-        (Self([ixx, iyy, i2, ixy, m2, iyz]), pivot)
+        let signature = xx.sign() + d1.sign() + d2.sign();
+        (Self([ixx, iyy, i2, ixy, m2, iyz]), signature)
     }
 }
 
@@ -445,7 +445,7 @@ impl<S: Simd> Quat<S> {
     /// The rotation vector (length at most pi), and `w |phi| / |v|` with both signs made positive.
     #[inline(always)]
     pub(super) fn log(self) -> (V3<S>, Lane<S>) {
-        let sign = self.w.positive_or(self.w.lift(1.0), self.w.lift(-1.0));
+        let sign = self.w.sign();
         let one = self.w.lift(1.0);
         let w = self.w * sign;
         let v2 = self.v.dot(self.v);

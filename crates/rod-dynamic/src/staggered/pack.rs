@@ -4,7 +4,7 @@ use super::chain::{Chain, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
 use super::response::Workspace;
-use super::scheme::{Scheme, Stage};
+use super::scheme::{Problem, Scheme, Stage};
 use super::search::Outcome;
 use super::track::Track;
 use crate::{End, Instant, Load, Rod};
@@ -116,44 +116,37 @@ impl<S: Simd> Pack<S> {
         set(std::slice::from_mut(&mut self.damping), 0, lane, rod.damping_time);
     }
 
-    /// Solves one step of length `dt[lane]` in the lanes that are wanted, without committing it.
-    /// `starting` solves for the initial acceleration instead; `ahead` starts Newton's method from
-    /// where the motion leads.
+    /// Solves a problem with steps of length `dt[lane]` in the lanes that are wanted, without
+    /// committing it.
     pub(super) fn attempt(
         &mut self,
         dt: &[f64; 8],
         wanted: &[bool; 8],
-        starting: bool,
-        ahead: bool,
+        problem: Problem,
         out: &mut [Outcome; 8],
     ) {
         struct Attempt<'a, S: Simd>(
             &'a mut Pack<S>,
             &'a [f64; 8],
             &'a [bool; 8],
-            bool,
-            bool,
+            Problem,
             &'a mut [Outcome; 8],
         );
         impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let Self(pack, dt, wanted, starting, ahead, out) = self;
-                let stage = pack.stage(dt, starting);
+                let Self(pack, dt, wanted, problem, out) = self;
+                let stage = pack.stage(dt, problem);
                 pack.prepare(&stage);
-                if ahead {
+                if problem == Problem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
-                let potential = pack.held.map(
-                    #[inline(always)]
-                    |held| held.potential,
-                );
-                pack.chain.newton(wanted, &potential, out);
+                pack.chain.newton(wanted, &pack.held, out);
             }
         }
         self.last_dt = *dt;
-        self.chain.simd.vectorize(Attempt(self, dt, wanted, starting, ahead, out));
+        self.chain.simd.vectorize(Attempt(self, dt, wanted, problem, out));
     }
 
     /// Makes the present rotations the start of a step, in the lanes that are wanted.
@@ -198,24 +191,24 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Makes the last attempt the state, in the lanes that are `done`.
-    pub(super) fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], starting: bool) {
-        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], bool);
+    pub(super) fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
+        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], Problem);
         impl<S: Simd> NullaryFnOnce for Commit<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let Self(pack, dt, done, starting) = self;
-                let stage = pack.stage(dt, starting);
+                let Self(pack, dt, done, problem) = self;
+                let stage = pack.stage(dt, problem);
                 pack.take_over(&stage, done);
             }
         }
-        self.chain.simd.vectorize(Commit(self, dt, done, starting));
+        self.chain.simd.vectorize(Commit(self, dt, done, problem));
     }
 
     #[inline(always)]
-    pub(super) fn stage(&self, dt: &[f64; 8], starting: bool) -> Stage<S> {
+    pub(super) fn stage(&self, dt: &[f64; 8], problem: Problem) -> Stage<S> {
         let dt = Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&dt[..S::F64_LANES]));
-        if starting { self.scheme.start(dt) } else { self.scheme.stage(dt) }
+        self.scheme.stage(dt, problem)
     }
 
     /// Writes the problem of the step into the chain.
@@ -264,7 +257,7 @@ impl<S: Simd> Pack<S> {
                 a if a == n => Lane::new(simd, self.chain.ends.tip_held),
                 _ => zero,
             };
-            self.chain.mu[a] = mu.value;
+            self.chain.mu[a] = if stage.problem == Problem::Rest { zero } else { mu }.value;
             self.chain.w[a] = held.positive_or(zero, mu.recip()).value;
             store(&mut self.chain.b, a, b);
         }
@@ -274,7 +267,8 @@ impl<S: Simd> Pack<S> {
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.inertia[i]) * stage.c1;
-            store(&mut self.chain.p, i, (d + du).scale(inertia));
+            let p = if stage.problem == Problem::Rest { V3::splat(simd, 0.0) } else { d + du };
+            store(&mut self.chain.p, i, p.scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
         let factor = damping.fma(stage.cv, one);
@@ -325,7 +319,7 @@ impl<S: Simd> Pack<S> {
             let new = self.chain.vec(&self.chain.r, a);
             let old = self.chain.vec(&self.r, a);
             self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
-            if !stage.starting {
+            if stage.problem != Problem::Start {
                 store(&mut self.r, a, new.positive_or(done, old));
             }
         }
@@ -340,7 +334,7 @@ impl<S: Simd> Pack<S> {
             if self.any_damping {
                 self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);
             }
-            if !stage.starting {
+            if stage.problem != Problem::Start {
                 store(&mut self.phi, j, new.positive_or(done, old));
             }
         }
@@ -364,7 +358,7 @@ impl<S: Simd> Pack<S> {
         self.held[lane] = self.chain.ends.set(lane, &now, reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
         self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
-        self.chain.ends.any_without_potential = self.held.iter().any(|h| !h.potential);
+        self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
     /// Every array that a lane's future depends on.

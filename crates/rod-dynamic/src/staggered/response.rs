@@ -9,7 +9,7 @@ use super::chain::{hat, store};
 use super::factor::Block;
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
-use super::scheme::Stage;
+use super::scheme::{Problem, Stage};
 use crate::Weight;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
@@ -73,7 +73,7 @@ impl<S: Simd> Pack<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, false);
+                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
                 match self.1 {
                     Question::Respond => self.0.solve_response(&stage),
                     Question::Blocks => self.0.solve_blocks(&stage),

@@ -21,14 +21,26 @@ pub(super) struct Scheme {
     gamma: f64,
 }
 
+/// What is solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Problem {
+    /// The acceleration at the start of a motion.
+    Start,
+    /// A step, from where the motion leads.
+    Step,
+    /// The same step once more, from where the last solve ended.
+    Again,
+    /// Equilibrium: inertia only keeps Newton's matrix from being singular.
+    Rest,
+}
+
 /// The method with the step's length put in, one step length in each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Stage<S: Simd> {
     pub(super) c1: Lane<S>,
     pub(super) cv: Lane<S>,
     pub(super) dt: Lane<S>,
-    /// Whether only the acceleration at the start of a motion is wanted.
-    pub(super) starting: bool,
+    pub(super) problem: Problem,
 }
 
 /// Velocity, the method's own acceleration-like variable, and the true acceleration.
@@ -48,23 +60,20 @@ impl Scheme {
     }
 
     #[inline(always)]
-    pub(super) fn stage<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
+    pub(super) fn stage<S: Simd>(self, dt: Lane<S>, problem: Problem) -> Stage<S> {
         let rate = dt.recip();
+        if problem == Problem::Start {
+            // Its acceleration is that at its start: `u = dt v + dt^2 a / 2`.
+            let two = dt.lift(2.0);
+            return Stage { c1: rate * rate * two, cv: rate * two, dt, problem };
+        }
         let c1 = (1.0 - self.alpha_m) / (self.beta * (1.0 - self.alpha_f));
         Stage {
             c1: rate * rate * dt.lift(c1),
             cv: rate * dt.lift(self.gamma / self.beta),
             dt,
-            starting: false,
+            problem,
         }
-    }
-
-    /// The stage whose acceleration is that at its start: `u = dt v + dt^2 a / 2`.
-    #[inline(always)]
-    pub(super) fn start<S: Simd>(self, dt: Lane<S>) -> Stage<S> {
-        let rate = dt.recip();
-        let two = dt.lift(2.0);
-        Stage { c1: rate * rate * two, cv: rate * two, dt, starting: true }
     }
 
     /// `(du, vc)`.

@@ -1,5 +1,6 @@
 //! Globalisation of Newton's method in one lane: step lengths, the merit test, and when to stop.
 
+use super::ends::Held;
 use crate::StepReport;
 
 /// Largest number of Newton iterations of one solve.
@@ -8,11 +9,11 @@ pub(super) const MAX_ITERATIONS: usize = 40;
 /// tested: near the solution the test sees rounding only.
 const MERIT_THRESHOLD: f64 = 0.03;
 /// A direction is shortened until its largest increment is this, rad.
-const LARGEST_TURN: f64 = 3.0;
+pub(super) const LARGEST_TURN: f64 = 3.0;
 /// The error that may be left after the last increment, rad.
 const TOLERANCE: f64 = 1e-13;
-/// Increments below this, rad, that grow again are rounding: some rods have modes that cost nearly
-/// no energy, and the increments along them are noise.
+/// Increments below this, rad, that hardly fall any more are rounding: some rods have modes that
+/// cost nearly no energy, and the increments along them are noise.
 const NOISE: f64 = 1e-5;
 /// How often a direction is halved before it is taken as it is.
 const MAX_HALVINGS: u8 = 12;
@@ -52,11 +53,10 @@ pub(super) struct Solve {
 }
 
 /// State of the search in one lane.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Search {
     pub(super) active: bool,
-    /// Whether there is a potential energy that must fall.
-    potential: bool,
+    held: Held,
     /// Length of the present direction, and the energy at its origin if it must fall.
     length: f64,
     reference: Option<f64>,
@@ -64,8 +64,8 @@ pub(super) struct Search {
 }
 
 impl Search {
-    pub(super) fn new(active: bool, potential: bool) -> Self {
-        Self { active, potential, ..Self::default() }
+    pub(super) fn new(active: bool, held: Held) -> Self {
+        Self { active, held, length: 0.0, reference: None, halvings: 0 }
     }
 
     /// Decides what follows from a solve at the present point: `(fresh, scale)`, where `fresh` is
@@ -74,7 +74,7 @@ impl Search {
         let (iteration, turn) = (solve.iteration, solve.turn);
         out.iterations = iteration + 1;
         out.residuals[iteration] = turn;
-        out.saddle = self.potential && !solve.definite;
+        out.saddle = self.held.conservative && !solve.definite;
         if !turn.is_finite() {
             self.active = false;
             return (0.0, 0.0);
@@ -89,11 +89,11 @@ impl Search {
         }
         self.halvings = 0;
         self.length = (LARGEST_TURN / turn).min(1.0);
-        let tested = turn > MERIT_THRESHOLD && self.potential;
+        let tested = turn > MERIT_THRESHOLD && self.held.minimizes();
         self.reference = tested.then_some(solve.energy + 1e-12 * solve.energy.abs());
         let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
         let expected = expected_error(turn, before, solve.definite);
-        let converged = expected < TOLERANCE || (turn < NOISE && turn > before);
+        let converged = expected < TOLERANCE || (turn < NOISE && turn > 0.9 * before);
         if converged && solve.closed {
             out.converged = true;
             self.active = false;

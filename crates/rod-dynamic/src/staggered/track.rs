@@ -2,7 +2,7 @@
 
 use super::chain::{Chain, store};
 use super::lanes::{Array, Lane, V3, zeros};
-use super::scheme::{Rates, Scheme, Stage};
+use super::scheme::{Problem, Rates, Scheme, Stage};
 use pulp::Simd;
 
 /// Rates of `count` vector coordinates.
@@ -42,7 +42,7 @@ impl<S: Simd> Track<S> {
         let old = self.rates(chain, i);
         let (du, vc) = scheme.predict(stage, old);
         let acceleration = (u - du).scale(stage.c1);
-        let new = if stage.starting {
+        let new = if stage.problem == Problem::Start {
             Rates { v: old.v, a: acceleration, acceleration }
         } else {
             scheme.finish(stage, old, u.fma(stage.cv, vc), acceleration)

@@ -160,6 +160,49 @@ impl HeavyRod {
     }
 }
 
+/// A case of `c_clamped_clamped.json`: L = 1, gravity -z, the root at the origin.
+#[derive(Debug, Deserialize)]
+pub struct Clamped {
+    pub name: String,
+    #[serde(rename = "G")]
+    pub g: f64,
+    #[serde(rename = "EI1")]
+    pub ei1: f64,
+    #[serde(rename = "EI2")]
+    pub ei2: f64,
+    #[serde(rename = "Gmu")]
+    pub torsion: f64,
+    pub kappa0: [f64; 3],
+    pub start_moment: [f64; 3],
+    pub path_from_start_state: Vec<Waypoint>,
+    pub stations: Vec<Station>,
+    #[serde(rename = "E_elastic")]
+    pub elastic_energy: f64,
+    pub stable: bool,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Waypoint {
+    pub r: [f64; 3],
+    pub rotvec: [f64; 3],
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Station {
+    pub s: f64,
+    pub r: [f64; 3],
+}
+
+impl Clamped {
+    /// The fibre of the case, of mass 1 per length.
+    pub fn fiber(&self, segments: usize) -> Fiber {
+        let mut node = scaled(self.ei1, self.torsion);
+        node.stiffness.y = self.ei2;
+        node.natural_curvature = Vector3::from(self.kappa0);
+        chain(segments, |_| node)
+    }
+}
+
 /// A node of mass 1 per length and the given stiffnesses, its rotary inertia negligible.
 pub fn scaled(bending: f64, torsion: f64) -> NodeProperties {
     NodeProperties {
