@@ -3,9 +3,10 @@
 mod common;
 
 use common::{GRAVITY, hair};
+use nalgebra::{Matrix3, Vector3};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Conditions, Instant, Rod, RodIntegrator, StaggeredBatch, Steady,
-    StepReport,
+    BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Instant, Rod, RodIntegrator,
+    StaggeredBatch, Steady, StepReport, Weight,
 };
 
 /// Allocations of the second of two runs of `step`.
@@ -19,8 +20,7 @@ fn warm_steps_do_not_allocate() {
     let rod = Rod::new(hair(50));
     let hold = Steady(Instant::clamped(*rod.fiber.root(), GRAVITY));
 
-    let mut single =
-        BoxIntegrator::new(rod.clone(), BoxOptions::default()).expect("valid options");
+    let mut single = BoxIntegrator::new(rod.clone(), BoxOptions::default()).expect("valid options");
     let count = allocations(|| {
         for _ in 0..20 {
             single.step(1e-3, &hold).expect("a step");
@@ -38,5 +38,20 @@ fn warm_steps_do_not_allocate() {
             }
         });
         assert_eq!(count, 0, "batch of {fibers}");
+
+        let nodes = batch.nodes();
+        let impulses = vec![Vector3::new(1e-9, 0.0, 0.0); nodes];
+        let mut velocities = vec![Vector3::zeros(); nodes];
+        let mut blocks = vec![Matrix3::zeros(); nodes];
+        let weights = [Weight { fiber: 0, segment: 7, fraction: 0.3, mass: 1e-6 }];
+        let count = allocations(|| {
+            batch.predict(1e-3, &conditions, &mut reports).expect("a prediction");
+            batch.mean_velocities(&mut velocities).expect("lengths");
+            batch.respond(&impulses, &mut velocities).expect("lengths");
+            batch.diagonal_blocks(&mut blocks).expect("lengths");
+            batch.set_weights(&weights).expect("weights");
+            batch.finish(&impulses, &mut reports).expect("a step");
+        });
+        assert_eq!(count, 0, "the halves of a step of {fibers}");
     }
 }

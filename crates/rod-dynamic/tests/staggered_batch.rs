@@ -125,7 +125,8 @@ fn failed_steps_leave_batches_untouched() {
         step(&mut batch, &members, DT);
     }
     let before = numbers(&batch);
-    for gravity in [f64::NAN, f64::INFINITY] {
+    // Gravity (m/s^2) and the speed of a storm (m/s) whose force overflows.
+    for (gravity, storm) in [(f64::NAN, 0.0), (f64::INFINITY, 0.0), (0.0, 1e200)] {
         for victim in members {
             let conditions: Vec<_> = members
                 .iter()
@@ -133,8 +134,10 @@ fn failed_steps_leave_batches_untouched() {
                     let usual = conditions(i);
                     move |t: f64| {
                         let gravity = Vector3::new(gravity, 0.0, 0.0);
+                        let drag = Drag { normal: 1e200, tangential: 0.0 };
+                        let air = Some(Air { wind: Vector3::new(0.0, 0.0, storm), drag });
                         let now = usual(t);
-                        if i == victim { Instant { gravity, ..now } } else { now }
+                        if i == victim { Instant { gravity, air, ..now } } else { now }
                     }
                 })
                 .collect();
@@ -142,11 +145,15 @@ fn failed_steps_leave_batches_untouched() {
             let mut reports = [StepReport::default(); 4];
             let error = batch.step(DT, &conditions, &mut reports).expect_err("must fail");
             match error {
-                StepError::Conditions { .. } => assert!(!gravity.is_finite(), "{error}"),
-                StepError::NotConverged { fiber, .. } => assert_eq!(fiber, victim, "{error}"),
+                StepError::Conditions { fiber, .. } => {
+                    assert!(fiber == victim && !gravity.is_finite(), "{error}");
+                }
+                StepError::NotConverged { fiber, .. } => {
+                    assert!(fiber == victim && storm > 0.0, "{error}");
+                }
                 _ => panic!("{error}"),
             }
-            assert_eq!(numbers(&batch), before, "gravity {gravity} on fibre {victim}");
+            assert_eq!(numbers(&batch), before, "gravity {gravity}, storm {storm}, fibre {victim}");
         }
     }
     let mut control =

@@ -203,11 +203,11 @@ impl RodIntegrator for BoxIntegrator {
         if !(dt > 0.0 && end.is_finite() && end > self.state.time) {
             return Err(StepError::TimeStep(dt));
         }
-        self.backup.clone_from(&self.state);
+        self.backup.copy_from(&self.state);
         let mut report = StepReport::default();
         let result = self.advance(end, 0, conditions, &mut report);
         if let Err(error) = result {
-            self.state.clone_from(&self.backup);
+            self.state.copy_from(&self.backup);
             return Err(error);
         }
         Ok(report)

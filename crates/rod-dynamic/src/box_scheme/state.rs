@@ -35,6 +35,13 @@ pub(super) struct State {
 }
 
 impl State {
+    /// Takes over `other` of as many nodes, without allocation.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        let mut nodes = std::mem::take(&mut self.nodes);
+        nodes.clone_from(&other.nodes);
+        *self = Self { nodes, ..*other };
+    }
+
     /// The unloaded shape at rest.
     pub(super) fn rest(rod: &Rod) -> Self {
         let o = Vector3::zeros();
