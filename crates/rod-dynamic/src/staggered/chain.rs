@@ -16,7 +16,7 @@
 use super::ends::{Ends, Held};
 use super::factor::{Block, Factor};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
-use super::search::{LARGEST_TURN, MAX_ITERATIONS, Outcome, Search, Solve};
+use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
 
 /// The unknown rotations of one pack of fibres and everything that determines them.
@@ -317,22 +317,29 @@ impl<S: Simd> Chain<S> {
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
-    /// do lanes once they have converged: no fibre depends on its neighbours in the pack.
+    /// do lanes once they have converged: no fibre depends on its neighbours in the pack. `far`
+    /// says that the solution is expected to be far away.
     #[inline(always)]
-    pub(super) fn newton(&mut self, wanted: &[bool; 8], held: &[Held; 8], out: &mut [Outcome; 8]) {
+    pub(super) fn newton(
+        &mut self,
+        wanted: &[bool; 8],
+        held: &[Held; 8],
+        far: bool,
+        out: &mut [Outcome; 8],
+    ) {
         let simd = self.simd;
         let lanes = S::F64_LANES;
-        let mut search = [Search::new(false, Held::CLAMPED); 8];
+        let mut search = [Search::new(false, Held::CLAMPED, far); 8];
         for lane in 0..lanes {
-            search[lane] = Search::new(wanted[lane], held[lane]);
+            search[lane] = Search::new(wanted[lane], held[lane], far);
             if wanted[lane] {
                 out[lane] = Outcome::NONE;
             }
         }
         for iteration in 0..MAX_ITERATIONS {
             let (nodes, gap) = self.shape();
-            let direction = self.solve(gap, &search);
-            let energy = nodes + direction.potential;
+            let (joints, turn) = self.solve(gap, &mut search);
+            let energy = nodes + joints;
             let open = gap.max_abs();
             let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
             for lane in 0..lanes {
@@ -340,10 +347,9 @@ impl<S: Simd> Chain<S> {
                     let h = get(self.one(&self.h, 0), lane);
                     let solve = Solve {
                         iteration,
-                        turn: get(direction.turn, lane),
+                        turn: get(turn, lane),
                         energy: get(energy, lane),
                         closed: get(open, lane) <= 1e-13 * self.n as f64 * h,
-                        definite: direction.definite[lane] == 0.0,
                     };
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
@@ -372,33 +378,28 @@ impl<S: Simd> Chain<S> {
     }
 
     /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
-    /// definite part, until it is enough and the increments are of a size that makes sense.
+    /// definite part. Returns the potential energy of joints and directors and the largest
+    /// increment.
     #[inline(always)]
-    fn solve(&mut self, gap: V3<S>, search: &[Search; 8]) -> Direction<S> {
+    fn solve(&mut self, gap: V3<S>, search: &mut [Search; 8]) -> (Lane<S>, Lane<S>) {
         let (simd, lanes) = (self.simd, S::F64_LANES);
-        let mut definite = [0.0; 8];
-        let mut weights = DEFINITE_PARTS.iter();
         loop {
-            let flags = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
-            let (potential, signature) = self.assemble(gap, flags);
+            let mut definite = [0.0; 8];
+            for lane in 0..lanes {
+                definite[lane] = search[lane].definite_part();
+            }
+            let definite = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
+            let (potential, signature) = self.assemble(gap, definite);
             let mut turn = Lane::splat(simd, 0.0);
             for e in 0..self.n {
                 turn = turn.max(self.vec(&self.step, 2 * e + 1).max_abs());
             }
-            let weight = weights.next();
             let mut again = false;
-            for lane in (0..lanes).filter(|&lane| search[lane].active) {
-                let weak = get(signature, lane) != 0.0
-                    || (definite[lane] > 0.0
-                        && definite[lane] < 0.3
-                        && get(turn, lane) > LARGEST_TURN);
-                if let (true, Some(weight)) = (weak, weight) {
-                    definite[lane] = *weight;
-                    again = true;
-                }
+            for lane in 0..lanes {
+                again |= search[lane].needs_more(get(signature, lane) == 0.0, get(turn, lane));
             }
             if !again {
-                return Direction { potential, turn, definite };
+                return (potential, turn);
             }
         }
     }
@@ -426,20 +427,6 @@ impl<S: Simd> Chain<S> {
             |x| x.value,
         );
     }
-}
-
-/// How much of the definite part is tried in turn where the Hessian is indefinite: as little as
-/// leads downhill, since with all of it saddles are left only slowly.
-const DEFINITE_PARTS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
-
-/// What a Newton solve tells beside the increments.
-struct Direction<S: Simd> {
-    /// Potential energy of joints and directors.
-    potential: Lane<S>,
-    /// Largest increment, rad.
-    turn: Lane<S>,
-    /// How much of the definite part was needed.
-    definite: [f64; 8],
 }
 
 /// What a joint does to its two segments.

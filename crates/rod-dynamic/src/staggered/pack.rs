@@ -142,7 +142,7 @@ impl<S: Simd> Pack<S> {
                 if problem == Problem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
-                pack.chain.newton(wanted, &pack.held, out);
+                pack.chain.newton(wanted, &pack.held, problem == Problem::Rest, out);
             }
         }
         self.last_dt = *dt;
