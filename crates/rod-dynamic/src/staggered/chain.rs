@@ -93,24 +93,11 @@ impl<S: Simd> Chain<S> {
     }
     #[inline(always)]
     pub(super) fn vec(&self, a: &[S::f64s], i: usize) -> V3<S> {
-        let a = &a[3 * i..3 * i + 3];
-        self.lift([a[0], a[1], a[2]])
-    }
-    #[inline(always)]
-    pub(super) fn lift(&self, a: [S::f64s; 3]) -> V3<S> {
-        V3([Lane::new(self.simd, a[0]), Lane::new(self.simd, a[1]), Lane::new(self.simd, a[2])])
-    }
-    #[inline(always)]
-    pub(super) fn sym(&self, a: &[S::f64s], i: usize) -> Sym<S> {
-        let a = &a[6 * i..6 * i + 6];
-        Sym([0, 1, 2, 3, 4, 5].map(
-            #[inline(always)]
-            |k| Lane::new(self.simd, a[k]),
-        ))
+        V3::load(self.simd, a, i)
     }
     #[inline(always)]
     fn quat(&self, a: &[S::f64s]) -> Quat<S> {
-        Quat { v: self.lift([a[0], a[1], a[2]]), w: Lane::new(self.simd, a[3]) }
+        Quat { v: self.vec(a, 0), w: Lane::new(self.simd, a[3]) }
     }
     #[inline(always)]
     fn directors(&self, e: usize) -> [V3<S>; 3] {
@@ -119,8 +106,8 @@ impl<S: Simd> Chain<S> {
     /// A load given in world and follower components, in the world.
     #[inline(always)]
     fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
-        let [x, y, z] = self.lift(load[1]).0;
-        frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.lift(load[0]))))
+        let [x, y, z] = self.vec(&load[1], 0).0;
+        frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.vec(&load[0], 0))))
     }
 
     /// Keeps the directors of the present rotations as those of the start of the step, in the
@@ -159,7 +146,7 @@ impl<S: Simd> Chain<S> {
         let tip_force = self.world(ends.tip_force, last);
         let root_force = self.world(ends.root_force, self.directors(0));
         let root_free = Lane::new(simd, ends.root_free);
-        let mut position = self.lift(ends.root_position);
+        let mut position = self.vec(&ends.root_position, 0);
         if ends.any_root_free {
             // The momentum of the whole rod places a free root.
             let mut sum = tip_force + root_force;
@@ -181,11 +168,12 @@ impl<S: Simd> Chain<S> {
             position = self.vec(&self.d, 3 * e + 2).fma(self.one(&self.h, e), position);
             store(&mut self.r, e + 1, position);
         }
-        let gap = (self.lift(ends.tip_position) - position).scale(Lane::new(simd, ends.tip_held));
+        let gap =
+            (self.vec(&ends.tip_position, 0) - position).scale(Lane::new(simd, ends.tip_held));
         // Forces from the tip inward; the tip's own balance gives the first unless it is held.
         let (mut u, mut potential) = self.node_potential(n);
         let free = tip_force + self.vec(&self.b, n) - u.scale(self.one(&self.mu, n));
-        let held = self.lift(ends.tip_reaction);
+        let held = self.vec(&ends.tip_reaction, 0);
         let tip_held = Lane::new(simd, ends.tip_held);
         potential = potential - tip_force.dot(u);
         let mut force = held.positive_or(tip_held, free);
@@ -266,9 +254,9 @@ impl<S: Simd> Chain<S> {
                 let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
                 let (passed, signs) = self.factor.eliminate(e, block, w1, coupling);
                 if j == n && ends.any_circulatory {
-                    let force = combine(d, self.lift(ends.tip_force[1]));
-                    let moment =
-                        self.lift(ends.tip_moment[0]) - combine(d, self.lift(ends.tip_moment[1]));
+                    let force = combine(d, self.vec(&ends.tip_force[1], 0));
+                    let moment = self.vec(&ends.tip_moment[0], 0)
+                        - combine(d, self.vec(&ends.tip_moment[1], 0));
                     let wanted = Lane::new(simd, ends.circulatory);
                     let (follow, spin) = (force.scale(-w1), moment.scale(-half));
                     self.factor.close(block, hat(follow), hat(spin), wanted);
@@ -420,12 +408,9 @@ impl<S: Simd> Chain<S> {
             store_quat(&mut self.q, e, to.positive_or(scale, here));
         }
         let reaction = self.vec(&self.step, 2 * (self.n - 1));
-        let held = self.lift(self.ends.tip_reaction);
+        let held = self.vec(&self.ends.tip_reaction, 0);
         let moved = reaction.fma(scale, held).positive_or(fresh, held);
-        self.ends.tip_reaction = moved.0.map(
-            #[inline(always)]
-            |x| x.value,
-        );
+        store(&mut self.ends.tip_reaction, 0, moved);
     }
 }
 

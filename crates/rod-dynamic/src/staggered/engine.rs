@@ -1,7 +1,7 @@
 //! A pack with its register width hidden, and the choice of that width.
 
 use super::lanes::zeros;
-use super::pack::{Pack, at, set};
+use super::pack::{Pack, at, lanes, set};
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
@@ -138,23 +138,31 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
         let nodes = self.chain.n + 1;
-        for (k, impulse) in impulses.iter().enumerate() {
-            for i in 0..3 {
-                set(&mut self.work.values, 3 * (k % nodes) + i, k / nodes, impulse[i]);
+        for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
+            for (to, from) in lanes(&mut self.work.values).zip(impulses) {
+                for i in 0..3 {
+                    to[i * S::F64_LANES + lane] = from[i];
+                }
             }
         }
         Self::respond(self);
-        for (k, velocity) in out.iter_mut().enumerate().take(fibers * nodes) {
-            *velocity = self.vector(&self.work.values, k % nodes, k / nodes);
+        for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
+            for (from, to) in lanes(&mut self.work.values).zip(out) {
+                for i in 0..3 {
+                    to[i] = from[i * S::F64_LANES + lane];
+                }
+            }
         }
     }
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]) {
         Self::response_blocks(self);
         let nodes = self.chain.n + 1;
-        for (k, block) in blocks.iter_mut().enumerate().take(fibers * nodes) {
-            let entry = |i: usize| at(&self.work.blocks, 6 * (k % nodes) + i, k / nodes);
-            let (xy, xz, yz) = (entry(3), entry(4), entry(5));
-            *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+        for (lane, blocks) in blocks.chunks_exact_mut(nodes).enumerate().take(fibers) {
+            for (a, block) in blocks.iter_mut().enumerate() {
+                let entry = |i: usize| at(&self.work.blocks, 6 * a + i, lane);
+                let (xy, xz, yz) = (entry(3), entry(4), entry(5));
+                *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+            }
         }
     }
     fn weigh(&mut self, weights: &[Weight]) {

@@ -6,7 +6,7 @@
 //! eliminated before rotations. By Sylvester's law of inertia the reduced Hessian is positive
 //! definite exactly when as many pivots of the whole matrix are positive as negative; in single
 //! blocks they need not be, as in a rod under thrust that only both its ends together hold.
-//! Some 220 multiplications a segment to factor, 100 to solve once more.
+//! Some 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
 
 use super::chain::store;
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
@@ -51,14 +51,25 @@ impl<S: Simd> Sub for Block<S> {
     }
 }
 
-/// The factors of all segments: `P^-1` (6), `V = P^-1 S` (9), `Sigma^-1` (6), `B` (9), `w`, and
-/// the eliminated right-hand side (6), interleaved.
+/// The factors of all segments. `D` is a diagonal block from which what its predecessors take away
+/// has been taken, `B` the block to its right. Interleaved, a segment has
+///
+/// - `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn (6, symmetric),
+/// - `D^-1 B`: force-turn (9), turn-turn (9); its other columns are those of `D^-1` times `w`,
+/// - `w` and the eliminated right-hand side (6),
+/// - the part of `B` between turns (9).
+///
+/// With both products at hand a substitution waits for one product of a matrix and a vector a
+/// segment, and everything else is done meanwhile.
 pub(super) struct Factor<S: Simd> {
     data: Array<S>,
     n: usize,
 }
 
-const STRIDE: usize = 37;
+const STRIDE: usize = 55;
+/// Where a segment's right-hand side and its `B` begin.
+const RHS: usize = 40;
+const RIGHT: usize = 46;
 
 impl<S: Simd> Factor<S> {
     pub(super) fn new(n: usize) -> Self {
@@ -84,27 +95,30 @@ impl<S: Simd> Factor<S> {
         let x = v.times(sigma.full());
         let y = p + Sym::product_transposed(x, v);
         let z = sigma.times(b);
+        let vz = v.times(z);
         let next = Block {
             compliance: y.scale(w * w),
-            lever: v.times(z).scale(-w),
+            lever: vz.scale(-w),
             stiffness: Sym::transposed_product(b, z),
             load: force.scale(w),
             torque: b.apply_transposed(turn),
         };
         let row = &mut self.data[STRIDE * e..STRIDE * (e + 1)];
         for i in 0..6 {
-            row[i] = p.0[i].value;
+            row[i] = y.0[i].value;
             row[15 + i] = sigma.0[i].value;
         }
         for i in 0..3 {
             for j in 0..3 {
-                row[6 + 3 * i + j] = v.0[i].0[j].value;
-                row[21 + 3 * i + j] = b.0[i].0[j].value;
+                row[6 + 3 * i + j] = (-x.0[i].0[j]).value;
+                row[21 + 3 * i + j] = (-vz.0[i].0[j]).value;
+                row[30 + 3 * i + j] = z.0[i].0[j].value;
+                row[RIGHT + 3 * i + j] = b.0[i].0[j].value;
             }
         }
-        row[30] = w.value;
-        store(&mut row[31..], 0, force);
-        store(&mut row[31..], 1, turn);
+        row[39] = w.value;
+        store(&mut row[RHS..], 0, force);
+        store(&mut row[RHS..], 1, turn);
         (next, of_forces + of_turns)
     }
 
@@ -119,14 +133,10 @@ impl<S: Simd> Factor<S> {
         let sigma = block.stiffness.full() + spin - block.lever.transposed().times(above);
         let turn = sigma.solve(block.torque - below.apply_transposed(block.load));
         let force = p.apply(block.load) - above.apply(turn);
-        let at = STRIDE * (self.n - 1) + 31;
-        let old = |i: usize| {
-            V3([0, 1, 2].map(
-                #[inline(always)]
-                |k| Lane::new(wanted.simd(), self.data[at + 3 * i + k]),
-            ))
-        };
-        let (force, turn) = (force.positive_or(wanted, old(0)), turn.positive_or(wanted, old(1)));
+        let at = STRIDE * (self.n - 1) + RHS;
+        let rhs = &self.data[at..];
+        let old = [V3::load(wanted.simd(), rhs, 0), V3::load(wanted.simd(), rhs, 1)];
+        let (force, turn) = (force.positive_or(wanted, old[0]), turn.positive_or(wanted, old[1]));
         store(&mut self.data[at..], 0, force);
         store(&mut self.data[at..], 1, turn);
     }
@@ -134,24 +144,28 @@ impl<S: Simd> Factor<S> {
     /// The block to the right of segment `e`, between turns.
     #[inline(always)]
     pub(super) fn coupling(&self, simd: S, e: usize) -> M3<S> {
-        self.row(simd, e).b
+        self.matrix(simd, STRIDE * e + RIGHT)
+    }
+
+    #[inline(always)]
+    fn matrix(&self, simd: S, i: usize) -> M3<S> {
+        let a = &self.data[i..];
+        M3([V3::load(simd, a, 0), V3::load(simd, a, 1), V3::load(simd, a, 2)])
     }
 
     #[inline(always)]
     fn row(&self, simd: S, e: usize) -> Row<S> {
-        let row = &self.data[STRIDE * e..STRIDE * (e + 1)];
-        let one = |i: usize| Lane::new(simd, row[i]);
-        let sym =
-            |i: usize| Sym([one(i), one(i + 1), one(i + 2), one(i + 3), one(i + 4), one(i + 5)]);
-        let vec = |i: usize| V3([one(i), one(i + 1), one(i + 2)]);
-        let mat = |i: usize| M3([vec(i), vec(i + 3), vec(i + 6)]);
+        let (at, row) = (STRIDE * e, &self.data[STRIDE * e..STRIDE * (e + 1)]);
         Row {
-            p: sym(0),
-            v: mat(6),
-            sigma: sym(15),
-            b: mat(21),
-            w: one(30),
-            rhs: [vec(31), vec(34)],
+            inverse: Inverse {
+                ff: Sym::load(simd, row, 0),
+                ft: self.matrix(simd, at + 6),
+                tt: Sym::load(simd, &row[15..], 0),
+            },
+            right_ft: self.matrix(simd, at + 21),
+            right_tt: self.matrix(simd, at + 30),
+            w: Lane::new(simd, row[39]),
+            rhs: [V3::load(simd, &row[RHS..], 0), V3::load(simd, &row[RHS..], 1)],
         }
     }
 
@@ -163,7 +177,7 @@ impl<S: Simd> Factor<S> {
         for e in (0..self.n).rev() {
             let row = self.row(simd, e);
             // Behind the last segment there is nothing: its coupling multiplies zeros.
-            let (df, dt) = row.inverse(force.scale(row.w), row.b.apply(turn));
+            let [df, dt] = row.right(force, turn);
             force = row.rhs[0] - df;
             turn = row.rhs[1] - dt;
             store(x, 2 * e, force);
@@ -171,21 +185,23 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves for loads on the constraint rows (3 a segment), without torques.
+    /// Solves for loads on the constraint rows (3 a segment), without torques. Segments before
+    /// `first` must have no load.
     #[inline(always)]
-    pub(super) fn solve(&mut self, simd: S, loads: &[S::f64s], x: &mut [S::f64s]) {
-        let mut carry = [V3::splat(simd, 0.0); 2];
-        for e in 0..self.n {
+    pub(super) fn solve(&mut self, simd: S, first: usize, loads: &[S::f64s], x: &mut [S::f64s]) {
+        let zero = V3::splat(simd, 0.0);
+        for e in 0..first {
+            store(&mut self.data[STRIDE * e + RHS..], 0, zero);
+            store(&mut self.data[STRIDE * e + RHS..], 1, zero);
+        }
+        let mut carry = [zero; 2];
+        for e in first..self.n {
             let row = self.row(simd, e);
-            let load = V3([0, 1, 2].map(
-                #[inline(always)]
-                |i| Lane::new(simd, loads[3 * e + i]),
-            ));
-            let torque = V3::splat(simd, 0.0) - carry[1];
-            let (force, turn) = row.inverse(load - carry[0], torque);
-            store(&mut self.data[STRIDE * e + 31..], 0, force);
-            store(&mut self.data[STRIDE * e + 31..], 1, turn);
-            carry = [force.scale(row.w), row.b.apply_transposed(turn)];
+            let (load, torque) = (V3::load(simd, loads, e) - carry[0], zero - carry[1]);
+            let [force, turn] = row.inverse.apply(load, torque);
+            store(&mut self.data[STRIDE * e + RHS..], 0, force);
+            store(&mut self.data[STRIDE * e + RHS..], 1, turn);
+            carry = row.right_transposed(force, load, torque);
         }
         self.back_substitute(simd, x);
     }
@@ -200,20 +216,13 @@ impl<S: Simd> Factor<S> {
             Inverse { ff: Sym::diagonal(zero), ft: M3::splat(simd, 0.0), tt: Sym::diagonal(zero) };
         for e in (0..self.n).rev() {
             let row = self.row(simd, e);
-            // M = B Z B^T, with B = diag(w E, b).
-            let ft = behind.ft.times(row.b.transposed()).scale(row.w);
-            let ff = behind.ff.scale(row.w * row.w);
-            let tt = Sym::product_transposed(row.b.times(behind.tt.full()), row.b);
-            // -Z_(e, e+1) = D^-1 B Z; only its force-force part is wanted.
-            let bz = row.b.times(behind.ft.transposed());
-            let wz = behind.ff.scale(row.w).full();
-            let side = row.force_rows(wz, bz);
+            let (here, side) = row.behind(&behind);
             for i in 0..3 {
                 for j in 0..3 {
                     right[9 * e + 3 * i + j] = (-side.0[i].0[j]).value;
                 }
             }
-            behind = row.sandwich(&Inverse { ff, ft, tt });
+            behind = here;
             for i in 0..6 {
                 diagonal[6 * e + i] = behind.ff.0[i].value;
             }
@@ -228,46 +237,64 @@ struct Inverse<S: Simd> {
     tt: Sym<S>,
 }
 
+impl<S: Simd> Inverse<S> {
+    #[inline(always)]
+    fn apply(&self, load: V3<S>, torque: V3<S>) -> [V3<S>; 2] {
+        [
+            self.ff.apply(load) + self.ft.apply(torque),
+            self.ft.apply_transposed(load) + self.tt.apply(torque),
+        ]
+    }
+}
+
+/// The factors of one segment: `D^-1`, the columns of turns of `D^-1 B`, `w`, right-hand side.
 struct Row<S: Simd> {
-    p: Sym<S>,
-    v: M3<S>,
-    sigma: Sym<S>,
-    b: M3<S>,
+    inverse: Inverse<S>,
+    right_ft: M3<S>,
+    right_tt: M3<S>,
     w: Lane<S>,
     rhs: [V3<S>; 2],
 }
 
 impl<S: Simd> Row<S> {
-    /// The inverse of the eliminated diagonal block, applied.
+    /// `D^-1 B [force; turn]`.
     #[inline(always)]
-    fn inverse(&self, load: V3<S>, torque: V3<S>) -> (V3<S>, V3<S>) {
-        let turn = self.sigma.apply(torque - self.v.apply_transposed(load));
-        (self.p.apply(load) - self.v.apply(turn), turn)
+    fn right(&self, force: V3<S>, turn: V3<S>) -> [V3<S>; 2] {
+        let force = force.scale(self.w);
+        [
+            self.inverse.ff.apply(force) + self.right_ft.apply(turn),
+            self.inverse.ft.apply_transposed(force) + self.right_tt.apply(turn),
+        ]
     }
 
-    /// The force rows of `D^-1 [load; torque]` for three columns at once.
+    /// `(D^-1 B)^T [load; torque]`, where `force` is the force part of `D^-1 [load; torque]`.
     #[inline(always)]
-    fn force_rows(&self, load: M3<S>, torque: M3<S>) -> M3<S> {
-        let turn = self.sigma.times(torque - self.v.transposed().times(load));
-        self.p.times(load) - self.v.times(turn)
+    fn right_transposed(&self, force: V3<S>, load: V3<S>, torque: V3<S>) -> [V3<S>; 2] {
+        [
+            force.scale(self.w),
+            self.right_ft.apply_transposed(load) + self.right_tt.apply_transposed(torque),
+        ]
     }
 
-    /// `D^-1 + D^-1 M D^-1`, through `D^-1 = [P 0; 0 0] + [-V; E] Sigma [-V^T E]`.
+    /// The block of the whole inverse here, `D^-1 + D^-1 B Z B^T D^-1` with `z` that of the next
+    /// segment, and the force-force part of `D^-1 B Z`.
     #[inline(always)]
-    fn sandwich(&self, m: &Inverse<S>) -> Inverse<S> {
-        let vt = self.v.transposed();
-        // c = [-V^T E] M: first its force columns, then its turn columns.
-        let cf = m.ft.transposed() - vt.times(m.ff.full());
-        let ct = m.tt.full() - vt.times(m.ft);
-        // s = Sigma + Sigma [-V^T E] M [-V; E] Sigma, and y = P M_f [-V; E] Sigma.
-        let inner = Sym::symmetric_part(ct - cf.times(self.v));
-        let sc = self.sigma.times(inner.full());
-        let tt = self.sigma + Sym::product_transposed(sc, self.sigma.full());
-        let y = self.p.times(cf.transposed()).times(self.sigma.full());
-        let pmp = Sym::product_transposed(self.p.times(m.ff.full()), self.p.full());
-        let vs = self.v.times(tt.full());
-        let yv = y.times(vt);
-        let ff = self.p + pmp + Sym::product_transposed(vs, self.v) - Sym::twice_symmetric_part(yv);
-        Inverse { ff, ft: y - vs, tt }
+    fn behind(&self, z: &Inverse<S>) -> (Inverse<S>, M3<S>) {
+        let Inverse { ff, ft, tt } = &self.inverse;
+        let (ff_w, ft_w) = (ff.scale(self.w), ft.scale(self.w));
+        let zft = z.ft.transposed();
+        // T = D^-1 B Z.
+        let t_ff = ff_w.times(z.ff.full()) + self.right_ft.times(zft);
+        let t_ft = ff_w.times(z.ft) + self.right_ft.times(z.tt.full());
+        let t_tf = ft_w.transposed().times(z.ff.full()) + self.right_tt.times(zft);
+        let t_tt = ft_w.transposed().times(z.ft) + self.right_tt.times(z.tt.full());
+        let side_ft = self.right_ft.transposed();
+        let side_tt = self.right_tt.transposed();
+        let here = Inverse {
+            ff: *ff + Sym::symmetric_part(t_ff.times(ff_w.full()) + t_ft.times(side_ft)),
+            ft: *ft + t_ff.times(ft_w) + t_ft.times(side_tt),
+            tt: *tt + Sym::symmetric_part(t_tf.times(ft_w) + t_tt.times(side_tt)),
+        };
+        (here, t_ff)
     }
 }

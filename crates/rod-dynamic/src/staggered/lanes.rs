@@ -118,6 +118,12 @@ impl<S: Simd> Neg for Lane<S> {
 pub(super) struct V3<S: Simd>(pub(super) [Lane<S>; 3]);
 
 impl<S: Simd> V3<S> {
+    /// Vector `i` of an array.
+    #[inline(always)]
+    pub(super) fn load(simd: S, a: &[S::f64s], i: usize) -> Self {
+        let a = &a[3 * i..3 * i + 3];
+        Self([Lane::new(simd, a[0]), Lane::new(simd, a[1]), Lane::new(simd, a[2])])
+    }
     #[inline(always)]
     pub(super) fn splat(simd: S, x: f64) -> Self {
         Self([Lane::splat(simd, x); 3])
@@ -263,6 +269,13 @@ impl<S: Simd> Sub for M3<S> {
 pub(super) struct Sym<S: Simd>(pub(super) [Lane<S>; 6]);
 
 impl<S: Simd> Sym<S> {
+    /// Matrix `i` of an array.
+    #[inline(always)]
+    pub(super) fn load(simd: S, a: &[S::f64s], i: usize) -> Self {
+        let (V3([xx, yy, zz]), V3([xy, xz, yz])) =
+            (V3::load(simd, a, 2 * i), V3::load(simd, a, 2 * i + 1));
+        Self([xx, yy, zz, xy, xz, yz])
+    }
     #[inline(always)]
     pub(super) fn diagonal(d: Lane<S>) -> Self {
         let z = d.lift(0.0);
@@ -290,11 +303,7 @@ impl<S: Simd> Sym<S> {
     /// The symmetric part of `a^T b`, known to be symmetric.
     #[inline(always)]
     pub(super) fn transposed_product(a: M3<S>, b: M3<S>) -> Self {
-        let (a, b) = (a.0, b.0);
-        let e = |i: usize, j: usize| {
-            a[0].0[i].fma(b[0].0[j], a[1].0[i].fma(b[1].0[j], a[2].0[i] * b[2].0[j]))
-        };
-        Self([e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(0, 2), e(1, 2)])
+        Self::product_transposed(a.transposed(), b.transposed())
     }
     /// `v v^T`.
     #[inline(always)]
@@ -344,10 +353,8 @@ impl<S: Simd> Sym<S> {
     }
     #[inline(always)]
     pub(super) fn scale(self, s: Lane<S>) -> Self {
-        Self(self.0.map(
-            #[inline(always)]
-            |x| x * s,
-        ))
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Self([xx * s, yy * s, zz * s, xy * s, xz * s, yz * s])
     }
     /// The inverse through `L D L^T`, and its signature: how many pivots are positive less how
     /// many are not.

@@ -219,13 +219,10 @@ impl<S: Simd> Pack<S> {
         let one = Lane::splat(simd, 1.0);
         let zero = Lane::splat(simd, 0.0);
         let half = Lane::splat(simd, 0.5);
-        let field = |i: usize| {
-            V3([0, 1, 2].map(
-                #[inline(always)]
-                |k| Lane::new(simd, self.fields[3 * i + k]),
-            ))
-        };
-        let (gravity, distributed, wind) = (field(0), field(1), field(2));
+        let fields = &self.fields;
+        let gravity = V3::load(simd, fields, 0);
+        let distributed = V3::load(simd, fields, 1);
+        let wind = V3::load(simd, fields, 2);
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         for a in 0..=n {
             let rates = self.nodes.rates(&self.chain, a);
@@ -408,4 +405,10 @@ pub(super) fn set<T: Pod>(a: &mut [T], i: usize, lane: usize, x: f64) {
 pub(super) fn at<T: Pod>(a: &[T], i: usize, lane: usize) -> f64 {
     let lanes = size_of::<T>() / size_of::<f64>();
     bytemuck::cast_slice::<T, f64>(a)[i * lanes + lane]
+}
+
+/// The numbers of each vector of all lanes, component by component.
+pub(super) fn lanes<T: Pod>(a: &mut [T]) -> impl Iterator<Item = &mut [f64]> {
+    let lanes = size_of::<T>() / size_of::<f64>();
+    bytemuck::cast_slice_mut::<T, f64>(a).chunks_exact_mut(3 * lanes)
 }

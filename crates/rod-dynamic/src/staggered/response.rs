@@ -11,7 +11,7 @@ use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
 use crate::Weight;
-use pulp::bytemuck::Zeroable;
+use pulp::bytemuck::{self, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 
 /// Room for one response; allocated with the first.
@@ -94,7 +94,9 @@ impl<S: Simd> Pack<S> {
             let (w0, w1) = (chain.one(&chain.w, e), chain.one(&chain.w, e + 1));
             store(&mut work.loads, e, (before.scale(w0) - here.scale(w1)).scale(gain));
         }
-        chain.factor.solve(simd, &work.loads, &mut work.solution);
+        let idle = |x: &S::f64s| bytemuck::bytes_of(x).iter().all(|byte| *byte == 0);
+        let first = work.loads.iter().position(|x| !idle(x)).map_or(0, |i| i / 3);
+        chain.factor.solve(simd, first, &work.loads, &mut work.solution);
         let rate = stage.dt.recip();
         for a in 0..=n {
             let mut sum = chain.vec(&work.values, a).scale(gain);
@@ -114,29 +116,20 @@ impl<S: Simd> Pack<S> {
         let work = &mut self.work;
         self.chain.factor.inverse_blocks(simd, &mut work.diagonal, &mut work.right);
         let one = Lane::splat(simd, 1.0);
-        let sym = |e: usize| {
-            Sym([0, 1, 2, 3, 4, 5].map(
-                #[inline(always)]
-                |i| Lane::new(simd, work.diagonal[6 * e + i]),
-            ))
-        };
         for a in 0..=n {
             let w = Lane::new(simd, self.chain.w[a]);
             let mut inner = Sym::diagonal(w.lift(0.0));
             if a > 0 {
-                inner = inner + sym(a - 1);
+                inner = inner + Sym::load(simd, &work.diagonal, a - 1);
             }
             if a < n {
-                inner = inner + sym(a);
+                inner = inner + Sym::load(simd, &work.diagonal, a);
             }
             if a > 0 && a < n {
-                let row = |i: usize| {
-                    V3([0, 1, 2].map(
-                        #[inline(always)]
-                        |j| Lane::new(simd, work.right[9 * (a - 1) + 3 * i + j]),
-                    ))
-                };
-                inner = inner - Sym::twice_symmetric_part(M3([row(0), row(1), row(2)]));
+                let right = &work.right[9 * (a - 1)..];
+                let rows =
+                    [V3::load(simd, right, 0), V3::load(simd, right, 1), V3::load(simd, right, 2)];
+                inner = inner - Sym::twice_symmetric_part(M3(rows));
             }
             let block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);
             for i in 0..6 {
@@ -175,7 +168,7 @@ impl<S: Simd> Pack<S> {
             let h = self.chain.one(&self.chain.h, e);
             let d = self.chain.vec(&self.chain.d, 3 * e + 2);
             let inertia = Lane::new(simd, work.inertia[e]) * stage.c1;
-            let hessian = self.chain.sym(&self.chain.hessian, e);
+            let hessian = Sym::load(simd, &self.chain.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
             let (w0, w1) = (self.chain.one(&self.chain.w, e), self.chain.one(&self.chain.w, e + 1));
             let block = Block {
