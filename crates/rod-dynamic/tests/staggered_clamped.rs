@@ -50,7 +50,8 @@ fn follow(case: &Clamped, segments: usize) -> (Vec<Vector3<f64>>, f64) {
         from = to;
     }
     let stations = case.stations.iter().map(|station| {
-        let node = (station.s * segments as f64).round() as usize;
+        let at = |node: &usize| (*node as f64 * h - station.s).abs() < 1e-9;
+        let node = (0..=segments).find(at).expect("a station at a node");
         state.positions[node].coords
     });
     (stations.collect(), elastic(&rod, &conditions.expect("a path"), &state))
