@@ -57,6 +57,22 @@ fn every_problem_has_its_line_column_path_and_range() {
             "fibers[0].tip.velocity[1]",
             "",
         ),
+        (
+            "Free",
+            "Driven(velocity: (0, 0, 0), until: 1, twist: 90, joint: Ball())",
+            10,
+            63,
+            "fibers[0].tip.twist",
+            "only a clamp turns the fibre",
+        ),
+        (
+            "motion: Fixed",
+            "root_joint: Ball(moment: (value: (0, inf, 0)))",
+            9,
+            50,
+            "fibers[0].root_joint.moment.value[1]",
+            "is inf",
+        ),
         // Fields and variants that do not exist, and values of the wrong kind.
         (
             "length: 0.2",

@@ -19,7 +19,7 @@ pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};
-pub use tip::{Load, LoadFrame, Profile, Tip};
+pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
 use check::{Allowed, Check};
 use nalgebra::Vector3;
