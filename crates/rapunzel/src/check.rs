@@ -1,13 +1,18 @@
 use crate::failure::Failure;
 use rapunzel_sim::{Plan, Scene};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Reads the scene in a file.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     let text = fs::read_to_string(path).map_err(|error| {
-        Failure::File(format!("cannot read the scene {}: {error}; check the path", path.display()))
+        let advice = match error.kind() {
+            ErrorKind::InvalidData => "; a scene is text, as `rapunzel new` writes it",
+            _ => "; check the path",
+        };
+        Failure::File(format!("cannot read the scene {}: {error}{advice}", path.display()))
     })?;
     Scene::from_ron(&text).map_err(Failure::of(path))
 }

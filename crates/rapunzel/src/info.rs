@@ -20,7 +20,9 @@ pub(crate) fn info(folder: &Path, json: bool) -> Result<ExitCode, Failure> {
 pub(crate) fn print(summary: &Summary, running: bool) {
     let outcome = match &summary.outcome {
         Outcome::Unfinished if running => "running; as of its last checkpoint:",
-        Outcome::Unfinished => "killed; it can be resumed with --resume from:",
+        Outcome::Unfinished => {
+            "killed, or the disk was full; it can be resumed with --resume from:"
+        }
         Outcome::Complete => "complete",
         Outcome::Cancelled => "interrupted; it can be resumed with --resume from:",
         Outcome::Failed { error } => error,

@@ -17,6 +17,7 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
             std::io::ErrorKind::AlreadyExists => {
                 "; name another file, or overwrite it with --force"
             }
+            std::io::ErrorKind::NotFound => "; make the folder first, or check the path",
             _ => "",
         };
         Failure::File(format!("cannot write {}: {error}{advice}", path.display()))

@@ -113,6 +113,24 @@ fn a_root_cannot_jump() {
 }
 
 #[test]
+fn an_end_cannot_jump() {
+    let turned = "(time: 0), (time: 0.0001, rotation: (0, 90, 0))";
+    for (from, to, field) in [
+        ("Fixed", "Translate(velocity: (0, 1e300, 0), until: 1)", "motion.velocity"),
+        ("Fixed", "Shake(amplitude: (0, 0, 0.1), frequency: 1e6)", "motion.frequency"),
+        ("Fixed", "Rotate(axis: (0, 0, 1), rate: -1e9, until: 1)", "motion.rate"),
+        ("Fixed", "Swing(angle: 90, radius: 1, period: 1e-3)", "motion.period"),
+        ("Fixed", &format!("Keyframes(points: [{turned}])"), "motion.points[1]"),
+        ("Free", "Pulled(velocity: (0, 0, -101), until: 1)", "tip.velocity"),
+        ("Free", "Driven(velocity: (0, 0, -101), until: 1)", "tip.velocity"),
+    ] {
+        let found = problems(from, to);
+        assert_eq!(found[0].path, format!("fibers[0].{field}"), "{to}");
+        assert!(found[0].message.contains("a jump; at most"), "{}", found[0]);
+    }
+}
+
+#[test]
 fn all_problems_are_told_at_once() {
     let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "9");
     let error = Scene::from_ron(&text).expect_err("three problems").to_string();

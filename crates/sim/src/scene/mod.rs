@@ -118,7 +118,9 @@ impl Environment {
     }
 
     fn check(&self, check: &mut Check) {
-        check.vector("gravity", &self.gravity, "m/s^2");
+        for (i, &x) in self.gravity.iter().enumerate() {
+            check.number(&format!("gravity[{i}]"), x, Allowed::Within(-1e6, 1e6), "m/s^2");
+        }
         check.number("gravity_ramp", self.gravity_ramp, Allowed::NonNegative, "s");
         check.number("viscosity", self.viscosity, Allowed::NonNegative, "Pa s");
         check.within("wind", |c| match &self.wind {

@@ -1,4 +1,5 @@
 use super::check::{Allowed, Check};
+use super::motion::check_velocity;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};
@@ -214,11 +215,11 @@ impl Tip {
                 check.within("moment", |c| moment.check(c, "N m"));
             }
             Self::Pulled { velocity, until } => {
-                check.vector("velocity", velocity, "m/s");
+                check_velocity(check, velocity);
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
             Self::Driven { velocity, ramp, until, joint, twist } => {
-                check.vector("velocity", velocity, "m/s");
+                check_velocity(check, velocity);
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::Positive, "s");
                 check.within("joint", |c| joint.check(c));
