@@ -27,17 +27,24 @@ pub(crate) fn print(summary: &Summary, running: bool) {
         Outcome::Cancelled => "interrupted; it can be resumed with --resume from:",
         Outcome::Failed { error } => error,
     };
-    let Summary { fibers, nodes, steps, planned_steps, time, frames, halvings, .. } = summary;
+    let Summary { fibers, nodes, dt, steps, planned_steps, time, frames, .. } = summary;
     println!("{}", summary.scene);
     println!("  outcome     {outcome}");
     println!("  fibres      {fibers}, with {nodes} nodes");
     println!("  time        {time:.6} s, step {steps} of {planned_steps}, {frames} frames");
+    println!("  step        {dt:.6e} s, halved {} times for a fibre", summary.halvings);
+    if summary.missed > 0 {
+        println!("  tolerance   missed {} times by the smallest step", summary.missed);
+    }
     println!(
-        "  iterations  {:.2} in the mean, {} at worst, {halvings} steps halved",
+        "  iterations  {:.2} in the mean, {} at worst",
         summary.mean_iterations, summary.worst_iterations
     );
     println!(
-        "  energy      {:.6e} J, of it kinetic {:.6e} J",
-        summary.total_energy, summary.kinetic_energy
+        "  energy      {:.6e} J: kinetic {:.6e}, elastic {:.6e}, gravitational {:.6e}",
+        summary.total_energy,
+        summary.kinetic_energy,
+        summary.elastic_energy,
+        summary.gravitational_energy
     );
 }

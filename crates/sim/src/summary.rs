@@ -86,9 +86,13 @@ pub struct Summary {
     pub halvings: u64,
     /// How often a step missed its tolerance although it was the smallest.
     pub missed: u64,
-    /// Kinetic energy, J.
+    /// Kinetic energy of all fibres, J.
     pub kinetic_energy: f64,
-    /// Total mechanical energy, J.
+    /// Elastic energy of all fibres, J.
+    pub elastic_energy: f64,
+    /// Energy of all fibres in gravity, zero at the world's origin, J.
+    pub gravitational_energy: f64,
+    /// The sum of the three, J.
     pub total_energy: f64,
 }
 
@@ -117,6 +121,8 @@ impl Summary {
             halvings: statistics.halvings,
             missed: statistics.missed,
             kinetic_energy: energy.kinetic,
+            elastic_energy: energy.elastic,
+            gravitational_energy: energy.gravitational,
             total_energy: energy.total(),
         }
     }
