@@ -2,7 +2,7 @@ use crate::root;
 use anyhow::Result;
 use xshell::{Shell, cmd};
 
-/// What reads our files, from PyPI.
+/// The Python packages that read our files.
 const READERS: [&str; 2] = ["vtk==9.7.2", "usd-core==26.11"];
 
 /// Writes the first frames of a simulated lock in every format to `target/formats` and lets other
