@@ -1,4 +1,5 @@
 use crate::failure::Failure;
+use crate::words::say;
 use rapunzel_sim::{Plan, Scene};
 use std::fs;
 use std::io::ErrorKind;
@@ -28,12 +29,19 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
             "steps": plan.steps, "frames": plan.frames(),
         });
-        println!("{object}");
+        say(&object.to_string())?;
     } else {
-        println!("{}", if scene.name.is_empty() { "the scene is sound" } else { &scene.name });
-        println!("  fibres    {fibers}, with {nodes} nodes");
-        println!("  time      {} s in {} steps of {:.6e} s", scene.duration, plan.steps, plan.dt);
-        println!("  frames    {}", plan.frames());
+        let title = if scene.name.is_empty() { "the scene is sound" } else { &scene.name };
+        let lines = [
+            title.to_owned(),
+            format!("  fibres    {fibers}, with {nodes} nodes"),
+            format!(
+                "  time      {} s in {} steps of {:.6e} s",
+                scene.duration, plan.steps, plan.dt
+            ),
+            format!("  frames    {}", plan.frames()),
+        ];
+        say(&lines.join("\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -152,6 +152,26 @@ fn a_full_disk_stops_the_run_until_there_is_space() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn words_that_cannot_be_written_do_no_harm() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let full = || fs::File::options().write(true).open("/dev/full").expect("a full device");
+    let out = folder.path().join("out");
+    let output = run_in(&scene, &out).stdout(full()).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot write to the standard output"), "{}", stderr(&output));
+    assert!(info(&out).contains("complete"), "the run itself is done: {}", info(&out));
+    let wrong = rapunzel().args(["check", "none.ron"]).stderr(full()).output().expect("runs");
+    assert_eq!(wrong.status.code(), Some(4));
+    // A reader that stops reading.
+    let mut check = rapunzel();
+    let mut check = check.arg("check").arg(&scene).stdout(Stdio::piped()).spawn().expect("starts");
+    drop(check.stdout.take());
+    assert!(check.wait().expect("ends").success());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_file_that_cannot_grow_stops_the_run_until_it_can() {
