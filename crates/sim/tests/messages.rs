@@ -73,6 +73,14 @@ fn every_problem_has_its_line_column_path_and_range() {
             "fibers[0].root_joint.moment.value[1]",
             "is inf",
         ),
+        (
+            "(dt: 0.001)",
+            "(dt: 0.001), environment: (gravity: (0, 0, -1e300))",
+            13,
+            57,
+            "environment.gravity[2]",
+            "between -1000000.0 and",
+        ),
         // Fields and variants that do not exist, and values of the wrong kind.
         (
             "length: 0.2",
