@@ -81,6 +81,14 @@ fn every_problem_has_its_line_column_path_and_range() {
             "environment.gravity[2]",
             "between -1000000.0 and",
         ),
+        (
+            "Fixed",
+            "Swing(angle: 9, radius: 0.1, period: 0)",
+            9,
+            58,
+            "fibers[0].motion.period",
+            "is 0.0, but must be positive",
+        ),
         // Fields and variants that do not exist, and values of the wrong kind.
         (
             "length: 0.2",

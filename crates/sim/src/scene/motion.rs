@@ -144,10 +144,12 @@ impl Motion {
                 if across(&center, &axis.normalize()).norm() < 1e-9 * center.norm() {
                     check.refuse("center", "must not be parallel to the axis".into());
                 }
-                // The fastest pace is the smooth one's in the middle of the arc.
-                let rate = PI * angle.abs() / period;
-                check_speed(check, "period", rate.to_radians() * radius);
-                check_rate(check, "period", rate);
+                if *period > 0.0 {
+                    // The fastest pace is the smooth one's in the middle of the arc.
+                    let rate = PI * angle.abs() / period;
+                    check_speed(check, "period", rate.to_radians() * radius);
+                    check_rate(check, "period", rate);
+                }
             }
             Self::Translate { velocity, ramp, until } => {
                 check_velocity(check, velocity);
@@ -203,7 +205,9 @@ fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
 /// Refuses a velocity (m/s) that is not finite or that is a jump.
 pub(crate) fn check_velocity(check: &mut Check, velocity: &[f64; 3]) {
     check.vector("velocity", velocity, "m/s");
-    check_speed(check, "velocity", Vector3::from(*velocity).norm());
+    if velocity.iter().all(|x| x.is_finite()) {
+        check_speed(check, "velocity", Vector3::from(*velocity).norm());
+    }
 }
 
 /// Refuses a field that moves an end at more than the fastest speed, m/s.
