@@ -37,6 +37,7 @@ pub(crate) enum Command {
         scene: PathBuf,
     },
     /// Write a scene to begin with.
+    #[command(arg_required_else_help = true)]
     New(NewOptions),
     /// Say how the run in a folder stands.
     Info {

@@ -1,13 +1,19 @@
 use crate::failure::Failure;
+use crate::words::say;
 use rapunzel_sim::{Plan, Scene};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Reads the scene in a file.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     let text = fs::read_to_string(path).map_err(|error| {
-        Failure::File(format!("cannot read the scene {}: {error}; check the path", path.display()))
+        let advice = match error.kind() {
+            ErrorKind::InvalidData => "; a scene is text, as `rapunzel new` writes it",
+            _ => "; check the path",
+        };
+        Failure::File(format!("cannot read the scene {}: {error}{advice}", path.display()))
     })?;
     Scene::from_ron(&text).map_err(Failure::of(path))
 }
@@ -23,12 +29,19 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
             "steps": plan.steps, "frames": plan.frames(),
         });
-        println!("{object}");
+        say(&object.to_string())?;
     } else {
-        println!("{}", if scene.name.is_empty() { "the scene is sound" } else { &scene.name });
-        println!("  fibres    {fibers}, with {nodes} nodes");
-        println!("  time      {} s in {} steps of {:.6e} s", scene.duration, plan.steps, plan.dt);
-        println!("  frames    {}", plan.frames());
+        let title = if scene.name.is_empty() { "the scene is sound" } else { &scene.name };
+        let lines = [
+            title.to_owned(),
+            format!("  fibres    {fibers}, with {nodes} nodes"),
+            format!(
+                "  time      {} s in {} steps of {:.6e} s",
+                scene.duration, plan.steps, plan.dt
+            ),
+            format!("  frames    {}", plan.frames()),
+        ];
+        say(&lines.join("\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,3 +1,4 @@
+use crate::words::{complain, say};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use rapunzel_sim::SimError;
 use rapunzel_sim::scene::Problem;
@@ -60,7 +61,8 @@ impl Failure {
             let object = serde_json::json!({
                 "error": self.to_string(), "exit_code": code, "problems": problems,
             });
-            println!("{object}");
+            // The failure to tell of is the first.
+            let _ = say(&object.to_string());
         } else if let Self::Sim { error: SimError::Scene { source_text, problems }, scene } = self {
             let name = scene.display().to_string();
             for problem in problems {
@@ -68,10 +70,10 @@ impl Failure {
                     source: NamedSource::new(&name, source_text.clone()),
                     problem: problem.clone(),
                 };
-                eprintln!("{:?}", miette::Report::new(report));
+                complain(&format!("{:?}", miette::Report::new(report)));
             }
         } else {
-            eprintln!("error: {self}");
+            complain(&format!("error: {self}"));
         }
         ExitCode::from(code)
     }

@@ -1,4 +1,5 @@
 use crate::failure::Failure;
+use crate::words::say;
 use rapunzel_sim::{Outcome, Summary, in_use};
 use std::path::Path;
 use std::process::ExitCode;
@@ -9,33 +10,45 @@ pub(crate) fn info(folder: &Path, json: bool) -> Result<ExitCode, Failure> {
     let running = in_use(folder);
     if json {
         let object = serde_json::json!({ "running": running, "summary": summary });
-        println!("{object}");
+        say(&object.to_string())?;
     } else {
-        print(&summary, running);
+        say(&report(&summary, running))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints a summary as text.
-pub(crate) fn print(summary: &Summary, running: bool) {
+/// A summary as text.
+pub(crate) fn report(summary: &Summary, running: bool) -> String {
     let outcome = match &summary.outcome {
         Outcome::Unfinished if running => "running; as of its last checkpoint:",
-        Outcome::Unfinished => "killed; it can be resumed with --resume from:",
+        Outcome::Unfinished => {
+            "killed, or the disk was full; it can be resumed with --resume from:"
+        }
         Outcome::Complete => "complete",
         Outcome::Cancelled => "interrupted; it can be resumed with --resume from:",
         Outcome::Failed { error } => error,
     };
-    let Summary { fibers, nodes, steps, planned_steps, time, frames, halvings, .. } = summary;
-    println!("{}", summary.scene);
-    println!("  outcome     {outcome}");
-    println!("  fibres      {fibers}, with {nodes} nodes");
-    println!("  time        {time:.6} s, step {steps} of {planned_steps}, {frames} frames");
-    println!(
-        "  iterations  {:.2} in the mean, {} at worst, {halvings} steps halved",
-        summary.mean_iterations, summary.worst_iterations
-    );
-    println!(
-        "  energy      {:.6e} J, of it kinetic {:.6e} J",
-        summary.total_energy, summary.kinetic_energy
-    );
+    let Summary { fibers, nodes, dt, steps, planned_steps, time, frames, halvings, .. } = summary;
+    let mut lines = vec![
+        summary.scene.clone(),
+        format!("  outcome     {outcome}"),
+        format!("  fibres      {fibers}, with {nodes} nodes"),
+        format!("  time        {time:.6} s, step {steps} of {planned_steps}, {frames} frames"),
+        format!("  step        {dt:.6e} s, halved {halvings} times for a fibre"),
+        format!(
+            "  iterations  {:.2} in the mean, {} at worst",
+            summary.mean_iterations, summary.worst_iterations
+        ),
+        format!(
+            "  energy      {:.6e} J: kinetic {:.6e}, elastic {:.6e}, gravitational {:.6e}",
+            summary.total_energy,
+            summary.kinetic_energy,
+            summary.elastic_energy,
+            summary.gravitational_energy
+        ),
+    ];
+    if summary.missed > 0 {
+        lines.push(format!("  tolerance   missed {} times by the smallest step", summary.missed));
+    }
+    lines.join("\n")
 }

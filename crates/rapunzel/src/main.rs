@@ -1,7 +1,5 @@
 //! The fibre-by-fibre simulator of hair and other slender fibres: the command line.
 
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program talks to its user")]
-
 mod arguments;
 mod check;
 mod failure;
@@ -9,6 +7,7 @@ mod info;
 mod new;
 mod run;
 mod templates;
+mod words;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -1,6 +1,7 @@
 use crate::arguments::NewOptions;
 use crate::failure::Failure;
 use crate::templates;
+use crate::words::say;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
             std::io::ErrorKind::AlreadyExists => {
                 "; name another file, or overwrite it with --force"
             }
+            std::io::ErrorKind::NotFound => "; make the folder first, or check the path",
             _ => "",
         };
         Failure::File(format!("cannot write {}: {error}{advice}", path.display()))
@@ -30,9 +32,9 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
         .map_err(failed)?;
     file.write_all(text.as_bytes()).map_err(failed)?;
     if json {
-        println!("{}", serde_json::json!({ "file": path }));
+        say(&serde_json::json!({ "file": path }).to_string())?;
     } else {
-        println!("{}: run it with `rapunzel run {}`", path.display(), path.display());
+        say(&format!("{}: run it with `rapunzel run {}`", path.display(), path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

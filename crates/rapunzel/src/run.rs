@@ -1,5 +1,6 @@
 use crate::arguments::RunOptions;
 use crate::failure::{Failure, INTERRUPTED};
+use crate::words::say;
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
 use rapunzel_sim::{Control, Existing, Outcome, Progress, RunFolder, SimError, Summary};
@@ -58,7 +59,7 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
     match result {
         Ok(summary) => {
             tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
-            tell(&summary, &path, wall, json);
+            tell(&summary, &path, wall, json)?;
             let interrupted = summary.outcome == Outcome::Cancelled;
             Ok(ExitCode::from(if interrupted { INTERRUPTED } else { 0 }))
         }
@@ -86,17 +87,15 @@ fn advise(error: SimError, scene: &Path) -> Failure {
     }
 }
 
-fn tell(summary: &Summary, folder: &Path, wall: f64, json: bool) {
+fn tell(summary: &Summary, folder: &Path, wall: f64, json: bool) -> Result<(), Failure> {
     if json {
         let object = serde_json::json!({
             "folder": folder, "wall_seconds": wall, "summary": summary,
         });
-        println!("{object}");
-    } else {
-        info::print(summary, false);
-        println!("  took        {wall:.2} s");
-        println!("  results     {}", folder.display());
+        return say(&object.to_string());
     }
+    let report = info::report(summary, false);
+    say(&format!("{report}\n  took        {wall:.2} s\n  results     {}", folder.display()))
 }
 
 fn progress_bar() -> ProgressBar {

@@ -4,10 +4,18 @@ mod common;
 
 use common::{SCENE, rapunzel, run_in, scene_file, wait_for};
 use std::fs;
+use std::path::Path;
 use std::process::{Output, Stdio};
 
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What `rapunzel info` says of a run.
+fn info(folder: &Path) -> String {
+    let output = rapunzel().arg("info").arg(folder).output().expect("runs");
+    assert!(output.status.success(), "{}", stderr(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 #[test]
@@ -70,12 +78,10 @@ fn a_folder_in_use_is_refused() {
         let process = format!("in use by the run with process number {}", first.id());
         assert!(stderr(&output).contains(&process), "{}", stderr(&output));
     }
-    let info = rapunzel().arg("info").arg(&out).output().expect("runs");
-    assert!(String::from_utf8_lossy(&info.stdout).contains("running"), "{info:?}");
+    assert!(info(&out).contains("running"), "{}", info(&out));
     first.kill().expect("it runs");
     first.wait().expect("it ends");
-    let info = rapunzel().arg("info").arg(&out).output().expect("runs");
-    assert!(String::from_utf8_lossy(&info.stdout).contains("killed"), "{info:?}");
+    assert!(info(&out).contains("killed"), "{}", info(&out));
     // What is there is not overwritten without being asked.
     let output = run_in(&scene, &out).output().expect("runs");
     assert_eq!(output.status.code(), Some(4));
@@ -86,11 +92,84 @@ fn a_folder_in_use_is_refused() {
 fn a_folder_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = scene_file(folder.path(), SCENE);
-    // A folder inside of a file: no one may write there, not even the system's owner.
-    let out = scene.join("out");
-    let output = run_in(&scene, &out).output().expect("runs");
+    // A folder inside or in the place of a file: no one may write there, not even the system's
+    // owner.
+    for out in [scene.join("out"), scene.clone()] {
+        let output = run_in(&scene, &out).output().expect("runs");
+        assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+        let words = format!("cannot make the folder {}: ", out.display());
+        assert!(stderr(&output).contains(&words), "{}", stderr(&output));
+        assert!(stderr(&output).contains("choose another folder"), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_folder_without_a_run_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    for place in [folder.path(), &scene, &folder.path().join("nowhere")] {
+        let output = rapunzel().arg("info").arg(place).output().expect("runs");
+        assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+        assert!(stderr(&output).contains("holds no run"), "{}", stderr(&output));
+    }
+    fs::write(folder.path().join("summary.json"), "{\"outcome\":").expect("writable");
+    let output = rapunzel().arg("info").arg(folder.path()).output().expect("runs");
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
-    assert!(stderr(&output).contains("cannot make the folder"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("resume the run"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_scene_that_is_not_text_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.ron");
+    fs::write(&path, [0xff, 0xfe, 0x00]).expect("writable");
+    let output = rapunzel().arg("check").arg(&path).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("a scene is text"), "{}", stderr(&output));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_stops_the_run_until_there_is_space() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let (out, whole) = (folder.path().join("out"), folder.path().join("whole"));
+    fs::create_dir_all(out.join("frames")).expect("a folder");
+    // Where the seventh frame is to be written, the disk is full.
+    let full = out.join("frames/frame-000006.vtp.partial");
+    std::os::unix::fs::symlink("/dev/full", full).expect("a link");
+    let output = run_in(&scene, &out).arg("--resume").output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("frame-000006.vtp"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("free some space and resume"), "{}", stderr(&output));
+    assert!(info(&out).contains("6 frames"), "{}", info(&out));
+
+    assert!(run_in(&scene, &out).arg("--resume").status().expect("runs").success());
+    assert!(run_in(&scene, &whole).status().expect("runs").success());
+    for file in ["energies.csv", "frames/frame-000015.vtp", "summary.json"] {
+        let read = |folder: &Path| fs::read(folder.join(file)).expect("readable");
+        assert!(read(&out) == read(&whole), "{file} differs");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn words_that_cannot_be_written_do_no_harm() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let full = || fs::File::options().write(true).open("/dev/full").expect("a full device");
+    let out = folder.path().join("out");
+    let output = run_in(&scene, &out).stdout(full()).output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot write to the standard output"), "{}", stderr(&output));
+    assert!(info(&out).contains("complete"), "the run itself is done: {}", info(&out));
+    let wrong = rapunzel().args(["check", "none.ron"]).stderr(full()).output().expect("runs");
+    assert_eq!(wrong.status.code(), Some(4));
+    // A reader that stops reading.
+    let mut check = rapunzel();
+    let mut check = check.arg("check").arg(&scene).stdout(Stdio::piped()).spawn().expect("starts");
+    drop(check.stdout.take());
+    assert!(check.wait().expect("ends").success());
 }
 
 #[cfg(unix)]
@@ -113,7 +192,7 @@ fn a_file_that_cannot_grow_stops_the_run_until_it_can() {
     assert!(run_in(&scene, &out).arg("--resume").status().expect("runs").success());
     assert!(run_in(&scene, &whole).status().expect("runs").success());
     for file in ["energies.csv", "frames/frame-000015.vtp", "fibers.usda", "preview.png"] {
-        let read = |folder: &std::path::Path| fs::read(folder.join(file)).expect("readable");
+        let read = |folder: &Path| fs::read(folder.join(file)).expect("readable");
         assert!(read(&out) == read(&whole), "{file} differs");
     }
 }
@@ -136,6 +215,38 @@ fn a_step_that_fails_is_told() {
 }
 
 #[test]
+fn a_fibre_that_does_not_converge_stops_the_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // After 0.25 s, the moment on the fourth fibre, of 6 mm segments, asks for a radius of
+    // curvature of 8 nm.
+    let text = SCENE.replace(
+        ")],\n    stepper",
+        "), (
+            length: 0.05, segments: 8, section: Circle(radius: 4e-5),
+            tip: Loaded(moment: (
+                value: (1.0, 0, 0), profile: Linear(points: [(0.25, 0), (0.26, 1)]),
+            )),
+        )],\n    stepper",
+    );
+    let (scene, out) = (scene_file(folder.path(), &text), folder.path().join("out"));
+    let output = run_in(&scene, &out).output().expect("runs");
+    let words = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("error: the run stopped at t = 0.2"), "{words}");
+    assert!(words.contains("fibre 3: Newton's method did not converge"), "{words}");
+    let residuals = words.split_once("residuals [").and_then(|(_, rest)| rest.split_once(']'));
+    let (residuals, advice) = residuals.expect("a history");
+    assert!(residuals.split(", ").filter_map(|x| x.parse::<f64>().ok()).count() > 1, "{words}");
+    assert!(advice.contains("Use a smaller step"), "{words}");
+
+    // What there is up to the frame before is kept, and the run goes on from there.
+    assert!(info(&out).contains("fibre 3") && info(&out).contains("8 frames"), "{}", info(&out));
+    assert!(out.join("checkpoint.bin").exists() && out.join("frames/frame-000007.vtp").exists());
+    let again = run_in(&scene, &out).arg("--resume").output().expect("runs");
+    assert_eq!((again.status.code(), stderr(&again)), (Some(1), words));
+}
+
+#[test]
 fn templates_are_sound_and_not_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     let new = |options: &[&str]| {
@@ -149,4 +260,11 @@ fn templates_are_sound_and_not_overwritten() {
     let unknown = rapunzel().args(["new", "wig"]).output().expect("runs");
     assert_eq!(unknown.status.code(), Some(2));
     assert!(stderr(&unknown).contains("lock-under-gravity"), "the list: {}", stderr(&unknown));
+    let none = rapunzel().arg("new").output().expect("runs");
+    assert_eq!(none.status.code(), Some(2));
+    assert!(stderr(&none).contains("lock-on-moving-root"), "the list: {}", stderr(&none));
+    let nowhere = folder.path().join("nowhere/scene.ron");
+    let nowhere = rapunzel().args(["new", "buckling"]).arg(nowhere).output().expect("runs");
+    assert_eq!(nowhere.status.code(), Some(4));
+    assert!(stderr(&nowhere).contains("make the folder first"), "{}", stderr(&nowhere));
 }

@@ -3,15 +3,28 @@
 mod common;
 
 use common::{SCENE, rapunzel, run_in, scene_file, wait_for};
+use rapunzel_sim::export::vtp;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
 /// Long enough to be hit in the middle.
 fn long_scene() -> String {
     SCENE.replace("duration: 0.5", "duration: 3").replace("count: 2", "count: 20")
+}
+
+/// The finished frames of a run, each of them whole.
+fn frames(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let files = fs::read_dir(folder.join("frames")).into_iter().flatten().flatten();
+    let paths = files.map(|file| file.path()).filter(|p| p.extension().is_some_and(|e| e == "vtp"));
+    let whole = paths.map(|path| {
+        let bytes = fs::read(&path).expect("readable");
+        vtp::read(&mut &bytes[..]).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        (path, bytes)
+    });
+    whole.collect()
 }
 
 /// All files of a run but its log, which tells of interruptions, and its lock.
@@ -48,12 +61,17 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
     assert!(run_in(&scene, &whole).status().expect("runs").success());
     // Delays without a common measure, so that the kills fall anywhere: the first ones before
     // there is a checkpoint.
-    let mut kills = 0;
+    let (mut kills, mut finished) = (0, frames(&parts));
     for i in 0..12 {
         let mut child = start(&scene, &parts, if i % 2 == 0 { "1" } else { "3" });
         std::thread::sleep(Duration::from_millis(3 + 17 * i));
         child.kill().expect("a child");
         kills += u32::from(!child.wait().expect("ends").success());
+        let now = frames(&parts);
+        for (path, bytes) in finished {
+            assert!(now.get(&path) == Some(&bytes), "{} is lost or changed", path.display());
+        }
+        finished = now;
     }
     assert!(kills >= 6, "only {kills} of 12 runs were killed before their end");
     assert!(start(&scene, &parts, "2").wait().expect("ends").success());

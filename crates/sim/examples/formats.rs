@@ -1,9 +1,8 @@
-//! Writes a swinging lock in every format into the folder that is named on the command line.
+//! Simulates a swinging lock and writes it in every format into the folder that is named on the command line.
 
-use nalgebra::{Point3, Vector3};
-use rapunzel_fiber::generate::{Handedness, Helix, Lock, root_pose};
-use rapunzel_fiber::{Fiber, Material, Section, so3};
+use rapunzel_fiber::Fiber;
 use rapunzel_sim::export::{Frame, Strand, hair, pov, preview, pvd, usda, vtp};
+use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -15,40 +14,37 @@ const FRAMES: usize = 9;
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("name the folder to write to")?;
     fs::create_dir_all(&folder)?;
-    write(Path::new(&folder), &sample()?)
+    write(Path::new(&folder), &simulated()?)
 }
 
-/// A curly lock that swings like a pendulum.
-fn sample() -> Result<Vec<Frame>, Box<dyn Error>> {
-    let pose = root_pose(Point3::new(0.0, 0.0, 0.3), &-Vector3::z())?;
-    let section = Section::Ellipse { a: 40e-6, b: 30e-6 };
-    let straight = Fiber::uniform(0.25, 100, section, &Material::HAIR)?.with_root(pose);
-    let curl = Helix { radius: 0.006, pitch: 0.07, handedness: Handedness::Right };
-    let lock = Lock { count: 180, radius: 0.012, curvature_variation: 0.15, clumping: 0.8 };
-    let fibers = lock.grow(&curl.bend(straight)?, 1)?;
-    let frame = |index: usize| {
-        let time = index as f64 / 24.0;
-        let swing = Vector3::y() * (0.9 * (5.0 * time).cos());
-        let strands = fibers.iter().map(|f| strand(f, &swing)).collect();
-        Frame { index, time, strands }
-    };
-    Ok((0..FRAMES).map(frame).collect())
-}
-
-fn strand(fiber: &Fiber, swing: &Vector3<f64>) -> Strand {
-    let turn = so3::exp(swing);
-    let pivot = Point3::new(0.0, 0.0, 0.3);
-    let (points, frames) = fiber.rest_shape();
-    let points: Vec<_> = points.iter().map(|p| pivot + turn * (p - pivot)).collect();
-    let segments = fiber.segments();
-    Strand {
-        radii: fiber.nodes().iter().map(|n| n.section.equivalent_radius()).collect(),
-        velocities: points.iter().map(|p| swing.cross(&(p - pivot))).collect(),
-        frames: frames[..segments].iter().map(|r| turn * r).collect(),
-        curvatures: fiber.nodes().iter().map(|n| n.natural_curvature).collect(),
-        forces: (0..segments).map(|j| 1e-6 * (segments - j) as f64 * -Vector3::z()).collect(),
-        points,
+/// The first frames of the scene with the swinging lock.
+fn simulated() -> Result<Vec<Frame>, Box<dyn Error>> {
+    let scene = Scene::from_ron(include_str!("../../../scenes/lock-under-gravity.ron"))?;
+    let (plan, mut world) = (Plan::new(&scene), scene.build()?);
+    let mut frames = vec![frame(&world, 0)];
+    for index in 1..FRAMES {
+        for _ in 0..plan.steps_per_frame {
+            FreeFibers.step(&mut world, plan.dt)?;
+        }
+        frames.push(frame(&world, index));
     }
+    Ok(frames)
+}
+
+fn frame(world: &World, index: usize) -> Frame {
+    let strand = |(i, fiber): (usize, &Fiber)| {
+        let state = world.state(i);
+        Strand {
+            points: state.positions,
+            radii: fiber.nodes().iter().map(|n| n.section.equivalent_radius()).collect(),
+            velocities: state.velocities,
+            frames: state.frames,
+            curvatures: state.curvatures,
+            forces: state.forces,
+        }
+    };
+    let strands = world.assembly().fibers().iter().enumerate().map(strand).collect();
+    Frame { index, time: world.time(), strands }
 }
 
 fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {

@@ -74,6 +74,7 @@ impl Scene {
             environment: self.environment.clone(),
             drag,
             motion: bundle.motion.clone(),
+            root_joint: bundle.root_joint.clone(),
             tip: bundle.tip.clone(),
             start: Point3::from(bundle.root.position),
             nodes: bundle.segments + 1,

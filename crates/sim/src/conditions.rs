@@ -1,4 +1,4 @@
-use crate::scene::{Environment, Motion, Profile, Tip, ramped};
+use crate::scene::{Environment, Joint, Motion, Profile, Tip, ramped};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant};
 use std::sync::Arc;
@@ -9,6 +9,7 @@ pub(crate) struct BundleConditions {
     pub(crate) environment: Environment,
     pub(crate) drag: Option<Drag>,
     pub(crate) motion: Motion,
+    pub(crate) root_joint: Joint,
     pub(crate) tip: Tip,
     /// Where the bundle starts.
     pub(crate) start: Point3<f64>,
@@ -56,33 +57,35 @@ impl FiberConditions {
     }
 
     /// The tip's start pose, moved along by `way` and turned by `angle` about its tangent.
-    fn moved_tip(&self, way: Vector3<f64>, angle: f64) -> End {
+    fn moved_tip(&self, way: Vector3<f64>, angle: f64) -> Isometry3<f64> {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-        End::Held(Translation3::from(way) * self.tip * turn)
+        Translation3::from(way) * self.tip * turn
     }
 }
 
 impl Conditions for StepConditions<'_> {
     fn at(&self, t: f64) -> Instant {
-        let BundleConditions { environment, drag, motion, tip, start, .. } = &*self.fiber.bundle;
+        let BundleConditions { environment, drag, motion, root_joint, tip, start, .. } =
+            &*self.fiber.bundle;
+        let moved_tip = |way, angle| self.fiber.moved_tip(way, angle);
         let tip = match tip {
             Tip::Free => End::FREE,
             Tip::Loaded { force, moment } => {
                 End::Loaded { force: force.at(t), moment: moment.at(t) }
             }
             Tip::Pulled { until, .. } if self.middle >= *until => End::FREE,
-            Tip::Pulled { velocity, .. } => self.fiber.moved_tip(Vector3::from(*velocity) * t, 0.0),
-            Tip::Held => self.fiber.moved_tip(Vector3::zeros(), 0.0),
-            Tip::Driven { velocity, ramp, twist, until } => {
+            Tip::Pulled { velocity, .. } => End::Held(moved_tip(Vector3::from(*velocity) * t, 0.0)),
+            Tip::Held => End::Held(moved_tip(Vector3::zeros(), 0.0)),
+            Tip::Driven { velocity, ramp, until, joint, twist } => {
                 let way = ramped(t.min(*until), *ramp);
                 let angle = twist.to_radians() * way / ramped(*until, *ramp);
-                self.fiber.moved_tip(Vector3::from(*velocity) * way, angle)
+                joint.end(t, moved_tip(Vector3::from(*velocity) * way, angle))
             }
         };
         Instant {
             gravity: environment.gravity_at(t),
             distributed: Vector3::zeros(),
-            root: End::Held(motion.displacement(t, start) * self.fiber.root),
+            root: root_joint.end(t, motion.displacement(t, start) * self.fiber.root),
             tip,
             air: drag.map(|drag| Air { wind: environment.wind.at(t), drag }),
         }

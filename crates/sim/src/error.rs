@@ -72,6 +72,13 @@ pub enum SimError {
         /// Who holds it, as written in its lock file.
         process: String,
     },
+    /// The folder is not that of a run.
+    #[error(
+        "{} holds no run, or one that was stopped before its first frame: it has no summary.json; \
+         check the path",
+        .0.display()
+    )]
+    NoRun(PathBuf),
     /// The folder has contents that would be overwritten.
     #[error("{} is not empty: resume the run in it, or force a new one, or choose another folder", .0.display())]
     FolderNotEmpty(PathBuf),
@@ -121,6 +128,9 @@ fn explained(error: &io::Error) -> String {
         }
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             format!("{error}; choose a folder that you may write to")
+        }
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            format!("{error}; a file is in its place: choose another folder")
         }
         io::ErrorKind::NotFound => format!("{error}; check the path"),
         _ => error.to_string(),

@@ -3,7 +3,8 @@ use crate::storage::write_atomically;
 use crate::{Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
+use std::path::Path;
 
 /// What the steps of a run have cost so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -85,9 +86,13 @@ pub struct Summary {
     pub halvings: u64,
     /// How often a step missed its tolerance although it was the smallest.
     pub missed: u64,
-    /// Kinetic energy, J.
+    /// Kinetic energy of all fibres, J.
     pub kinetic_energy: f64,
-    /// Total mechanical energy, J.
+    /// Elastic energy of all fibres, J.
+    pub elastic_energy: f64,
+    /// Energy of all fibres in gravity, zero at the world's origin, J.
+    pub gravitational_energy: f64,
+    /// The sum of the three, J.
     pub total_energy: f64,
 }
 
@@ -116,6 +121,8 @@ impl Summary {
             halvings: statistics.halvings,
             missed: statistics.missed,
             kinetic_energy: energy.kinetic,
+            elastic_energy: energy.elastic,
+            gravitational_energy: energy.gravitational,
             total_energy: energy.total(),
         }
     }
@@ -130,10 +137,18 @@ impl Summary {
     /// Reads the summary of the run in a folder.
     ///
     /// # Errors
-    /// [`SimError::Io`] if there is none, or if it is damaged.
-    pub fn read(folder: &std::path::Path) -> Result<Self, SimError> {
+    /// [`SimError::NoRun`] if there is none, [`SimError::Io`] if it cannot be read or is damaged.
+    pub fn read(folder: &Path) -> Result<Self, SimError> {
         let path = folder.join(SUMMARY);
-        let text = fs::read_to_string(&path).map_err(SimError::io("read", &path))?;
-        serde_json::from_str(&text).map_err(|e| SimError::io("read", &path)(e.into()))
+        let text = fs::read_to_string(&path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
+                SimError::NoRun(folder.to_owned())
+            }
+            _ => SimError::io("read", &path)(error),
+        })?;
+        serde_json::from_str(&text).map_err(|error| {
+            let why = format!("{error}; resume the run, which writes it anew");
+            SimError::io("read", &path)(io::Error::other(why))
+        })
     }
 }

@@ -57,6 +57,38 @@ fn every_problem_has_its_line_column_path_and_range() {
             "fibers[0].tip.velocity[1]",
             "",
         ),
+        (
+            "Free",
+            "Driven(velocity: (0, 0, 0), until: 1, twist: 90, joint: Ball())",
+            10,
+            63,
+            "fibers[0].tip.twist",
+            "only a clamp turns the fibre",
+        ),
+        (
+            "motion: Fixed",
+            "root_joint: Ball(moment: (value: (0, inf, 0)))",
+            9,
+            50,
+            "fibers[0].root_joint.moment.value[1]",
+            "is inf",
+        ),
+        (
+            "(dt: 0.001)",
+            "(dt: 0.001), environment: (gravity: (0, 0, -1e300))",
+            13,
+            57,
+            "environment.gravity[2]",
+            "between -1000000.0 and",
+        ),
+        (
+            "Fixed",
+            "Swing(angle: 9, radius: 0.1, period: 0)",
+            9,
+            58,
+            "fibers[0].motion.period",
+            "is 0.0, but must be positive",
+        ),
         // Fields and variants that do not exist, and values of the wrong kind.
         (
             "length: 0.2",
@@ -94,6 +126,24 @@ fn a_root_cannot_jump() {
     let start = "(time: 0, translation: (1, 0, 0))";
     assert!(keyframes(start)[0].message.contains("jump at the start"), "{}", keyframes(start)[0]);
     assert!(keyframes("")[0].message.contains("is empty"), "{}", keyframes("")[0]);
+}
+
+#[test]
+fn an_end_cannot_jump() {
+    let turned = "(time: 0), (time: 0.0001, rotation: (0, 90, 0))";
+    for (from, to, field) in [
+        ("Fixed", "Translate(velocity: (0, 1e300, 0), until: 1)", "motion.velocity"),
+        ("Fixed", "Shake(amplitude: (0, 0, 0.1), frequency: 1e6)", "motion.frequency"),
+        ("Fixed", "Rotate(axis: (0, 0, 1), rate: -1e9, until: 1)", "motion.rate"),
+        ("Fixed", "Swing(angle: 90, radius: 1, period: 1e-3)", "motion.period"),
+        ("Fixed", &format!("Keyframes(points: [{turned}])"), "motion.points[1]"),
+        ("Free", "Pulled(velocity: (0, 0, -101), until: 1)", "tip.velocity"),
+        ("Free", "Driven(velocity: (0, 0, -101), until: 1)", "tip.velocity"),
+    ] {
+        let found = problems(from, to);
+        assert_eq!(found[0].path, format!("fibers[0].{field}"), "{to}");
+        assert!(found[0].message.contains("a jump; at most"), "{}", found[0]);
+    }
 }
 
 #[test]

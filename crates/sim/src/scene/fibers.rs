@@ -1,6 +1,6 @@
 use super::check::{Allowed, Check};
 use super::motion::Motion;
-use super::tip::{Profile, Tip};
+use super::tip::{Joint, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{Ellipse, Handedness, root_pose};
 use rapunzel_fiber::{self as fiber, FiberError, Section};
@@ -40,6 +40,9 @@ pub struct Bundle {
     /// How the roots move.
     #[serde(default)]
     pub motion: Motion,
+    /// What holds the roots' frames.
+    #[serde(default)]
+    pub root_joint: Joint,
     /// What holds or loads the tips.
     #[serde(default)]
     pub tip: Tip,
@@ -276,6 +279,7 @@ impl Bundle {
         check.within("root", |c| self.root.check(c));
         check.within("arrangement", |c| self.arrangement.check(c));
         check.within("motion", |c| self.motion.check(c));
+        check.within("root_joint", |c| self.root_joint.check(c));
         check.within("tip", |c| self.tip.check(c));
         check.each("point_forces", &self.point_forces, |c, force| {
             c.number("at", force.at, Allowed::Within(0.0, 1.0), "");

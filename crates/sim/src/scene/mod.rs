@@ -19,7 +19,7 @@ pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};
-pub use tip::{Load, LoadFrame, Profile, Tip};
+pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
 use check::{Allowed, Check};
 use nalgebra::Vector3;
@@ -118,7 +118,9 @@ impl Environment {
     }
 
     fn check(&self, check: &mut Check) {
-        check.vector("gravity", &self.gravity, "m/s^2");
+        for (i, &x) in self.gravity.iter().enumerate() {
+            check.number(&format!("gravity[{i}]"), x, Allowed::Within(-1e6, 1e6), "m/s^2");
+        }
         check.number("gravity_ramp", self.gravity_ramp, Allowed::NonNegative, "s");
         check.number("viscosity", self.viscosity, Allowed::NonNegative, "Pa s");
         check.within("wind", |c| match &self.wind {

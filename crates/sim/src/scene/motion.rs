@@ -1,10 +1,12 @@
 use super::check::{Allowed, Check};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// The fastest that keyframes may move a root, m/s; beyond it lies a typing error or a jump.
+/// The fastest that an end may move, m/s; beyond it lies a typing error or a jump.
 const FASTEST: f64 = 100.0;
+/// The fastest that an end may turn, degrees/s: a thousand turns.
+const FASTEST_TURN: f64 = 3.6e5;
 
 /// How the roots of a bundle move: all of them rigidly, as one body.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -142,19 +144,27 @@ impl Motion {
                 if across(&center, &axis.normalize()).norm() < 1e-9 * center.norm() {
                     check.refuse("center", "must not be parallel to the axis".into());
                 }
+                if *period > 0.0 {
+                    // The fastest pace is the smooth one's in the middle of the arc.
+                    let rate = PI * angle.abs() / period;
+                    check_speed(check, "period", rate.to_radians() * radius);
+                    check_rate(check, "period", rate);
+                }
             }
             Self::Translate { velocity, ramp, until } => {
-                check.vector("velocity", velocity, "m/s");
+                check_velocity(check, velocity);
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
             Self::Shake { amplitude, frequency } => {
                 check.vector("amplitude", amplitude, "m");
                 check.number("frequency", *frequency, Allowed::NonNegative, "Hz");
+                check_speed(check, "frequency", TAU * frequency * Vector3::from(*amplitude).norm());
             }
             Self::Rotate { axis, rate, until } => {
                 check.direction("axis", axis);
                 check.number("rate", *rate, Allowed::Finite, "degrees/s");
+                check_rate(check, "rate", rate.abs());
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
             Self::Keyframes { points } => check_keyframes(points, check),
@@ -176,19 +186,47 @@ fn turn(about: &Point3<f64>, rotation: Vector3<f64>) -> Isometry3<f64> {
     Isometry3::rotation_wrt_point(UnitQuaternion::from_scaled_axis(rotation), *about)
 }
 
+fn orientation(keyframe: &Keyframe) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis(Vector3::from(keyframe.rotation.map(f64::to_radians)))
+}
+
 fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
     let after = points.partition_point(|k| k.time <= t);
     let Some(last) = points.get(after.saturating_sub(1)) else { return Isometry3::identity() };
     let next = points.get(after).unwrap_or(last);
     let x = if next.time > last.time { (t - last.time) / (next.time - last.time) } else { 0.0 };
-    let rotation = |k: &Keyframe| {
-        UnitQuaternion::from_scaled_axis(Vector3::from(k.rotation.map(f64::to_radians)))
-    };
     // Along the geodesic, so that the rate is constant.
-    let (a, b) = (rotation(last), rotation(next));
+    let (a, b) = (orientation(last), orientation(next));
     let turned = a * UnitQuaternion::from_scaled_axis((a.inverse() * b).scaled_axis() * x);
     let moved = Vector3::from(last.translation).lerp(&next.translation.into(), x);
     Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
+}
+
+/// Refuses a velocity (m/s) that is not finite or that is a jump.
+pub(crate) fn check_velocity(check: &mut Check, velocity: &[f64; 3]) {
+    check.vector("velocity", velocity, "m/s");
+    if velocity.iter().all(|x| x.is_finite()) {
+        check_speed(check, "velocity", Vector3::from(*velocity).norm());
+    }
+}
+
+/// Refuses a field that moves an end at more than the fastest speed, m/s.
+fn check_speed(check: &mut Check, field: &str, speed: f64) {
+    if speed > FASTEST {
+        let message =
+            format!("moves the end at {speed:?} m/s: a jump; at most {FASTEST} m/s are allowed");
+        check.refuse(field, message);
+    }
+}
+
+/// Refuses a field that turns an end at more than the fastest rate, degrees/s.
+fn check_rate(check: &mut Check, field: &str, rate: f64) {
+    if rate > FASTEST_TURN {
+        let message = format!(
+            "turns the end at {rate:?} degrees/s: a jump; at most {FASTEST_TURN} are allowed"
+        );
+        check.refuse(field, message);
+    }
 }
 
 fn check_keyframes(points: &[Keyframe], check: &mut Check) {
@@ -220,11 +258,11 @@ fn check_keyframes(points: &[Keyframe], check: &mut Check) {
                 pair[1].time, pair[0].time
             );
             check.refuse(&format!("points[{}].time", i + 1), message);
-        } else if way > FASTEST * time {
-            let message = format!(
-                "moves the root by {way} m in {time} s: a jump; at most {FASTEST} m/s are allowed"
-            );
-            check.refuse(&format!("points[{}]", i + 1), message);
+        } else {
+            let field = format!("points[{}]", i + 1);
+            check_speed(check, &field, way / time);
+            let angle = orientation(&pair[0]).angle_to(&orientation(&pair[1]));
+            check_rate(check, &field, angle.to_degrees() / time);
         }
     }
 }

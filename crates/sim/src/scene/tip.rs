@@ -1,5 +1,6 @@
 use super::check::{Allowed, Check};
-use nalgebra::Vector3;
+use super::motion::check_velocity;
+use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -30,21 +31,37 @@ pub enum Tip {
     },
     /// Clamped where it starts.
     Held,
-    /// Clamped, driven at constant velocity while it is turned about its tangent, then held there;
-    /// with a root that moves the other way, buckling (thesis 3.4.9.5, where a constant torque
-    /// takes the place of the turn: a straight rod that is turned by `angle` carries the torque
-    /// `G J angle / L`).
+    /// Driven at constant velocity, then held there; with a root that moves the other way,
+    /// buckling (thesis 3.4.9.5).
     Driven {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
         /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
         #[serde(default)]
         ramp: f64,
-        /// Angle of the whole turn about the tangent, degrees.
-        #[serde(default)]
-        twist: f64,
         /// When it stops, s.
         until: f64,
+        /// What holds its frame.
+        #[serde(default)]
+        joint: Joint,
+        /// Angle by which a clamp turns about the tangent on its way, degrees.
+        #[serde(default)]
+        twist: f64,
+    },
+}
+
+/// What an end that is held in its place lets it do.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Joint {
+    /// Nothing: its frame is held too.
+    #[default]
+    Clamped,
+    /// Turn freely, under a moment.
+    Ball {
+        /// Moment on the fibre, N m.
+        #[serde(default)]
+        moment: Load,
     },
 }
 
@@ -68,7 +85,7 @@ pub enum LoadFrame {
     /// The world: the direction stays.
     #[default]
     World,
-    /// The material frame at the tip (d1, d2, tangent): the direction follows the fibre.
+    /// The material frame at the end (d1, d2, tangent): the direction follows the fibre.
     Follower,
 }
 
@@ -169,6 +186,25 @@ impl Load {
     }
 }
 
+impl Joint {
+    /// The end at time `t` (s), in the given pose.
+    pub(crate) fn end(&self, t: f64, pose: Isometry3<f64>) -> rod::End {
+        match self {
+            Self::Clamped => rod::End::Held(pose),
+            Self::Ball { moment } => {
+                let position = Point3::from(pose.translation.vector);
+                rod::End::Pinned { position, moment: moment.at(t) }
+            }
+        }
+    }
+
+    pub(crate) fn check(&self, check: &mut Check) {
+        if let Self::Ball { moment } = self {
+            check.within("moment", |c| moment.check(c, "N m"));
+        }
+    }
+}
+
 impl Tip {
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
@@ -179,14 +215,21 @@ impl Tip {
                 check.within("moment", |c| moment.check(c, "N m"));
             }
             Self::Pulled { velocity, until } => {
-                check.vector("velocity", velocity, "m/s");
+                check_velocity(check, velocity);
                 check.number("until", *until, Allowed::NonNegative, "s");
             }
-            Self::Driven { velocity, ramp, twist, until } => {
-                check.vector("velocity", velocity, "m/s");
+            Self::Driven { velocity, ramp, until, joint, twist } => {
+                check_velocity(check, velocity);
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
-                check.number("twist", *twist, Allowed::Finite, "degrees");
                 check.number("until", *until, Allowed::Positive, "s");
+                check.within("joint", |c| joint.check(c));
+                check.number("twist", *twist, Allowed::Finite, "degrees");
+                if *joint != Joint::Clamped && *twist != 0.0 {
+                    let message = format!(
+                        "is {twist:?}, but only a clamp turns the fibre; give a ball joint a moment"
+                    );
+                    check.refuse("twist", message);
+                }
             }
         }
     }

@@ -24,14 +24,7 @@ impl Canvas {
 
     /// A line of the given width with round ends, antialiased: a pixel is covered by how deep it
     /// lies within the line, from nothing half a pixel outside to all half a pixel inside.
-    pub(super) fn line(
-        &mut self,
-        a: Point2<f64>,
-        b: Point2<f64>,
-        width: f64,
-        color: Color,
-        opacity: f64,
-    ) {
+    pub(super) fn line(&mut self, a: Point2<f64>, b: Point2<f64>, width: f64, color: Color) {
         let reach = 0.5 * width + 1.0;
         let along = b - a;
         let squared = along.norm_squared();
@@ -44,7 +37,7 @@ impl Canvas {
                 let p = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
                 let t = if squared > 0.0 { (p.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
                 let cover = 0.5 * width + 0.5 - (p - t * along).norm();
-                self.blend(x, y, color, opacity * cover.clamp(0.0, 1.0));
+                self.blend(x, y, color, cover.clamp(0.0, 1.0));
             }
         }
     }
@@ -56,7 +49,7 @@ impl Canvas {
         };
         let corners = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
         for i in 0..4 {
-            self.line(corners[i], corners[(i + 1) % 4], 1.0, color, 1.0);
+            self.line(corners[i], corners[(i + 1) % 4], 1.0, color);
         }
     }
 

@@ -19,6 +19,9 @@ const MARGIN: f64 = 14.0;
 const CAPTION: f64 = 22.0;
 /// Thinnest line, pixels: thinner fibres would break up.
 const THINNEST: f64 = 1.3;
+/// Thinnest line where fibres are few and need not leave room for each other, pixels.
+const THINNEST_OF_FEW: f64 = 2.2;
+const FEW: usize = 10;
 
 const PAPER: Color = [0.965, 0.96, 0.95];
 const INK: Color = [0.25, 0.25, 0.27];
@@ -29,8 +32,9 @@ const GLOSS: Color = [0.75, 0.58, 0.38];
 /// Writes a sheet of up to twelve of `frames`, evenly chosen, the first and the last among them.
 ///
 /// All pictures share one orthographic view, from the side that shows the most of the box around
-/// all frames, and one scale, which the bar at the bottom gives. Near fibres are dark, far ones
-/// fade; a gloss shows how they lie. Cost: linear in the pixels that the fibres cover.
+/// all frames, and one scale, which the bar at the bottom gives for lengths across the view. Near
+/// fibres are dark, far ones fade; a gloss shows how they lie. Cost: linear in the pixels that the
+/// fibres cover.
 ///
 /// # Errors
 /// Refuses no frames, frames without strands and unsound frames; fails if `out` does.
@@ -103,10 +107,12 @@ impl Grid {
         let length = length * decade;
         let y = self.size()[1] - CAPTION / 2.0 - 4.0;
         let (from, to) = (Point2::new(MARGIN, y), Point2::new(MARGIN + self.scale * length, y));
-        canvas.line(from, to, 3.0, INK, 1.0);
-        let digits = [1e-2, 1e-3, 1e-4].iter().filter(|x| length < 0.99 * **x).count();
-        let label = format!("{:.digits$} cm", 100.0 * length);
-        canvas.text([to.x + 8.0, y - 7.0], &label, INK);
+        canvas.line(from, to, 3.0, INK);
+        let (unit, name) = [(1.0, "m"), (1e-2, "cm"), (1e-3, "mm")]
+            .into_iter()
+            .find(|(unit, _)| length > 0.99 * unit)
+            .unwrap_or((1e-6, "um"));
+        canvas.text([to.x + 8.0, y - 7.0], &format!("{:.0} {name}", length / unit), INK);
     }
 }
 
@@ -119,6 +125,7 @@ fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f
         .flat_map(|s| (0..pairs(s)).map(move |j| (view.depth(&s.points[j]), s, j)))
         .collect();
     segments.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let thinnest = if frame.strands.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
     for (depth, strand, j) in segments {
         let place = |p: &Point3<f64>| {
             let [x, y] = view.project(p);
@@ -127,7 +134,7 @@ fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f
         let (a, b) = (&strand.points[j], &strand.points[j + 1]);
         let width = 2.0 * strand.radii[j] * grid.scale;
         let color = shade(&(b - a), view, depth);
-        canvas.line(place(a), place(b), width.max(THINNEST), color, 0.85);
+        canvas.line(place(a), place(b), width.max(thinnest), color);
     }
 }
 
@@ -137,7 +144,7 @@ fn shade(tangent: &Vector3<f64>, view: &View, depth: f64) -> Color {
     let along = tangent.normalize().dot(&view.half_way);
     let gloss = if along.is_finite() { (1.0 - along * along).max(0.0).powi(12) } else { 0.0 };
     let mix = |a: Color, b: Color, t: f64| [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]));
-    mix(mix(FIBER, GLOSS, 0.8 * gloss), PAPER, 0.6 * depth)
+    mix(mix(FIBER, GLOSS, 0.8 * gloss), PAPER, 0.5 * depth)
 }
 
 #[cfg(test)]

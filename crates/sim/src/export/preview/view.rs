@@ -1,4 +1,4 @@
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 /// An orthographic view of everything in a box.
 pub(super) struct View {
@@ -15,42 +15,57 @@ pub(super) struct View {
     pub(super) half_way: Vector3<f64>,
 }
 
+/// Turn of the eye about the vertical, and then its rise over what it looks at, degrees.
+const TURN: f64 = 25.0;
+const RISE: f64 = 15.0;
+/// Scenes with less depth than this part of their width are looked at squarely.
+const FLAT: f64 = 0.25;
+
 impl View {
-    /// The view of the box around `points`, balls of the given radius (m), along its shorter
-    /// horizontal side with z up, or from above where the box is flat. `None` without points.
+    /// The view of everything in `points`, balls of the given radius (m), with z up: across the
+    /// longer horizontal side of the box around them, from a little to the right where the box is
+    /// deep and a little above where it is also low, and from straight above where it is flat.
+    /// `None` without points.
     pub(super) fn of<'a>(
-        points: impl Iterator<Item = &'a Point3<f64>>,
+        points: impl Iterator<Item = &'a Point3<f64>> + Clone,
         radius: f64,
     ) -> Option<Self> {
-        let bounds = points.fold(None, |bounds: Option<[Point3<f64>; 2]>, p| {
-            Some(bounds.map_or([*p; 2], |[low, high]| [low.inf(p), high.sup(p)]))
-        })?;
         // A nanometre keeps a single point of no size from being shown infinitely large.
-        let around = Vector3::repeat(radius.max(1e-9));
-        let [low, high] = [bounds[0] - around, bounds[1] + around];
-        let box_size = high - low;
-        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        // Looking down only where that clearly shows more: hair hangs.
-        let (right, down, away) = if box_size.z < 0.2 * box_size.x.min(box_size.y) {
-            (x, -y, -z)
-        } else if box_size.x < box_size.y {
-            (y, -z, -x)
-        } else {
-            (x, -z, y)
+        let around = radius.max(1e-9);
+        let extent = |axis: &Vector3<f64>| {
+            let along = points.clone().map(|p| axis.dot(&p.coords));
+            along.fold(None, |range: Option<[f64; 2]>, x| {
+                let [low, high] = range.unwrap_or([x + around, x - around]);
+                Some([low.min(x - around), high.max(x + around)])
+            })
         };
-        let extent = |axis: &Vector3<f64>| axis.dot(&box_size).abs();
-        let largest = extent(&right).max(extent(&down));
+        let length = |axis| extent(axis).map(|[low, high]| high - low);
+        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let [across, deep, high] = [length(&x)?, length(&y)?, length(&z)?];
+        let (right, away) = if across < deep { (y, -x) } else { (x, y) };
+        let [narrow, wide] = [across.min(deep), across.max(deep)];
+        // Looking down only where that clearly shows more: hair hangs.
+        let (turn, rise) = match narrow {
+            _ if high < 0.2 * narrow => (0.0, 90.0),
+            _ if narrow < FLAT * wide => (0.0, 0.0),
+            _ => (TURN, if high < wide { RISE } else { 0.0 }),
+        };
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(turn));
+        let (right, level) = (turn * right, turn * away);
+        let (sin, cos) = f64::to_radians(rise).sin_cos();
+        let (away, down) = (cos * level - sin * z, -cos * z - sin * level);
+        let [left, top, near] = [extent(&right)?, extent(&down)?, extent(&away)?];
+        let [width, height, depth] = [left, top, near].map(|[low, high]| high - low);
+        let largest = width.max(height);
         // Room at the edges, and no picture narrower than a third of its height.
-        let padded = |axis| (1.08 * extent(axis)).max(largest / 3.0);
-        let size = [padded(&right), padded(&down)];
-        let middle = nalgebra::center(&low, &high).coords;
-        // A flat scene has no haze.
-        let depth = extent(&away).max(0.2 * largest);
+        let size = [width, height].map(|length| (1.08 * length).max(largest / 3.0));
         let origin = Vector3::new(
-            right.dot(&middle) - 0.5 * size[0],
-            down.dot(&middle) - 0.5 * size[1],
-            away.dot(&middle) - 0.5 * extent(&away),
+            0.5 * (left[0] + left[1] - size[0]),
+            0.5 * (top[0] + top[1] - size[1]),
+            near[0],
         );
+        // A flat scene has no haze.
+        let depth = depth.max(0.2 * largest);
         let half_way = (-2.0 * away - down - 0.5 * right).normalize();
         Some(Self { origin, right, down, away, depth, size, half_way })
     }
@@ -63,5 +78,28 @@ impl View {
     /// 0 at the near side of the box, up to 1 at the far side of a deep one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
         ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_flat_is_seen_squarely_and_what_is_deep_is_turned() {
+        let away = |size: [f64; 3]| {
+            let corners = [Point3::origin(), Point3::from(size)];
+            View::of(corners.iter(), 1e-6).expect("points").away
+        };
+        for (size, expected) in [
+            ([3.0, 0.1, 1.0], Vector3::y()),
+            ([0.1, 3.0, 1.0], -Vector3::x()),
+            ([3.0, 2.0, 0.1], -Vector3::z()),
+        ] {
+            assert!((away(size) - expected).norm() < 1e-12, "{size:?}: {}", away(size));
+        }
+        let (low, hanging) = (away([3.0, 2.0, 1.0]), away([1.0, 1.0, 3.0]));
+        assert!(low.z < -0.1 && low.x < -0.1 && low.y > 0.5, "{low}");
+        assert!(hanging.z == 0.0 && hanging.x < -0.1 && hanging.y > 0.5, "{hanging}");
     }
 }
