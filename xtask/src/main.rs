@@ -4,6 +4,7 @@
 mod bench;
 mod ci;
 mod formats;
+mod repro;
 mod tidy;
 
 use anyhow::{Context, Result, bail};
@@ -15,6 +16,7 @@ usage: cargo xtask <command>
   ci        everything a change must pass: formatting, clippy, tidy, tests, documentation, a run
   tidy      the house rules that no other tool checks
   bench     the benchmarks as one table: measured, budget, thesis
+  repro     draw the figures of the thesis anew and compare (repro CHAPTER, or all)
   formats   write sample files and open them with the programs they are for (Python packages
             vtk and usd-core; skipped, with a word, where they are missing)";
 
@@ -34,6 +36,7 @@ fn run() -> Result<()> {
         (Some("ci"), None) => ci::run(),
         (Some("tidy"), None) => tidy::run(),
         (Some("bench"), None) => bench::run(),
+        (Some("repro"), chapter) => repro::run(chapter.as_deref()),
         (Some("formats"), None) => formats::run(),
         _ => bail!("{USAGE}"),
     }

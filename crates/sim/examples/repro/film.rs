@@ -1,0 +1,69 @@
+//! Runs of scenes, and what is kept of them.
+
+use crate::Fallible;
+use crate::drawing::Picture;
+use nalgebra::Point3;
+use rapunzel_sim::scene::{Method, StepperSettings, Weights};
+use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
+use std::fs;
+use std::path::Path;
+
+/// Reads a scene of the folder `scenes`.
+pub(crate) fn scene(name: &str) -> Fallible<Scene> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let text = fs::read_to_string(folder.join(name).with_extension("ron"))?;
+    Ok(Scene::from_ron(&text)?)
+}
+
+/// Runs a scene; `observe` sees its start and what every step leaves.
+pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<()> {
+    let plan = Plan::new(scene);
+    let mut world = scene.build()?;
+    observe(&world);
+    while world.steps() < plan.steps {
+        FreeFibers.step(&mut world, plan.dt)?;
+        observe(&world);
+    }
+    Ok(())
+}
+
+/// Sets the integrator to the box scheme and the largest time step to `dt`, s; the step taken is
+/// that one if a multiple of it is `1 / frame_rate`.
+pub(crate) fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
+    let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
+    scene.stepper =
+        StepperSettings { dt, method: Method::Box { weights, residual }, tolerance: None };
+}
+
+/// Pictures of all fibers at given instants.
+pub(crate) struct Film {
+    times: Vec<f64>,
+    pub(crate) pictures: Vec<Picture>,
+}
+
+impl Film {
+    /// A film that takes pictures at `times`, s, in their order.
+    pub(crate) fn at(times: &[f64]) -> Self {
+        Self { times: times.to_vec(), pictures: Vec::new() }
+    }
+
+    /// Takes a picture when it is time; true if it did.
+    pub(crate) fn observe(&mut self, world: &World) -> bool {
+        let due = self.times.get(self.pictures.len());
+        // Half of the finest step in use, so that rounding does not delay a picture.
+        if due.is_none_or(|t| world.time() < t - 5e-6) {
+            return false;
+        }
+        let fibers = (0..world.assembly().fibers().len()).map(|i| world.state(i).positions);
+        let caption = format!("t = {:.3} s", world.time());
+        self.pictures.push(Picture { caption, fibers: fibers.collect() });
+        true
+    }
+}
+
+/// The mean position of all tips, m.
+pub(crate) fn mean_tip(world: &World) -> Point3<f64> {
+    let count = world.assembly().fibers().len();
+    let tips = (0..count).filter_map(|i| world.state(i).positions.last().map(|p| p.coords));
+    Point3::from(tips.sum::<nalgebra::Vector3<f64>>() / count as f64)
+}

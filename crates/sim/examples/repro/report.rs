@@ -1,0 +1,155 @@
+//! What a figure claims, and whether it holds.
+
+use crate::drawing::{Drawing, svg};
+use crate::{Entry, Fallible};
+use serde::Serialize;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+
+/// A figure of the thesis, drawn anew.
+pub(crate) struct Figure {
+    /// The scene of `scenes/` that it starts from.
+    pub(crate) scene: &'static str,
+    /// What is changed in the scene, and which numbers the thesis leaves open.
+    pub(crate) parameters: &'static str,
+    pub(crate) drawings: Vec<Drawing>,
+    pub(crate) checks: Vec<Check>,
+}
+
+/// A claim of the thesis with a number of ours.
+#[derive(Serialize)]
+pub(crate) struct Check {
+    pub(crate) compared: String,
+    pub(crate) obtained: f64,
+    pub(crate) unit: &'static str,
+    pub(crate) criterion: Criterion,
+    pub(crate) thesis: &'static str,
+}
+
+/// What a number must be.
+#[derive(Serialize, Clone, Copy)]
+pub(crate) enum Criterion {
+    AtMost(f64),
+    AtLeast(f64),
+    Within(f64, f64),
+}
+
+impl Check {
+    /// A number that is none fails.
+    fn holds(&self) -> bool {
+        match self.criterion {
+            Criterion::AtMost(most) => self.obtained <= most,
+            Criterion::AtLeast(least) => self.obtained >= least,
+            Criterion::Within(least, most) => (least..=most).contains(&self.obtained),
+        }
+    }
+}
+
+impl fmt::Display for Criterion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AtMost(most) => write!(f, "<= {most}"),
+            Self::AtLeast(least) => write!(f, ">= {least}"),
+            Self::Within(least, most) => write!(f, "{least} .. {most}"),
+        }
+    }
+}
+
+/// An entry of the manifest.
+#[derive(Serialize)]
+struct Record<'a> {
+    figure: String,
+    title: &'a str,
+    scene: &'a str,
+    parameters: &'a str,
+    checks: &'a [Check],
+    holds: bool,
+    files: Vec<String>,
+}
+
+/// Writes the drawings, their tables and the manifest to `folder`.
+pub(crate) fn write(folder: &Path, figures: &[(&Entry, Figure)]) -> Fallible<()> {
+    fs::create_dir_all(folder)?;
+    let atomically = |name: &str, text: &str| -> Fallible<()> {
+        let part = folder.join(format!("{name}.part"));
+        fs::write(&part, text)?;
+        Ok(fs::rename(part, folder.join(name))?)
+    };
+    let mut records = Vec::new();
+    for (entry, figure) in figures {
+        let number = format!("3.{}", entry.number);
+        let mut files = vec![(format!("{number}.svg"), svg(&figure.drawings))];
+        for (part, drawing) in ('a'..).zip(&figure.drawings) {
+            files.push((format!("{number}{part}.csv"), drawing.csv()));
+        }
+        for (name, text) in &files {
+            atomically(name, text)?;
+        }
+        records.push(Record {
+            figure: number,
+            title: entry.title,
+            scene: figure.scene,
+            parameters: figure.parameters,
+            checks: &figure.checks,
+            holds: figure.checks.iter().all(Check::holds),
+            files: files.into_iter().map(|(name, _)| name).collect(),
+        });
+    }
+    atomically("manifest.json", &(serde_json::to_string_pretty(&records)? + "\n"))
+}
+
+/// All checks as one table, and how many do not hold.
+pub(crate) fn table(figures: &[(&Entry, Figure)]) -> (String, usize) {
+    let mut text = "| figure | compared | obtained | criterion | thesis | |\n".to_owned();
+    text += "|---|---|---|---|---|---|\n";
+    let mut failed = 0;
+    for (entry, figure) in figures {
+        for check in &figure.checks {
+            let verdict = if check.holds() { "pass" } else { "FAIL" };
+            failed += usize::from(!check.holds());
+            text += &format!(
+                "| 3.{} | {} | {} {} | {} | {} | {verdict} |\n",
+                entry.number,
+                check.compared,
+                shown(check.obtained),
+                check.unit,
+                check.criterion,
+                check.thesis
+            );
+        }
+    }
+    (text, failed)
+}
+
+/// Three digits, small and large numbers with a power of ten.
+fn shown(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        size if (0.01..1e4).contains(&size) => format!("{x:.3}"),
+        _ => format!("{x:.2e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_none_never_holds() {
+        let check = |obtained, criterion| Check {
+            compared: "a".into(),
+            obtained,
+            unit: "m",
+            criterion,
+            thesis: "b",
+        };
+        let all = [Criterion::AtMost(1.0), Criterion::AtLeast(1.0), Criterion::Within(1.0, 2.0)];
+        for criterion in all {
+            assert!(check(1.0, criterion).holds(), "{criterion}");
+            assert!(!check(f64::NAN, criterion).holds(), "{criterion}");
+        }
+        assert!(!check(1.1, all[0]).holds() && !check(0.9, all[1]).holds());
+        assert!(!check(2.1, all[2]).holds());
+    }
+}
