@@ -4,6 +4,7 @@ pub mod adaptive;
 pub mod box_scheme;
 mod conditions;
 mod error;
+mod joint;
 mod linear;
 mod response;
 mod rod;

@@ -1,6 +1,6 @@
 use crate::{Conditions, RodError, StepError};
-use nalgebra::{Point3, Rotation3, Vector3};
-use rapunzel_fiber::Fiber;
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use rapunzel_fiber::{Fiber, so3};
 
 /// A fibre with the internal damping of its material.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +36,24 @@ pub struct RodState {
     pub forces: Vec<Vector3<f64>>,
     /// Darboux vectors at the nodes, 1/m, material frame.
     pub curvatures: Vec<Vector3<f64>>,
+}
+
+impl RodState {
+    /// Pose of the tip, world frame: the last node, with the frame of the last segment continued
+    /// over half of it.
+    ///
+    /// # Panics
+    /// If the state is not one of this fibre.
+    #[must_use]
+    pub fn tip(&self, fiber: &Fiber) -> Isometry3<f64> {
+        let n = fiber.segments();
+        let turn = 0.75 * self.curvatures[n] + 0.25 * self.curvatures[n - 1];
+        let frame = self.frames[n - 1] * so3::exp(&(0.5 * fiber.segment_lengths()[n - 1] * turn));
+        Isometry3::from_parts(
+            self.positions[n].into(),
+            UnitQuaternion::from_rotation_matrix(&frame),
+        )
+    }
 }
 
 /// Mechanical energy of a rod, J.

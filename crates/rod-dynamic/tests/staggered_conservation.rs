@@ -245,3 +245,24 @@ proptest! {
         }
     }
 }
+
+/// Without loads the natural shape has no energy and stays, however its curvature varies.
+#[test]
+fn natural_shapes_rest() {
+    let fiber = chain(40, |s| {
+        let mut node = scaled(1.0, 0.7);
+        node.natural_curvature = Vector3::new(9.0 * (20.0 * s).sin(), 5.0 * s, 3.0 - 8.0 * s * s);
+        node
+    });
+    let hold = Steady(Instant::clamped(*fiber.root(), Vector3::zeros()));
+    let mut rod = Staggered::new(Rod::new(fiber.clone())).expect("a valid rod");
+    let start = rod.state();
+    for _ in 0..100 {
+        rod.step(0.01, &hold).expect("a step");
+    }
+    let energy = rod.energy(&Vector3::zeros()).total();
+    assert!(energy < 1e-24, "energy {energy:e}");
+    let tip = rod.state().tip(&fiber);
+    let moved = (tip.translation.vector - start.tip(&fiber).translation.vector).norm();
+    assert!(moved < 1e-12, "the tip moved by {moved:e}");
+}

@@ -2,9 +2,9 @@ use crate::conditions::{BundleConditions, FiberConditions};
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, StepperSettings};
 use crate::{SimError, World};
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
-use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
+use rapunzel_fiber::{Assembly, Fiber, FiberError};
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, Staggered,
     StaggeredBatch,
@@ -15,8 +15,9 @@ use std::sync::Arc;
 struct Start {
     bundle: usize,
     rod: Rod,
-    state: RodState,
-    conditions: FiberConditions,
+    /// `None` for the natural shape, in which integrators start.
+    state: Option<RodState>,
+    conditions: Arc<BundleConditions>,
 }
 
 impl Scene {
@@ -37,17 +38,27 @@ impl Scene {
             let conditions = Arc::new(
                 self.conditions(bundle).map_err(|source| SimError::Rod { bundle: i, source })?,
             );
-            starts.extend(fibers.into_iter().map(|fiber| start(i, bundle, fiber, &conditions)));
+            starts.extend(fibers.into_iter().map(|fiber| Start {
+                bundle: i,
+                state: (bundle.initial == Initial::Straight).then(|| straight(&fiber)),
+                rod: Rod { fiber, damping_time: bundle.damping_time },
+                conditions: Arc::clone(&conditions),
+            }));
         }
         let assembly = Assembly::new(starts.iter().map(|s| s.rod.fiber.clone()).collect());
         let groups = assembly
             .groups()
             .map(|fibers| {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
-                let lanes = starts.iter().map(|s| s.conditions.clone()).collect();
                 let bundle = starts[0].bundle;
                 let batch = batch(&self.stepper, &starts)
                     .map_err(|source| SimError::Rod { bundle, source })?;
+                let lane = |(lane, start): (usize, &&Start)| FiberConditions {
+                    bundle: Arc::clone(&start.conditions),
+                    root: *start.rod.fiber.root(),
+                    tip: batch.state(lane).tip(&start.rod.fiber),
+                };
+                let lanes = starts.iter().enumerate().map(lane).collect();
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
             .collect::<Result<_, SimError>>()?;
@@ -119,41 +130,26 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     }
 }
 
-fn start(bundle: usize, of: &Bundle, fiber: Fiber, conditions: &Arc<BundleConditions>) -> Start {
-    let shape = match of.initial {
-        Initial::Natural => fiber.clone(),
-        // Zero is finite, so straightening cannot fail; the natural shape would be the answer.
-        Initial::Straight => {
-            let straight = fiber.clone().with_natural_curvature(|_| Vector3::zeros());
-            straight.unwrap_or_else(|_| fiber.clone())
-        }
-    };
-    let (state, tip) = at_rest(&shape);
-    let conditions = FiberConditions { bundle: Arc::clone(conditions), root: *fiber.root(), tip };
-    Start { bundle, rod: Rod { fiber, damping_time: of.damping_time }, state, conditions }
-}
-
-/// The unloaded shape of `fiber`, at rest, and the pose of its tip.
-fn at_rest(fiber: &Fiber) -> (RodState, Isometry3<f64>) {
-    let (positions, frames) = fiber.rest_shape();
+/// A straight line along the root's frame, at rest.
+fn straight(fiber: &Fiber) -> RodState {
+    let root = fiber.root();
+    let tangent = root.rotation * Vector3::z();
+    let mut position = Point3::from(root.translation.vector);
+    let mut positions = vec![position];
+    for h in fiber.segment_lengths() {
+        position += *h * tangent;
+        positions.push(position);
+    }
     let segments = fiber.segments();
-    let tip = Isometry3::from_parts(
-        positions[segments].into(),
-        UnitQuaternion::from_rotation_matrix(&frames[segments]),
-    );
-    let middle = |pair: &[Rotation3<f64>]| {
-        pair[0] * so3::exp(&(0.5 * so3::log(&(pair[0].inverse() * pair[1]))))
-    };
-    let state = RodState {
+    RodState {
         time: 0.0,
-        velocities: vec![Vector3::zeros(); positions.len()],
-        frames: frames.windows(2).map(middle).collect(),
+        positions,
+        velocities: vec![Vector3::zeros(); segments + 1],
+        frames: vec![root.rotation.to_rotation_matrix(); segments],
         angular_velocities: vec![Vector3::zeros(); segments],
         forces: vec![Vector3::zeros(); segments],
-        curvatures: fiber.nodes().iter().map(|n| n.natural_curvature).collect(),
-        positions,
-    };
-    (state, tip)
+        curvatures: vec![Vector3::zeros(); segments + 1],
+    }
 }
 
 /// The integrator of a group of fibres of equal segment count.
@@ -164,7 +160,9 @@ fn batch(settings: &StepperSettings, starts: &[&Start]) -> Result<Box<dyn Batch>
             let rods = starts.iter().map(|start| start.rod.clone()).collect();
             let mut batch = StaggeredBatch::new(rods, rho_infinity)?;
             for (lane, start) in starts.iter().enumerate() {
-                batch.set_state(lane, &start.state)?;
+                if let Some(state) = &start.state {
+                    batch.set_state(lane, state)?;
+                }
             }
             Ok(Box::new(batch))
         }
@@ -188,7 +186,9 @@ fn started<I: RodIntegrator>(
 ) -> Result<Vec<I>, RodError> {
     let one = |start: &&Start| {
         let mut integrator = new(start.rod.clone())?;
-        integrator.set_state(&start.state)?;
+        if let Some(state) = &start.state {
+            integrator.set_state(state)?;
+        }
         Ok(integrator)
     };
     starts.iter().map(one).collect()

@@ -1,6 +1,7 @@
 //! Stiffness, mass and displacements of the whole chain, before constraints.
 
-use super::joint::{Action, Joint};
+use super::joint::Action;
+use crate::joint::Joint;
 use crate::{End, Instant, Load, RodState};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::{Fiber, so3};

@@ -1,13 +1,8 @@
-//! The joint between two segments: bending and torsion of what lies between their middles.
+//! Moment and second derivative of a joint.
 
+use crate::joint::Joint;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use rapunzel_fiber::{Fiber, so3};
-
-/// Stiffness over length, and rotation vector at rest.
-pub(super) struct Joint {
-    stiffness: Vector3<f64>,
-    rest: Vector3<f64>,
-}
+use rapunzel_fiber::so3;
 
 /// What a joint does, in the world frame.
 pub(super) struct Action {
@@ -18,23 +13,6 @@ pub(super) struct Action {
 }
 
 impl Joint {
-    /// Joint `j` of `0..=n`, as the staggered rod has it: as long as what it stands for, half a
-    /// segment at the ends, with the properties at the middle of that.
-    pub(super) fn new(fiber: &Fiber, j: usize) -> Self {
-        let (nodes, h, n) = (fiber.nodes(), fiber.segment_lengths(), fiber.segments());
-        let (length, inner) = match j {
-            0 => (0.5 * h[0], 1),
-            j if j == n => (0.5 * h[n - 1], n - 1),
-            j => (0.5 * (h[j - 1] + h[j]), j),
-        };
-        let weighted = |a: &Vector3<f64>, b: &Vector3<f64>| 0.75 * a + 0.25 * b;
-        let (a, b) = (&nodes[j], &nodes[inner]);
-        Self {
-            stiffness: weighted(&a.stiffness, &b.stiffness) / length,
-            rest: weighted(&a.natural_curvature, &b.natural_curvature) * length,
-        }
-    }
-
     /// Energy `(phi - rest)^T K (phi - rest) / 2` with `phi = log(a^T b)`, differentiated twice by
     /// `b -> exp(hat(x)) b`: `phi` changes by `J^-1 y + ...` with `y = b^T x`.
     pub(super) fn act(&self, a: &Rotation3<f64>, b: &Rotation3<f64>) -> Action {
@@ -95,8 +73,11 @@ mod tests {
 
     #[test]
     fn hessian_is_the_second_difference_of_the_energy() {
-        let joint =
-            Joint { stiffness: Vector3::new(1.0, 2.0, 0.7), rest: Vector3::new(0.1, -0.2, 0.3) };
+        let joint = Joint {
+            length: 1.0,
+            stiffness: Vector3::new(1.0, 2.0, 0.7),
+            rest: Vector3::new(0.1, -0.2, 0.3),
+        };
         for size in [0.1, 0.9, 2.0] {
             let a = so3::exp(&Vector3::new(0.3, -0.7, 0.2));
             let b = a * so3::exp(&(size * Vector3::new(0.6, -0.3, 0.74)));

@@ -1,10 +1,12 @@
 use super::engine::{Engine, build};
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
+use crate::joint::Joint;
 use crate::{
     Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport,
 };
 use nalgebra::{Point3, Vector3};
+use rapunzel_fiber::so3;
 
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
@@ -350,24 +352,27 @@ impl StaggeredBatch {
     }
 }
 
-/// A rod at rest in its natural shape.
+/// A rod at rest in its natural shape: that in which no joint has a moment.
 fn natural_state(rod: &Rod) -> RodState {
     let fiber = &rod.fiber;
     let n = fiber.segments();
-    let (positions, frames) = fiber.rest_shape();
-    let nodes = fiber.nodes();
-    let middle = |e: usize| {
-        let kappa = 0.5 * (nodes[e].natural_curvature + nodes[e + 1].natural_curvature);
-        frames[e] * rapunzel_fiber::so3::exp(&(kappa * 0.5 * fiber.segment_lengths()[e]))
-    };
+    let mut frame = fiber.root().rotation.to_rotation_matrix();
+    let mut position = Point3::from(fiber.root().translation.vector);
+    let (mut positions, mut frames) = (vec![position], Vec::with_capacity(n));
+    for (e, h) in fiber.segment_lengths().iter().enumerate() {
+        frame *= so3::exp(&Joint::new(fiber, e).rest);
+        position += *h * frame.matrix().column(2);
+        frames.push(frame);
+        positions.push(position);
+    }
     RodState {
         time: 0.0,
         positions,
         velocities: vec![Vector3::zeros(); n + 1],
-        frames: (0..n).map(middle).collect(),
+        frames,
         angular_velocities: vec![Vector3::zeros(); n],
         forces: vec![Vector3::zeros(); n],
-        curvatures: nodes.iter().map(|node| node.natural_curvature).collect(),
+        curvatures: fiber.nodes().iter().map(|node| node.natural_curvature).collect(),
     }
 }
 

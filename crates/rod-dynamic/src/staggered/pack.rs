@@ -7,6 +7,7 @@ use super::response::Workspace;
 use super::scheme::{Problem, Scheme, Stage};
 use super::search::Outcome;
 use super::track::Track;
+use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod};
 use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
@@ -83,8 +84,7 @@ impl<S: Simd> Pack<S> {
         pack
     }
 
-    /// Fills in the model of one lane: lumped masses, and joints as long as what they stand for,
-    /// with the properties at the middle of that.
+    /// Fills in the model of one lane, with lumped masses.
     fn model(&mut self, lane: usize, rod: &Rod) {
         let (fiber, n) = (&rod.fiber, rod.fiber.segments());
         let (nodes, h) = (fiber.nodes(), fiber.segment_lengths());
@@ -100,17 +100,10 @@ impl<S: Simd> Pack<S> {
             set(&mut self.inertia, 2 * e + 1, lane, inertia.x);
         }
         for j in 0..=n {
-            let (length, inner) = match j {
-                0 => (0.5 * h[0], 1),
-                j if j == n => (0.5 * h[n - 1], n - 1),
-                j => (0.5 * (h[j - 1] + h[j]), j),
-            };
-            let (a, b) = (&nodes[j], &nodes[inner]);
-            let stiffness = 0.75 * a.stiffness + 0.25 * b.stiffness;
-            let curvature = 0.75 * a.natural_curvature + 0.25 * b.natural_curvature;
+            let joint = Joint::new(fiber, j);
             for i in 0..3 {
-                set(&mut self.stiffness, 3 * j + i, lane, stiffness[i] / length);
-                set(&mut self.rest, 3 * j + i, lane, curvature[i] * length);
+                set(&mut self.stiffness, 3 * j + i, lane, joint.stiffness[i]);
+                set(&mut self.rest, 3 * j + i, lane, joint.rest[i]);
             }
         }
         set(std::slice::from_mut(&mut self.damping), 0, lane, rod.damping_time);

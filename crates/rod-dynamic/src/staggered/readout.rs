@@ -1,6 +1,7 @@
 //! Reading one lane of a pack, and setting it.
 
 use super::pack::{Pack, at, set};
+use crate::joint::Joint;
 use crate::{Energy, Rod, RodState};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
@@ -44,7 +45,7 @@ impl<S: Simd> Pack<S> {
                     return nodes[j].natural_curvature;
                 }
                 let strain = self.vector(&self.phi, j, lane) - rest;
-                nodes[j].natural_curvature + strain / joint_length(rod, j)
+                nodes[j].natural_curvature + strain / Joint::new(&rod.fiber, j).length
             })
             .collect();
         RodState {
@@ -105,7 +106,7 @@ impl<S: Simd> Pack<S> {
         self.chain.ends.join(lane);
         for j in [0, n] {
             let strain = state.curvatures[j] - rod.fiber.nodes()[j].natural_curvature;
-            let turn = self.vector(&self.rest, j, lane) + strain * joint_length(rod, j);
+            let turn = self.vector(&self.rest, j, lane) + strain * Joint::new(&rod.fiber, j).length;
             self.set_turn(lane, j, &turn);
         }
     }
@@ -140,16 +141,5 @@ impl<S: Simd> Pack<S> {
             energy.kinetic += 0.5 * at(&self.inertia, i, lane) * rate.norm_squared();
         }
         energy
-    }
-}
-
-/// Length of what joint `j` stands for: its stiffness is that of the rod over this length.
-fn joint_length(rod: &Rod, j: usize) -> f64 {
-    let h = rod.fiber.segment_lengths();
-    let n = h.len();
-    match j {
-        0 => 0.5 * h[0],
-        j if j == n => 0.5 * h[n - 1],
-        j => 0.5 * (h[j - 1] + h[j]),
     }
 }

@@ -161,8 +161,7 @@ impl Chart {
 impl Pictures {
     fn draw(&self, canvas: &mut Canvas, top: f64) -> f64 {
         let flat = |p: &Point3<f64>| self.axes.map(|axis| axis.dot(&p.coords));
-        let points =
-            || self.pictures.iter().flat_map(|p| &p.fibers).flatten().map(flat);
+        let points = || self.pictures.iter().flat_map(|p| &p.fibers).flatten().map(flat);
         let (xs, ys) = (range(points().map(|p| p[0])), range(points().map(|p| p[1])));
         let cell = (WIDTH - 2.0 * MARGIN) / self.columns as f64;
         let inner = cell - 24.0;
