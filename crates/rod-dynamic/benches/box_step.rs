@@ -29,13 +29,9 @@ fn box_step(c: &mut Criterion) {
     let mut numbers = Vec::new();
     let mut integrator = hair();
     integrator.save(&mut numbers);
-    let iterations = fall(&mut integrator);
     let mut group = c.benchmark_group("box");
     group.throughput(criterion::Throughput::Elements(STEPS as u64));
-    let name = format!(
-        "hair, 100 segments, 60 steps of 1/30 s, {:.2} iterations a step",
-        iterations as f64 / STEPS as f64
-    );
+    let name = "hair, 100 segments, 60 steps of 1/30 s";
     group.sample_size(30).bench_function(name, |b| {
         b.iter(|| {
             integrator.restore(&numbers).expect("its own numbers");

@@ -46,7 +46,8 @@ pub enum StepError {
     /// Newton's method did not converge, however small the step.
     #[error(
         "fibre {fiber}: Newton's method did not converge at t = {time} s even with a step of \
-         {dt} s; residuals {residuals:?}. Use a smaller step, more segments, or more damping"
+         {dt} s; residuals [{}]. Use a smaller step, more segments, or more damping",
+        brief(residuals)
     )]
     NotConverged {
         /// Index of the fibre in its batch, 0 for a single rod.
@@ -58,6 +59,11 @@ pub enum StepError {
         /// Relative residuals of the last attempt, one per iteration.
         residuals: Vec<f64>,
     },
+}
+
+/// Numbers with two digits.
+fn brief(numbers: &[f64]) -> String {
+    numbers.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(", ")
 }
 
 impl StepError {

@@ -114,7 +114,7 @@ fn sizes(segments: usize, steps: usize) {
 
 #[test]
 fn rods_of_all_sizes_run() {
-    for (segments, steps) in [(6, 100), (100, 100), (1000, 10)] {
+    for (segments, steps) in [(6, 100), (100, 100), (1000, 10), (10_000, 2)] {
         sizes(segments, steps);
     }
 }
