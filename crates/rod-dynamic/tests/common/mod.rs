@@ -104,6 +104,13 @@ pub struct Elastica {
 }
 
 impl Elastica {
+    /// How much a steep rod near the load that buckles an upright one (Greenhill 1881) makes of an
+    /// error.
+    pub fn sensitivity(&self) -> f64 {
+        const GREENHILL: f64 = 7.837_347_439;
+        if self.clamp_angle_deg > 60.0 { 1.0 + GREENHILL / (self.g - GREENHILL).abs() } else { 1.0 }
+    }
+
     /// Natural curvature at `s`: the oracle has numbers and `a*sin(b*s)`.
     pub fn natural_curvature(&self, s: f64) -> f64 {
         let text = self.kappa0.to_string();
