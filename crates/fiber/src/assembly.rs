@@ -1,28 +1,20 @@
 //! Many fibres laid out for the loops that are hot.
 
-use crate::Fiber;
+use crate::{Fiber, Layout};
 use nalgebra::Point3;
 use std::ops::Range;
 
 /// The largest number of fibres in a group: eight `f64` fill the widest vector register in use.
 pub const GROUP_SIZE: usize = 8;
 
-/// Many fibres as one contiguous array of nodes and one of segments.
-///
-/// Everything that lives on nodes (positions, velocities, radii) is stored fibre after fibre in
-/// one array of [`Assembly::nodes`] elements, everything on segments in one of
-/// [`Assembly::segments`] elements. Segment `j` of fibre `f` ends in the nodes `j + f` and
-/// `j + f + 1`, because every fibre has one more node than segments.
+/// Many fibres whose nodes and segments lie in common arrays, see [`Layout`].
 ///
 /// A stepper walks over [`Assembly::groups`], fibres of equal segment count that can be advanced
 /// side by side; collision detection walks over segments and asks for their fibre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
     fibers: Vec<Fiber>,
-    /// First segment of every fibre, and the total at the end.
-    segment_offsets: Vec<usize>,
-    /// Fibre of every segment.
-    segment_fibers: Vec<usize>,
+    layout: Layout,
     /// Equivalent radius at every node, m.
     radii: Vec<f64>,
     /// Indices of the fibres, sorted by segment count and then by index.
@@ -35,18 +27,13 @@ impl Assembly {
     /// Lays out `fibers`, which keep their order and so their indices. None at all is allowed.
     #[must_use]
     pub fn new(fibers: Vec<Fiber>) -> Self {
-        let mut segment_offsets = vec![0];
-        let mut segment_fibers = Vec::new();
-        for (f, fiber) in fibers.iter().enumerate() {
-            segment_fibers.resize(segment_fibers.len() + fiber.segments(), f);
-            segment_offsets.push(segment_fibers.len());
-        }
+        let layout = Layout::new(fibers.iter().map(Fiber::segments));
         let nodes = fibers.iter().flat_map(Fiber::nodes);
         let radii = nodes.map(|node| node.section.equivalent_radius()).collect();
         let mut order: Vec<usize> = (0..fibers.len()).collect();
         order.sort_by_key(|&f| fibers[f].segments());
         let groups = groups(&order, |f| fibers[f].segments());
-        Self { fibers, segment_offsets, segment_fibers, radii, order, groups }
+        Self { fibers, layout, radii, order, groups }
     }
 
     /// The fibres.
@@ -55,50 +42,10 @@ impl Assembly {
         &self.fibers
     }
 
-    /// Total number of nodes.
+    /// Where the nodes and segments of every fibre lie in the common arrays.
     #[must_use]
-    pub fn nodes(&self) -> usize {
-        self.radii.len()
-    }
-
-    /// Total number of segments.
-    #[must_use]
-    pub fn segments(&self) -> usize {
-        self.segment_fibers.len()
-    }
-
-    /// The nodes of fibre `fiber` in the node arrays.
-    ///
-    /// # Panics
-    /// If there is no such fibre, as indexing does.
-    #[must_use]
-    pub fn node_range(&self, fiber: usize) -> Range<usize> {
-        self.segment_offsets[fiber] + fiber..self.segment_offsets[fiber + 1] + fiber + 1
-    }
-
-    /// The segments of fibre `fiber` in the segment arrays.
-    ///
-    /// # Panics
-    /// If there is no such fibre, as indexing does.
-    #[must_use]
-    pub fn segment_range(&self, fiber: usize) -> Range<usize> {
-        self.segment_offsets[fiber]..self.segment_offsets[fiber + 1]
-    }
-
-    /// The fibre of every segment.
-    #[must_use]
-    pub fn segment_fibers(&self) -> &[usize] {
-        &self.segment_fibers
-    }
-
-    /// The two end nodes of `segment`, root side first.
-    ///
-    /// # Panics
-    /// If there is no such segment, as indexing does.
-    #[must_use]
-    pub fn segment_nodes(&self, segment: usize) -> [usize; 2] {
-        let first = segment + self.segment_fibers[segment];
-        [first, first + 1]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// Radius at every node, m: of the circle with the area of the section.
@@ -127,7 +74,7 @@ impl Assembly {
     /// # Panics
     /// If `data` does not have one element per node.
     pub fn split_nodes_mut<'a, T>(&self, data: &'a mut [T]) -> Vec<&'a mut [T]> {
-        assert_eq!(data.len(), self.nodes(), "an array over nodes has one element per node");
+        assert_eq!(data.len(), self.layout.nodes(), "an array over nodes has one element per node");
         let mut rest = data;
         let take = |fiber: &Fiber| {
             let (head, tail) = std::mem::take(&mut rest).split_at_mut(fiber.segments() + 1);
@@ -165,23 +112,6 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ranges_tile_the_arrays(counts in prop::collection::vec(1..6_usize, 0..40)) {
-            let a = assembly(&counts);
-            let (mut node, mut segment) = (0, 0);
-            for (f, &n) in counts.iter().enumerate() {
-                prop_assert_eq!(a.node_range(f), node..node + n + 1);
-                prop_assert_eq!(a.segment_range(f), segment..segment + n);
-                for j in 0..n {
-                    prop_assert_eq!(a.segment_fibers()[segment + j], f);
-                    prop_assert_eq!(a.segment_nodes(segment + j), [node + j, node + j + 1]);
-                }
-                (node, segment) = (node + n + 1, segment + n);
-            }
-            prop_assert_eq!((a.nodes(), a.segments()), (node, segment));
-            prop_assert_eq!(a.rest_positions().len(), node);
-        }
-
-        #[test]
         fn groups_hold_every_fiber_once(counts in prop::collection::vec(1..6_usize, 0..40)) {
             let a = assembly(&counts);
             let mut seen: Vec<usize> = a.groups().flatten().copied().collect();
@@ -202,11 +132,11 @@ mod tests {
     #[test]
     fn slices_per_fiber_are_the_node_ranges() {
         let a = assembly(&[3, 1, 2]);
-        let mut data: Vec<usize> = (0..a.nodes()).collect();
+        let mut data: Vec<usize> = (0..a.layout().nodes()).collect();
         let slices = a.split_nodes_mut(&mut data);
         assert_eq!(slices.len(), 3);
         for (f, slice) in slices.iter().enumerate() {
-            assert_eq!(slice.to_vec(), a.node_range(f).collect::<Vec<_>>());
+            assert_eq!(slice.to_vec(), a.layout().node_range(f).collect::<Vec<_>>());
         }
     }
 }

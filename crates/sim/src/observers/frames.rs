@@ -127,7 +127,7 @@ fn name(index: usize, extension: &str) -> String {
 fn frame(world: &World, index: usize) -> Frame {
     let strand = |i: usize| {
         let state = world.state(i);
-        let nodes = world.assembly().node_range(i);
+        let nodes = world.assembly().layout().node_range(i);
         Strand {
             points: state.positions,
             radii: world.assembly().radii()[nodes].to_vec(),

@@ -1,0 +1,10 @@
+#![doc = include_str!("../README.md")]
+
+mod capsules;
+mod closest;
+mod error;
+pub mod scenes;
+
+pub use capsules::{Capsule, Capsules, Pair, segment_radii};
+pub use closest::Closest;
+pub use error::CollisionError;
