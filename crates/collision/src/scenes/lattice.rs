@@ -28,7 +28,7 @@ pub fn clump(fibers: usize) -> Arrangement {
 
 /// `gather` is the distance from the axis over that at the root, for `t` in 0..=1 along the fibre.
 fn lattice(fibers: usize, gather: impl Fn(f64) -> f64) -> Arrangement {
-    let mut random = SplitMix64(0x5EED_0F4A_1B);
+    let mut random = SplitMix64(0x005E_ED0F_4A1B);
     let side = (fibers as f64).sqrt().ceil();
     let pitch = (1e-4_f64 / 200.0).sqrt();
     let (mut positions, mut displacements) = (Vec::new(), Vec::new());
