@@ -160,26 +160,26 @@ mod tests {
         let good = points(7);
         assert!(Capsules::new(&layout, &good, &[0.1; 5]).is_ok());
         let empty = Layout::new([]);
-        assert_eq!(Capsules::new(&empty, &[], &[]).unwrap_err(), CollisionError::Empty);
-        let short = Capsules::new(&layout, &good[1..], &[0.1; 5]).unwrap_err();
+        assert_eq!(Capsules::new(&empty, &[], &[]).expect_err("refused"), CollisionError::Empty);
+        let short = Capsules::new(&layout, &good[1..], &[0.1; 5]).expect_err("refused");
         let expected = CollisionError::Count { what: "positions", given: 6, needed: 7 };
         assert_eq!(short, expected);
-        let short = Capsules::new(&layout, &good, &[0.1; 4]).unwrap_err();
+        let short = Capsules::new(&layout, &good, &[0.1; 4]).expect_err("refused");
         assert_eq!(short, CollisionError::Count { what: "radii", given: 4, needed: 5 });
         for bad in [f64::INFINITY, f64::NEG_INFINITY] {
             let mut points = good.clone();
             points[5].y = bad;
-            let error = Capsules::new(&layout, &points, &[0.1; 5]).unwrap_err();
+            let error = Capsules::new(&layout, &points, &[0.1; 5]).expect_err("refused");
             let position = [0.0, bad, 5.0];
             assert_eq!(error, CollisionError::Position { fiber: 1, node: 2, position });
         }
         let mut nan = good.clone();
         nan[0].x = f64::NAN;
-        let error = Capsules::new(&layout, &nan, &[0.1; 5]).unwrap_err();
+        let error = Capsules::new(&layout, &nan, &[0.1; 5]).expect_err("refused");
         assert!(matches!(error, CollisionError::Position { fiber: 0, node: 0, .. }));
         for radius in [0.0, -1.0, f64::INFINITY] {
             let radii = [0.1, 0.1, 0.1, radius, 0.1];
-            let error = Capsules::new(&layout, &good, &radii).unwrap_err();
+            let error = Capsules::new(&layout, &good, &radii).expect_err("refused");
             assert_eq!(error, CollisionError::Radius { fiber: 1, segment: 1, radius });
         }
     }
