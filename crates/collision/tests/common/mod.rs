@@ -5,21 +5,21 @@ use rapunzel_collision::{Capsule, Capsules, Pair};
 
 /// All pairs that are not adjacent and whose axis-aligned boxes overlap (closed), sorted: by a
 /// sweep along z, independent of every tree.
-pub fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
+pub(crate) fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
     let boxes: Vec<_> = (0..capsules.len()).map(|s| bounds(&capsules.get(s))).collect();
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&i, &j| boxes[i].0.z.total_cmp(&boxes[j].0.z));
+    let mut order: Vec<u32> = (0..).take(boxes.len()).collect();
+    order.sort_by(|&i, &j| boxes[i as usize].0.z.total_cmp(&boxes[j as usize].0.z));
     let mut pairs = Vec::new();
     for (k, &i) in order.iter().enumerate() {
-        let (low, high) = &boxes[i];
+        let (low, high) = &boxes[i as usize];
         for &j in &order[k + 1..] {
-            let (other_low, other_high) = &boxes[j];
+            let (other_low, other_high) = &boxes[j as usize];
             if other_low.z > high.z {
                 break;
             }
             let overlap = (0..2).all(|d| low[d] <= other_high[d] && other_low[d] <= high[d]);
-            if overlap && !capsules.adjacent(i, j) {
-                pairs.push([i.min(j) as u32, i.max(j) as u32]);
+            if overlap && !capsules.adjacent(i as usize, j as usize) {
+                pairs.push([i.min(j), i.max(j)]);
             }
         }
     }
@@ -28,7 +28,7 @@ pub fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
 }
 
 /// The smallest box that holds a capsule: its low and its high corner.
-pub fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
+pub(crate) fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (capsule.start.coords, capsule.end.coords);
     let radius = Vector3::repeat(capsule.radius);
     (a.inf(&b) - radius, a.sup(&b) + radius)
