@@ -1,0 +1,89 @@
+//! Sixteen boxes side by side, and which of them meet another.
+
+use super::bounds::Bounds;
+use pulp::Simd;
+
+/// Boxes in a block: the lanes of the widest register in use.
+pub(super) const WIDTH: usize = 16;
+
+/// Sixteen boxes. A lane that holds none is NaN, which no comparison accepts.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Block {
+    pub(super) low: [[f32; WIDTH]; 3],
+    pub(super) high: [[f32; WIDTH]; 3],
+}
+
+impl Block {
+    /// No box at all.
+    pub(super) const EMPTY: Self =
+        Self { low: [[f32::NAN; WIDTH]; 3], high: [[f32::NAN; WIDTH]; 3] };
+
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds) {
+        for d in 0..3 {
+            self.low[d][lane] = bounds.low[d];
+            self.high[d][lane] = bounds.high[d];
+        }
+    }
+
+    pub(super) fn clear(&mut self, lane: usize) {
+        for d in 0..3 {
+            self.low[d][lane] = f32::NAN;
+            self.high[d][lane] = f32::NAN;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Bounds {
+        let mut bounds = Bounds::EMPTY;
+        for d in 0..3 {
+            bounds.low[d] = self.low[d][lane];
+            bounds.high[d] = self.high[d][lane];
+        }
+        bounds
+    }
+}
+
+/// How sixteen boxes are compared at once.
+pub(super) trait Compare: Copy {
+    /// The lanes of `block` whose boxes meet `bounds`, as bits; touching is meeting.
+    fn meet(self, block: &Block, bounds: &Bounds) -> u16;
+}
+
+/// Comparison that compilers turn into what the machine has.
+#[derive(Clone, Copy)]
+pub(super) struct Portable;
+
+impl Compare for Portable {
+    #[inline(always)]
+    fn meet(self, block: &Block, bounds: &Bounds) -> u16 {
+        let mut meet = [true; WIDTH];
+        for d in 0..3 {
+            for lane in 0..WIDTH {
+                meet[lane] &= block.low[d][lane] <= bounds.high[d];
+                meet[lane] &= block.high[d][lane] >= bounds.low[d];
+            }
+        }
+        (0..WIDTH).fold(0, |bits, lane| bits | u16::from(meet[lane]) << lane)
+    }
+}
+
+/// Comparison with mask registers.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+pub(super) struct Masks(pub(super) pulp::x86::V4);
+
+#[cfg(target_arch = "x86_64")]
+impl Compare for Masks {
+    #[inline(always)]
+    fn meet(self, block: &Block, bounds: &Bounds) -> u16 {
+        let Self(simd) = self;
+        let mut meet = u16::MAX;
+        for d in 0..3 {
+            let (low, high) = (pulp::cast(block.low[d]), pulp::cast(block.high[d]));
+            meet &= simd.cmp_le_f32x16(low, simd.splat_f32s(bounds.high[d])).0;
+            meet &= simd.cmp_ge_f32x16(high, simd.splat_f32s(bounds.low[d])).0;
+        }
+        meet
+    }
+}

@@ -1,0 +1,65 @@
+//! Boxes in single precision.
+
+/// An axis-aligned box (world), m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) low: [f32; 3],
+    pub(super) high: [f32; 3],
+}
+
+impl Bounds {
+    /// The box that holds nothing.
+    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+
+    /// Grows to hold `other`.
+    #[inline(always)]
+    pub(super) fn hold(&mut self, other: &Self) {
+        for d in 0..3 {
+            self.low[d] = self.low[d].min(other.low[d]);
+            self.high[d] = self.high[d].max(other.high[d]);
+        }
+    }
+}
+
+/// The largest single that is not above `x`, a number.
+#[inline(always)]
+pub(super) fn below(x: f64) -> f32 {
+    let nearest = x as f32;
+    // More than half a unit in the last place is taken off and less than a whole one: the result
+    // rounds to the next single down. A sum, not a step of the bits, so that it is vector code.
+    let finite = if nearest < f32::MAX { nearest } else { f32::MAX };
+    let next = finite - (finite.abs() * 6e-8 + 1e-45);
+    if f64::from(nearest) > x { next } else { nearest }
+}
+
+/// The least single that is not below `x`, a number.
+#[inline(always)]
+pub(super) fn above(x: f64) -> f32 {
+    -below(-x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rounding_is_outward_and_tight(x in prop::num::f64::ANY.prop_filter("a number", |x| x.is_finite())) {
+            let (low, high) = (below(x), above(x));
+            prop_assert!(f64::from(low) <= x && x <= f64::from(high));
+            prop_assert!(low == high || low.next_up() == high);
+        }
+    }
+
+    #[test]
+    fn rounding_is_outward_at_the_ends_of_the_range() {
+        for x in [0.0, -0.0, 1e-46, 1e-45, 1e-40, 1.17e-38, 1.0 + 1e-9, 3.4e38, 3.5e38, f64::MAX] {
+            for x in [x, -x] {
+                let (low, high) = (below(x), above(x));
+                assert!(f64::from(low) <= x && x <= f64::from(high), "{x}");
+                assert!(low == high || low.next_up() == high, "{x}");
+            }
+        }
+    }
+}

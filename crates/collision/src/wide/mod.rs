@@ -1,0 +1,103 @@
+//! The tree for production.
+
+mod block;
+mod bounds;
+mod build;
+mod pairs;
+mod refit;
+
+use crate::Capsules;
+use block::{Block, WIDTH};
+use bounds::Bounds;
+
+/// A tree of blocks of sixteen boxes.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    /// The blocks of every level, those of segments first, one block last.
+    levels: Vec<Level>,
+    /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
+    /// one if these differ by at most one, because fibres share no node.
+    nodes: Vec<[u32; WIDTH]>,
+}
+
+#[derive(Debug, Clone)]
+struct Level {
+    blocks: Vec<Block>,
+    /// What the box of every lane holds: a segment, or a block of the level below.
+    children: Vec<[u32; WIDTH]>,
+    /// Box of every block.
+    hulls: Vec<Bounds>,
+}
+
+/// A lane without a child.
+const NONE: u32 = u32::MAX;
+
+impl Tree {
+    /// Builds the tree over boxes grown by `margin`, m.
+    #[must_use]
+    pub fn new(capsules: &Capsules, margin: f64) -> Self {
+        let mut lowest = Level::new(&rough_boxes(capsules));
+        let layout = capsules.layout();
+        let first_node =
+            |s: u32| if s == NONE { NONE } else { layout.segment_nodes(s as usize)[0] as u32 };
+        let nodes: Vec<_> =
+            lowest.children.iter().map(|segments| segments.map(first_node)).collect();
+        lowest.fit_segments(&nodes, capsules, margin);
+        let mut levels = vec![lowest];
+        while levels.len() < 2 || levels[levels.len() - 1].blocks.len() > 1 {
+            let hulls = &levels[levels.len() - 1].hulls;
+            let mut level = Level::new(hulls);
+            level.fit_hulls(hulls);
+            levels.push(level);
+        }
+        Self { levels, nodes }
+    }
+
+    /// Fits the boxes to moved segments.
+    pub fn refit(&mut self, capsules: &Capsules, margin: f64) {
+        self.levels[0].fit_segments(&self.nodes, capsules, margin);
+        for k in 1..self.levels.len() {
+            let (below, above) = self.levels.split_at_mut(k);
+            above[0].fit_hulls(&below[k - 1].hulls);
+        }
+    }
+}
+
+/// Boxes of the axes of all segments, rounded anyhow: good enough to group them.
+fn rough_boxes(capsules: &Capsules) -> Vec<Bounds> {
+    let bounds = |segment| {
+        let [a, b] = capsules.layout().segment_nodes(segment);
+        let (p, q) = (&capsules.positions()[a], &capsules.positions()[b]);
+        let mut bounds = Bounds::EMPTY;
+        for d in 0..3 {
+            bounds.low[d] = p[d].min(q[d]) as f32;
+            bounds.high[d] = p[d].max(q[d]) as f32;
+        }
+        bounds
+    };
+    (0..capsules.len()).map(bounds).collect()
+}
+
+impl Level {
+    /// Groups `boxes`; the blocks are still empty.
+    fn new(boxes: &[Bounds]) -> Self {
+        let build::Groups { order, ends } = build::group(boxes);
+        let mut start = 0;
+        let group = |end: usize| {
+            let mut lanes = [NONE; WIDTH];
+            lanes[..end - start].copy_from_slice(&order[start..end]);
+            start = end;
+            lanes
+        };
+        let children: Vec<_> = ends.into_iter().map(group).collect();
+        let blocks = vec![Block::EMPTY; children.len()];
+        let hulls = vec![Bounds::EMPTY; children.len()];
+        Self { blocks, children, hulls }
+    }
+}
+
+impl Tree {
+    pub fn shape(&self) -> Vec<usize> {
+        self.levels.iter().map(|l| l.blocks.len()).collect()
+    }
+}
