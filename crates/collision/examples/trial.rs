@@ -12,6 +12,16 @@ fn median(mut f: impl FnMut()) -> f64 {
     t[5]
 }
 fn main() {
+    if std::env::args().nth(1).is_some() {
+        let s = scenes::wavy(1000);
+        let c = s.capsules().unwrap();
+        let mut t = Tree::new(&c, 0.0);
+        let mut p = Vec::new();
+        for _ in 0..600 {
+            t.pairs(&mut p);
+        }
+        return;
+    }
     for (name, scene) in [("wavy", scenes::wavy(1000)), ("clump", scenes::clump(1000))] {
         let moved = scene.advanced(1.0);
         let (a, b) = (scene.capsules().unwrap(), moved.capsules().unwrap());

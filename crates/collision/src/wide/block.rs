@@ -48,6 +48,9 @@ impl Block {
 pub(super) trait Compare: Copy {
     /// The lanes of `block` whose boxes meet `bounds`, as bits; touching is meeting.
     fn meet(self, block: &Block, bounds: &Bounds) -> u16;
+
+    /// The lanes of `nodes` that differ from `node` by at most one, as bits.
+    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16;
 }
 
 /// Comparison that compilers turn into what the machine has.
@@ -64,8 +67,26 @@ impl Compare for Portable {
                 meet[lane] &= block.high[d][lane] >= bounds.low[d];
             }
         }
-        (0..WIDTH).fold(0, |bits, lane| bits | u16::from(meet[lane]) << lane)
+        bits(&meet)
     }
+
+    #[inline(always)]
+    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16 {
+        let mut adjacent = [false; WIDTH];
+        for lane in 0..WIDTH {
+            adjacent[lane] = nodes[lane].wrapping_sub(node).wrapping_add(1) <= 2;
+        }
+        bits(&adjacent)
+    }
+}
+
+#[inline(always)]
+fn bits(lanes: &[bool; WIDTH]) -> u16 {
+    let mut bits = 0;
+    for lane in 0..WIDTH {
+        bits |= u16::from(lanes[lane]) << lane;
+    }
+    bits
 }
 
 /// Comparison with mask registers.
@@ -85,5 +106,12 @@ impl Compare for Masks {
             meet &= simd.cmp_ge_f32x16(high, simd.splat_f32s(bounds.low[d])).0;
         }
         meet
+    }
+    #[inline(always)]
+    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16 {
+        let Self(simd) = self;
+        let before = simd.splat_u32s(node.wrapping_sub(1));
+        let ahead = simd.wrapping_sub_u32x16(pulp::cast(*nodes), before);
+        simd.cmp_le_u32x16(ahead, simd.splat_u32s(2)).0
     }
 }

@@ -7,11 +7,12 @@
 
 use super::block::WIDTH;
 use super::bounds::Bounds;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Runs of the curve are cut until they are no longer than this.
-const RUN: usize = 128;
+const RUN: usize = 96;
 /// Candidates for a split.
-const BINS: usize = 16;
+const BINS: usize = 8;
 /// Bits of the place on the curve, of one axis.
 const BITS: u32 = 10;
 
@@ -24,22 +25,42 @@ pub(super) struct Groups {
 /// Groups `boxes`. Cost: 60 ns a box.
 pub(super) fn group(boxes: &[Bounds]) -> Groups {
     let curve = sorted_along_curve(boxes);
-    let mut items: Vec<Item> =
-        curve.iter().map(|c| Item::new(c.index, &boxes[c.index as usize])).collect();
-    let mut ends = Vec::with_capacity(boxes.len() / (WIDTH / 2) + 1);
-    let mut stack = vec![0..boxes.len()];
-    while let Some(range) = stack.pop() {
-        if range.len() <= WIDTH {
-            ends.push(range.end);
-            continue;
+    let item = |place: &Place| Hull::new(place.index, &boxes[place.index as usize]);
+    let mut items: Vec<Hull> = curve.iter().map(item).collect();
+    let ends = Arch::new().dispatch(Cut { curve: &curve, items: &mut items });
+    Groups { order: items.iter().map(Hull::index).collect(), ends }
+}
+
+/// Cuts boxes on the curve into groups: reorders them and returns the ends of the groups.
+struct Cut<'a> {
+    curve: &'a [Place],
+    items: &'a mut [Hull],
+}
+
+impl NullaryFnOnce for Cut<'_> {
+    type Output = Vec<usize>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<usize> {
+        let Self { curve, items } = self;
+        let mut ends = Vec::with_capacity(items.len() / (WIDTH / 2) + 1);
+        let mut stack = vec![0..items.len()];
+        while let Some(range) = stack.pop() {
+            if range.len() <= WIDTH {
+                ends.push(range.end);
+                continue;
+            }
+            let cut = if range.len() > RUN { enter_cell(&curve[range.clone()]) } else { None };
+            let cut = match cut {
+                Some(cut) => cut,
+                None => split(&mut items[range.clone()]),
+            };
+            let middle = range.start + cut;
+            stack.push(middle..range.end);
+            stack.push(range.start..middle);
         }
-        let cut = if range.len() > RUN { enter_cell(&curve[range.clone()]) } else { None };
-        let cut = cut.unwrap_or_else(|| split(&mut items[range.clone()]));
-        let middle = range.start + cut;
-        stack.push(middle..range.end);
-        stack.push(range.start..middle);
+        ends
     }
-    Groups { order: items.iter().map(|item| item.index).collect(), ends }
 }
 
 /// A box on the curve.
@@ -56,18 +77,15 @@ fn sorted_along_curve(boxes: &[Bounds]) -> Vec<Place> {
         hull.hold(bounds);
     }
     let extent = (0..3).fold(0.0, |extent: f32, d| extent.max(hull.high[d] - hull.low[d]));
-    // Cells are cubes: the curve divides the longest extent first. Halves, because the sum of two
-    // finite numbers may not be finite.
-    let cells = (1 << BITS) as f32;
-    let scale = if extent > 0.0 { cells / extent } else { 0.0 };
+    // Cells are cubes: the curve divides the longest extent first. All halved, because the sum of
+    // two finite numbers need not be finite.
+    let scale = if extent > 0.0 { ((1 << BITS) - 1) as f32 / extent } else { 0.0 };
     let cell = |bounds: &Bounds, d: usize| {
-        let center = 0.5 * bounds.low[d] + 0.5 * bounds.high[d];
-        ((center - hull.low[d]) * scale).min(cells - 1.0) as u32
+        nearest((0.5 * bounds.low[d] + 0.5 * bounds.high[d] - hull.low[d]) * scale)
     };
     let place = |(index, bounds)| {
-        let code =
-            spread(cell(bounds, 0)) | spread(cell(bounds, 1)) << 1 | spread(cell(bounds, 2)) << 2;
-        Place { code, index }
+        let [x, y, z] = [cell(bounds, 0), cell(bounds, 1), cell(bounds, 2)];
+        Place { code: spread(x) | spread(y) << 1 | spread(z) << 2, index }
     };
     let mut places: Vec<Place> = (0..).zip(boxes).map(place).collect();
     let mut other = vec![Place::default(); places.len()];
@@ -76,6 +94,14 @@ fn sorted_along_curve(boxes: &[Bounds]) -> Vec<Place> {
         std::mem::swap(&mut places, &mut other);
     }
     places
+}
+
+/// The whole number nearest to `x` in 0..2^23, read off the last bits of a sum in which nothing else
+/// has room: a conversion would test for numbers that do not occur here.
+#[inline(always)]
+fn nearest(x: f32) -> u32 {
+    const ROOM: u32 = 1 << 23;
+    (x + ROOM as f32).to_bits() % ROOM
 }
 
 /// Moves the lowest ten bits apart, two zeros between any two.
@@ -112,7 +138,7 @@ fn enter_cell(curve: &[Place]) -> Option<usize> {
     Some(curve.partition_point(|place| place.code >> differ & 1 == 0))
 }
 
-/// A box that is being grouped; the fourth lanes only fill the registers.
+/// A box that is being grouped. The fourth lanes fill the registers; a box's index lies in one.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 struct Hull {
@@ -123,92 +149,115 @@ struct Hull {
 impl Hull {
     const EMPTY: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
+    fn new(index: u32, bounds: &Bounds) -> Self {
+        let ([x, y, z], [u, v, w]) = (bounds.low, bounds.high);
+        Self { low: [x, y, z, f32::from_bits(index)], high: [u, v, w, 0.0] }
+    }
+
+    fn index(&self) -> u32 {
+        self.low[3].to_bits()
+    }
+
+    /// Twice the coordinate of the centre.
     #[inline(always)]
-    fn hold(&mut self, other: &Self) {
+    fn center(&self, axis: usize) -> f32 {
+        self.low[axis] + self.high[axis]
+    }
+
+    #[inline(always)]
+    fn hold(&mut self, low: &[f32; 4], high: &[f32; 4]) {
         for d in 0..4 {
-            self.low[d] = if other.low[d] < self.low[d] { other.low[d] } else { self.low[d] };
-            self.high[d] = if other.high[d] > self.high[d] { other.high[d] } else { self.high[d] };
+            self.low[d] = if low[d] < self.low[d] { low[d] } else { self.low[d] };
+            self.high[d] = if high[d] > self.high[d] { high[d] } else { self.high[d] };
         }
     }
 
     /// Half of the surface: the chance that another box meets it grows with that.
+    #[inline(always)]
     fn half_area(&self) -> f32 {
-        let [x, y, z]: [f32; 3] = std::array::from_fn(|d| self.high[d] - self.low[d]);
+        let (x, y) = (self.high[0] - self.low[0], self.high[1] - self.low[1]);
+        let z = self.high[2] - self.low[2];
         x * y + y * z + z * x
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Item {
-    hull: Hull,
-    /// Centre, each coordinate twice.
-    center: [f32; 3],
-    index: u32,
-}
-
-impl Item {
-    fn new(index: u32, bounds: &Bounds) -> Self {
-        let [x, y, z] = bounds.low;
-        let [u, v, w] = bounds.high;
-        let hull = Hull { low: [x, y, z, 0.0], high: [u, v, w, 0.0] };
-        Self { hull, center: [x + u, y + v, z + w], index }
     }
 }
 
 /// Reorders `items` into two parts that are not empty, where the surface area heuristic is least
 /// among splits across the longest extent of the centres; the length of the first part.
-fn split(items: &mut [Item]) -> usize {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+#[inline(always)]
+fn split(items: &mut [Hull]) -> usize {
+    let mut centers = Hull::EMPTY;
     for item in &*items {
-        for d in 0..3 {
-            low[d] = low[d].min(item.center[d]);
-            high[d] = high[d].max(item.center[d]);
+        let mut center = [0.0; 4];
+        for d in 0..4 {
+            center[d] = item.low[d] + item.high[d];
+        }
+        centers.hold(&center, &center);
+    }
+    let mut axis = 0;
+    let mut extent = 0.0;
+    for d in 0..3 {
+        if centers.high[d] - centers.low[d] > extent {
+            (axis, extent) = (d, centers.high[d] - centers.low[d]);
         }
     }
-    let extent = |d: usize| high[d] - low[d];
-    let axis = (0..3).fold(0, |axis, d| if extent(d) > extent(axis) { d } else { axis });
-    let scale = BINS as f32 / extent(axis);
-    if !scale.is_finite() {
+    let scale = (BINS as f32 - 1.0) / extent;
+    if !(scale > 0.0 && scale < f32::INFINITY) {
         return items.len() / 2;
     }
-    let bin = |item: &Item| (((item.center[axis] - low[axis]) * scale) as usize).min(BINS - 1);
-    let best = cheapest(items, bin);
+    let bins = Bins { axis, low: centers.low[axis], scale };
+    let best = bins.cheapest(items);
     let mut first = 0;
     for k in 0..items.len() {
-        if bin(&items[k]) < best {
-            items.swap(k, first);
-            first += 1;
-        }
+        let below = bins.bin(&items[k]) < best;
+        let item = items[first];
+        items[first] = items[k];
+        items[k] = item;
+        first += usize::from(below);
     }
     first
 }
 
-/// The first bin of the second part of the cheapest split; a part's cost is its number of groups
-/// times the surface of its hull. The first and the last bin are not empty.
-fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> usize {
-    let mut bins = [(0_usize, Hull::EMPTY); BINS];
-    for item in items {
-        let (count, hull) = &mut bins[bin(item)];
-        *count += 1;
-        hull.hold(&item.hull);
+/// Slabs across an axis, the first around the lowest centre and the last around the highest.
+#[derive(Clone, Copy)]
+struct Bins {
+    axis: usize,
+    low: f32,
+    scale: f32,
+}
+
+impl Bins {
+    #[inline(always)]
+    fn bin(self, item: &Hull) -> usize {
+        nearest((item.center(self.axis) - self.low) * self.scale) as usize % BINS
     }
-    let cost = |count: usize, hull: &Hull| count.div_ceil(WIDTH) as f32 * hull.half_area();
-    let mut costs = [0.0; BINS];
-    let (mut count, mut hull) = (0, Hull::EMPTY);
-    for b in (1..BINS).rev() {
-        count += bins[b].0;
-        hull.hold(&bins[b].1);
-        costs[b] = cost(count, &hull);
-    }
-    (count, hull) = (0, Hull::EMPTY);
-    let (mut best, mut least) = (1, f32::INFINITY);
-    for b in 1..BINS {
-        count += bins[b - 1].0;
-        hull.hold(&bins[b - 1].1);
-        let cost = costs[b] + cost(count, &hull);
-        if cost < least {
-            (best, least) = (b, cost);
+
+    /// The first bin of the second part of the cheapest split; a part's cost is its number of
+    /// groups times the surface of its hull. The first and the last bin are not empty.
+    #[inline(always)]
+    fn cheapest(self, items: &[Hull]) -> usize {
+        let (mut counts, mut hulls) = ([0_usize; BINS], [Hull::EMPTY; BINS]);
+        for item in items {
+            let bin = self.bin(item);
+            counts[bin] += 1;
+            hulls[bin].hold(&item.low, &item.high);
         }
+        let mut costs = [0.0; BINS];
+        let (mut count, mut hull) = (0, Hull::EMPTY);
+        for b in (1..BINS).rev() {
+            count += counts[b];
+            hull.hold(&hulls[b].low, &hulls[b].high);
+            costs[b] = count.div_ceil(WIDTH) as f32 * hull.half_area();
+        }
+        (count, hull) = (0, Hull::EMPTY);
+        let (mut best, mut least) = (1, f32::INFINITY);
+        for b in 1..BINS {
+            count += counts[b - 1];
+            hull.hold(&hulls[b - 1].low, &hulls[b - 1].high);
+            let cost = costs[b] + count.div_ceil(WIDTH) as f32 * hull.half_area();
+            if cost < least {
+                (best, least) = (b, cost);
+            }
+        }
+        best
     }
-    best
 }

@@ -6,7 +6,7 @@ mod build;
 mod pairs;
 mod refit;
 
-use crate::Capsules;
+use crate::{Capsules, Pair};
 use block::{Block, WIDTH};
 use bounds::Bounds;
 
@@ -18,6 +18,8 @@ pub struct Tree {
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
     /// one if these differ by at most one, because fibres share no node.
     nodes: Vec<[u32; WIDTH]>,
+    /// Room for what each part of a search finds.
+    found: Vec<Vec<Pair>>,
 }
 
 #[derive(Debug, Clone)]
@@ -50,7 +52,7 @@ impl Tree {
             level.fit_hulls(hulls);
             levels.push(level);
         }
-        Self { levels, nodes }
+        Self { levels, nodes, found: Vec::new() }
     }
 
     /// Fits the boxes to moved segments.

@@ -1,43 +1,64 @@
 //! All pairs of boxes that meet.
 
-use super::block::{Compare, Portable};
+use super::block::{Compare, Portable, WIDTH};
 use super::{Level, Tree};
 use crate::Pair;
-use pulp::{NullaryFnOnce, Simd};
+use pulp::{Arch, NullaryFnOnce, Simd};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Blocks of the second level whose pairs one thread finds at a time.
+const CHUNK: usize = 16;
 
 impl Tree {
-    /// All pairs of segments, not adjacent, whose boxes meet.
-    pub fn pairs(&self, pairs: &mut Vec<Pair>) {
+    /// All pairs of segments, not adjacent, whose boxes meet; `pairs` is emptied first.
+    ///
+    /// The order depends on the tree alone, not on the number of threads. Cost: 45 ns a segment
+    /// where a segment has one partner.
+    pub fn pairs(&mut self, pairs: &mut Vec<Pair>) {
+        let levels = &self.levels;
+        let chunks = levels[1].blocks.len().div_ceil(CHUNK);
+        self.found.resize_with(chunks, Vec::new);
+        self.found.par_iter_mut().enumerate().for_each(|(chunk, found)| {
+            let end = levels[1].blocks.len().min((chunk + 1) * CHUNK);
+            search(Query { levels, nodes: &self.nodes, firsts: chunk * CHUNK..end }, found);
+        });
         pairs.clear();
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = pulp::x86::V4::try_new() {
-            let compare = super::block::Masks(simd);
-            simd.vectorize(Search { tree: self, compare, pairs });
-            return;
-        }
-        pulp::Arch::new().dispatch(Search { tree: self, compare: Portable, pairs });
+        pairs.reserve(self.found.iter().map(Vec::len).sum());
+        self.found.iter().for_each(|found| pairs.extend_from_slice(found));
     }
 }
 
+/// Asks for the pairs between segments below the blocks `firsts` of the second level and those
+/// that come after them.
+struct Query<'a> {
+    levels: &'a [Level],
+    nodes: &'a [[u32; WIDTH]],
+    firsts: Range<usize>,
+}
+
+fn search(query: Query, pairs: &mut Vec<Pair>) {
+    pairs.clear();
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V4::try_new() {
+        return simd.vectorize(Search { query, compare: super::block::Masks(simd), pairs });
+    }
+    Arch::new().dispatch(Search { query, compare: Portable, pairs });
+}
+
 struct Search<'a, C> {
-    tree: &'a Tree,
+    query: Query<'a>,
     compare: C,
     pairs: &'a mut Vec<Pair>,
 }
 
 impl<C: Compare> NullaryFnOnce for Search<'_, C> {
     type Output = ();
+
     #[inline(always)]
     fn call(mut self) {
-        self.all();
-    }
-}
-
-impl<C: Compare> Search<'_, C> {
-    #[inline(always)]
-    fn all(&mut self) {
         let mut partners = Vec::new();
-        for first in 0..self.tree.levels[1].blocks.len() {
+        for first in self.query.firsts.clone() {
             partners.clear();
             self.partners(first, &mut partners);
             for &second in &partners {
@@ -45,11 +66,13 @@ impl<C: Compare> Search<'_, C> {
             }
         }
     }
+}
 
+impl<C: Compare> Search<'_, C> {
     /// Blocks of the second level, from `first` on, that meet it.
     #[inline(always)]
     fn partners(&self, first: usize, partners: &mut Vec<u32>) {
-        let levels = &self.tree.levels;
+        let levels = self.query.levels;
         let hull = &levels[1].hulls[first];
         let mut stack = vec![(levels.len() - 1, 0)];
         while let Some((level, block)) = stack.pop() {
@@ -59,61 +82,63 @@ impl<C: Compare> Search<'_, C> {
                 }
                 continue;
             }
-            let mut meet = self.compare.meet(&levels[level].blocks[block as usize], hull);
-            while meet != 0 {
-                let lane = meet.trailing_zeros() as usize;
-                meet &= meet - 1;
+            let meet = self.compare.meet(&levels[level].blocks[block as usize], hull);
+            for lane in lanes(meet) {
                 stack.push((level - 1, levels[level].children[block as usize][lane]));
             }
         }
     }
 
+    /// Pairs between the segments below two blocks of the second level.
     #[inline(always)]
     fn groups(&mut self, first: usize, second: usize) {
-        let Level { blocks, children, hulls } = &self.tree.levels[1];
-        let mut mine = self.compare.meet(&blocks[first], &hulls[second]);
-        while mine != 0 {
-            let lane = mine.trailing_zeros() as usize;
-            mine &= mine - 1;
+        let Level { blocks, children, hulls } = &self.query.levels[1];
+        for lane in lanes(self.compare.meet(&blocks[first], &hulls[second])) {
             let mut theirs = self.compare.meet(&blocks[second], &blocks[first].get(lane));
             if first == second {
                 theirs &= u16::MAX << lane;
             }
-            let a = children[first][lane] as usize;
-            while theirs != 0 {
-                let b = children[second][theirs.trailing_zeros() as usize] as usize;
-                theirs &= theirs - 1;
-                self.blocks(a, b);
+            for other in lanes(theirs) {
+                self.blocks(children[first][lane] as usize, children[second][other] as usize);
             }
         }
     }
 
+    /// Pairs between the segments of two blocks of the lowest level.
     #[inline(always)]
     fn blocks(&mut self, a: usize, b: usize) {
-        let lowest = &self.tree.levels[0];
-        let (first, second) = (&lowest.blocks[a], &lowest.blocks[b]);
-        let mut mine = self.compare.meet(first, &lowest.hulls[b]);
-        let theirs = self.compare.meet(second, &lowest.hulls[a]);
+        let Level { blocks, children, hulls } = &self.query.levels[0];
+        let (first, second) = (&blocks[a], &blocks[b]);
+        let mine = self.compare.meet(first, &hulls[b]);
+        let theirs = self.compare.meet(second, &hulls[a]);
         if theirs == 0 {
             return;
         }
-        while mine != 0 {
-            let lane = mine.trailing_zeros() as usize;
-            mine &= mine - 1;
+        let (segments, partners) = (&children[a], &children[b]);
+        let (nodes, other_nodes) = (&self.query.nodes[a], &self.query.nodes[b]);
+        for lane in lanes(mine) {
             let mut meet = self.compare.meet(second, &first.get(lane));
+            meet &= !self.compare.adjacent(other_nodes, nodes[lane]);
             if a == b {
-                meet &= (u16::MAX << lane) << 1;
+                meet &= u16::MAX << lane;
             }
-            let node = self.tree.nodes[a][lane];
-            let s = lowest.children[a][lane];
-            while meet != 0 {
-                let other = meet.trailing_zeros() as usize;
-                meet &= meet - 1;
-                if node.abs_diff(self.tree.nodes[b][other]) > 1 {
-                    let t = lowest.children[b][other];
-                    self.pairs.push([s.min(t), s.max(t)]);
-                }
+            let s = segments[lane];
+            for other in lanes(meet) {
+                let t = partners[other];
+                self.pairs.push([s.min(t), s.max(t)]);
             }
         }
     }
+}
+
+/// The lanes whose bits are set.
+#[inline(always)]
+fn lanes(mut bits: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let lane = bits.trailing_zeros() as usize % WIDTH;
+            bits &= bits - 1;
+            lane
+        })
+    })
 }

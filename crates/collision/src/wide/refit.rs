@@ -28,15 +28,16 @@ impl Level {
 
     /// Fits the boxes of a higher level to the hulls of the blocks below.
     pub(super) fn fit_hulls(&mut self, below: &[Bounds]) {
-        for ((block, children), hull) in
-            self.blocks.iter_mut().zip(&self.children).zip(&mut self.hulls)
-        {
-            *hull = Bounds::EMPTY;
-            for (lane, &child) in children.iter().enumerate().take_while(|(_, c)| **c != NONE) {
-                block.set(lane, &below[child as usize]);
-                hull.hold(&below[child as usize]);
+        let blocks = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
+        blocks.zip(self.children.par_chunks(CHUNK)).for_each(|((blocks, hulls), children)| {
+            for ((block, hull), children) in blocks.iter_mut().zip(hulls).zip(children) {
+                *hull = Bounds::EMPTY;
+                for (lane, &child) in children.iter().enumerate().take_while(|(_, c)| **c != NONE) {
+                    block.set(lane, &below[child as usize]);
+                    hull.hold(&below[child as usize]);
+                }
             }
-        }
+        });
     }
 }
 
