@@ -42,4 +42,12 @@ pub enum CollisionError {
         /// The radius that was given, m.
         radius: f64,
     },
+    /// How near pairs are to be listed is no length.
+    #[error("reach {reach} m and margin {margin} m must both be finite and not negative")]
+    Margin {
+        /// The gap up to which pairs are asked for, m.
+        reach: f64,
+        /// What is listed beyond, m.
+        margin: f64,
+    },
 }

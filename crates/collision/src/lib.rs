@@ -1,12 +1,12 @@
 #![doc = include_str!("../README.md")]
 
 mod capsules;
-mod closest;
 mod error;
+mod narrow;
 pub mod scenes;
 mod wide;
 
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};
-pub use closest::Closest;
 pub use error::CollisionError;
-pub use wide::Tree;
+pub use narrow::{Closest, Contact, contacts, node_arc_lengths, squared_distances};
+pub use wide::{Candidates, Tree, Update};

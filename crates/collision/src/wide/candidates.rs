@@ -1,0 +1,214 @@
+//! Pairs that stay good for a while.
+
+use super::bounds::{Bounds, above, below};
+use super::{NONE, Tree};
+use crate::{Capsules, CollisionError, Pair, squared_distances};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// A tree that has grown this much costlier than it was when new is built anew.
+const WORN: f64 = 1.5;
+/// Fibres whose motion one thread follows at a time.
+const CHUNK: usize = 64;
+
+/// A list of all pairs that may touch, which is looked up far less often than every step.
+///
+/// The list is made of all pairs with gaps up to a margin wider than is asked for. It stays
+/// complete as long as no two segments have come closer by more than the margin. That is known
+/// without looking at pairs: the segments of a region of the tree move nearly alike, so the
+/// displacements of a region since the list was made lie in a small box, and only regions that
+/// overlap are compared. A bundle that swings as a whole can go far before its list is made anew.
+#[derive(Debug, Clone)]
+pub struct Candidates {
+    reach: f64,
+    margin: f64,
+    list: Option<List>,
+}
+
+/// The list and what it was made of.
+#[derive(Debug, Clone)]
+struct List {
+    tree: Tree,
+    /// What the tree cost when it was new.
+    cost: f64,
+    pairs: Vec<Pair>,
+    /// Positions when the list was made (world), m.
+    positions: Vec<Point3<f64>>,
+    /// Region of every segment: its block of the tree's second level.
+    regions: Vec<u32>,
+    /// Room for the squared distances of all pairs, m².
+    squared: Vec<f64>,
+}
+
+/// What an update had to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Update {
+    /// The list was still complete.
+    Kept,
+    /// The tree was fitted and searched.
+    Refitted,
+    /// The tree was built anew and searched.
+    Rebuilt,
+}
+
+impl Candidates {
+    /// Will list all pairs with gaps of at most `reach`, m, and as a reserve up to `margin`, m,
+    /// more.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] if either is negative or not finite.
+    pub fn new(reach: f64, margin: f64) -> Result<Self, CollisionError> {
+        let good = |x: f64| x >= 0.0 && x.is_finite();
+        if good(reach) && good(margin) {
+            Ok(Self { reach, margin, list: None })
+        } else {
+            Err(CollisionError::Margin { reach, margin })
+        }
+    }
+
+    /// Makes sure that the list is complete for `capsules`. Their layout and radii must stay the
+    /// same from update to update; where the layout changes, make new candidates.
+    ///
+    /// Cost: 7 ns a segment where the list is kept, 100 ns where it is made anew.
+    ///
+    /// # Errors
+    /// [`CollisionError::Count`] if the number of segments or nodes has changed.
+    pub fn update(&mut self, capsules: &Capsules) -> Result<Update, CollisionError> {
+        let grow = self.reach + self.margin;
+        let Some(list) = &mut self.list else {
+            self.list = Some(List::new(capsules, grow));
+            return Ok(Update::Rebuilt);
+        };
+        if list.stays_complete(capsules, self.margin)? {
+            return Ok(Update::Kept);
+        }
+        list.tree.refit(capsules, 0.5 * grow)?;
+        if list.tree.cost() > WORN * list.cost {
+            *list = List::new(capsules, grow);
+            return Ok(Update::Rebuilt);
+        }
+        list.search(capsules, grow);
+        Ok(Update::Refitted)
+    }
+
+    /// All pairs, not adjacent, with gaps of at most the reach, and some with wider ones; empty
+    /// before the first update. The order does not depend on the number of threads.
+    #[must_use]
+    pub fn pairs(&self) -> &[Pair] {
+        self.list.as_ref().map_or(&[], |list| &list.pairs)
+    }
+}
+
+impl List {
+    /// The list of all pairs with gaps of at most `grow`.
+    fn new(capsules: &Capsules, grow: f64) -> Self {
+        let tree = Tree::new(capsules, 0.5 * grow);
+        let mut regions = vec![0; capsules.len()];
+        for (region, blocks) in (0..).zip(&tree.levels[1].children) {
+            for &block in blocks.iter().filter(|&&block| block != NONE) {
+                for &s in tree.levels[0].children[block as usize].iter().filter(|&&s| s != NONE) {
+                    regions[s as usize] = region;
+                }
+            }
+        }
+        let (pairs, positions, squared) = (Vec::new(), Vec::new(), Vec::new());
+        let mut list = Self { cost: tree.cost(), tree, pairs, positions, regions, squared };
+        list.search(capsules, grow);
+        list
+    }
+
+    /// Lists all pairs with gaps of at most `grow` among those whose boxes meet.
+    fn search(&mut self, capsules: &Capsules, grow: f64) {
+        self.tree.pairs(&mut self.pairs);
+        squared_distances(capsules, &self.pairs, &mut self.squared);
+        let mut squared = self.squared.iter();
+        self.pairs.retain(|pair| {
+            let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
+            // The fast distances may be off by roundings.
+            let far = (r + q + grow) * (1.0 + 1e-6);
+            squared.next().is_none_or(|&squared| squared <= far * far)
+        });
+        self.positions.clear();
+        self.positions.extend_from_slice(capsules.positions());
+    }
+
+    /// Whether no two segments of regions that meet have come closer by more than `margin`, m.
+    fn stays_complete(&mut self, capsules: &Capsules, margin: f64) -> Result<bool, CollisionError> {
+        self.tree.check(capsules)?;
+        let motions = self.motions(capsules)?;
+        let hulls = &self.tree.levels[1].hulls;
+        let hulls = hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull)).collect();
+        let closer = |[a, b]: [u32; 2]| motions[a as usize].apart(&motions[b as usize]);
+        Ok(self.tree.regions_that_meet(hulls, |regions| closer(regions) <= margin))
+    }
+
+    /// How far the segments of every region have moved since the list was made.
+    fn motions(&self, capsules: &Capsules) -> Result<Vec<Motion>, CollisionError> {
+        let (layout, positions) = (capsules.layout(), capsules.positions());
+        if positions.len() != self.positions.len() {
+            let (given, needed) = (positions.len(), self.positions.len());
+            return Err(CollisionError::Count { what: "nodes", given, needed });
+        }
+        let none = || vec![Motion::NONE; self.tree.levels[1].hulls.len()];
+        let follow = |mut motions: Vec<Motion>, chunk: usize| {
+            for fiber in chunk * CHUNK..layout.fibers().min((chunk + 1) * CHUNK) {
+                let nodes = layout.node_range(fiber);
+                let moved = |node: usize| positions[node] - self.positions[node];
+                let mut start = moved(nodes.start);
+                for (node, segment) in (nodes.start + 1..nodes.end).zip(layout.segment_range(fiber)) {
+                    let end = moved(node);
+                    let motion = &mut motions[self.regions[segment] as usize];
+                    motion.hold(&start, &start);
+                    motion.hold(&end, &end);
+                    start = end;
+                }
+            }
+            motions
+        };
+        let both = |mut motions: Vec<Motion>, others: Vec<Motion>| {
+            for (motion, other) in motions.iter_mut().zip(&others) {
+                motion.hold(&other.low, &other.high);
+            }
+            motions
+        };
+        let chunks = 0..layout.fibers().div_ceil(CHUNK);
+        Ok(chunks.into_par_iter().fold(none, follow).reduce(none, both))
+    }
+}
+
+/// Bounds of displacements (world), m.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+}
+
+impl Motion {
+    const NONE: Self = Self {
+        low: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        high: Vector3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+
+    #[inline(always)]
+    fn hold(&mut self, low: &Vector3<f64>, high: &Vector3<f64>) {
+        for d in 0..3 {
+            self.low[d] = if low[d] < self.low[d] { low[d] } else { self.low[d] };
+            self.high[d] = if high[d] > self.high[d] { high[d] } else { self.high[d] };
+        }
+    }
+
+    /// Where a box may be after the motion.
+    fn shift(&self, hull: &Bounds) -> Bounds {
+        let mut moved = *hull;
+        for d in 0..3 {
+            moved.low[d] = below(f64::from(hull.low[d]) + self.low[d]);
+            moved.high[d] = above(f64::from(hull.high[d]) + self.high[d]);
+        }
+        moved
+    }
+
+    /// The largest difference of two displacements, m.
+    fn apart(&self, other: &Self) -> f64 {
+        (self.high - other.low).sup(&(other.high - self.low)).norm()
+    }
+}
