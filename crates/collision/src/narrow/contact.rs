@@ -144,7 +144,12 @@ mod tests {
     #[test]
     fn crossed_fibers_touch_in_one_point() {
         let crossed = |z| {
-            [point![-1.0, 0.0, 0.0], point![1.0, 0.0, 0.0], point![0.5, -1.0, z], point![0.5, 3.0, z]]
+            [
+                point![-1.0, 0.0, 0.0],
+                point![1.0, 0.0, 0.0],
+                point![0.5, -1.0, z],
+                point![0.5, 3.0, z],
+            ]
         };
         let [contact] = touch(crossed(0.15), 0.0)[..] else { panic!("one contact") };
         assert_eq!((contact.pair, contact.fractions), ([0, 1], [0.75, 0.25]));

@@ -2,7 +2,8 @@
 
 use super::bounds::{Bounds, above, below};
 use super::{NONE, Tree};
-use crate::{Capsules, CollisionError, Pair, squared_distances};
+use crate::narrow::{self, Contact, squared_distances};
+use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -87,8 +88,31 @@ impl Candidates {
             *list = List::new(capsules, grow);
             return Ok(Update::Rebuilt);
         }
-        list.search(capsules, grow);
+        list.search(capsules);
         Ok(Update::Refitted)
+    }
+
+    /// All contacts with gaps of at most the reach, as [`crate::contacts`] finds them.
+    ///
+    /// The first time after the list was made, this also drops pairs from it that are too far
+    /// apart to come into reach: their distances are known then anyway.
+    ///
+    /// # Errors
+    /// As [`Candidates::update`], which it calls.
+    pub fn contacts(
+        &mut self,
+        capsules: &Capsules,
+        contacts: &mut Vec<Contact>,
+    ) -> Result<Update, CollisionError> {
+        let update = self.update(capsules)?;
+        if let Some(list) = &mut self.list {
+            // Where the list was made for other positions, its pairs may have come closer since.
+            if update != Update::Kept {
+                list.sift(capsules, self.reach + self.margin);
+            }
+            narrow::contacts(capsules, &list.pairs, self.reach, contacts);
+        }
+        Ok(update)
     }
 
     /// All pairs, not adjacent, with gaps of at most the reach, and some with wider ones; empty
@@ -113,13 +137,19 @@ impl List {
         }
         let (pairs, positions, squared) = (Vec::new(), Vec::new(), Vec::new());
         let mut list = Self { cost: tree.cost(), tree, pairs, positions, regions, squared };
-        list.search(capsules, grow);
+        list.search(capsules);
         list
     }
 
-    /// Lists all pairs with gaps of at most `grow` among those whose boxes meet.
-    fn search(&mut self, capsules: &Capsules, grow: f64) {
+    /// Lists all pairs whose grown boxes meet.
+    fn search(&mut self, capsules: &Capsules) {
         self.tree.pairs(&mut self.pairs);
+        self.positions.clear();
+        self.positions.extend_from_slice(capsules.positions());
+    }
+
+    /// Drops pairs with gaps of more than `grow`, m, when the list was made.
+    fn sift(&mut self, capsules: &Capsules, grow: f64) {
         squared_distances(capsules, &self.pairs, &mut self.squared);
         let mut squared = self.squared.iter();
         self.pairs.retain(|pair| {
@@ -128,8 +158,6 @@ impl List {
             let far = (r + q + grow) * (1.0 + 1e-6);
             squared.next().is_none_or(|&squared| squared <= far * far)
         });
-        self.positions.clear();
-        self.positions.extend_from_slice(capsules.positions());
     }
 
     /// Whether no two segments of regions that meet have come closer by more than `margin`, m.
@@ -155,7 +183,8 @@ impl List {
                 let nodes = layout.node_range(fiber);
                 let moved = |node: usize| positions[node] - self.positions[node];
                 let mut start = moved(nodes.start);
-                for (node, segment) in (nodes.start + 1..nodes.end).zip(layout.segment_range(fiber)) {
+                for (node, segment) in (nodes.start + 1..nodes.end).zip(layout.segment_range(fiber))
+                {
                     let end = moved(node);
                     let motion = &mut motions[self.regions[segment] as usize];
                     motion.hold(&start, &start);
