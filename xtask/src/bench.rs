@@ -9,7 +9,8 @@ use xshell::{Shell, cmd};
 ///
 /// What a case may take and what the thesis reports stands beside the code that is timed, in
 /// `crates/*/benches/budgets.csv`: rows `case,budget,thesis` such as
-/// `rod/step/100,40 us,8.1 ms`; a dash where there is none. A case over its budget is marked, not
+/// `rod/step/100,40 us,8.1 ms`; a dash where there is none. A budget may also be a share of what
+/// another case of the same run took: `0.5 of rod/step/200`. A case over its budget is marked, not
 /// refused: times depend on the machine.
 pub(crate) fn run() -> Result<()> {
     let sh = Shell::new()?;
@@ -65,8 +66,39 @@ fn benches(metadata: &Value) -> Result<Vec<Bench>> {
     Ok(found)
 }
 
-/// A case with its budget in seconds and the thesis's own time, if there are any.
-type Budget = (String, Option<f64>, Option<f64>);
+/// A case with its limit and the thesis's own time, s, if there are any.
+type Budget = (String, Option<Limit>, Option<f64>);
+
+/// What a case may take.
+#[derive(Debug, Clone, PartialEq)]
+enum Limit {
+    /// A time, s.
+    Time(f64),
+    /// A share of what another case took.
+    Share(f64, String),
+}
+
+impl Limit {
+    fn parse(text: &str) -> Result<Option<Self>> {
+        match text.split_once(" of ") {
+            Some((share, case)) => {
+                let share = share.parse().with_context(|| format!("`{share}` is no number"))?;
+                Ok(Some(Self::Share(share, case.to_owned())))
+            }
+            None => Ok(seconds(text)?.map(Self::Time)),
+        }
+    }
+
+    /// The limit in seconds, if all that it depends on was measured.
+    fn time(&self, measured: &[(String, f64)]) -> Option<f64> {
+        match self {
+            Self::Time(time) => Some(*time),
+            Self::Share(share, other) => {
+                measured.iter().find(|(case, _)| case == other).map(|(_, time)| share * time)
+            }
+        }
+    }
+}
 
 fn parse(table: &str) -> Result<Vec<Budget>> {
     let row = |line: &str| {
@@ -75,7 +107,7 @@ fn parse(table: &str) -> Result<Vec<Budget>> {
         let [thesis, budget, case] = columns[..] else {
             bail!("`{line}` is not `case,budget,thesis`");
         };
-        Ok((case.to_owned(), seconds(budget)?, seconds(thesis)?))
+        Ok((case.to_owned(), Limit::parse(budget)?, seconds(thesis)?))
     };
     let lines = table.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines.map(row).collect()
@@ -120,10 +152,15 @@ fn table(measured: &[(String, f64)], budgets: &[Budget]) -> String {
     let mut text = "| case | measured | budget | thesis |\n|---|---|---|---|\n".to_owned();
     for (case, time) in measured {
         let known = budgets.iter().find(|(name, ..)| name == case);
-        let (budget, thesis) = known.map_or((None, None), |(_, budget, thesis)| (*budget, *thesis));
+        let (limit, thesis) = known.map_or((None, None), |(_, limit, t)| (limit.as_ref(), *t));
+        let budget = limit.and_then(|limit| limit.time(measured));
         let over = if budget.is_some_and(|b| *time > b) { " OVER" } else { "" };
         let show = |time: Option<f64>| time.map_or("-".to_owned(), shown);
-        let row = [case.clone(), shown(*time) + over, show(budget), show(thesis)];
+        let share = match limit {
+            Some(Limit::Share(share, other)) => format!(" ({share} of {other})"),
+            _ => String::new(),
+        };
+        let row = [case.clone(), shown(*time) + over, show(budget) + &share, show(thesis)];
         text += &format!("| {} |\n", row.join(" | "));
     }
     for (case, ..) in budgets.iter().filter(|b| measured.iter().all(|m| m.0 != b.0)) {
@@ -148,11 +185,14 @@ mod tests {
     #[test]
     fn the_table_sets_measured_beside_budget() {
         let budgets =
-            parse("# rods\nrod/step/100,40 us,8.1 ms\nrod/gone,-,2 s\n").expect("budgets");
-        let measured = [("net/step".into(), 1.5), ("rod/step/100".into(), 41.26e-6)];
+            parse("# rods\nrod/step/100,40 us,8.1 ms\nrod/gone,-,2 s\nnet/2,0.5 of net/step,-\n")
+                .expect("budgets");
+        let measured =
+            [("net/2".into(), 0.7), ("net/step".into(), 1.5), ("rod/step/100".into(), 41.26e-6)];
         let expected = "\
 | case | measured | budget | thesis |
 |---|---|---|---|
+| net/2 | 700 ms | 750 ms (0.5 of net/step) | - |
 | net/step | 1.50 s | - | - |
 | rod/step/100 | 41.3 us OVER | 40.0 us | 8.10 ms |
 | rod/gone | NOT MEASURED | | |
@@ -167,7 +207,7 @@ mod tests {
         assert_eq!(shown(4000.0), "4000 s");
         assert!(seconds("8.1").is_err());
         let named = parse("hair, 100 segments, 1 ms, -").expect("a budget");
-        assert_eq!(named, [("hair, 100 segments".to_owned(), Some(1e-3), None)]);
+        assert_eq!(named, [("hair, 100 segments".to_owned(), Some(Limit::Time(1e-3)), None)]);
         assert!(parse("a,1 ms").is_err());
     }
 }

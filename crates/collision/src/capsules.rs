@@ -33,7 +33,8 @@ impl<'a> Capsules<'a> {
     /// Views fibres with nodes at `positions` (world), m, and one radius per segment, m.
     ///
     /// # Errors
-    /// [`CollisionError::Empty`], [`CollisionError::Count`] of either array,
+    /// [`CollisionError::Empty`], [`CollisionError::TooMany`] nodes for indices of 32 bits,
+    /// [`CollisionError::Count`] of either array,
     /// [`CollisionError::Position`] that is not finite, [`CollisionError::Radius`] that is not
     /// positive and finite. Cost: one pass over both arrays.
     pub fn new(
@@ -43,6 +44,9 @@ impl<'a> Capsules<'a> {
     ) -> Result<Self, CollisionError> {
         if layout.segments() == 0 {
             return Err(CollisionError::Empty);
+        }
+        if u32::try_from(layout.nodes()).is_err() {
+            return Err(CollisionError::TooMany { nodes: layout.nodes() });
         }
         count("positions", positions.len(), layout.nodes())?;
         count("radii", radii.len(), layout.segments())?;

@@ -7,6 +7,12 @@ pub enum CollisionError {
     /// There is nothing to search.
     #[error("there are no segments; give at least one fibre with at least one segment")]
     Empty,
+    /// There are more nodes than can be numbered.
+    #[error("{nodes} nodes are more than 2^32 - 1; search in parts")]
+    TooMany {
+        /// Number of nodes.
+        nodes: usize,
+    },
     /// An array does not have the length that the fibres need.
     #[error("{what}: {given} were given, but the fibres need {needed}")]
     Count {

@@ -27,11 +27,18 @@ impl Bounds {
     }
 }
 
+/// The single next to `x`.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
+pub(super) fn nearest(x: f64) -> f32 {
+    x as f32
+}
+
 /// A single that is not above `x`, a number: the largest, but for a last place next to zero and to the
 /// largest singles.
 #[inline(always)]
 pub(super) fn below(x: f64) -> f32 {
-    let nearest = x as f32;
+    let nearest = nearest(x);
     // More than half a unit in the last place is taken off and less than a whole one: the result
     // rounds to the next single down. A sum, not a step of the bits, so that it is vector code.
     let finite = if nearest < f32::MAX { nearest } else { f32::MAX };

@@ -44,7 +44,8 @@ impl NullaryFnOnce for Cut<'_> {
     fn call(self) -> Vec<usize> {
         let Self { curve, items } = self;
         let mut ends = Vec::with_capacity(items.len() / (WIDTH / 2) + 1);
-        let mut stack = vec![0..items.len()];
+        let all = 0..items.len();
+        let mut stack = vec![all];
         while let Some(range) = stack.pop() {
             if range.len() <= WIDTH {
                 ends.push(range.end);
@@ -209,9 +210,7 @@ fn split(items: &mut [Hull]) -> usize {
     let mut first = 0;
     for k in 0..items.len() {
         let below = bins.bin(&items[k]) < best;
-        let item = items[first];
-        items[first] = items[k];
-        items[k] = item;
+        items.swap(first, k);
         first += usize::from(below);
     }
     first

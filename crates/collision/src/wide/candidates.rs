@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 /// A tree that has grown this much costlier than it was when new is built anew.
 const WORN: f64 = 1.5;
-/// Fibres whose motion one thread follows at a time.
-const CHUNK: usize = 64;
+/// Parts in which motion is followed, each by one thread at a time.
+const PARTS: usize = 16;
 
 /// A list of all pairs that may touch, which is looked up far less often than every step.
 ///
@@ -166,7 +166,7 @@ impl List {
         let motions = self.motions(capsules)?;
         let hulls = &self.tree.levels[1].hulls;
         let hulls = hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull)).collect();
-        let closer = |[a, b]: [u32; 2]| motions[a as usize].apart(&motions[b as usize]);
+        let closer = |[a, b]: [usize; 2]| motions[a].apart(&motions[b]);
         Ok(self.tree.regions_that_meet(hulls, |regions| closer(regions) <= margin))
     }
 
@@ -177,9 +177,12 @@ impl List {
             let (given, needed) = (positions.len(), self.positions.len());
             return Err(CollisionError::Count { what: "nodes", given, needed });
         }
-        let none = || vec![Motion::NONE; self.tree.levels[1].hulls.len()];
-        let follow = |mut motions: Vec<Motion>, chunk: usize| {
-            for fiber in chunk * CHUNK..layout.fibers().min((chunk + 1) * CHUNK) {
+        let none = vec![Motion::NONE; self.tree.levels[1].hulls.len()];
+        let length = layout.fibers().div_ceil(PARTS);
+        let part = |part: usize| {
+            let mut motions = none.clone();
+            let fibers = part * length..layout.fibers().min((part + 1) * length);
+            for fiber in fibers {
                 let nodes = layout.node_range(fiber);
                 let moved = |node: usize| positions[node] - self.positions[node];
                 let mut start = moved(nodes.start);
@@ -194,14 +197,14 @@ impl List {
             }
             motions
         };
-        let both = |mut motions: Vec<Motion>, others: Vec<Motion>| {
-            for (motion, other) in motions.iter_mut().zip(&others) {
+        let parts: Vec<_> = (0..PARTS).into_par_iter().map(part).collect();
+        let mut motions = none;
+        for part in &parts {
+            for (motion, other) in motions.iter_mut().zip(part) {
                 motion.hold(&other.low, &other.high);
             }
-            motions
-        };
-        let chunks = 0..layout.fibers().div_ceil(CHUNK);
-        Ok(chunks.into_par_iter().fold(none, follow).reduce(none, both))
+        }
+        Ok(motions)
     }
 }
 

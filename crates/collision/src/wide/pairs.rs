@@ -4,7 +4,9 @@ use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
 use super::{Level, Tree};
 use crate::Pair;
-use pulp::{Arch, NullaryFnOnce, Simd};
+#[cfg(target_arch = "x86_64")]
+use pulp::Simd;
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -36,7 +38,7 @@ impl Tree {
     pub(super) fn regions_that_meet(
         &mut self,
         hulls: Vec<Bounds>,
-        good: impl Fn([u32; 2]) -> bool,
+        good: impl Fn([usize; 2]) -> bool,
     ) -> bool {
         self.levels[1].hulls = hulls;
         for k in 2..self.levels.len() {
@@ -47,7 +49,7 @@ impl Tree {
         (0..self.levels[1].hulls.len()).all(|first| {
             partners.clear();
             partners_of(Portable, &self.levels, first, &mut partners);
-            partners.iter().all(|&second| good([first as u32, second]))
+            partners.iter().all(|&second| good([first, second as usize]))
         })
     }
 }
