@@ -36,6 +36,7 @@ fn bench(c: &mut Criterion) {
 }
 
 /// The boxes of parry's single precision, rounded outward.
+#[expect(clippy::cast_possible_truncation, reason = "rounded on to the next number")]
 fn boxes(capsules: &Capsules) -> Vec<Aabb> {
     let bounds = |segment| {
         let capsule = capsules.get(segment);

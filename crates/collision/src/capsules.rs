@@ -131,7 +131,8 @@ impl<'a> Capsules<'a> {
     }
 }
 
-fn count(what: &'static str, given: usize, needed: usize) -> Result<(), CollisionError> {
+/// Checks the length of an array.
+pub(crate) fn count(what: &'static str, given: usize, needed: usize) -> Result<(), CollisionError> {
     if given == needed { Ok(()) } else { Err(CollisionError::Count { what, given, needed }) }
 }
 

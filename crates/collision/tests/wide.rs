@@ -210,3 +210,23 @@ fn another_number_of_segments_is_refused() {
     assert_eq!(list.update(&joined), Err(expected));
     assert!(Candidates::new(-1.0, 0.0).is_err() && Candidates::new(0.0, f64::NAN).is_err());
 }
+
+proptest! {
+    /// Pairs that meet at any time are among those whose swept boxes meet.
+    #[test]
+    fn swept_boxes_hold_what_is_between(
+        (layout, start, radii) in soup(),
+        step in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 1..50),
+        time in 0.0..=1.0_f64,
+    ) {
+        let end = displaced(&start, &step, 1.0);
+        let between: Vec<_> = start.iter().zip(&end).map(|(p, q)| p + time * (q - p)).collect();
+        let at = |positions| Capsules::new(&layout, positions, &radii).expect("valid");
+        let (start, between, end) = (at(&start), at(&between), at(&end));
+        let mut tree = Tree::new(&start, 0.0);
+        tree.refit_swept(&start, &end, 1e-12).expect("the same segments");
+        let found = pairs(&mut tree);
+        let needed = common::box_pairs(&between);
+        prop_assert!(needed.iter().all(|pair| found.binary_search(pair).is_ok()));
+    }
+}

@@ -164,7 +164,7 @@ mod tests {
             let layout = Layout::new(std::iter::repeat_n(1, count));
             let radii = vec![1.0; count];
             let capsules = Capsules::new(&layout, &points[..2 * count], &radii).expect("valid");
-            let pairs: Vec<Pair> = (0..count as u32)
+            let pairs: Vec<Pair> = (0..u32::try_from(count).expect("few"))
                 .flat_map(|j| (0..=j).map(move |i| [i, j]))
                 .collect();
             let mut squared = Vec::new();

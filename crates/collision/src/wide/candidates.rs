@@ -163,7 +163,7 @@ impl List {
     /// Whether no two segments of regions that meet have come closer by more than `margin`, m.
     fn stays_complete(&mut self, capsules: &Capsules, margin: f64) -> Result<bool, CollisionError> {
         self.tree.check(capsules)?;
-        let motions = self.motions(capsules)?;
+        let motions = self.motions(capsules);
         let hulls = &self.tree.levels[1].hulls;
         let hulls = hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull)).collect();
         let closer = |[a, b]: [usize; 2]| motions[a].apart(&motions[b]);
@@ -171,12 +171,8 @@ impl List {
     }
 
     /// How far the segments of every region have moved since the list was made.
-    fn motions(&self, capsules: &Capsules) -> Result<Vec<Motion>, CollisionError> {
+    fn motions(&self, capsules: &Capsules) -> Vec<Motion> {
         let (layout, positions) = (capsules.layout(), capsules.positions());
-        if positions.len() != self.positions.len() {
-            let (given, needed) = (positions.len(), self.positions.len());
-            return Err(CollisionError::Count { what: "nodes", given, needed });
-        }
         let none = vec![Motion::NONE; self.tree.levels[1].hulls.len()];
         let length = layout.fibers().div_ceil(PARTS);
         let part = |part: usize| {
@@ -204,7 +200,7 @@ impl List {
                 motion.hold(&other.low, &other.high);
             }
         }
-        Ok(motions)
+        motions
     }
 }
 

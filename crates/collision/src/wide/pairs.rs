@@ -4,8 +4,6 @@ use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
 use super::{Level, Tree};
 use crate::Pair;
-#[cfg(target_arch = "x86_64")]
-use pulp::Simd;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use std::ops::Range;

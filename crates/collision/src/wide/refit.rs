@@ -11,18 +11,18 @@ use rayon::prelude::*;
 const CHUNK: usize = 64;
 
 impl Level {
-    /// Fits the boxes of the lowest level to segments that are grown by `margin`, m; `nodes` are
-    /// the first nodes of the segments in the lanes.
-    pub(super) fn fit_segments(
+    /// Fits the boxes of the lowest level to the segments of all `frames`, grown by `margin`, m;
+    /// `nodes` are the first nodes of the segments in the lanes.
+    pub(super) fn fit_segments<const N: usize>(
         &mut self,
         nodes: &[[u32; WIDTH]],
-        capsules: &Capsules,
+        frames: [&Capsules; N],
         margin: f64,
     ) {
         let blocks = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
         let lanes = self.children.par_chunks(CHUNK).zip(nodes.par_chunks(CHUNK));
         blocks.zip(lanes).for_each(|((blocks, hulls), (segments, nodes))| {
-            Arch::new().dispatch(Fit { blocks, hulls, segments, nodes, capsules, margin });
+            Arch::new().dispatch(Fit { blocks, hulls, segments, nodes, frames, margin });
         });
     }
 
@@ -41,16 +41,16 @@ impl Level {
     }
 }
 
-struct Fit<'a> {
+struct Fit<'a, const N: usize> {
     blocks: &'a mut [Block],
     hulls: &'a mut [Bounds],
     segments: &'a [[u32; WIDTH]],
     nodes: &'a [[u32; WIDTH]],
-    capsules: &'a Capsules<'a>,
+    frames: [&'a Capsules<'a>; N],
     margin: f64,
 }
 
-impl NullaryFnOnce for Fit<'_> {
+impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -58,47 +58,68 @@ impl NullaryFnOnce for Fit<'_> {
         for b in 0..self.blocks.len() {
             let (segments, nodes) = (&self.segments[b], &self.nodes[b]);
             let (block, hull) = (&mut self.blocks[b], &mut self.hulls[b]);
-            fit(block, hull, segments, nodes, self.capsules, self.margin);
+            let ends = Ends::gather(segments, nodes, self.frames, self.margin);
+            ends.fit(block, hull);
+            for lane in 0..WIDTH {
+                if segments[lane] == NONE {
+                    block.clear(lane);
+                }
+            }
         }
     }
 }
 
-/// Fits one block. Segments are gathered lane by lane, everything else is done in all lanes at
-/// once; lanes without a segment repeat the first and are emptied at the end.
-#[inline(always)]
-fn fit(
-    block: &mut Block,
-    hull: &mut Bounds,
-    segments: &[u32; WIDTH],
-    nodes: &[u32; WIDTH],
-    capsules: &Capsules,
-    margin: f64,
-) {
-    let (positions, radii) = (capsules.positions(), capsules.radii());
-    let (mut p, mut q) = ([[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
-    let mut grow = [0.0; WIDTH];
-    for lane in 0..WIDTH {
-        let used = if segments[lane] == NONE { 0 } else { lane };
-        let node = nodes[used] as usize;
-        let (start, end) = (&positions[node], &positions[node + 1]);
-        for d in 0..3 {
-            p[d][lane] = start[d];
-            q[d][lane] = end[d];
-        }
-        grow[lane] = radii[segments[used] as usize] + margin;
-    }
-    for d in 0..3 {
+/// Lowest and highest coordinates of the axes of the segments in the lanes of a block, and by how
+/// much their boxes are larger, m.
+struct Ends {
+    low: [[f64; WIDTH]; 3],
+    high: [[f64; WIDTH]; 3],
+    grow: [f64; WIDTH],
+}
+
+impl Ends {
+    /// Gathers segment by segment; lanes without one repeat the first.
+    #[inline(always)]
+    fn gather<const N: usize>(
+        segments: &[u32; WIDTH],
+        nodes: &[u32; WIDTH],
+        frames: [&Capsules; N],
+        margin: f64,
+    ) -> Self {
+        let low = [[f64::INFINITY; WIDTH]; 3];
+        let high = [[f64::NEG_INFINITY; WIDTH]; 3];
+        let mut ends = Self { low, high, grow: [margin; WIDTH] };
         for lane in 0..WIDTH {
-            let (p, q) = (p[d][lane], q[d][lane]);
-            block.low[d][lane] = below(if p < q { p } else { q } - grow[lane]);
-            block.high[d][lane] = above(if p > q { p } else { q } + grow[lane]);
+            let used = if segments[lane] == NONE { 0 } else { lane };
+            let node = nodes[used] as usize;
+            for frame in frames {
+                let (p, q) = (&frame.positions()[node], &frame.positions()[node + 1]);
+                for d in 0..3 {
+                    let (p, q) = if p[d] < q[d] { (p[d], q[d]) } else { (q[d], p[d]) };
+                    let (low, high) = (&mut ends.low[d][lane], &mut ends.high[d][lane]);
+                    *low = if p < *low { p } else { *low };
+                    *high = if q > *high { q } else { *high };
+                }
+            }
+            ends.grow[lane] += frames[0].radii()[segments[used] as usize];
         }
-        hull.low[d] = least(&block.low[d]);
-        hull.high[d] = -least(&block.high[d].map(|x| -x));
+        ends
     }
-    for lane in 0..WIDTH {
-        if segments[lane] == NONE {
-            block.clear(lane);
+
+    /// Rounds in all lanes at once.
+    #[inline(always)]
+    fn fit(&self, block: &mut Block, hull: &mut Bounds) {
+        for d in 0..3 {
+            for lane in 0..WIDTH {
+                block.low[d][lane] = below(self.low[d][lane] - self.grow[lane]);
+                block.high[d][lane] = above(self.high[d][lane] + self.grow[lane]);
+            }
+            hull.low[d] = least(&block.low[d]);
+            let mut negative = [0.0; WIDTH];
+            for lane in 0..WIDTH {
+                negative[lane] = -block.high[d][lane];
+            }
+            hull.high[d] = -least(&negative);
         }
     }
 }
