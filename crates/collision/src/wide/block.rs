@@ -49,7 +49,8 @@ pub(super) trait Compare: Copy {
     /// The lanes of `block` whose boxes meet `bounds`, as bits; touching is meeting.
     fn meet(self, block: &Block, bounds: &Bounds) -> u16;
 
-    /// The lanes of `nodes` that differ from `node` by at most one, as bits.
+    /// The lanes of `nodes` that differ from `node` by at most one, as bits; also those that do
+    /// so across the end of the range, where lanes are empty.
     fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16;
 }
 
@@ -113,5 +114,44 @@ impl Compare for Masks {
         let before = simd.splat_u32s(node.wrapping_sub(1));
         let ahead = simd.wrapping_sub_u32x16(pulp::cast(*nodes), before);
         simd.cmp_le_u32x16(ahead, simd.splat_u32s(2)).0
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn corner() -> impl Strategy<Value = [f32; 3]> {
+        prop::array::uniform3(prop_oneof![(-2..=2_i8).prop_map(f32::from), -2.0..2.0_f32])
+    }
+
+    proptest! {
+        /// Mask registers give what the portable comparison gives, and both what it means.
+        #[test]
+        fn comparisons_agree(
+            boxes in prop::collection::vec((corner(), corner()), 1..=WIDTH),
+            low in corner(), high in corner(),
+            nodes in prop::array::uniform16(1..9_u32),
+            node in 1..9_u32,
+        ) {
+            let bounds = Bounds { low, high };
+            let mut block = Block::EMPTY;
+            let (mut meet, mut adjacent) = (0, 0);
+            for (lane, &(low, high)) in boxes.iter().enumerate() {
+                block.set(lane, &Bounds { low, high });
+                let meets = (0..3).all(|d| low[d] <= bounds.high[d] && high[d] >= bounds.low[d]);
+                meet |= u16::from(meets) << lane;
+            }
+            for (lane, other) in nodes.iter().enumerate() {
+                adjacent |= u16::from(other.abs_diff(node) <= 1) << lane;
+            }
+            prop_assert_eq!(Portable.meet(&block, &bounds), meet);
+            prop_assert_eq!(Portable.adjacent(&nodes, node), adjacent);
+            if let Some(simd) = pulp::x86::V4::try_new() {
+                prop_assert_eq!(Masks(simd).meet(&block, &bounds), meet);
+                prop_assert_eq!(Masks(simd).adjacent(&nodes, node), adjacent);
+            }
+        }
     }
 }

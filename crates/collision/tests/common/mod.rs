@@ -1,7 +1,9 @@
-//! What the tests of searches share: answers that no tree gave.
+//! What the tests of searches share: answers that no tree gave, and data.
+#![allow(dead_code, reason = "each test takes what it needs")]
 
 use nalgebra::Vector3;
 use rapunzel_collision::{Capsule, Capsules, Pair};
+use std::path::PathBuf;
 
 /// All pairs that are not adjacent and whose axis-aligned boxes overlap (closed), sorted: by a
 /// sweep along z, independent of every tree.
@@ -32,4 +34,16 @@ pub(crate) fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (capsule.start.coords, capsule.end.coords);
     let radius = Vector3::repeat(capsule.radius);
     (a.inf(&b) - radius, a.sup(&b) + radius)
+}
+
+/// A folder of the data that is not shipped: in `RAPUNZEL_DATA`, else beside the repository.
+#[expect(clippy::print_stdout, reason = "tells what was not tested")]
+pub(crate) fn data(folder: &str) -> Option<PathBuf> {
+    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
+    let path = std::env::var_os("RAPUNZEL_DATA").map_or_else(beside, PathBuf::from).join(folder);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("SKIPPED: there is no {}; set RAPUNZEL_DATA to where it is", path.display());
+    None
 }
