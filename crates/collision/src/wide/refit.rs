@@ -69,50 +69,55 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
     }
 }
 
-/// Lowest and highest coordinates of the axes of the segments in the lanes of a block, and by how
-/// much their boxes are larger, m.
-struct Ends {
-    low: [[f64; WIDTH]; 3],
-    high: [[f64; WIDTH]; 3],
+/// Ends of the segments in the lanes of a block in every frame, and by how much boxes are larger
+/// than axes, m.
+struct Ends<const N: usize> {
+    start: [[[f64; WIDTH]; 3]; N],
+    end: [[[f64; WIDTH]; 3]; N],
     grow: [f64; WIDTH],
 }
 
-impl Ends {
+impl<const N: usize> Ends<N> {
     /// Gathers segment by segment; lanes without one repeat the first.
     #[inline(always)]
-    fn gather<const N: usize>(
+    fn gather(
         segments: &[u32; WIDTH],
         nodes: &[u32; WIDTH],
         frames: [&Capsules; N],
         margin: f64,
     ) -> Self {
-        let low = [[f64::INFINITY; WIDTH]; 3];
-        let high = [[f64::NEG_INFINITY; WIDTH]; 3];
-        let mut ends = Self { low, high, grow: [margin; WIDTH] };
+        let zero = [[[0.0; WIDTH]; 3]; N];
+        let mut ends = Self { start: zero, end: zero, grow: [0.0; WIDTH] };
         for lane in 0..WIDTH {
             let used = if segments[lane] == NONE { 0 } else { lane };
             let node = nodes[used] as usize;
-            for frame in frames {
-                let (p, q) = (&frame.positions()[node], &frame.positions()[node + 1]);
+            for k in 0..N {
+                let positions = frames[k].positions();
                 for d in 0..3 {
-                    let (p, q) = if p[d] < q[d] { (p[d], q[d]) } else { (q[d], p[d]) };
-                    let (low, high) = (&mut ends.low[d][lane], &mut ends.high[d][lane]);
-                    *low = if p < *low { p } else { *low };
-                    *high = if q > *high { q } else { *high };
+                    ends.start[k][d][lane] = positions[node][d];
+                    ends.end[k][d][lane] = positions[node + 1][d];
                 }
             }
-            ends.grow[lane] += frames[0].radii()[segments[used] as usize];
+            ends.grow[lane] = frames[0].radii()[segments[used] as usize] + margin;
         }
         ends
     }
 
-    /// Rounds in all lanes at once.
+    /// Encloses and rounds in all lanes at once.
     #[inline(always)]
     fn fit(&self, block: &mut Block, hull: &mut Bounds) {
         for d in 0..3 {
             for lane in 0..WIDTH {
-                block.low[d][lane] = below(self.low[d][lane] - self.grow[lane]);
-                block.high[d][lane] = above(self.high[d][lane] + self.grow[lane]);
+                let (p, q) = (self.start[0][d][lane], self.end[0][d][lane]);
+                let (mut low, mut high) = (if p < q { p } else { q }, if p > q { p } else { q });
+                for k in 1..N {
+                    for x in [self.start[k][d][lane], self.end[k][d][lane]] {
+                        low = if x < low { x } else { low };
+                        high = if x > high { x } else { high };
+                    }
+                }
+                block.low[d][lane] = below(low - self.grow[lane]);
+                block.high[d][lane] = above(high + self.grow[lane]);
             }
             hull.low[d] = least(&block.low[d]);
             let mut negative = [0.0; WIDTH];
