@@ -2,8 +2,10 @@
 
 mod capsules;
 mod closest;
+pub mod continuous;
 mod error;
 pub mod scenes;
+mod triangle;
 
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};
 pub use closest::Closest;
