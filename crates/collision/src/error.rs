@@ -42,4 +42,10 @@ pub enum CollisionError {
         /// The radius that was given, m.
         radius: f64,
     },
+    /// A terrain cannot be made of these heights.
+    #[error("heights of a terrain: {problem}")]
+    Heights {
+        /// What must be changed.
+        problem: &'static str,
+    },
 }

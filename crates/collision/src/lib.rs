@@ -4,6 +4,7 @@ mod capsules;
 mod closest;
 pub mod continuous;
 mod error;
+pub mod field;
 pub mod scenes;
 mod triangle;
 

@@ -82,10 +82,10 @@ fn a_constructed_near_miss_is_none() {
 }
 
 #[test]
-#[ignore = "slow: 10 s, a million motions with a known answer"]
-fn a_million_constructed_motions() {
-    first_touches(500_000, 5);
-    near_misses(500_000, 6);
+#[ignore = "slow: 3 s, two million motions with a known answer"]
+fn two_million_constructed_motions() {
+    first_touches(1_000_000, 5);
+    near_misses(1_000_000, 6);
 }
 
 /// Point-like segments that pass each other on a line: the least distance is exact.
