@@ -48,4 +48,10 @@ pub enum CollisionError {
         /// What must be changed.
         problem: &'static str,
     },
+    /// A grid cannot hold the field.
+    #[error("grid of distances: {problem}")]
+    Grid {
+        /// What must be changed.
+        problem: &'static str,
+    },
 }

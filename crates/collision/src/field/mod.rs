@@ -7,10 +7,13 @@
 
 mod analytic;
 mod contact;
+mod grid;
 mod height;
+mod query;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};
 pub use contact::{FieldContact, Search};
+pub use grid::{Frame, Grid};
 pub use height::HeightField;
 
 use nalgebra::{Point3, Vector3};
