@@ -9,12 +9,15 @@ mod analytic;
 mod contact;
 mod grid;
 mod height;
+mod mesh;
 mod query;
+pub mod shapes;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};
 pub use contact::{FieldContact, Search};
 pub use grid::{Frame, Grid};
 pub use height::HeightField;
+pub use mesh::{Mesh, Soup};
 
 use nalgebra::{Point3, Vector3};
 
