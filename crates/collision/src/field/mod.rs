@@ -7,10 +7,12 @@
 
 mod analytic;
 mod contact;
+mod feature;
 mod grid;
 mod height;
 mod mesh;
 mod query;
+mod scan;
 pub mod shapes;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};

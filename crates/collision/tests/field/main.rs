@@ -1,0 +1,8 @@
+//! Grids of distances against exact ones, and fibers against fields.
+
+#![expect(clippy::print_stdout, reason = "measured figures, and what is skipped")]
+
+#[path = "../continuous/random.rs"]
+mod random;
+mod scan;
+mod sphere;
