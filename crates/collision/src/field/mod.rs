@@ -12,6 +12,7 @@ mod grid;
 mod height;
 mod mesh;
 mod query;
+mod repair;
 mod scan;
 pub mod shapes;
 
@@ -20,6 +21,7 @@ pub use contact::{FieldContact, Search};
 pub use grid::{Frame, Grid};
 pub use height::HeightField;
 pub use mesh::{Mesh, Soup};
+pub use repair::Repairs;
 
 use nalgebra::{Point3, Vector3};
 

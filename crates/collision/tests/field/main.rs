@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "measured figures, and what is skipped")]
 
+mod edge;
 #[path = "../continuous/random.rs"]
 mod random;
 mod scan;
