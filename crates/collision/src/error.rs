@@ -91,4 +91,12 @@ pub enum CollisionError {
         "the volume inside the mesh is not positive; reverse the order of the corners of its faces"
     )]
     InsideOut,
+    /// A file of a mesh cannot be read.
+    #[error("this cannot be read as {format}: {problem}")]
+    Read {
+        /// Name of the format.
+        format: &'static str,
+        /// What its reader says.
+        problem: String,
+    },
 }

@@ -12,6 +12,7 @@ mod grid;
 mod height;
 mod mesh;
 mod query;
+mod read;
 mod repair;
 mod scan;
 pub mod shapes;

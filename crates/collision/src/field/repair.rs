@@ -141,8 +141,7 @@ impl Soup {
     /// Closes all holes of an oriented surface with at most two triangles at each edge, and returns
     /// how many there were.
     fn close(&mut self) -> usize {
-        // The rim runs against the sides of the triangles. Where it meets itself in a vertex, any way
-        // on will do: all sides are used up once.
+        // The rim runs against the sides of the triangles.
         let mut rim: Vec<[u32; 2]> = self
             .sides()
             .chunk_by(|a, b| a.ends == b.ends)
@@ -155,9 +154,17 @@ impl Soup {
         rim.sort_unstable_by(|a, b| b.cmp(a));
         let mut holes = 0;
         while let Some([first, mut last]) = rim.pop() {
-            let mut hole = vec![first];
-            while last != first {
-                hole.push(last);
+            let mut path = vec![first];
+            loop {
+                // Where the rim meets itself, what lies between is a hole of its own.
+                if let Some(k) = path.iter().position(|&v| v == last) {
+                    self.fan(&path.split_off(k));
+                    holes += 1;
+                    if k == 0 {
+                        break;
+                    }
+                }
+                path.push(last);
                 // Sorted backward: the sides from `last` are together.
                 let from = rim.partition_point(|side| side[0] > last);
                 match rim.get(from) {
@@ -165,8 +172,6 @@ impl Soup {
                     _ => break,
                 }
             }
-            self.fan(&hole);
-            holes += 1;
         }
         holes
     }

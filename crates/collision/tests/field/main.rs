@@ -5,5 +5,6 @@
 mod edge;
 #[path = "../continuous/random.rs"]
 mod random;
+mod real;
 mod scan;
 mod sphere;

@@ -19,8 +19,14 @@ fn to_triangle(p: &Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> f64 {
     to_side(a, b).min(to_side(b, c)).min(to_side(c, a))
 }
 
+/// Distance of a point to a mesh.
+pub(crate) fn distance(mesh: &Mesh, p: &Point3<f64>) -> f64 {
+    let to = |t: &[u32; 3]| to_triangle(p, t.map(|v| mesh.vertices()[v as usize]));
+    mesh.triangles().iter().map(to).fold(f64::INFINITY, f64::min)
+}
+
 /// How often a mesh winds around a point, by the solid angles of its triangles.
-fn winding(mesh: &Mesh, p: &Point3<f64>) -> f64 {
+pub(crate) fn winding(mesh: &Mesh, p: &Point3<f64>) -> f64 {
     let solid = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.vertices()[v as usize] - p);
         let (x, y, z) = (a.norm(), b.norm(), c.norm());
@@ -41,8 +47,7 @@ fn check(mesh: &Mesh, spacing: f64, band: f64) {
         .flat_map(|i| (0..count.y).flat_map(move |j| (0..count.z).map(move |k| (i, j, k))))
     {
         let p = low + spacing * Vector3::new(i as f64, j as f64, k as f64);
-        let to = |t: &[u32; 3]| to_triangle(&p, t.map(|v| mesh.vertices()[v as usize]));
-        let distance = mesh.triangles().iter().map(to).fold(f64::INFINITY, f64::min);
+        let distance = distance(mesh, &p);
         let value = grid.value(&p);
         let expected = distance.min(band);
         if distance < band || value < band {
