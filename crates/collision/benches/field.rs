@@ -33,22 +33,19 @@ impl Dense {
     fn sample(&self, point: &Point3<f64>) -> Sample {
         let t = (point - self.low) / SPACING;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let cell = t.map(|t| t.floor().clamp(0.0, (SIDE - 2) as f64) as usize);
-        let f = t - cell.map(|i| i as f64);
-        let at = |x: usize, y: usize, z: usize| {
-            f64::from(self.values[((cell.z + z) * SIDE + cell.y + y) * SIDE + cell.x + x])
+        let [i, j, k] = [0, 1, 2].map(|a| t[a].clamp(0.0, (SIDE - 2) as f64) as usize);
+        let (x, y, z) = (t.x - i as f64, t.y - j as f64, t.z - k as f64);
+        let at = |n: usize| f64::from(self.values[(k * SIDE + j) * SIDE + i + n]);
+        // Along x on the four edges, then along y on two faces, then along z.
+        let edge = |n: usize| (at(n), at(n + 1) - at(n));
+        let face = |n: usize| {
+            let ((a, da), (b, db)) = (edge(n), edge(n + SIDE));
+            let (low, high) = (a + x * da, b + x * db);
+            (low + y * (high - low), da + y * (db - da), high - low)
         };
-        let mut value = 0.0;
-        let mut gradient = Vector3::zeros();
-        for (x, y, z) in (0..8).map(|k| (k & 1, k >> 1 & 1, k >> 2)) {
-            let weight = |axis: usize, side: usize| if side == 1 { f[axis] } else { 1.0 - f[axis] };
-            let slope = |side: usize| if side == 1 { 1.0 } else { -1.0 };
-            let (a, b, c) = (weight(0, x), weight(1, y), weight(2, z));
-            let corner = at(x, y, z);
-            value += a * b * c * corner;
-            gradient += corner * Vector3::new(slope(x) * b * c, a * slope(y) * c, a * b * slope(z));
-        }
-        Sample { value, gradient: gradient / SPACING }
+        let ((v0, x0, y0), (v1, x1, y1)) = (face(0), face(SIDE * SIDE));
+        let gradient = Vector3::new(x0 + z * (x1 - x0), y0 + z * (y1 - y0), v1 - v0);
+        Sample { value: v0 + z * (v1 - v0), gradient: gradient / SPACING }
     }
 }
 

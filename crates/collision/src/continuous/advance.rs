@@ -15,7 +15,7 @@ use std::collections::binary_heap::PeekMut;
 
 /// After so many evaluations the search is given up. Only bodies that stay within a few tolerances
 /// of the reach, all along, come near it.
-const MAX_EVALUATIONS: usize = 4096;
+const MAX_EVALUATIONS: usize = 8192;
 
 /// Coordinates are computed to within this many times the largest of them.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;

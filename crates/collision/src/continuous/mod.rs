@@ -9,6 +9,7 @@
 //! which [`Impact::resolved`] tells. For capsules, `reach` is the sum of the radii, plus a margin.
 
 mod advance;
+mod field;
 mod segments;
 mod triangle;
 

@@ -137,9 +137,9 @@ impl<F: DistanceField> Probe<'_, F> {
                 best = (middle, value);
             }
             if gradient.dot(&axis) > 0.0 {
-                high = middle
+                high = middle;
             } else {
-                low = middle
+                low = middle;
             }
             middle = 0.5 * (low + high);
         }

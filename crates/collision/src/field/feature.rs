@@ -11,6 +11,7 @@
 //! feature of a closed mesh (Baerentzen and Aanaes 2005), where a mean of the normals is not.
 
 use super::Mesh;
+use super::mesh::index;
 use nalgebra::{Point3, Vector3};
 
 /// A feature and its region.
@@ -56,7 +57,7 @@ impl Feature {
 /// All features of a mesh, with their regions up to the distance `band`.
 pub(super) fn features(mesh: &Mesh, band: f64) -> Vec<Feature> {
     let vertices = mesh.vertices();
-    let faces = 0..mesh.triangles().len() as u32;
+    let faces = 0..index(mesh.triangles().len());
     let normals: Vec<_> = faces.clone().map(|face| normal(&mesh.corners(face))).collect();
     let mut features: Vec<_> =
         faces.map(|f| face(&mesh.corners(f), normals[f as usize], band)).collect();

@@ -149,7 +149,7 @@ impl Grid {
         if u32::try_from(nodes.len()).is_err() {
             return refuse("the surface passes through too many blocks; take a larger spacing");
         }
-        let lipschitz = blocks.par_iter().flatten().map(steepest).reduce(|| 0.0, f64::max);
+        let lipschitz = blocks.iter().flatten().map(steepest).fold(0.0, f64::max);
         let grid = Self {
             lipschitz: (lipschitz / frame.spacing).max(1.0),
             error: 0.5 * 3.0_f64.sqrt() * frame.spacing,

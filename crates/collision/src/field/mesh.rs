@@ -175,6 +175,11 @@ impl Soup {
     }
 }
 
+/// An index in the width of the triangles; one that is too large is that of no vertex.
+pub(super) fn index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,7 +200,7 @@ mod tests {
         assert!(matches!(error, CollisionError::Face { face: 4, .. }));
         let error = refused(|soup| soup.triangles[4][1] = soup.triangles[4][0]);
         assert!(matches!(error, CollisionError::Face { face: 4, .. }));
-        let error = refused(|soup| drop(soup.triangles.pop()));
+        let error = refused(|soup| soup.triangles.truncate(11));
         assert!(matches!(error, CollisionError::Edge { .. }) && error.to_string().contains("hole"));
         let error = refused(|soup| soup.triangles.push(soup.triangles[2]));
         assert!(error.to_string().contains("more than two"));

@@ -16,6 +16,10 @@ const CHUNK: usize = 64;
 /// Adding this to a double rounds it to an integer, found in its low bits.
 const INTEGER: f64 = 6_755_399_441_055_744.0;
 
+/// Cells and nodes along a side of a block.
+#[expect(clippy::cast_possible_truncation, reason = "they are 8 and 9")]
+const SIZES: [u32; 2] = [CELLS as u32, SIDE as u32];
+
 /// From the low corner of a cell to the end of its corners.
 const CORNERS: usize = SIDE * SIDE + SIDE + 2;
 
@@ -28,7 +32,7 @@ impl DistanceField for Grid {
             (cell[axis], fraction[axis]) = locate(t, self.frame.cells()[axis]);
         }
         let corners = self.corners(address(cell, self.frame.blocks.map(narrow)));
-        let mut out = sample(interpolate(corners, fraction), self.frame.spacing);
+        let mut out = sample(interpolate(corners, fraction), inverse);
         self.leave_the_box(point, &mut out);
         out
     }
@@ -100,26 +104,19 @@ impl WithSimd for Batch<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { grid, points, samples } = self;
+        let inverse = 1.0 / grid.frame.spacing;
         let mut chunk = Chunk {
             cells: [[0; CHUNK]; 3],
             fractions: [[0.0; CHUNK]; 3],
-            addresses: [[0; 2]; CHUNK],
+            addresses: [[0; CHUNK]; 2],
             corners: [[0.0; CHUNK]; 8],
             results: [[0.0; CHUNK]; 4],
         };
         for (points, samples) in points.chunks(CHUNK).zip(samples.chunks_mut(CHUNK)) {
-            let outside = chunk.locate(grid, points);
-            for lane in 0..points.len() {
-                let corners = grid.corners(chunk.addresses[lane]);
-                for k in 0..8 {
-                    chunk.corners[k][lane] = corners[k];
-                }
-            }
+            let outside = chunk.locate(grid, points, inverse);
+            chunk.fetch(grid);
             chunk.interpolate();
-            for (lane, out) in samples.iter_mut().enumerate() {
-                let [v, x, y, z] = chunk.results;
-                *out = sample([v[lane], x[lane], y[lane], z[lane]], grid.frame.spacing);
-            }
+            chunk.write(inverse, samples);
             if outside {
                 for (point, sample) in points.iter().zip(samples) {
                     grid.leave_the_box(point, sample);
@@ -133,7 +130,7 @@ impl WithSimd for Batch<'_> {
 struct Chunk {
     cells: [[u32; CHUNK]; 3],
     fractions: [[f32; CHUNK]; 3],
-    addresses: [[u32; 2]; CHUNK],
+    addresses: [[u32; CHUNK]; 2],
     corners: [[f32; CHUNK]; 8],
     results: [[f32; CHUNK]; 4],
 }
@@ -141,8 +138,7 @@ struct Chunk {
 impl Chunk {
     /// Finds the cells, and whether any point is outside of the box.
     #[inline(always)]
-    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>]) -> bool {
-        let inverse = 1.0 / grid.frame.spacing;
+    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>], inverse: f64) -> bool {
         let mut outside = false;
         for axis in 0..3 {
             let (origin, count) = (grid.frame.origin[axis], grid.frame.cells()[axis]);
@@ -156,9 +152,21 @@ impl Chunk {
         let blocks = grid.frame.blocks.map(narrow);
         for lane in 0..CHUNK {
             let cell = [self.cells[0][lane], self.cells[1][lane], self.cells[2][lane]];
-            self.addresses[lane] = address(cell, blocks);
+            [self.addresses[0][lane], self.addresses[1][lane]] = address(cell, blocks);
         }
         outside
+    }
+
+    /// Brings in the corners. Where there are fewer points than lanes the cells of the chunk before
+    /// are taken once more.
+    #[inline(always)]
+    fn fetch(&mut self, grid: &Grid) {
+        for lane in 0..CHUNK {
+            let corners = grid.corners([self.addresses[0][lane], self.addresses[1][lane]]);
+            for k in 0..8 {
+                self.corners[k][lane] = corners[k];
+            }
+        }
     }
 
     #[inline(always)]
@@ -169,6 +177,15 @@ impl Chunk {
         for i in 0..CHUNK {
             let corners = [c0[i], c1[i], c2[i], c3[i], c4[i], c5[i], c6[i], c7[i]];
             [value[i], dx[i], dy[i], dz[i]] = interpolate(corners, [x[i], y[i], z[i]]);
+        }
+    }
+
+    #[inline(always)]
+    fn write(&self, inverse: f64, samples: &mut [Sample]) {
+        let [value, x, y, z] = &self.results;
+        let gradients = x.iter().zip(y).zip(z);
+        for (out, (v, ((x, y), z))) in samples.iter_mut().zip(value.iter().zip(gradients)) {
+            *out = sample([*v, *x, *y, *z], inverse);
         }
     }
 }
@@ -187,10 +204,9 @@ fn locate(t: f64, count: f64) -> (u32, f32) {
 /// The block of a cell, and its place in that.
 #[inline(always)]
 fn address([x, y, z]: [u32; 3], [nx, ny, _]: [u32; 3]) -> [u32; 2] {
-    const BLOCK: u32 = CELLS as u32;
-    const ROW: u32 = SIDE as u32;
-    let block = x / BLOCK + nx * (y / BLOCK + ny * (z / BLOCK));
-    [block, x % BLOCK + ROW * (y % BLOCK + ROW * (z % BLOCK))]
+    let [cells, side] = SIZES;
+    let block = x / cells + nx * (y / cells + ny * (z / cells));
+    [block, x % cells + side * (y % cells + side * (z % cells))]
 }
 
 /// The trilinear interpolant and its derivatives along the axes, per cell.
@@ -211,8 +227,8 @@ fn interpolate(c: [f32; 8], [x, y, z]: [f32; 3]) -> [f32; 4] {
 }
 
 #[inline(always)]
-fn sample([value, x, y, z]: [f32; 4], spacing: f64) -> Sample {
-    let gradient = Vector3::new(f64::from(x), f64::from(y), f64::from(z)) / spacing;
+fn sample([value, x, y, z]: [f32; 4], inverse: f64) -> Sample {
+    let gradient = inverse * Vector3::new(f64::from(x), f64::from(y), f64::from(z));
     Sample { value: f64::from(value), gradient }
 }
 

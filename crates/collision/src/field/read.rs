@@ -1,6 +1,7 @@
 //! Meshes from files of the common formats.
 
 use super::Soup;
+use super::mesh::index;
 use crate::CollisionError;
 use nalgebra::Point3;
 use ply_rs_bw::parser::{Parser, Reader};
@@ -54,7 +55,7 @@ impl Soup {
             .map_err(|e| CollisionError::Read { format: "OBJ", problem: e.to_string() })?;
         let mut soup = Self::default();
         for tobj::Model { mesh, .. } in models {
-            let first = soup.vertices.len() as u32;
+            let first = index(soup.vertices.len());
             let (points, triangles) = (mesh.positions.as_chunks().0, mesh.indices.as_chunks().0);
             soup.vertices.extend(points.iter().map(|&p: &[f64; 3]| Point3::from(p)));
             soup.triangles.extend(triangles.iter().map(|t| t.map(|v| v + first)));
@@ -72,7 +73,7 @@ impl Soup {
         let mut soup = Self::default();
         soup.vertices.extend(mesh.vertices.iter().map(|v| Point3::from(v.0.map(f64::from))));
         for face in mesh.faces {
-            soup.triangles.push(face.vertices.map(|v| u32::try_from(v).unwrap_or(u32::MAX)));
+            soup.triangles.push(face.vertices.map(index));
         }
         Ok(soup)
     }

@@ -1,6 +1,6 @@
 //! Treatment of meshes that are not closed and oriented.
 
-use super::mesh::{Mesh, Side, Soup};
+use super::mesh::{Mesh, Side, Soup, index};
 use crate::CollisionError;
 use nalgebra::{Point3, Vector3};
 
@@ -33,20 +33,26 @@ impl Mesh {
     /// be oriented, [`CollisionError::Face`] of a triangle without area.
     pub fn repaired(mut soup: Soup) -> Result<(Self, Repairs), CollisionError> {
         soup.check()?;
-        let mut repairs = Repairs::default();
-        repairs.merged_vertices = soup.merge_vertices();
-        repairs.degenerate_faces = soup.keep(|_, [a, b, c]| a != b && b != c && c != a);
+        let merged_vertices = soup.merge_vertices();
+        let degenerate_faces = soup.keep(|_, [a, b, c]| a != b && b != c && c != a);
         let mut crowded = vec![false; soup.triangles.len()];
         for sides in soup.sides().chunk_by(|a, b| a.ends == b.ends).filter(|s| s.len() > 2) {
             sides.iter().for_each(|side| crowded[side.face as usize] = true);
         }
-        repairs.non_manifold_faces = soup.keep(|face, _| !crowded[face]);
-        repairs.reversed_faces = soup.orient()?;
-        repairs.closed_holes = soup.close();
+        let non_manifold_faces = soup.keep(|face, _| !crowded[face]);
+        let mut reversed_faces = soup.orient()?;
+        let closed_holes = soup.close();
         if soup.volume() < 0.0 {
             soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-            repairs.reversed_faces = soup.triangles.len() - repairs.reversed_faces;
+            reversed_faces = soup.triangles.len() - reversed_faces;
         }
+        let repairs = Repairs {
+            merged_vertices,
+            degenerate_faces,
+            non_manifold_faces,
+            reversed_faces,
+            closed_holes,
+        };
         Ok((Self::new(soup)?, repairs))
     }
 }
@@ -66,7 +72,7 @@ impl Soup {
     /// Lets all triangles use the first of the vertices at one place; the others stay, unused.
     fn merge_vertices(&mut self) -> usize {
         let place = |&v: &u32| self.vertices[v as usize].coords.map(|x| (x + 0.0).to_bits());
-        let mut order: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let mut order: Vec<u32> = (0..index(self.vertices.len())).collect();
         order.sort_by_key(|v| <[u64; 3]>::from(place(v)));
         let mut first = vec![0; order.len()];
         let mut merged = 0;
@@ -183,7 +189,7 @@ impl Soup {
             return;
         }
         let sum: Vector3<f64> = hole.iter().map(|&v| self.vertices[v as usize].coords).sum();
-        let center = self.vertices.len() as u32;
+        let center = index(self.vertices.len());
         self.vertices.push(Point3::from(sum / hole.len() as f64));
         for k in 0..hole.len() {
             self.triangles.push([hole[k], hole[(k + 1) % hole.len()], center]);

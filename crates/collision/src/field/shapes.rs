@@ -1,6 +1,7 @@
 //! Meshes of simple shapes around the origin.
 
 use super::Soup;
+use super::mesh::index;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -30,7 +31,7 @@ pub fn sphere(radius: f64, n: i32) -> Soup {
             *known.entry(key).or_insert_with(|| {
                 let direction = Vector3::from(key.map(f64::from)).normalize();
                 soup.vertices.push((radius * direction).into());
-                (soup.vertices.len() - 1) as u32
+                index(soup.vertices.len() - 1)
             })
         };
         for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {

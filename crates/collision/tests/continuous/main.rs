@@ -6,6 +6,7 @@ mod known;
 mod queries;
 mod random;
 mod reference;
+mod surface;
 
 use nalgebra::Vector3;
 use random::Random;
