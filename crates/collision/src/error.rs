@@ -56,4 +56,61 @@ pub enum CollisionError {
         /// What is listed beyond, m.
         margin: f64,
     },
+    /// A terrain cannot be made of these heights.
+    #[error("heights of a terrain: {problem}")]
+    Heights {
+        /// What must be changed.
+        problem: &'static str,
+    },
+    /// A grid cannot hold the field.
+    #[error("grid of distances: {problem}")]
+    Grid {
+        /// What must be changed.
+        problem: &'static str,
+    },
+    /// A mesh is empty.
+    #[error("the mesh has no triangles; give a closed surface")]
+    NoTriangles,
+    /// A vertex of a mesh is nowhere.
+    #[error(
+        "vertex {vertex} of the mesh is at ({}, {}, {}), but positions must be finite",
+        position[0], position[1], position[2]
+    )]
+    Vertex {
+        /// Index of the vertex.
+        vertex: usize,
+        /// The position that was given (world), m.
+        position: [f64; 3],
+    },
+    /// A triangle of a mesh is none.
+    #[error("face {face} of the mesh {problem}")]
+    Face {
+        /// Index of the triangle.
+        face: usize,
+        /// What is wrong with it, and what can be done.
+        problem: &'static str,
+    },
+    /// The mesh is not a closed, oriented surface at an edge.
+    #[error("the edge of face {face} of the mesh from vertex {} to {} {problem}", vertices[0], vertices[1])]
+    Edge {
+        /// Index of a triangle at the edge.
+        face: usize,
+        /// Indices of the vertices at its ends.
+        vertices: [u32; 2],
+        /// What is wrong with it, and what can be done.
+        problem: &'static str,
+    },
+    /// The triangles of a mesh face inward, or bound nothing.
+    #[error(
+        "the volume inside the mesh is not positive; reverse the order of the corners of its faces"
+    )]
+    InsideOut,
+    /// A file of a mesh cannot be read.
+    #[error("this cannot be read as {format}: {problem}")]
+    Read {
+        /// Name of the format.
+        format: &'static str,
+        /// What its reader says.
+        problem: String,
+    },
 }

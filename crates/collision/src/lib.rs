@@ -1,9 +1,12 @@
 #![doc = include_str!("../README.md")]
 
 mod capsules;
+pub mod continuous;
 mod error;
+pub mod field;
 mod narrow;
 pub mod scenes;
+mod triangle;
 mod wide;
 
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};

@@ -1,0 +1,238 @@
+//! Values and gradients of a grid, many at a time.
+//!
+//! Points are taken in chunks, in three passes: where each one is, the eight corners of its cell,
+//! and the interpolation. The first and the last are loops over arrays without branches, for the
+//! widest vectors that the processor has; only the second one jumps about in memory, and one cell is
+//! four pairs of neighbors in one block.
+
+use super::grid::{CELLS, Grid, SIDE};
+use super::{DistanceField, Sample};
+use nalgebra::{Point3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Points per chunk.
+const CHUNK: usize = 64;
+
+/// Adding this to a double rounds it to an integer, found in its low bits.
+const INTEGER: f64 = 6_755_399_441_055_744.0;
+
+/// Cells and nodes along a side of a block.
+#[expect(clippy::cast_possible_truncation, reason = "they are 8 and 9")]
+const SIZES: [u32; 2] = [CELLS as u32, SIDE as u32];
+
+/// From the low corner of a cell to the end of its corners.
+const CORNERS: usize = SIDE * SIDE + SIDE + 2;
+
+impl DistanceField for Grid {
+    fn sample(&self, point: &Point3<f64>) -> Sample {
+        let inverse = 1.0 / self.frame.spacing;
+        let (mut cell, mut fraction) = ([0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let t = (point[axis] - self.frame.origin[axis]) * inverse;
+            (cell[axis], fraction[axis]) = locate(t, self.frame.cells()[axis]);
+        }
+        let corners = self.corners(address(cell, self.frame.blocks.map(narrow)));
+        let mut out = sample(interpolate(corners, fraction), inverse);
+        self.leave_the_box(point, &mut out);
+        out
+    }
+
+    fn lipschitz(&self) -> f64 {
+        self.lipschitz
+    }
+
+    fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The stored band less the diagonal of a cell: up to there no corner is clipped.
+    fn band(&self) -> f64 {
+        self.band - 3.0_f64.sqrt() * self.frame.spacing
+    }
+}
+
+impl Grid {
+    /// Values and gradients at all `points` (world): what [`sample`](DistanceField::sample) returns
+    /// for each, several times as fast.
+    ///
+    /// # Panics
+    /// If there are not as many `samples` as points.
+    pub fn samples(&self, points: &[Point3<f64>], samples: &mut [Sample]) {
+        assert_eq!(points.len(), samples.len(), "one sample per point");
+        Arch::new().dispatch(Batch { grid: self, points, samples });
+    }
+
+    /// The eight corners of a cell, given its block and its place in that.
+    #[inline(always)]
+    fn corners(&self, [block, place]: [u32; 2]) -> [f32; 8] {
+        let start = (self.starts[block as usize] + place) as usize;
+        let nodes = &self.nodes[start..start + CORNERS];
+        let [j, k] = [SIDE, SIDE * SIDE];
+        [
+            nodes[0],
+            nodes[1],
+            nodes[j],
+            nodes[j + 1],
+            nodes[k],
+            nodes[k + 1],
+            nodes[k + j],
+            nodes[k + j + 1],
+        ]
+    }
+
+    /// Corrects a sample outside of the box, where all is far: the distance to the box is added.
+    fn leave_the_box(&self, point: &Point3<f64>, sample: &mut Sample) {
+        let size = Vector3::from(self.frame.cells()) * self.frame.spacing;
+        let p = point - self.frame.origin;
+        let beyond = p - p.sup(&Vector3::zeros()).inf(&size);
+        let distance = beyond.norm();
+        if distance > 0.0 {
+            *sample = Sample { value: self.band + distance, gradient: beyond / distance };
+        }
+    }
+}
+
+struct Batch<'a> {
+    grid: &'a Grid,
+    points: &'a [Point3<f64>],
+    samples: &'a mut [Sample],
+}
+
+impl WithSimd for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { grid, points, samples } = self;
+        let inverse = 1.0 / grid.frame.spacing;
+        let mut chunk = Chunk {
+            cells: [[0; CHUNK]; 3],
+            fractions: [[0.0; CHUNK]; 3],
+            addresses: [[0; CHUNK]; 2],
+            corners: [[0.0; CHUNK]; 8],
+            results: [[0.0; CHUNK]; 4],
+        };
+        for (points, samples) in points.chunks(CHUNK).zip(samples.chunks_mut(CHUNK)) {
+            let outside = chunk.locate(grid, points, inverse);
+            chunk.fetch(grid);
+            chunk.interpolate();
+            chunk.write(inverse, samples);
+            if outside {
+                for (point, sample) in points.iter().zip(samples) {
+                    grid.leave_the_box(point, sample);
+                }
+            }
+        }
+    }
+}
+
+/// What is known of the points of a chunk, each quantity in an array.
+struct Chunk {
+    cells: [[u32; CHUNK]; 3],
+    fractions: [[f32; CHUNK]; 3],
+    addresses: [[u32; CHUNK]; 2],
+    corners: [[f32; CHUNK]; 8],
+    results: [[f32; CHUNK]; 4],
+}
+
+impl Chunk {
+    /// Finds the cells, and whether any point is outside of the box.
+    #[inline(always)]
+    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>], inverse: f64) -> bool {
+        let mut outside = false;
+        for axis in 0..3 {
+            let (origin, count) = (grid.frame.origin[axis], grid.frame.cells()[axis]);
+            let places = self.cells[axis].iter_mut().zip(&mut self.fractions[axis]);
+            for (point, (cell, fraction)) in points.iter().zip(places) {
+                let t = (point[axis] - origin) * inverse;
+                outside |= !(0.0..=count).contains(&t);
+                (*cell, *fraction) = locate(t, count);
+            }
+        }
+        let blocks = grid.frame.blocks.map(narrow);
+        for lane in 0..CHUNK {
+            let cell = [self.cells[0][lane], self.cells[1][lane], self.cells[2][lane]];
+            [self.addresses[0][lane], self.addresses[1][lane]] = address(cell, blocks);
+        }
+        outside
+    }
+
+    /// Brings in the corners. Where there are fewer points than lanes the cells of the chunk before
+    /// are taken once more.
+    #[inline(always)]
+    fn fetch(&mut self, grid: &Grid) {
+        for lane in 0..CHUNK {
+            let corners = grid.corners([self.addresses[0][lane], self.addresses[1][lane]]);
+            for k in 0..8 {
+                self.corners[k][lane] = corners[k];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn interpolate(&mut self) {
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = &self.corners;
+        let [x, y, z] = &self.fractions;
+        let [value, dx, dy, dz] = &mut self.results;
+        for i in 0..CHUNK {
+            let corners = [c0[i], c1[i], c2[i], c3[i], c4[i], c5[i], c6[i], c7[i]];
+            [value[i], dx[i], dy[i], dz[i]] = interpolate(corners, [x[i], y[i], z[i]]);
+        }
+    }
+
+    #[inline(always)]
+    fn write(&self, inverse: f64, samples: &mut [Sample]) {
+        let [value, x, y, z] = &self.results;
+        let gradients = x.iter().zip(y).zip(z);
+        for (out, (v, ((x, y), z))) in samples.iter_mut().zip(value.iter().zip(gradients)) {
+            *out = sample([*v, *x, *y, *z], inverse);
+        }
+    }
+}
+
+/// The cell at a place in cells from the corner of the box, of `count`, and the fraction in it.
+#[inline(always)]
+fn locate(t: f64, count: f64) -> (u32, f32) {
+    // In this order, what is not a number becomes zero.
+    let t = t.max(0.0).min(count);
+    let integer = (t - 0.5 + INTEGER).min(INTEGER + (count - 1.0));
+    #[expect(clippy::cast_possible_truncation, reason = "the low bits are the integer")]
+    let place = (integer.to_bits() as u32, (t - (integer - INTEGER)) as f32);
+    place
+}
+
+/// The block of a cell, and its place in that.
+#[inline(always)]
+fn address([x, y, z]: [u32; 3], [nx, ny, _]: [u32; 3]) -> [u32; 2] {
+    let [cells, side] = SIZES;
+    let block = x / cells + nx * (y / cells + ny * (z / cells));
+    [block, x % cells + side * (y % cells + side * (z % cells))]
+}
+
+/// The trilinear interpolant and its derivatives along the axes, per cell.
+#[inline(always)]
+fn interpolate(c: [f32; 8], [x, y, z]: [f32; 3]) -> [f32; 4] {
+    // Along x on the four edges, then along y on two faces, then along z.
+    let (d0, d1, d2, d3) = (c[1] - c[0], c[3] - c[2], c[5] - c[4], c[7] - c[6]);
+    let (e0, e1, e2, e3) = (c[0] + x * d0, c[2] + x * d1, c[4] + x * d2, c[6] + x * d3);
+    let (low, high) = (e0 + y * (e1 - e0), e2 + y * (e3 - e2));
+    let (dx_low, dx_high) = (d0 + y * (d1 - d0), d2 + y * (d3 - d2));
+    let (dy_low, dy_high) = (e1 - e0, e3 - e2);
+    [
+        low + z * (high - low),
+        dx_low + z * (dx_high - dx_low),
+        dy_low + z * (dy_high - dy_low),
+        high - low,
+    ]
+}
+
+#[inline(always)]
+fn sample([value, x, y, z]: [f32; 4], inverse: f64) -> Sample {
+    let gradient = inverse * Vector3::new(f64::from(x), f64::from(y), f64::from(z));
+    Sample { value: f64::from(value), gradient }
+}
+
+/// A number of blocks, which the frame keeps below 2³¹.
+fn narrow(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}

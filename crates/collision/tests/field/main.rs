@@ -1,0 +1,10 @@
+//! Grids of distances against exact ones, and fibers against fields.
+
+#![expect(clippy::print_stdout, reason = "measured figures, and what is skipped")]
+
+mod edge;
+#[path = "../continuous/random.rs"]
+mod random;
+mod real;
+mod scan;
+mod sphere;
