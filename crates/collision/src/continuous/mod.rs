@@ -10,9 +10,11 @@
 
 mod advance;
 mod field;
+mod pairs;
 mod segments;
 mod triangle;
 
+pub use pairs::impacts;
 pub use segments::MovingSegment;
 pub use triangle::{MovingPoint, MovingTriangle};
 
