@@ -107,7 +107,6 @@ impl WithSimd for Batch<'_> {
         let Self { grid, points, samples } = self;
         let inverse = 1.0 / grid.frame.spacing;
         let mut chunk = Chunk {
-            cells: [[0; CHUNK]; 3],
             fractions: [[0.0; CHUNK]; 3],
             addresses: [[0; CHUNK]; 2],
             corners: [[0.0; CHUNK]; 8],
@@ -130,7 +129,6 @@ impl WithSimd for Batch<'_> {
 
 /// What is known of the points of a chunk, each quantity in an array.
 struct Chunk {
-    cells: [[u32; CHUNK]; 3],
     fractions: [[f32; CHUNK]; 3],
     addresses: [[u32; CHUNK]; 2],
     corners: [[f32; CHUNK]; 8],
@@ -160,19 +158,19 @@ impl Chunk {
     /// Finds the cells, and whether any point is outside of the box.
     #[inline(always)]
     fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK], inverse: f64) -> bool {
-        let mut outside = false;
-        for axis in 0..3 {
-            let (origin, count) = (grid.frame.origin[axis], grid.frame.cells()[axis]);
-            for lane in 0..CHUNK {
-                let t = (points[lane][axis] - origin) * inverse;
-                outside |= !(0.0..=count).contains(&t);
-                (self.cells[axis][lane], self.fractions[axis][lane]) = locate(t, count);
-            }
-        }
+        let (origin, [nx, ny, nz]) = (grid.frame.origin, grid.frame.cells());
         let blocks = grid.frame.blocks.map(narrow);
+        let mut outside = false;
         for lane in 0..CHUNK {
-            let cell = [self.cells[0][lane], self.cells[1][lane], self.cells[2][lane]];
-            [self.addresses[0][lane], self.addresses[1][lane]] = address(cell, blocks);
+            let [[x, y, z]] = (points[lane] - origin).data.0;
+            let (x, y, z) = (x * inverse, y * inverse, z * inverse);
+            let inside = (0.0 <= x) & (x <= nx) & (0.0 <= y) & (y <= ny) & (0.0 <= z) & (z <= nz);
+            outside |= !inside;
+            let ((i, fx), (j, fy), (k, fz)) = (locate(x, nx), locate(y, ny), locate(z, nz));
+            let [block, place] = address([i, j, k], blocks);
+            (self.addresses[0][lane], self.addresses[1][lane]) = (block, place);
+            (self.fractions[0][lane], self.fractions[1][lane]) = (fx, fy);
+            self.fractions[2][lane] = fz;
         }
         outside
     }
