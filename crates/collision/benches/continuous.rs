@@ -31,11 +31,13 @@ fn pairs(spread: f64, motion: f64) -> Vec<[MovingSegment; 2]> {
 /// A thousand queries, one after the other.
 fn queries(c: &mut Criterion) {
     let mut group = c.benchmark_group("continuous");
-    for (name, spread, motion) in
-        [("slow, near", 1e-3, 20e-6), ("fast, near", 1e-3, 2e-3), ("slow, far", 10e-3, 20e-6)]
-    {
+    for (name, spread, motion) in [
+        ("slow and near", 1e-3, 20e-6),
+        ("fast and near", 1e-3, 2e-3),
+        ("slow and far", 10e-3, 20e-6),
+    ] {
         let pairs = pairs(spread, motion);
-        group.bench_function(format!("1000 queries, {name}"), |b| {
+        group.bench_function(format!("1000 queries {name}"), |b| {
             let all = |pairs: &Vec<[MovingSegment; 2]>| {
                 pairs.iter().filter_map(|[a, b]| a.impact(b, REACH, 1e-3 * REACH)).count()
             };

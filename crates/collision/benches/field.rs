@@ -68,8 +68,7 @@ fn queries(c: &mut Criterion) {
     let dense = Dense::new(&ball, low);
     let points = points();
     let mut samples = vec![Sample { value: 0.0, gradient: Vector3::zeros() }; POINTS];
-    let mut group = c.benchmark_group("field");
-    group.bench_function("100,000 samples, plain loop", |b| {
+    c.bench_function("plain loop/samples", |b| {
         b.iter(|| {
             for (sample, point) in samples.iter_mut().zip(&points) {
                 *sample = dense.sample(point);
@@ -77,7 +76,7 @@ fn queries(c: &mut Criterion) {
             black_box(&mut samples);
         });
     });
-    group.bench_function("100,000 samples, one by one", |b| {
+    c.bench_function("field/samples one by one", |b| {
         b.iter(|| {
             for (sample, point) in samples.iter_mut().zip(&points) {
                 *sample = grid.sample(point);
@@ -85,7 +84,7 @@ fn queries(c: &mut Criterion) {
             black_box(&mut samples);
         });
     });
-    group.bench_function("100,000 samples, at once", |b| {
+    c.bench_function("field/samples at once", |b| {
         b.iter(|| grid.samples(black_box(&points), &mut samples));
     });
 }

@@ -87,7 +87,8 @@ impl Grid {
         let beyond = p - p.sup(&Vector3::zeros()).inf(&size);
         let distance = beyond.norm();
         if distance > 0.0 {
-            *sample = Sample { value: self.band + distance, gradient: beyond / distance };
+            let gradient = if distance.is_finite() { beyond / distance } else { Vector3::zeros() };
+            *sample = Sample { value: self.band + distance, gradient };
         }
     }
 }
@@ -106,29 +107,28 @@ impl WithSimd for Batch<'_> {
         let Self { grid, points, samples } = self;
         let inverse = 1.0 / grid.frame.spacing;
         let mut chunk = Chunk {
-            cells: [[0; CHUNK]; 3],
             fractions: [[0.0; CHUNK]; 3],
             addresses: [[0; CHUNK]; 2],
             corners: [[0.0; CHUNK]; 8],
             results: [[0.0; CHUNK]; 4],
         };
-        for (points, samples) in points.chunks(CHUNK).zip(samples.chunks_mut(CHUNK)) {
-            let outside = chunk.locate(grid, points, inverse);
-            chunk.fetch(grid);
-            chunk.interpolate();
-            chunk.write(inverse, samples);
-            if outside {
-                for (point, sample) in points.iter().zip(samples) {
-                    grid.leave_the_box(point, sample);
-                }
-            }
+        let (full, rest) = points.as_chunks();
+        let (full_samples, rest_samples) = samples.as_chunks_mut();
+        for (points, samples) in full.iter().zip(full_samples) {
+            chunk.query(grid, points, inverse, samples);
+        }
+        if !rest.is_empty() {
+            let mut padded = [rest[0]; CHUNK];
+            padded[..rest.len()].copy_from_slice(rest);
+            let mut padded_samples = [Sample { value: 0.0, gradient: Vector3::zeros() }; CHUNK];
+            chunk.query(grid, &padded, inverse, &mut padded_samples);
+            rest_samples.copy_from_slice(&padded_samples[..rest.len()]);
         }
     }
 }
 
 /// What is known of the points of a chunk, each quantity in an array.
 struct Chunk {
-    cells: [[u32; CHUNK]; 3],
     fractions: [[f32; CHUNK]; 3],
     addresses: [[u32; CHUNK]; 2],
     corners: [[f32; CHUNK]; 8],
@@ -136,29 +136,46 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// Finds the cells, and whether any point is outside of the box.
     #[inline(always)]
-    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>], inverse: f64) -> bool {
-        let mut outside = false;
-        for axis in 0..3 {
-            let (origin, count) = (grid.frame.origin[axis], grid.frame.cells()[axis]);
-            let places = self.cells[axis].iter_mut().zip(&mut self.fractions[axis]);
-            for (point, (cell, fraction)) in points.iter().zip(places) {
-                let t = (point[axis] - origin) * inverse;
-                outside |= !(0.0..=count).contains(&t);
-                (*cell, *fraction) = locate(t, count);
+    fn query(
+        &mut self,
+        grid: &Grid,
+        points: &[Point3<f64>; CHUNK],
+        inverse: f64,
+        samples: &mut [Sample; CHUNK],
+    ) {
+        let outside = self.locate(grid, points, inverse);
+        self.fetch(grid);
+        self.interpolate();
+        self.write(inverse, samples);
+        if outside {
+            for (point, sample) in points.iter().zip(samples) {
+                grid.leave_the_box(point, sample);
             }
         }
+    }
+
+    /// Finds the cells, and whether any point is outside of the box.
+    #[inline(always)]
+    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK], inverse: f64) -> bool {
+        let (origin, [nx, ny, nz]) = (grid.frame.origin, grid.frame.cells());
         let blocks = grid.frame.blocks.map(narrow);
+        let mut outside = false;
         for lane in 0..CHUNK {
-            let cell = [self.cells[0][lane], self.cells[1][lane], self.cells[2][lane]];
-            [self.addresses[0][lane], self.addresses[1][lane]] = address(cell, blocks);
+            let [[x, y, z]] = (points[lane] - origin).data.0;
+            let (x, y, z) = (x * inverse, y * inverse, z * inverse);
+            let inside = (0.0 <= x) & (x <= nx) & (0.0 <= y) & (y <= ny) & (0.0 <= z) & (z <= nz);
+            outside |= !inside;
+            let ((i, fx), (j, fy), (k, fz)) = (locate(x, nx), locate(y, ny), locate(z, nz));
+            let [block, place] = address([i, j, k], blocks);
+            (self.addresses[0][lane], self.addresses[1][lane]) = (block, place);
+            (self.fractions[0][lane], self.fractions[1][lane]) = (fx, fy);
+            self.fractions[2][lane] = fz;
         }
         outside
     }
 
-    /// Brings in the corners. Where there are fewer points than lanes the cells of the chunk before
-    /// are taken once more.
+    /// Brings in the corners.
     #[inline(always)]
     fn fetch(&mut self, grid: &Grid) {
         for lane in 0..CHUNK {
@@ -181,11 +198,10 @@ impl Chunk {
     }
 
     #[inline(always)]
-    fn write(&self, inverse: f64, samples: &mut [Sample]) {
+    fn write(&self, inverse: f64, samples: &mut [Sample; CHUNK]) {
         let [value, x, y, z] = &self.results;
-        let gradients = x.iter().zip(y).zip(z);
-        for (out, (v, ((x, y), z))) in samples.iter_mut().zip(value.iter().zip(gradients)) {
-            *out = sample([*v, *x, *y, *z], inverse);
+        for lane in 0..CHUNK {
+            samples[lane] = sample([value[lane], x[lane], y[lane], z[lane]], inverse);
         }
     }
 }
@@ -193,9 +209,11 @@ impl Chunk {
 /// The cell at a place in cells from the corner of the box, of `count`, and the fraction in it.
 #[inline(always)]
 fn locate(t: f64, count: f64) -> (u32, f32) {
-    // In this order, what is not a number becomes zero.
-    let t = t.max(0.0).min(count);
-    let integer = (t - 0.5 + INTEGER).min(INTEGER + (count - 1.0));
+    // What is not a number becomes zero.
+    let t = if t > 0.0 { t } else { 0.0 };
+    let t = if t < count { t } else { count };
+    let (rounded, last) = (t - 0.5 + INTEGER, INTEGER + (count - 1.0));
+    let integer = if rounded < last { rounded } else { last };
     #[expect(clippy::cast_possible_truncation, reason = "the low bits are the integer")]
     let place = (integer.to_bits() as u32, (t - (integer - INTEGER)) as f32);
     place

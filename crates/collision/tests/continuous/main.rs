@@ -2,11 +2,15 @@
 
 #![expect(clippy::print_stdout, reason = "counts of alarms, and what is skipped")]
 
+mod faces;
 mod known;
 mod queries;
+#[path = "../geometry/random.rs"]
 mod random;
 mod reference;
 mod surface;
+#[path = "../geometry/triangle.rs"]
+mod triangle;
 
 use nalgebra::Vector3;
 use random::Random;
@@ -49,7 +53,10 @@ fn random_motions(count: usize, seed: u64) {
     let (mut touches, mut alarms, mut evaluations) = (0, 0, 0);
     for _ in 0..count {
         let (a, b) = (random_segment(&mut random), random_segment(&mut random));
-        let truth = reference(&a, &b, REACH, 1e-9);
+        let speed =
+            |i: usize, j: usize| ((b.after[j] - b.before[j]) - (a.after[i] - a.before[i])).norm();
+        let fastest = speed(0, 0).max(speed(0, 1)).max(speed(1, 0)).max(speed(1, 1));
+        let truth = reference(|t| distance(&a, &b, t), fastest, REACH, 1e-9);
         let impact = a.impact(&b, REACH, TOLERANCE);
         if let Some(touch) = truth {
             touches += 1;

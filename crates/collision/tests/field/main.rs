@@ -3,8 +3,10 @@
 #![expect(clippy::print_stdout, reason = "measured figures, and what is skipped")]
 
 mod edge;
-#[path = "../continuous/random.rs"]
+#[path = "../geometry/random.rs"]
 mod random;
 mod real;
 mod scan;
 mod sphere;
+#[path = "../geometry/triangle.rs"]
+mod triangle;

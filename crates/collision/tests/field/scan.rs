@@ -1,23 +1,9 @@
 //! Scanned meshes against the distance to every triangle.
 
 use crate::random::Random;
+use crate::triangle::to_triangle;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Grid, Mesh, shapes};
-
-/// Distance of a point to a triangle, by clamping to its sides: written apart from the library.
-fn to_triangle(p: &Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> f64 {
-    let n = (b - a).cross(&(c - a)).normalize();
-    let inside =
-        [(a, b), (b, c), (c, a)].iter().all(|(u, v)| n.cross(&(v - u)).dot(&(p - u)) >= 0.0);
-    if inside {
-        return n.dot(&(p - a)).abs();
-    }
-    let to_side = |u: Point3<f64>, v: Point3<f64>| {
-        let t = (v - u).dot(&(p - u)) / (v - u).norm_squared();
-        (p - (u + t.clamp(0.0, 1.0) * (v - u))).norm()
-    };
-    to_side(a, b).min(to_side(b, c)).min(to_side(c, a))
-}
 
 /// Distance of a point to a mesh.
 pub(crate) fn distance(mesh: &Mesh, p: &Point3<f64>) -> f64 {
@@ -41,12 +27,15 @@ fn check(mesh: &Mesh, spacing: f64, band: f64) {
     let grid = Grid::scan(mesh, spacing, band).expect("a grid");
     let low = mesh.bounds()[0] - Vector3::repeat(band + spacing);
     let size = mesh.bounds()[1] - low;
-    let count = (size / spacing).map(|x| x as usize + 6);
+    let along = |k: usize| {
+        let count = size[k] / spacing + 6.0;
+        (0..).map(f64::from).take_while(move |&i: &f64| i <= count)
+    };
     let mut near = 0;
-    for (i, j, k) in (0..count.x)
-        .flat_map(|i| (0..count.y).flat_map(move |j| (0..count.z).map(move |k| (i, j, k))))
+    for (i, j, k) in
+        along(0).flat_map(|i| along(1).flat_map(move |j| along(2).map(move |k| (i, j, k))))
     {
-        let p = low + spacing * Vector3::new(i as f64, j as f64, k as f64);
+        let p = low + spacing * Vector3::new(i, j, k);
         let distance = distance(mesh, &p);
         let value = grid.value(&p);
         let expected = distance.min(band);
