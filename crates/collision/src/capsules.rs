@@ -127,7 +127,7 @@ impl<'a> Capsules<'a> {
     }
 }
 
-fn count(what: &'static str, given: usize, needed: usize) -> Result<(), CollisionError> {
+pub(crate) fn count(what: &'static str, given: usize, needed: usize) -> Result<(), CollisionError> {
     if given == needed { Ok(()) } else { Err(CollisionError::Count { what, given, needed }) }
 }
 

@@ -42,4 +42,16 @@ pub enum CollisionError {
         /// The radius that was given, m.
         radius: f64,
     },
+    /// A polytope cannot have so many faces.
+    #[error("a k-DOP with {k} faces is asked for, but k must be even and at least 6")]
+    Directions {
+        /// The number that was given.
+        k: usize,
+    },
+    /// Two trees cannot be searched against each other.
+    #[error(
+        "the two trees have different bounding volumes; build both of the same variant, with the \
+         same directions"
+    )]
+    Volumes,
 }

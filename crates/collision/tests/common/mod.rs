@@ -5,7 +5,7 @@ use rapunzel_collision::{Capsule, Capsules, Pair};
 
 /// All pairs that are not adjacent and whose axis-aligned boxes overlap (closed), sorted: by a
 /// sweep along z, independent of every tree.
-pub fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
+pub(crate) fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
     let boxes: Vec<_> = (0..capsules.len()).map(|s| bounds(&capsules.get(s))).collect();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&i, &j| boxes[i].0.z.total_cmp(&boxes[j].0.z));
@@ -19,7 +19,7 @@ pub fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
             }
             let overlap = (0..2).all(|d| low[d] <= other_high[d] && other_low[d] <= high[d]);
             if overlap && !capsules.adjacent(i, j) {
-                pairs.push([i.min(j) as u32, i.max(j) as u32]);
+                pairs.push(pair(i.min(j), i.max(j)));
             }
         }
     }
@@ -27,8 +27,13 @@ pub fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
     pairs
 }
 
+/// Two segments as a pair.
+pub(crate) fn pair(i: usize, j: usize) -> Pair {
+    [i, j].map(|s| u32::try_from(s).expect("few segments"))
+}
+
 /// The smallest box that holds a capsule: its low and its high corner.
-pub fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
+pub(crate) fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (capsule.start.coords, capsule.end.coords);
     let radius = Vector3::repeat(capsule.radius);
     (a.inf(&b) - radius, a.sup(&b) + radius)
