@@ -11,9 +11,8 @@ use rapunzel_collision::{Capsules, CollisionError, Pair};
 use rapunzel_fiber::Layout;
 use std::sync::LazyLock;
 
-/// All variants; their k-DOPs have 12 faces.
-static VARIANTS: LazyLock<[Variant; 10]> =
-    LazyLock::new(|| Variant::all(&Directions::new(12).expect("valid")));
+static DIRECTIONS: LazyLock<Directions> = LazyLock::new(|| Directions::new(12).expect("valid"));
+static VARIANTS: LazyLock<[Variant; 10]> = LazyLock::new(|| Variant::all(&DIRECTIONS));
 
 fn touch(a: &Capsules, i: usize, b: &Capsules, j: usize) -> bool {
     let (a, b) = (a.get(i), b.get(j));
@@ -110,7 +109,7 @@ proptest! {
         }
         let capsules = scene.capsules().expect("valid");
         check::<Aabb>((), &capsules);
-        check::<Dop>(Directions::new(12).expect("valid"), &capsules);
+        check::<Dop>(DIRECTIONS.clone(), &capsules);
     }
 
     /// Guibas et al. 2002: layers cost at most the square root of their number.

@@ -103,6 +103,10 @@ fn enlarged_radius(capsule: &Capsule) -> f64 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::sync::LazyLock;
+
+    static DIRECTIONS: LazyLock<[Directions; 3]> =
+        LazyLock::new(|| [6, 8, 14].map(|k| Directions::new(k).expect("valid")));
 
     /// Coordinates that often coincide, and lengths from rounding to astronomy.
     fn capsule() -> impl Strategy<Value = Capsule> {
@@ -177,8 +181,8 @@ mod tests {
             is_conservative::<Aabb>(&(), &capsules)?;
             is_conservative::<Obb>(&(), &capsules)?;
             is_conservative::<Sphere>(&(), &capsules)?;
-            for k in [6, 8, 14] {
-                is_conservative::<Dop>(&Directions::new(k).expect("valid"), &capsules)?;
+            for directions in DIRECTIONS.iter() {
+                is_conservative::<Dop>(directions, &capsules)?;
             }
         }
 
@@ -192,7 +196,7 @@ mod tests {
             is_conservative::<Aabb>(&(), &[first, second])?;
             is_conservative::<Obb>(&(), &[first, second])?;
             is_conservative::<Sphere>(&(), &[first, second])?;
-            is_conservative::<Dop>(&Directions::new(12).expect("valid"), &[first, second])?;
+            is_conservative::<Dop>(&DIRECTIONS[1], &[first, second])?;
         }
     }
 
@@ -212,6 +216,6 @@ mod tests {
         check::<Aabb>(&());
         check::<Obb>(&());
         check::<Sphere>(&());
-        check::<Dop>(&Directions::new(8).expect("valid"));
+        check::<Dop>(&DIRECTIONS[1]);
     }
 }
