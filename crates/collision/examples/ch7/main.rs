@@ -76,7 +76,9 @@ fn run() -> Fallible<usize> {
     for entry in &FIGURES {
         if arguments.is_empty() || arguments.contains(&entry.number()) {
             println!("{}  {}", entry.number(), entry.title);
-            figures.push((entry, (entry.draw)(size)?));
+            let (time, figure) = measure::least(1, || (entry.draw)(size));
+            println!("      {:.0} s", 1e-3 * time);
+            figures.push((entry, figure?));
         }
     }
     if figures.is_empty() {

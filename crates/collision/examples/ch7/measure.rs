@@ -1,6 +1,7 @@
 //! Times and statistics.
 
 use crate::drawing::{Chart, Curve, Drawing};
+use crate::report::{Check, Criterion};
 use std::time::Instant;
 
 /// The least time of some runs, ms, and what the last gave.
@@ -41,4 +42,15 @@ pub(crate) fn chart(
         Curve { name, points }
     });
     Drawing::Chart(Chart { title: title.into(), x, y, log_from, curves: curves.collect() })
+}
+
+/// A check of a number.
+pub(crate) fn check(
+    compared: impl Into<String>,
+    obtained: f64,
+    unit: &'static str,
+    criterion: Criterion,
+    thesis: &'static str,
+) -> Check {
+    Check { compared: compared.into(), obtained, unit, criterion, thesis }
 }

@@ -2,9 +2,9 @@
 
 use crate::Fallible;
 use crate::drawing::{Drawing, Picture, Pictures};
-use crate::measure::chart;
-use crate::report::{Check, Criterion, Figure};
-use nalgebra::Vector3;
+use crate::measure::{chart, check};
+use crate::report::{Criterion, Figure};
+use nalgebra::{Point3, Vector3};
 use rapunzel_collision::hierarchy::Variant;
 use rapunzel_collision::scenes::{self, Arrangement};
 
@@ -83,6 +83,18 @@ pub(crate) fn model(name: &str, size: Size) -> Fallible<Model> {
     models(size).into_iter().find(|m| m.name == name).ok_or_else(|| format!("no {name}").into())
 }
 
+/// Moved to the origin and shrunk or grown to one size: the drawing has one scale for all.
+fn centered(mut fibers: Vec<Vec<Point3<f64>>>) -> Vec<Vec<Point3<f64>>> {
+    let points = || fibers.iter().flatten();
+    let start = points().fold(Point3::from([f64::MAX; 3]), |a, p| a.inf(p));
+    let end = points().fold(Point3::from([f64::MIN; 3]), |a, p| a.sup(p));
+    let (middle, size) = (nalgebra::center(&start, &end), (end - start).amax());
+    for p in fibers.iter_mut().flatten() {
+        *p = Point3::from((*p - middle) / size);
+    }
+    fibers
+}
+
 pub(crate) fn all(size: Size) -> Fallible<Figure> {
     let mut pictures = Vec::new();
     let (mut pairs, mut differences) = (Vec::new(), 0.0);
@@ -94,12 +106,9 @@ pub(crate) fn all(size: Size) -> Fallible<Figure> {
         pairs.push(layered as f64 / capsules.len() as f64);
         let spread = (0..scene.layout.fibers()).step_by(scene.layout.fibers().div_ceil(40));
         let line = |fiber: usize| scene.positions[scene.layout.node_range(fiber)].to_vec();
-        // All in one scale: the drawing knows no other, so each is shrunk to the size of the largest.
-        let fibers: Vec<Vec<_>> = spread.map(line).collect();
-        let largest = fibers.iter().flatten().map(|p| p.coords.amax()).fold(0.0, f64::max);
-        let fibers = fibers.into_iter().map(|f| f.into_iter().map(|p| p / largest).collect());
+        let fibers = centered(spread.map(line).collect());
         let caption = format!("{name}: {} fibers, {} pairs", scene.layout.fibers(), layered);
-        pictures.push(Picture { caption, fibers: fibers.collect() });
+        pictures.push(Picture { caption, fibers });
     }
     let pictures = Pictures {
         title: "7.7 The models (40 fibers of each, each to its own scale)".into(),
@@ -119,12 +128,12 @@ pub(crate) fn all(size: Size) -> Fallible<Figure> {
             Drawing::Pictures(pictures),
             chart("7.7 Touching pairs per segment", labels, Some(1e-4), &numbers, series),
         ],
-        checks: vec![Check {
-            compared: "pairs that only one of AS and AL finds, all models".into(),
-            obtained: differences,
-            unit: "",
-            criterion: Criterion::AtMost(0.0),
-            thesis: "all trees find the same",
-        }],
+        checks: vec![check(
+            "pairs that only one of AS and AL finds, all models",
+            differences,
+            "",
+            Criterion::AtMost(0.0),
+            "all trees find the same",
+        )],
     })
 }

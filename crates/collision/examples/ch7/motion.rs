@@ -2,9 +2,9 @@
 
 use crate::Fallible;
 use crate::drawing::{Drawing, Picture, Pictures};
-use crate::measure::{chart, correlation, least};
+use crate::measure::{chart, check, correlation, least};
 use crate::models::Size;
-use crate::report::{Check, Criterion, Figure};
+use crate::report::{Criterion, Figure};
 use nalgebra::Vector3;
 use rapunzel_collision::hierarchy::Variant;
 use rapunzel_collision::scenes::{self, Arrangement};
@@ -86,7 +86,7 @@ pub(crate) fn looping(_: Size) -> Fallible<Figure> {
         columns: 4,
         pictures: film.into(),
     };
-    let agreement = correlation(&run.pairs, &run.find);
+    let agreement = correlation(&run.pairs, &run.tests);
     let steady = run.update.iter().fold(0.0_f64, |a, &b| a.max(b))
         / (run.update.iter().sum::<f64>() / run.update.len() as f64);
     let times = [("update".to_owned(), run.update), ("find all".to_owned(), run.find)];
@@ -101,20 +101,20 @@ pub(crate) fn looping(_: Size) -> Fallible<Figure> {
             chart("7.11 Pairs and tests", ["step", "count"], Some(1.0), &steps(), counts),
         ],
         checks: vec![
-            Check {
-                compared: "correlation of the time to find all with the number of pairs".into(),
-                obtained: agreement,
-                unit: "",
-                criterion: Criterion::AtLeast(0.5),
-                thesis: "strong; the search is output-sensitive",
-            },
-            Check {
-                compared: "largest update over the mean".into(),
-                obtained: steady,
-                unit: "",
-                criterion: Criterion::AtMost(3.0),
-                thesis: "updates are a constant base line",
-            },
+            check(
+                "correlation of the volume tests with the number of pairs",
+                agreement,
+                "",
+                Criterion::AtLeast(0.5),
+                "strong, of times and pairs; the search is output-sensitive",
+            ),
+            check(
+                "largest update over the mean",
+                steady,
+                "",
+                Criterion::AtMost(3.0),
+                "updates are a constant base line",
+            ),
         ],
     })
 }
@@ -133,37 +133,31 @@ pub(crate) fn updates(_: Size) -> Fallible<Figure> {
         let total = |run: &Run| sum(&run.update) + sum(&run.find);
         let [refit, rebuilt, layered] = [&runs[0], &runs[1], &runs[2]];
         let worse = refit.tests.iter().zip(&rebuilt.tests).map(|(a, b)| a / b).fold(0.0, f64::max);
-        let mut check = |compared: &str, obtained, criterion, thesis| {
-            checks.push(Check {
-                compared: format!("{name}: {compared}"),
-                obtained,
-                unit: "",
-                criterion,
-                thesis,
-            });
+        let mut claim = |compared: &str, obtained, criterion, thesis| {
+            checks.push(check(format!("{name}: {compared}"), obtained, "", criterion, thesis));
         };
-        check(
+        claim(
             "update, AS rebuilt over AS refit",
             sum(&rebuilt.update) / sum(&refit.update),
             Criterion::AtLeast(4.0),
             "12",
         );
-        check(
+        claim(
             "volume tests, AS refit over AS rebuilt, at worst",
             worse,
-            Criterion::Within(1.0, 20.0),
+            Criterion::AtLeast(2.0),
             "detection gets up to 4 times slower",
         );
-        check(
+        claim(
             "update and search, AS rebuilt over AL",
             total(rebuilt) / total(layered),
             Criterion::AtLeast(1.0),
             "2 to 2.5: topological trees win under motion",
         );
-        check(
-            "update and search, AS refit over AL (above 1, AL wins)",
+        claim(
+            "update and search, AS refit over AL",
             total(refit) / total(layered),
-            Criterion::Within(0.0, 10.0),
+            Criterion::AtLeast(1.0),
             "AL wins by the end of the motion",
         );
         let series =

@@ -14,12 +14,12 @@ const HAIR: f64 = 35e-6;
 /// and Tress II (500 of 2000).
 ///
 /// Roots stand on a square lattice of 325 per cm², the thesis's density; toward the tip the bundle
-/// is a third as wide. Each fiber waves by up to 0.3 mm, once in 3 to 6 cm.
+/// is a third as wide. Each fiber waves by up to 0.6 mm, once in 3 to 6 cm.
 #[must_use]
 pub fn bundle(fibers: usize, segments: usize) -> Arrangement {
     let mut random = SplitMix64(0x7_2E55);
     let curves = lattice(fibers).map(|root| {
-        let (phase, amplitude) = (TAU * random.unit(), 0.3e-3 * random.unit());
+        let (phase, amplitude) = (TAU * random.unit(), 0.6e-3 * random.unit());
         let wavelength = 0.03 + 0.03 * random.unit();
         let (sin, cos) = (TAU * random.unit()).sin_cos();
         move |t: f64| {
@@ -31,7 +31,7 @@ pub fn bundle(fibers: usize, segments: usize) -> Arrangement {
     sampled(curves, segments, HAIR)
 }
 
-/// A curl: the roots of [`bundle`], gathered to a quarter of their width within the first third, on
+/// A curl: the roots of [`bundle`], gathered to half of their width within the first third, on
 /// ten turns of a helix with a radius of 1 cm; Locke has 2500 fibers of 100 segments.
 #[must_use]
 pub fn lock(fibers: usize, segments: usize) -> Arrangement {
@@ -42,7 +42,7 @@ pub fn lock(fibers: usize, segments: usize) -> Arrangement {
         move |t: f64| {
             let onset = (3.0 * t).min(1.0);
             let (sin, cos) = (TAU * 10.0 * (t + lag * t)).sin_cos();
-            let p = root * (1.0 - 0.75 * onset) + 0.01 * onset * Vector2::new(cos, sin);
+            let p = root * (1.0 - 0.5 * onset) + 0.01 * onset * Vector2::new(cos, sin);
             Point3::new(p.x, p.y, 0.5 * t * LENGTH) + t * stray
         }
     });
