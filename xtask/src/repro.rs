@@ -10,8 +10,10 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 1] =
-    [Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" }];
+const CHAPTERS: [Chapter; 2] = [
+    Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
+    Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
+];
 
 /// Draws the figures of one chapter, or of all, and compares what the thesis says of them with our
 /// numbers: an SVG and CSV tables for each figure in `target/repro/CHAPTER`, with a manifest. Fails

@@ -113,4 +113,16 @@ pub enum CollisionError {
         /// What its reader says.
         problem: String,
     },
+    /// A polytope cannot have so many faces.
+    #[error("a k-DOP with {k} faces is asked for, but k must be even and at least 6")]
+    Directions {
+        /// The number that was given.
+        k: usize,
+    },
+    /// Two trees cannot be searched against each other.
+    #[error(
+        "the two trees have different bounding volumes; build both of the same variant, with the \
+         same directions"
+    )]
+    Volumes,
 }

@@ -4,9 +4,13 @@ mod capsules;
 pub mod continuous;
 mod error;
 pub mod field;
+pub mod hierarchy;
 mod narrow;
+pub mod packing;
+mod random;
 pub mod scenes;
 mod triangle;
+pub mod volume;
 mod wide;
 
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};

@@ -1,6 +1,7 @@
 //! Waving fibres rooted on a square lattice: the scenes that peers were measured on.
 
 use super::Arrangement;
+use crate::random::SplitMix64;
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
 use std::f64::consts::TAU;
@@ -53,19 +54,4 @@ fn lattice(fibers: usize, gather: impl Fn(f64) -> f64) -> Arrangement {
     }
     let layout = Layout::new(std::iter::repeat_n(SEGMENTS, fibers));
     Arrangement { layout, positions, displacements, radii: vec![RADIUS; fibers * SEGMENTS] }
-}
-
-/// The generator of Steele, Lea and Flood (2014): one word of state, one output a step.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// Uniform in `[0, 1)`.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        (z >> 11) as f64 * (-53f64).exp2()
-    }
 }

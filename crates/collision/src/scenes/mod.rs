@@ -1,8 +1,12 @@
 //! Arrangements of fibres to test and to time with, each the same for the same arguments.
 
 mod lattice;
+mod models;
+mod motion;
 
 pub use lattice::{clump, wavy};
+pub use models::{ball, bundle, cloth, lock, soup};
+pub use motion::looping;
 
 use crate::{Capsules, CollisionError};
 use nalgebra::{Point3, Vector3};

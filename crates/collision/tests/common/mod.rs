@@ -29,6 +29,11 @@ pub(crate) fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
     pairs
 }
 
+/// Two segments as a pair.
+pub(crate) fn pair(i: usize, j: usize) -> Pair {
+    [i, j].map(|s| u32::try_from(s).expect("few segments"))
+}
+
 /// The smallest box that holds a capsule: its low and its high corner.
 pub(crate) fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (capsule.start.coords, capsule.end.coords);

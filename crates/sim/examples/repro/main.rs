@@ -25,6 +25,12 @@ struct Entry {
     draw: fn() -> Fallible<Figure>,
 }
 
+impl Entry {
+    fn number(&self) -> String {
+        format!("3.{}", self.number)
+    }
+}
+
 const FIGURES: [Entry; 10] = [
     Entry { number: 15, title: "A wavy rod falls and keeps its waves", draw: rods::wavy },
     Entry { number: 16, title: "A helix under an end load", draw: rods::helix },
@@ -60,7 +66,7 @@ fn run() -> Fallible<usize> {
     let wanted: Vec<String> = arguments.collect();
     let mut figures = Vec::new();
     for entry in &FIGURES {
-        let number = format!("3.{}", entry.number);
+        let number = entry.number();
         if wanted.is_empty() || wanted.contains(&number) {
             println!("{number}  {}", entry.title);
             figures.push((entry, (entry.draw)()?));

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// A figure of the thesis, drawn anew.
 pub(crate) struct Figure {
-    /// The scene of `scenes/` that it starts from.
+    /// What it starts from.
     pub(crate) scene: &'static str,
     /// What is changed in the scene, and which numbers the thesis leaves open.
     pub(crate) parameters: &'static str,
@@ -78,7 +78,7 @@ pub(crate) fn write(folder: &Path, figures: &[(&Entry, Figure)]) -> Fallible<()>
     };
     let mut records = Vec::new();
     for (entry, figure) in figures {
-        let number = format!("3.{}", entry.number);
+        let number = entry.number();
         let mut files = vec![(format!("{number}.svg"), svg(&figure.drawings))];
         for (part, drawing) in ('a'..).zip(&figure.drawings) {
             files.push((format!("{number}{part}.csv"), drawing.csv()));
@@ -109,8 +109,8 @@ pub(crate) fn table(figures: &[(&Entry, Figure)]) -> (String, usize) {
             let verdict = if check.holds() { "pass" } else { "FAIL" };
             failed += usize::from(!check.holds());
             text += &format!(
-                "| 3.{} | {} | {} {} | {} | {} | {verdict} |\n",
-                entry.number,
+                "| {} | {} | {} {} | {} | {} | {verdict} |\n",
+                entry.number(),
                 check.compared,
                 shown(check.obtained),
                 check.unit,

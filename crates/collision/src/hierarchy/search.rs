@@ -1,0 +1,143 @@
+//! How trees are searched: algorithm 3 of the thesis.
+
+use super::{Found, Hierarchy, Tree};
+use crate::capsules::count;
+use crate::volume::BoundingVolume;
+use crate::{Capsules, CollisionError, Pair};
+use std::any::Any;
+use std::ops::ControlFlow;
+
+impl<V: BoundingVolume> Hierarchy for Tree<V> {
+    fn update(&mut self, capsules: &Capsules) -> Result<(), CollisionError> {
+        self.check(capsules)?;
+        self.refit(capsules);
+        Ok(())
+    }
+
+    fn rebuild(&mut self, capsules: &Capsules) {
+        *self = Self::new(self.kind, self.shared.clone(), capsules);
+    }
+
+    fn all(&self, capsules: &Capsules) -> Result<Found, CollisionError> {
+        self.itself(capsules, false)
+    }
+
+    fn first(&self, capsules: &Capsules) -> Result<Found, CollisionError> {
+        self.itself(capsules, true)
+    }
+
+    fn between(
+        &self,
+        capsules: &Capsules,
+        other: &dyn Hierarchy,
+        others: &Capsules,
+    ) -> Result<Found, CollisionError> {
+        let other = (other as &dyn Any).downcast_ref::<Self>();
+        let other = other.filter(|o| o.shared == self.shared).ok_or(CollisionError::Volumes)?;
+        self.check(capsules)?;
+        other.check(others)?;
+        let mut search = Search::new([self, other], [capsules, others], false);
+        // It never breaks off.
+        let _ = search.descend([0, 0], |_| false);
+        Ok(search.found)
+    }
+
+    fn mean_volumes(&self) -> Vec<f64> {
+        let mut levels: Vec<(f64, f64)> = Vec::new();
+        let mut pending = vec![(0, 0)];
+        while let Some((u, level)) = pending.pop() {
+            if levels.len() == level {
+                levels.push((0.0, 0.0));
+            }
+            levels[level].0 += self.volumes[u].volume();
+            levels[level].1 += 1.0;
+            if !self.is_leaf(u) {
+                pending.extend(self.children(u).map(|child| (child, level + 1)));
+            }
+        }
+        levels.into_iter().map(|(sum, nodes)| sum / nodes).collect()
+    }
+}
+
+impl<V: BoundingVolume> Tree<V> {
+    fn check(&self, capsules: &Capsules) -> Result<(), CollisionError> {
+        count("segments", capsules.len(), self.order.len())
+    }
+
+    /// Pairs within the tree, or only the first.
+    ///
+    /// A pair of a node with itself is not pushed as a pair of nodes, where it would find all twice
+    /// (erratum to algorithm 3), but gives that of its children and theirs with themselves: so each
+    /// inner node is a start.
+    fn itself(&self, capsules: &Capsules, only_first: bool) -> Result<Found, CollisionError> {
+        self.check(capsules)?;
+        let mut search = Search::new([self, self], [capsules, capsules], only_first);
+        let adjacent = |[i, j]: Pair| capsules.adjacent(i as usize, j as usize);
+        for u in (0..self.nodes.len()).filter(|&u| !self.is_leaf(u)) {
+            if search.descend(self.children(u), adjacent).is_break() {
+                break;
+            }
+        }
+        for pair in &mut search.found.pairs {
+            pair.sort_unstable();
+        }
+        Ok(search.found)
+    }
+}
+
+/// Two trees, perhaps the same, on the way down.
+struct Search<'a, V: BoundingVolume> {
+    trees: [&'a Tree<V>; 2],
+    capsules: [&'a Capsules<'a>; 2],
+    only_first: bool,
+    pending: Vec<[usize; 2]>,
+    found: Found,
+}
+
+impl<'a, V: BoundingVolume> Search<'a, V> {
+    fn new(trees: [&'a Tree<V>; 2], capsules: [&'a Capsules<'a>; 2], only_first: bool) -> Self {
+        Self { trees, capsules, only_first, pending: Vec::new(), found: Found::default() }
+    }
+
+    /// Finds the segments under two nodes that touch, apart from those that `exclude` names;
+    /// breaks off after the first if that is enough.
+    fn descend(&mut self, start: [usize; 2], exclude: impl Fn(Pair) -> bool) -> ControlFlow<()> {
+        let [first, second] = self.trees;
+        self.pending.push(start);
+        while let Some([u, v]) = self.pending.pop() {
+            self.found.counts.volume_tests += 1;
+            if !first.volumes[u].overlaps(&second.volumes[v]) {
+                continue;
+            }
+            self.found.counts.overlaps += 1;
+            let divide_first = match (first.is_leaf(u), second.is_leaf(v)) {
+                (true, true) => {
+                    let pair = [first.segment(u), second.segment(v)];
+                    if !exclude(pair) {
+                        self.meet(pair)?;
+                    }
+                    continue;
+                }
+                (leaf, other) => other || !leaf && first.nodes[u].weight >= second.nodes[v].weight,
+            };
+            if divide_first {
+                self.pending.extend(first.children(u).map(|child| [child, v]));
+            } else {
+                self.pending.extend(second.children(v).map(|child| [u, child]));
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn meet(&mut self, [i, j]: Pair) -> ControlFlow<()> {
+        let (a, b) = (self.capsules[0].get(i as usize), self.capsules[1].get(j as usize));
+        self.found.counts.segment_tests += 1;
+        if a.closest(&b).distance() <= a.radius + b.radius {
+            self.found.pairs.push([i, j]);
+            if self.only_first {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
