@@ -1,7 +1,9 @@
 //! Continuous detection misses nothing, and its false alarms are within the tolerance.
 
-#![expect(clippy::print_stdout, reason = "counts of alarms, and what is skipped")]
+#![expect(clippy::print_stdout, reason = "counts of alarms")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod faces;
 mod known;
 mod queries;

@@ -1,14 +1,8 @@
 //! Queries with exact answers: Wang, Ferguson, Schneider, Jiang, Attene, Panozzo 2020.
 
+use crate::common::data;
 use nalgebra::Point3;
 use rapunzel_collision::continuous::{MovingPoint, MovingSegment, MovingTriangle};
-use std::path::PathBuf;
-
-/// Of the data: the variable `RAPUNZEL_DATA`, else a folder beside the workspace.
-fn folder() -> PathBuf {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    std::env::var_os("RAPUNZEL_DATA").map_or_else(beside, PathBuf::from).join("ccd_queries")
-}
 
 /// Least distance of the alarms, in lengths of the order of one.
 const TOLERANCE: f64 = 1e-8;
@@ -52,10 +46,8 @@ impl Query {
 /// alarms. Of the 7,279 queries of the same origin a peer, Tight-Inclusion, reports 257 falsely.
 #[test]
 fn no_exact_query_is_missed() {
-    let Ok(files) = std::fs::read_dir(folder()) else {
-        println!("SKIPPED: no queries in {}", folder().display());
-        return;
-    };
+    let Some(folder) = data("ccd_queries") else { return };
+    let files = std::fs::read_dir(folder).expect("readable");
     let mut files: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "csv"));
     files.sort();

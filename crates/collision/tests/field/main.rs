@@ -1,7 +1,9 @@
 //! Grids of distances against exact ones, and fibers against fields.
 
-#![expect(clippy::print_stdout, reason = "measured figures, and what is skipped")]
+#![expect(clippy::print_stdout, reason = "measured figures")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod edge;
 #[path = "../geometry/random.rs"]
 mod random;

@@ -1,25 +1,17 @@
 //! Scans of real surfaces, where they are at hand.
 
+use crate::common::data;
 use crate::random::Random;
 use crate::scan::{distance, winding};
 use rapunzel_collision::field::{DistanceField, Grid, Mesh, Soup};
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
 use std::time::Instant;
-
-/// Of the data: the variable `RAPUNZEL_DATA`, else a folder beside the workspace.
-fn folder() -> PathBuf {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    std::env::var_os("RAPUNZEL_DATA").map_or_else(beside, PathBuf::from)
-}
 
 /// The grid against the distance to all triangles, and the winding number, near the surface.
 fn check(name: &str, closed: usize) {
-    let Ok(file) = File::open(folder().join(name)) else {
-        println!("SKIPPED: no {name} in {}", folder().display());
-        return;
-    };
+    let Some(path) = data(name) else { return };
+    let file = File::open(path).expect("readable");
     let soup = Soup::read_ply(BufReader::new(file)).expect("a PLY");
     let (mesh, repairs) = Mesh::repaired(soup).expect("a mesh");
     assert_eq!(repairs.closed_holes, closed, "{repairs:?}");
