@@ -2,7 +2,7 @@
 
 use crate::Fallible;
 use crate::measure::{chart, check, least};
-use crate::models::{Model, Size, model, models};
+use crate::models::{Size, model, models};
 use crate::report::{Criterion, Figure};
 use rapunzel_collision::hierarchy::{Counts, Variant};
 use rapunzel_collision::scenes::{self, Arrangement};
@@ -107,21 +107,12 @@ pub(crate) fn bundle(_: Size) -> Fallible<Figure> {
     })
 }
 
-/// Costs of all trees for all models, trees first.
-fn all_costs(size: Size) -> Fallible<(Vec<Variant>, Vec<Model>, Vec<Vec<Cost>>)> {
-    let variants = Variant::all(&Directions::new(18)?).to_vec();
-    let models = models(size);
-    let mut costs = Vec::new();
-    for variant in &variants {
-        let row = models.iter().map(|m| cost(variant, &m.scene, 2)).collect::<Fallible<_>>()?;
-        costs.push(row);
-    }
-    Ok((variants, models, costs))
-}
-
 /// Figure 7.13: update, search for all, and search for the first.
 pub(crate) fn table(size: Size) -> Fallible<Figure> {
-    let (variants, models, costs) = all_costs(size)?;
+    let variants = Variant::all(&Directions::new(18)?);
+    let models = models(size);
+    let of_all = |variant: &Variant| models.iter().map(|m| cost(variant, &m.scene, 2)).collect();
+    let costs: Vec<Vec<Cost>> = variants.iter().map(of_all).collect::<Fallible<_>>()?;
     let numbers: Vec<f64> = (1..=models.len()).map(|i| i as f64).collect();
     let drawing = |title: &str, y, value: fn(&Cost) -> f64| {
         let rows = variants.iter().zip(&costs);
