@@ -113,7 +113,7 @@ impl Grid {
                 let [x, y, z] = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
                 field.value(&frame.node([i + x, j + y, k + z])).clamp(-band, band)
             });
-            values.iter().any(|v| v.abs() < band).then(|| single(&values))
+            values.iter().any(|v| v.abs() < band).then(|| Box::new(single(&values)))
         })?;
         grid.error += field.error();
         Ok(grid)
@@ -124,7 +124,7 @@ impl Grid {
     pub(super) fn assemble(
         frame: Frame,
         band: f64,
-        block: impl Fn(usize) -> Option<Block> + Sync,
+        block: impl Fn(usize) -> Option<Box<Block>> + Sync,
     ) -> Result<Self, CollisionError> {
         let refuse = |problem| Err(CollisionError::Grid { problem });
         if !(band >= 2.0 * frame.spacing && band.is_finite()) {
@@ -143,13 +143,13 @@ impl Grid {
             starts.push(u32::try_from(start).unwrap_or(u32::MAX));
             if let Some(block) = block {
                 inside = block[CELLS] < 0.0;
-                nodes.extend_from_slice(block);
+                nodes.extend_from_slice(&block[..]);
             }
         }
         if u32::try_from(nodes.len()).is_err() {
             return refuse("the surface passes through too many blocks; take a larger spacing");
         }
-        let lipschitz = blocks.iter().flatten().map(steepest).fold(0.0, f64::max);
+        let lipschitz = blocks.iter().flatten().map(|block| steepest(block)).fold(0.0, f64::max);
         let grid = Self {
             lipschitz: (lipschitz / frame.spacing).max(1.0),
             error: 0.5 * 3.0_f64.sqrt() * frame.spacing,

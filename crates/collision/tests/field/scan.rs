@@ -98,6 +98,16 @@ fn a_mesh_with_a_notch_is_exact() {
 }
 
 #[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mesh = shaken(shapes::torus(1.0, 0.4, [30, 20]), 0.01, 5);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| Grid::scan(&mesh, 0.05, 0.2).expect("a grid"))
+    };
+    assert!(with(1) == with(3));
+}
+
+#[test]
 fn a_box_that_does_not_hold_the_mesh_is_refused() {
     let mesh = Mesh::new(shapes::cuboid(Vector3::repeat(0.5))).expect("valid");
     let frame = |half: f64| {
