@@ -21,6 +21,11 @@ pub struct Frame {
     pub(super) spacing: f64,
     /// Blocks along x, y, z.
     pub(super) blocks: [usize; 3],
+    /// The same in the width of the addresses, the number of cells, and one over the spacing: what
+    /// every query needs.
+    pub(super) counts: [u32; 3],
+    pub(super) cells: [f64; 3],
+    pub(super) inverse: f64,
 }
 
 impl Frame {
@@ -44,8 +49,10 @@ impl Frame {
             return refuse("there are more than 2^31 nodes; take a larger spacing");
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just checked")]
-        let blocks = array::from_fn(|k| counts[k] as usize);
-        Ok(Self { origin: low, spacing, blocks })
+        let counts = array::from_fn(|k| counts[k] as u32);
+        let blocks = counts.map(|n| n as usize);
+        let cells = blocks.map(|n| (n * CELLS) as f64);
+        Ok(Self { origin: low, spacing, blocks, counts, cells, inverse: 1.0 / spacing })
     }
 
     /// Position of a node (world), m.
@@ -57,11 +64,6 @@ impl Frame {
     pub(super) fn corner(&self, block: usize) -> [usize; 3] {
         let [nx, ny, _] = self.blocks;
         [block % nx, block / nx % ny, block / (nx * ny)].map(|i| i * CELLS)
-    }
-
-    /// Number of cells along x, y, z.
-    pub(super) fn cells(&self) -> [f64; 3] {
-        self.blocks.map(|n| (n * CELLS) as f64)
     }
 }
 
