@@ -4,6 +4,7 @@
 
 mod faces;
 mod known;
+mod parallel;
 mod queries;
 #[path = "../geometry/random.rs"]
 mod random;
