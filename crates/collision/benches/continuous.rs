@@ -1,4 +1,4 @@
-//! Continuous detection of two segments: hair that meets, passes, and rests side by side.
+//! Continuous detection of two segments of hair: slow and fast, near and far.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};

@@ -4,7 +4,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rapunzel_collision::field::{Ball, DistanceField, Frame, Grid, Sample};
+use rapunzel_collision::Capsule;
+use rapunzel_collision::field::{Ball, DistanceField, Frame, Grid, Sample, Search};
 use std::hint::black_box;
 
 const RADIUS: f64 = 0.05;
@@ -89,5 +90,28 @@ fn queries(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, queries);
+/// Segments of 3 mm near the ball, a third of them in touch: what a step does for every segment.
+fn segments(c: &mut Criterion) {
+    let ball = Ball { center: Point3::origin(), radius: RADIUS };
+    let low = Point3::from(Vector3::repeat(-0.07));
+    let frame = Frame::new(low, Point3::from(Vector3::repeat(0.07)), SPACING).expect("a lattice");
+    let grid = Grid::sample(&ball, frame, BAND).expect("a grid");
+    let points = points();
+    let search = Search { margin: 5e-6, spacing: 0.3e-3, tolerance: 2e-6 };
+    let axis = |ends: &[Point3<f64>]| {
+        let direction = (ends[1] - ends[0]).normalize();
+        Capsule { start: ends[0], end: ends[0] + 3e-3 * direction, radius: 35e-6 }
+    };
+    let capsules: Vec<_> = points.chunks_exact(2).take(1000).map(axis).collect();
+    let mut contacts = Vec::new();
+    c.bench_function("field/contacts of 1000 segments", |b| {
+        b.iter(|| {
+            contacts.clear();
+            capsules.iter().for_each(|capsule| search.contacts(&grid, capsule, &mut contacts));
+            black_box(contacts.len())
+        });
+    });
+}
+
+criterion_group!(benches, queries, segments);
 criterion_main!(benches);

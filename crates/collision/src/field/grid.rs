@@ -21,6 +21,11 @@ pub struct Frame {
     pub(super) spacing: f64,
     /// Blocks along x, y, z.
     pub(super) blocks: [usize; 3],
+    /// The same in the width of the addresses, the number of cells, and one over the spacing: what
+    /// every query needs.
+    pub(super) counts: [u32; 3],
+    pub(super) cells: [f64; 3],
+    pub(super) inverse: f64,
 }
 
 impl Frame {
@@ -44,8 +49,10 @@ impl Frame {
             return refuse("there are more than 2^31 nodes; take a larger spacing");
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just checked")]
-        let blocks = array::from_fn(|k| counts[k] as usize);
-        Ok(Self { origin: low, spacing, blocks })
+        let counts = array::from_fn(|k| counts[k] as u32);
+        let blocks = counts.map(|n| n as usize);
+        let cells = blocks.map(|n| (n * CELLS) as f64);
+        Ok(Self { origin: low, spacing, blocks, counts, cells, inverse: 1.0 / spacing })
     }
 
     /// Position of a node (world), m.
@@ -57,11 +64,6 @@ impl Frame {
     pub(super) fn corner(&self, block: usize) -> [usize; 3] {
         let [nx, ny, _] = self.blocks;
         [block % nx, block / nx % ny, block / (nx * ny)].map(|i| i * CELLS)
-    }
-
-    /// Number of cells along x, y, z.
-    pub(super) fn cells(&self) -> [f64; 3] {
-        self.blocks.map(|n| (n * CELLS) as f64)
     }
 }
 
@@ -113,7 +115,7 @@ impl Grid {
                 let [x, y, z] = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
                 field.value(&frame.node([i + x, j + y, k + z])).clamp(-band, band)
             });
-            values.iter().any(|v| v.abs() < band).then(|| single(&values))
+            values.iter().any(|v| v.abs() < band).then(|| Box::new(single(&values)))
         })?;
         grid.error += field.error();
         Ok(grid)
@@ -124,7 +126,7 @@ impl Grid {
     pub(super) fn assemble(
         frame: Frame,
         band: f64,
-        block: impl Fn(usize) -> Option<Block> + Sync,
+        block: impl Fn(usize) -> Option<Box<Block>> + Sync,
     ) -> Result<Self, CollisionError> {
         let refuse = |problem| Err(CollisionError::Grid { problem });
         if !(band >= 2.0 * frame.spacing && band.is_finite()) {
@@ -143,13 +145,13 @@ impl Grid {
             starts.push(u32::try_from(start).unwrap_or(u32::MAX));
             if let Some(block) = block {
                 inside = block[CELLS] < 0.0;
-                nodes.extend_from_slice(block);
+                nodes.extend_from_slice(&block[..]);
             }
         }
         if u32::try_from(nodes.len()).is_err() {
             return refuse("the surface passes through too many blocks; take a larger spacing");
         }
-        let lipschitz = blocks.iter().flatten().map(steepest).fold(0.0, f64::max);
+        let lipschitz = blocks.iter().flatten().map(|block| steepest(block)).fold(0.0, f64::max);
         let grid = Self {
             lipschitz: (lipschitz / frame.spacing).max(1.0),
             error: 0.5 * 3.0_f64.sqrt() * frame.spacing,

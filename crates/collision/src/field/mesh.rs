@@ -166,12 +166,17 @@ impl Soup {
 
     /// Volume inside; negative if the triangles face inward.
     pub(super) fn volume(&self) -> f64 {
+        self.volume_of(&self.triangles)
+    }
+
+    /// Volume inside some triangles on the vertices.
+    pub(super) fn volume_of(&self, triangles: &[[u32; 3]]) -> f64 {
         let Some(origin) = self.vertices.first() else { return 0.0 };
         let part = |&triangle: &[u32; 3]| {
             let [a, b, c] = self.corners(triangle).map(|p| p - origin);
             a.cross(&b).dot(&c) / 6.0
         };
-        self.triangles.iter().map(part).sum()
+        triangles.iter().map(part).sum()
     }
 }
 

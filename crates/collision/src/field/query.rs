@@ -5,7 +5,7 @@
 //! widest vectors that the processor has; only the second one jumps about in memory, and one cell is
 //! four pairs of neighbors in one block.
 
-use super::grid::{CELLS, Grid, SIDE};
+use super::grid::{CELLS, Frame, Grid, SIDE};
 use super::{DistanceField, Sample};
 use nalgebra::{Point3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
@@ -25,15 +25,12 @@ const CORNERS: usize = SIDE * SIDE + SIDE + 2;
 
 impl DistanceField for Grid {
     fn sample(&self, point: &Point3<f64>) -> Sample {
-        let inverse = 1.0 / self.frame.spacing;
-        let (mut cell, mut fraction) = ([0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            let t = (point[axis] - self.frame.origin[axis]) * inverse;
-            (cell[axis], fraction[axis]) = locate(t, self.frame.cells()[axis]);
+        let (place, inside) = locate(&self.frame, point);
+        let corners = self.corners(place.address);
+        let mut out = sample(interpolate(corners, place.fractions), self.frame.inverse);
+        if !inside {
+            self.leave_the_box(point, &mut out);
         }
-        let corners = self.corners(address(cell, self.frame.blocks.map(narrow)));
-        let mut out = sample(interpolate(corners, fraction), inverse);
-        self.leave_the_box(point, &mut out);
         out
     }
 
@@ -82,7 +79,7 @@ impl Grid {
 
     /// Corrects a sample outside of the box, where all is far: the distance to the box is added.
     fn leave_the_box(&self, point: &Point3<f64>, sample: &mut Sample) {
-        let size = Vector3::from(self.frame.cells()) * self.frame.spacing;
+        let size = Vector3::from(self.frame.cells) * self.frame.spacing;
         let p = point - self.frame.origin;
         let beyond = p - p.sup(&Vector3::zeros()).inf(&size);
         let distance = beyond.norm();
@@ -105,7 +102,6 @@ impl WithSimd for Batch<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { grid, points, samples } = self;
-        let inverse = 1.0 / grid.frame.spacing;
         let mut chunk = Chunk {
             fractions: [[0.0; CHUNK]; 3],
             addresses: [[0; CHUNK]; 2],
@@ -115,13 +111,13 @@ impl WithSimd for Batch<'_> {
         let (full, rest) = points.as_chunks();
         let (full_samples, rest_samples) = samples.as_chunks_mut();
         for (points, samples) in full.iter().zip(full_samples) {
-            chunk.query(grid, points, inverse, samples);
+            chunk.query(grid, points, samples);
         }
         if !rest.is_empty() {
             let mut padded = [rest[0]; CHUNK];
             padded[..rest.len()].copy_from_slice(rest);
             let mut padded_samples = [Sample { value: 0.0, gradient: Vector3::zeros() }; CHUNK];
-            chunk.query(grid, &padded, inverse, &mut padded_samples);
+            chunk.query(grid, &padded, &mut padded_samples);
             rest_samples.copy_from_slice(&padded_samples[..rest.len()]);
         }
     }
@@ -137,17 +133,11 @@ struct Chunk {
 
 impl Chunk {
     #[inline(always)]
-    fn query(
-        &mut self,
-        grid: &Grid,
-        points: &[Point3<f64>; CHUNK],
-        inverse: f64,
-        samples: &mut [Sample; CHUNK],
-    ) {
-        let outside = self.locate(grid, points, inverse);
+    fn query(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK], samples: &mut [Sample; CHUNK]) {
+        let outside = self.locate(grid, points);
         self.fetch(grid);
         self.interpolate();
-        self.write(inverse, samples);
+        self.write(grid.frame.inverse, samples);
         if outside {
             for (point, sample) in points.iter().zip(samples) {
                 grid.leave_the_box(point, sample);
@@ -157,20 +147,16 @@ impl Chunk {
 
     /// Finds the cells, and whether any point is outside of the box.
     #[inline(always)]
-    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK], inverse: f64) -> bool {
-        let (origin, [nx, ny, nz]) = (grid.frame.origin, grid.frame.cells());
-        let blocks = grid.frame.blocks.map(narrow);
+    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK]) -> bool {
+        let frame = grid.frame;
         let mut outside = false;
         for lane in 0..CHUNK {
-            let [[x, y, z]] = (points[lane] - origin).data.0;
-            let (x, y, z) = (x * inverse, y * inverse, z * inverse);
-            let inside = (0.0 <= x) & (x <= nx) & (0.0 <= y) & (y <= ny) & (0.0 <= z) & (z <= nz);
+            let (Place { address: [block, node], fractions: [x, y, z] }, inside) =
+                locate(&frame, &points[lane]);
             outside |= !inside;
-            let ((i, fx), (j, fy), (k, fz)) = (locate(x, nx), locate(y, ny), locate(z, nz));
-            let [block, place] = address([i, j, k], blocks);
-            (self.addresses[0][lane], self.addresses[1][lane]) = (block, place);
-            (self.fractions[0][lane], self.fractions[1][lane]) = (fx, fy);
-            self.fractions[2][lane] = fz;
+            (self.addresses[0][lane], self.addresses[1][lane]) = (block, node);
+            (self.fractions[0][lane], self.fractions[1][lane]) = (x, y);
+            self.fractions[2][lane] = z;
         }
         outside
     }
@@ -206,25 +192,38 @@ impl Chunk {
     }
 }
 
-/// The cell at a place in cells from the corner of the box, of `count`, and the fraction in it.
+/// Where a point is.
+struct Place {
+    /// The block of its cell, and the first node of that in the block.
+    address: [u32; 2],
+    /// Where it is in the cell, each in 0..=1.
+    fractions: [f32; 3],
+}
+
+/// The place of a point, or of the point of the box nearest to it, and whether it is in the box.
 #[inline(always)]
-fn locate(t: f64, count: f64) -> (u32, f32) {
+fn locate(frame: &Frame, point: &Point3<f64>) -> (Place, bool) {
+    let [nx, ny, nz] = frame.cells;
+    let [[x, y, z]] = ((point - frame.origin) * frame.inverse).data.0;
+    let inside = (0.0 <= x) & (x <= nx) & (0.0 <= y) & (y <= ny) & (0.0 <= z) & (z <= nz);
+    let ((i, x), (j, y), (k, z)) = (split(x, nx), split(y, ny), split(z, nz));
+    let ([cells, side], [bx, by, _]) = (SIZES, frame.counts);
+    let block = i / cells + bx * (j / cells + by * (k / cells));
+    let node = i % cells + side * (j % cells + side * (k % cells));
+    (Place { address: [block, node], fractions: [x, y, z] }, inside)
+}
+
+/// A place on an axis of `count` cells as the index of its cell and the fraction in it.
+#[inline(always)]
+fn split(t: f64, count: f64) -> (u32, f32) {
     // What is not a number becomes zero.
     let t = if t > 0.0 { t } else { 0.0 };
     let t = if t < count { t } else { count };
     let (rounded, last) = (t - 0.5 + INTEGER, INTEGER + (count - 1.0));
     let integer = if rounded < last { rounded } else { last };
     #[expect(clippy::cast_possible_truncation, reason = "the low bits are the integer")]
-    let place = (integer.to_bits() as u32, (t - (integer - INTEGER)) as f32);
-    place
-}
-
-/// The block of a cell, and its place in that.
-#[inline(always)]
-fn address([x, y, z]: [u32; 3], [nx, ny, _]: [u32; 3]) -> [u32; 2] {
-    let [cells, side] = SIZES;
-    let block = x / cells + nx * (y / cells + ny * (z / cells));
-    [block, x % cells + side * (y % cells + side * (z % cells))]
+    let split = (integer.to_bits() as u32, (t - (integer - INTEGER)) as f32);
+    split
 }
 
 /// The trilinear interpolant and its derivatives along the axes, per cell.
@@ -248,9 +247,4 @@ fn interpolate(c: [f32; 8], [x, y, z]: [f32; 3]) -> [f32; 4] {
 fn sample([value, x, y, z]: [f32; 4], inverse: f64) -> Sample {
     let gradient = inverse * Vector3::new(f64::from(x), f64::from(y), f64::from(z));
     Sample { value: f64::from(value), gradient }
-}
-
-/// A number of blocks, which the frame keeps below 2³¹.
-fn narrow(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

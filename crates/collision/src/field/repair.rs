@@ -135,9 +135,8 @@ impl Soup {
             return 0;
         }
         part.iter().filter(wanted).for_each(|&face| self.triangles[face].swap(1, 2));
-        let triangles = part.iter().map(|&face| self.triangles[face]).collect();
-        let volume = Self { vertices: self.vertices.clone(), triangles }.volume();
-        if volume < 0.0 {
+        let triangles: Vec<_> = part.iter().map(|&face| self.triangles[face]).collect();
+        if self.volume_of(&triangles) < 0.0 {
             part.iter().for_each(|&face| self.triangles[face].swap(1, 2));
             return part.len() - part.iter().filter(wanted).count();
         }

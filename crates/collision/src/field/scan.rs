@@ -119,7 +119,7 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     /// Signed distances of the nodes; none if all are farther than the band.
-    fn block<'a>(&self, features: impl Iterator<Item = &'a Feature>) -> Option<Block> {
+    fn block<'a>(&self, features: impl Iterator<Item = &'a Feature>) -> Option<Box<Block>> {
         // Where nothing is found the distance is at least the band, of a side not yet known.
         let mut distances = [f64::NAN; NODES];
         let mut found = false;
@@ -146,7 +146,7 @@ impl Scan<'_> {
         }
         found.then(|| {
             fill(&mut distances, self.band);
-            single(&distances)
+            Box::new(single(&distances))
         })
     }
 }

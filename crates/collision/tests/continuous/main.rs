@@ -6,6 +6,7 @@
 mod common;
 mod faces;
 mod known;
+mod parallel;
 mod queries;
 #[path = "../geometry/random.rs"]
 mod random;
