@@ -78,7 +78,7 @@ fn ours(c: &mut Criterion, name: &str, pool: &ThreadPool, frames: &[Capsules; 2]
     c.bench_function(&format!("tree/build/{name}"), |b| {
         b.iter(|| pool.install(|| Tree::new(black_box(&frames[0]), 0.0)));
     });
-    let mut tree = Tree::new(&frames[0], 0.0);
+    let mut tree = Tree::new(&frames[0], 0.0).expect("valid");
     let (mut pairs, mut frame) = (Vec::new(), 0);
     c.bench_function(&format!("tree/refit and pairs/{name}"), |b| {
         b.iter(|| {
@@ -119,7 +119,7 @@ fn candidates(c: &mut Criterion, name: &str, pool: &ThreadPool, scene: &Arrangem
 
 fn distances(c: &mut Criterion, name: &str, pool: &ThreadPool, capsules: &Capsules) {
     let mut pairs = Vec::new();
-    Tree::new(capsules, 0.0).pairs(&mut pairs);
+    Tree::new(capsules, 0.0).expect("valid").pairs(&mut pairs);
     let mut squared = vec![0.0; pairs.len()];
     c.bench_function(&format!("plain loop/distances of all pairs/{name}"), |b| {
         b.iter(|| {
@@ -134,7 +134,7 @@ fn distances(c: &mut Criterion, name: &str, pool: &ThreadPool, capsules: &Capsul
     let mut found = Vec::new();
     c.bench_function(&format!("narrow phase/contacts among all pairs/{name}"), |b| {
         b.iter(|| {
-            pool.install(|| contacts(capsules, &pairs, 0.0, &mut found));
+            pool.install(|| contacts(capsules, &pairs, 0.0, &mut found)).expect("valid");
             found.len()
         });
     });

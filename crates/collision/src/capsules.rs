@@ -131,6 +131,15 @@ impl<'a> Capsules<'a> {
     }
 }
 
+/// Checks that a length is at least zero, m.
+pub(crate) fn length(what: &'static str, value: f64) -> Result<(), CollisionError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(CollisionError::Length { what, value })
+    }
+}
+
 /// Checks the length of an array.
 pub(crate) fn count(what: &'static str, given: usize, needed: usize) -> Result<(), CollisionError> {
     if given == needed { Ok(()) } else { Err(CollisionError::Count { what, given, needed }) }

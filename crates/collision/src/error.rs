@@ -48,13 +48,13 @@ pub enum CollisionError {
         /// The radius that was given, m.
         radius: f64,
     },
-    /// How near pairs are to be listed is no length.
-    #[error("reach {reach} m and margin {margin} m must both be finite and not negative")]
-    Margin {
-        /// The gap up to which pairs are asked for, m.
-        reach: f64,
-        /// What is listed beyond, m.
-        margin: f64,
+    /// How near something must be is no length.
+    #[error("{what} is {value} m, but it must be finite and not negative")]
+    Length {
+        /// Which length.
+        what: &'static str,
+        /// The value that was given, m.
+        value: f64,
     },
     /// A terrain cannot be made of these heights.
     #[error("heights of a terrain: {problem}")]

@@ -27,7 +27,7 @@ fn no_pair_of_a_ponytail_is_missed() {
     let radii = vec![radius; layout.segments()];
     let capsules = Capsules::new(&layout, &positions, &radii).expect("valid");
     let mut found = Vec::new();
-    Tree::new(&capsules, 0.0).pairs(&mut found);
+    Tree::new(&capsules, 0.0).expect("valid").pairs(&mut found);
     found.sort_unstable();
     let expected = common::box_pairs(&capsules);
     assert!(expected.len() > 190_000, "{}", expected.len());
@@ -38,7 +38,7 @@ fn no_pair_of_a_ponytail_is_missed() {
     let allowed = common::box_pairs(&wide);
     assert!(found.iter().all(|pair| allowed.binary_search(pair).is_ok()));
     let (mut touching, mut listed) = (Vec::new(), Vec::new());
-    contacts(&capsules, &expected, 0.0, &mut touching);
+    contacts(&capsules, &expected, 0.0, &mut touching).expect("valid");
     let mut list = Candidates::new(0.0, 1e-3).expect("valid");
     list.contacts(&capsules, &mut listed).expect("valid");
     listed.sort_by_key(|contact| contact.pair);

@@ -18,7 +18,7 @@ fn no_fiber_tunnels_through_a_bundle() {
     }
     let start = scene.capsules().expect("valid");
     let end = Capsules::new(&scene.layout, &positions, &scene.radii).expect("valid");
-    let mut tree = Tree::new(&start, 0.0);
+    let mut tree = Tree::new(&start, 0.0).expect("valid");
     let mut pairs = Vec::new();
     tree.refit_swept(&start, &end, 0.0).expect("the same segments");
     tree.pairs(&mut pairs);

@@ -25,11 +25,11 @@ fn pairs(tree: &mut Tree) -> Vec<Pair> {
 fn agrees(scene: &Arrangement) {
     let moved = scene.advanced(1.0);
     let (start, end) = (scene.capsules().expect("valid"), moved.capsules().expect("valid"));
-    let mut tree = Tree::new(&start, 0.0);
+    let mut tree = Tree::new(&start, 0.0).expect("valid");
     assert!(pairs(&mut tree) == common::box_pairs(&start));
     tree.refit(&end, 0.0).expect("the same segments");
     assert!(pairs(&mut tree) == common::box_pairs(&end));
-    let mut anew = Tree::new(&end, 0.0);
+    let mut anew = Tree::new(&end, 0.0).expect("valid");
     assert!(pairs(&mut anew) == common::box_pairs(&end));
 }
 
@@ -48,12 +48,12 @@ fn the_number_of_threads_changes_nothing() {
     let search = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            let mut tree = Tree::new(&capsules, 1e-4);
+            let mut tree = Tree::new(&capsules, 1e-4).expect("valid");
             let (mut first, mut second, mut touching) = (Vec::new(), Vec::new(), Vec::new());
             tree.pairs(&mut first);
             tree.refit(&moved, 1e-4).expect("the same segments");
             tree.pairs(&mut second);
-            contacts(&moved, &second, 0.0, &mut touching);
+            contacts(&moved, &second, 0.0, &mut touching).expect("valid");
             let mut list = Candidates::new(0.0, 1e-4).expect("valid");
             let mut listed = Vec::new();
             for capsules in [&capsules, &moved] {
@@ -92,7 +92,7 @@ fn all_contacts(capsules: &Capsules, reach: f64) -> Vec<Contact> {
     let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
     let free = |pair: &Pair| !capsules.adjacent(pair[0] as usize, pair[1] as usize);
     let mut found = Vec::new();
-    contacts(capsules, &pairs.filter(free).collect::<Vec<_>>(), reach, &mut found);
+    contacts(capsules, &pairs.filter(free).collect::<Vec<_>>(), reach, &mut found).expect("valid");
     found
 }
 
@@ -105,7 +105,7 @@ proptest! {
         // Coordinates and radii are below 8, so that boxes are rounded by less than this.
         let mut wide: Vec<f64> = radii.clone();
         wide.iter_mut().for_each(|r| *r += 1e-6);
-        let mut tree = Tree::new(&capsules, 0.0);
+        let mut tree = Tree::new(&capsules, 0.0).expect("valid");
         for capsules in [capsules, moved] {
             tree.refit(&capsules, 0.0).expect("the same segments");
             let found = pairs(&mut tree);
@@ -168,9 +168,10 @@ fn a_worn_tree_is_built_anew() {
     assert_eq!(list.update(&torn.capsules().expect("valid")), Ok(Update::Rebuilt));
     let mut found = Vec::new();
     list.contacts(&torn.capsules().expect("valid"), &mut found).expect("valid");
-    let mut tree = Tree::new(&torn.capsules().expect("valid"), 0.0);
+    let mut tree = Tree::new(&torn.capsules().expect("valid"), 0.0).expect("valid");
     let mut expected = Vec::new();
-    contacts(&torn.capsules().expect("valid"), &pairs(&mut tree), 0.0, &mut expected);
+    contacts(&torn.capsules().expect("valid"), &pairs(&mut tree), 0.0, &mut expected)
+        .expect("valid");
     found.sort_by_key(|contact| contact.pair);
     assert!(!expected.is_empty() && found == expected);
 }
@@ -181,7 +182,7 @@ fn coincident_segments_all_meet() {
     let layout = Layout::new(std::iter::repeat_n(1, count));
     let positions: Vec<_> = two.into_iter().cycle().take(2 * count).collect();
     let capsules = Capsules::new(&layout, &positions, &[0.1; 300]).expect("valid");
-    let mut tree = Tree::new(&capsules, 0.0);
+    let mut tree = Tree::new(&capsules, 0.0).expect("valid");
     assert_eq!(pairs(&mut tree).len(), count * (count - 1) / 2);
 }
 
@@ -190,7 +191,7 @@ fn places_that_single_precision_cannot_hold_are_searched_too() {
     let far = [1e300, -1e300, 1e300, -1e300].map(|x| Point3::new(x, 1e-300, 0.0));
     let layout = Layout::new([1, 1]);
     let capsules = Capsules::new(&layout, &far, &[1.0; 2]).expect("valid");
-    let mut tree = Tree::new(&capsules, 0.0);
+    let mut tree = Tree::new(&capsules, 0.0).expect("valid");
     assert_eq!(pairs(&mut tree), [[0, 1]]);
 }
 
@@ -199,7 +200,7 @@ fn another_number_of_segments_is_refused() {
     let (scene, other) = (scenes::wavy(4), scenes::wavy(5));
     let (small, large) = (scene.capsules().expect("valid"), other.capsules().expect("valid"));
     let expected = CollisionError::Count { what: "segments", given: 500, needed: 400 };
-    assert_eq!(Tree::new(&small, 0.0).refit(&large, 0.0), Err(expected.clone()));
+    assert_eq!(Tree::new(&small, 0.0).expect("valid").refit(&large, 0.0), Err(expected.clone()));
     let mut list = Candidates::new(0.0, 0.0).expect("valid");
     list.update(&small).expect("valid");
     assert_eq!(list.update(&large), Err(expected));
@@ -208,7 +209,22 @@ fn another_number_of_segments_is_refused() {
     let joined = Capsules::new(&layout, &scene.positions[1..], &scene.radii).expect("valid");
     let expected = CollisionError::Count { what: "nodes", given: 403, needed: 404 };
     assert_eq!(list.update(&joined), Err(expected));
-    assert!(Candidates::new(-1.0, 0.0).is_err() && Candidates::new(0.0, f64::NAN).is_err());
+}
+
+#[test]
+fn lengths_that_are_none_are_refused() {
+    let scene = scenes::wavy(2);
+    let capsules = scene.capsules().expect("valid");
+    let mut tree = Tree::new(&capsules, 0.0).expect("valid");
+    for bad in [-1e-9, f64::NAN, f64::INFINITY] {
+        let refused = |result: Result<(), CollisionError>| matches!(result, Err(CollisionError::Length { value, .. }) if value.to_bits() == bad.to_bits());
+        assert!(refused(Tree::new(&capsules, bad).map(drop)));
+        assert!(refused(tree.refit(&capsules, bad)));
+        assert!(refused(tree.refit_swept(&capsules, &capsules, bad)));
+        assert!(refused(Candidates::new(bad, 0.0).map(drop)));
+        assert!(refused(Candidates::new(0.0, bad).map(drop)));
+        assert!(refused(contacts(&capsules, &[], bad, &mut Vec::new())));
+    }
 }
 
 proptest! {
@@ -223,7 +239,7 @@ proptest! {
         let between: Vec<_> = start.iter().zip(&end).map(|(p, q)| p + time * (q - p)).collect();
         let at = |positions| Capsules::new(&layout, positions, &radii).expect("valid");
         let (start, between, end) = (at(&start), at(&between), at(&end));
-        let mut tree = Tree::new(&start, 0.0);
+        let mut tree = Tree::new(&start, 0.0).expect("valid");
         tree.refit_swept(&start, &end, 1e-12).expect("the same segments");
         let found = pairs(&mut tree);
         let needed = common::box_pairs(&between);

@@ -1,7 +1,8 @@
 //! Many pairs of segments over a step.
 
 use super::{Impact, MovingSegment};
-use crate::{Capsules, CollisionError, Pair, capsules::count};
+use crate::capsules::{count, length};
+use crate::{Capsules, CollisionError, Pair};
 use rayon::prelude::*;
 
 /// Pairs that one thread looks at a time.
@@ -16,7 +17,8 @@ const CHUNK: usize = 1024;
 /// distance.
 ///
 /// # Errors
-/// [`CollisionError::Count`] if there are not as many segments and nodes at the end as at the start.
+/// [`CollisionError::Count`] if there are not as many segments and nodes at the end as at the start,
+/// [`CollisionError::Length`] if the margin or the tolerance is negative or not finite.
 ///
 /// # Panics
 /// If a pair names a segment that does not exist, as indexing does.
@@ -27,12 +29,14 @@ pub fn impacts(
     tolerance: f64,
     impacts: &mut Vec<(Pair, Impact<2>)>,
 ) -> Result<(), CollisionError> {
+    length("margin", margin)?;
+    length("tolerance", tolerance)?;
     count("segments", end.len(), start.len())?;
     count("nodes", end.positions().len(), start.positions().len())?;
     let impact = |&pair: &Pair| {
         let [i, j] = pair.map(|s| s as usize);
         let [a, b] = [i, j].map(|s| MovingSegment::between(&start.get(s), &end.get(s)));
-        let reach = (start.radii()[i] + start.radii()[j] + margin).max(0.0);
+        let reach = start.radii()[i] + start.radii()[j] + margin;
         a.impact(&b, reach, tolerance).map(|impact| (pair, impact))
     };
     let chunks = pairs.par_chunks(CHUNK);

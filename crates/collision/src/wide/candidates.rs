@@ -2,6 +2,7 @@
 
 use super::bounds::{Bounds, above, below};
 use super::{NONE, Tree};
+use crate::capsules::length;
 use crate::narrow::{self, Contact, squared_distances};
 use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};
@@ -57,14 +58,11 @@ impl Candidates {
     /// more.
     ///
     /// # Errors
-    /// [`CollisionError::Margin`] if either is negative or not finite.
+    /// [`CollisionError::Length`] if either is negative or not finite.
     pub fn new(reach: f64, margin: f64) -> Result<Self, CollisionError> {
-        let good = |x: f64| x >= 0.0 && x.is_finite();
-        if good(reach) && good(margin) {
-            Ok(Self { reach, margin, list: None })
-        } else {
-            Err(CollisionError::Margin { reach, margin })
-        }
+        length("reach", reach)?;
+        length("margin", margin)?;
+        Ok(Self { reach, margin, list: None })
     }
 
     /// Makes sure that the list is complete for `capsules`. Their layout and radii must stay the
@@ -77,7 +75,7 @@ impl Candidates {
     pub fn update(&mut self, capsules: &Capsules) -> Result<Update, CollisionError> {
         let grow = self.reach + self.margin;
         let Some(list) = &mut self.list else {
-            self.list = Some(List::new(capsules, grow));
+            self.list = Some(List::new(capsules, grow)?);
             return Ok(Update::Rebuilt);
         };
         if list.stays_complete(capsules, self.margin)? {
@@ -85,7 +83,7 @@ impl Candidates {
         }
         list.tree.refit(capsules, 0.5 * grow)?;
         if list.tree.cost() > WORN * list.cost {
-            *list = List::new(capsules, grow);
+            *list = List::new(capsules, grow)?;
             return Ok(Update::Rebuilt);
         }
         list.search(capsules);
@@ -110,7 +108,7 @@ impl Candidates {
             if update != Update::Kept {
                 list.sift(capsules, self.reach + self.margin);
             }
-            narrow::contacts(capsules, &list.pairs, self.reach, contacts);
+            narrow::contacts(capsules, &list.pairs, self.reach, contacts)?;
         }
         Ok(update)
     }
@@ -125,8 +123,8 @@ impl Candidates {
 
 impl List {
     /// The list of all pairs with gaps of at most `grow`.
-    fn new(capsules: &Capsules, grow: f64) -> Self {
-        let tree = Tree::new(capsules, 0.5 * grow);
+    fn new(capsules: &Capsules, grow: f64) -> Result<Self, CollisionError> {
+        let tree = Tree::new(capsules, 0.5 * grow)?;
         let mut regions = vec![0; capsules.len()];
         for (region, blocks) in (0..).zip(&tree.levels[1].children) {
             for &block in blocks.iter().filter(|&&block| block != NONE) {
@@ -138,7 +136,7 @@ impl List {
         let (pairs, positions, squared) = (Vec::new(), Vec::new(), Vec::new());
         let mut list = Self { cost: tree.cost(), tree, pairs, positions, regions, squared };
         list.search(capsules);
-        list
+        Ok(list)
     }
 
     /// Lists all pairs whose grown boxes meet.

@@ -12,7 +12,7 @@ mod candidates;
 mod pairs;
 mod refit;
 
-use crate::capsules::count;
+use crate::capsules::{count, length};
 use crate::{Capsules, CollisionError, Pair};
 pub use candidates::{Candidates, Update};
 
@@ -51,8 +51,11 @@ const NONE: u32 = u32::MAX;
 
 impl Tree {
     /// Builds the tree over boxes grown by `margin`, m, on all sides. Cost: 80 ns a segment.
-    #[must_use]
-    pub fn new(capsules: &Capsules, margin: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`CollisionError::Length`] if the margin is negative or not finite.
+    pub fn new(capsules: &Capsules, margin: f64) -> Result<Self, CollisionError> {
+        length("margin", margin)?;
         let mut lowest = Level::new(&rough_boxes(capsules));
         let layout = capsules.layout();
         let first_node = |&segment: &u32| match segment {
@@ -70,14 +73,14 @@ impl Tree {
             levels.push(level);
         }
         let (segments, node_count) = (layout.segments(), layout.nodes());
-        Self { segments, node_count, levels, nodes, found: Vec::new() }
+        Ok(Self { segments, node_count, levels, nodes, found: Vec::new() })
     }
 
     /// Fits the boxes, grown by `margin`, m, to segments that have moved. Cost: 11 ns a segment.
     ///
     /// # Errors
     /// [`CollisionError::Count`] if there are more or fewer segments or nodes than the tree was
-    /// built for.
+    /// built for, [`CollisionError::Length`] if the margin is negative or not finite.
     pub fn refit(&mut self, capsules: &Capsules, margin: f64) -> Result<(), CollisionError> {
         self.fit([capsules], margin)
     }
@@ -101,6 +104,7 @@ impl Tree {
         frames: [&Capsules; N],
         margin: f64,
     ) -> Result<(), CollisionError> {
+        length("margin", margin)?;
         frames.iter().try_for_each(|frame| self.check(frame))?;
         self.levels[0].fit_segments(&self.nodes, frames, margin);
         for k in 1..self.levels.len() {
