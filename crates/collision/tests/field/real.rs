@@ -3,7 +3,8 @@
 use crate::common::data;
 use crate::random::Random;
 use crate::scan::{distance, winding};
-use rapunzel_collision::field::{DistanceField, Grid, Mesh, Soup};
+use nalgebra::Point3;
+use rapunzel_collision::field::{DistanceField, Grid, HeightField, Mesh, Soup};
 use std::fs::File;
 use std::io::BufReader;
 use std::time::Instant;
@@ -50,4 +51,26 @@ fn scanned_busts_are_read() {
 #[test]
 fn closed_volumes_are_closed() {
     check("head/volume_bob01.ply", 0);
+}
+
+/// A stretch of the Appalachians as a table-top model: 0.4 m wide, 8 mm high.
+#[test]
+fn a_terrain_passes_through_its_posts() {
+    const COLUMNS: usize = 403;
+    let Some(path) = data("terrain/jacksboro_403x344.i16") else { return };
+    let bytes = std::fs::read(path).expect("readable");
+    let height = |two: &[u8]| 1e-5 * f64::from(i16::from_le_bytes([two[0], two[1]]));
+    let heights: Vec<f64> = bytes.chunks_exact(2).map(height).collect();
+    assert_eq!(heights.len(), COLUMNS * 344);
+    let spacing = 1e-3;
+    let field =
+        HeightField::new([0.0; 2], spacing, COLUMNS, heights.clone(), 2e-3).expect("a terrain");
+    for post in (0..heights.len()).step_by(97) {
+        let [x, y] = [post % COLUMNS, post / COLUMNS].map(|i| spacing * i as f64);
+        let at = |above: f64| field.value(&Point3::new(x, y, heights[post] + above));
+        assert!(at(0.0).abs() < 1e-15);
+        // No farther from the ground than from the post.
+        let (up, down) = (at(0.5e-3), -at(-0.5e-3));
+        assert!(0.0 < up.min(down) && up.max(down) <= 0.5e-3 + 1e-15, "{up} {down}");
+    }
 }
