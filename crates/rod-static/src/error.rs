@@ -18,6 +18,26 @@ pub enum StaticError {
         /// Which quantity.
         quantity: &'static str,
     },
+    /// A rod needs at least one piece.
+    #[error("the rod has no pieces; give at least one")]
+    NoPieces,
+    /// The end is farther from the clamp than the rod is long.
+    #[error(
+        "the end is {distance} m from the clamp, but the rod is {length} m long; move the end \
+         nearer or make the rod longer"
+    )]
+    OutOfReach {
+        /// Distance of the end from the clamp, m.
+        distance: f64,
+        /// Length of the rod, m.
+        length: f64,
+    },
+    /// No start that was tried leads to an equilibrium.
+    #[error(
+        "no equilibrium was found from any start; give a start near the one that is wanted, or \
+         check that the end can be reached"
+    )]
+    NotFound,
 }
 
 /// Checks that `value` is positive and finite.
