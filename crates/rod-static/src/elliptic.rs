@@ -14,7 +14,7 @@ const STEPS: usize = 16;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modulus {
     complement: f64,
-    /// The descending moduli `k_1 > k_2 > ...` of Landen's transformation and `1 - k_i`.
+    /// The descending moduli `k_1 > k_2 > ...` of Landen's transformation and `1 - k_i^2`.
     descent: [(f64, f64); STEPS],
     /// How many of them matter.
     steps: usize,
@@ -43,9 +43,9 @@ impl Modulus {
         let (mut steps, mut quarter) = (0, FRAC_PI_2);
         let (mut k, mut k1) = ((1.0 - complement).sqrt(), complement.sqrt());
         while k > 1e-9 && steps < STEPS {
-            // (1 - k') / (1 + k') and its distances from one, none of them by cancellation.
-            descent[steps] = ((k / (1.0 + k1)).powi(2), 2.0 * k1 / (1.0 + k1));
-            (k, k1) = (descent[steps].0, 2.0 * k1.sqrt() / (1.0 + k1));
+            // (1 - k') / (1 + k') and its complement, neither of them by cancellation.
+            (k, k1) = ((k / (1.0 + k1)).powi(2), 2.0 * k1.sqrt() / (1.0 + k1));
+            descent[steps] = (k, k1 * k1);
             quarter *= 1.0 + k;
             steps += 1;
         }
@@ -71,19 +71,21 @@ impl Modulus {
         (j, u - 2.0 * j * self.quarter)
     }
 
-    /// sn, cn and dn at `u`, by descending Gauss-Landen transformations (DLMF 22.7.2 to 22.7.4)
-    /// in sums of positive terms.
+    /// sn, cn and dn at `u`, by descending Landen transformations (DLMF 22.7.2, 22.7.3) of the
+    /// tangent of the amplitude.
     #[must_use]
     pub fn jacobi(&self, u: f64) -> Jacobi {
         let (j, rest) = self.reduce(u);
-        let last = rest * FRAC_PI_2 / self.quarter;
-        let (mut s, mut c, mut d) = (last.sin(), last.cos(), 1.0);
-        for (k, gap) in self.descent[..self.steps].iter().rev() {
-            let over = 1.0 + k * s * s;
-            (s, c, d) = ((1.0 + k) * s / over, c * d / over, (c * c + gap * s * s) / over);
+        let (mut s, mut c) = (rest * FRAC_PI_2 / self.quarter).sin_cos();
+        for (k, complement) in self.descent[..self.steps].iter().rev() {
+            let d = (c * c + complement * s * s).sqrt();
+            (s, c) = ((1.0 + k) * s, c * d);
+            let norm = s.hypot(c);
+            (s, c) = (s / norm, c / norm);
         }
         let sign = if j.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-        Jacobi { sn: sign * s, cn: sign * c, dn: d }
+        let dn = (c * c + self.complement * s * s).sqrt();
+        Jacobi { sn: sign * s, cn: sign * c, dn }
     }
 
     /// The amplitude am of `u`, radians: grows by pi over each `2 K`.
@@ -148,9 +150,21 @@ pub fn kind_d(phi: f64, m: f64) -> Option<f64> {
 /// value. `None` where it is not real or infinite.
 #[must_use]
 pub fn third_kind(n: f64, phi: f64, m: f64) -> Option<f64> {
-    by_periods(phi, m, |s, c2, d2| {
+    let direct = |n: f64, gap: f64, s: f64, c2: f64, d2: f64| {
         let s2 = s * s;
-        s * rf(c2, d2, 1.0) + n / 3.0 * s * s2 * rj(c2, d2, 1.0, c2 + (1.0 - n) * s2)
+        s * rf(c2, d2, 1.0) + n / 3.0 * s * s2 * rj(c2, d2, 1.0, c2 + gap * s2)
+    };
+    if n >= 0.0 || !(0.0..=1.0).contains(&m) {
+        return by_periods(phi, m, |s, c2, d2| direct(n, 1.0 - n, s, c2, d2));
+    }
+    // A negative n by a positive one, in a sum of positive terms (Abramowitz and Stegun 17.7.15).
+    let (positive, gap) = ((m - n) / (1.0 - n), (1.0 - m) / (1.0 - n));
+    let root = (-n / (1.0 - n) * (m - n)).sqrt();
+    let rest = gap.sqrt() * (-n * (1.0 - m) / (m - n)).sqrt();
+    by_periods(phi, m, |s, c2, d2| {
+        let turn = (root * s * c2.sqrt()).atan2(d2.sqrt());
+        let sum = rest * direct(positive, gap, s, c2, d2) + m / root * s * rf(c2, d2, 1.0) + turn;
+        sum / ((1.0 - n) * (1.0 - m / n)).sqrt()
     })
 }
 

@@ -107,40 +107,6 @@ impl Goal {
         }
         Some((missed, by))
     }
-
-    /// What may vary at an end that meets the goal: six columns of position, rotation, moment and
-    /// force.
-    pub(crate) fn variations(&self, node: &Node) -> SMatrix<f64, 12, 6> {
-        let mut free = SMatrix::<f64, 12, 6>::zeros();
-        let mut set = |row: usize, column: usize| {
-            free.fixed_view_mut::<3, 3>(row, column).fill_with_identity();
-        };
-        match self {
-            Self::Free { .. } => {
-                set(0, 0);
-                set(3, 3);
-            }
-            Self::Position { .. } => {
-                set(9, 0);
-                set(3, 3);
-            }
-            Self::Held { .. } => {
-                set(9, 0);
-                set(6, 3);
-            }
-            Self::Tangent { .. } => {
-                set(9, 0);
-                let tangent = node.q * Vector3::z();
-                let across = tangent.cross(&any_other(&tangent)).normalize();
-                free.fixed_view_mut::<3, 1>(3, 3).copy_from(&tangent);
-                // The moment turns with the frame, so that none is left about the tangent.
-                free.fixed_view_mut::<3, 1>(6, 3).copy_from(&tangent.cross(&node.m));
-                free.fixed_view_mut::<3, 1>(6, 4).copy_from(&across);
-                free.fixed_view_mut::<3, 1>(6, 5).copy_from(&tangent.cross(&across));
-            }
-        }
-        free
-    }
 }
 
 /// A unit vector far from the direction of `v`.

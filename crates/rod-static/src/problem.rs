@@ -5,7 +5,7 @@ use crate::goal::Goal;
 use crate::mesh::{Element, Scaled};
 use crate::rod::{End, Piece};
 use crate::shooting::newton;
-use crate::stability::conjugate_points;
+use crate::stability::index;
 use crate::state::State;
 use crate::step::Node;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -211,7 +211,7 @@ impl Problem {
             (elements, nodes) = finer;
             newton(&self.rod, &elements, &mut nodes, goal, factor)?;
         }
-        let conjugate_points = conjugate_points(&self.rod, &elements, &nodes, goal, factor)?;
+        let conjugate_points = index(&self.rod, &elements, &nodes, goal, factor)?;
         let (mut elastic, mut work) = (0.0, 0.0);
         for (element, node) in elements.iter().zip(&nodes) {
             let properties = self.rod.properties(element, factor);
