@@ -40,16 +40,16 @@ impl Modulus {
             return None;
         }
         let mut descent = [(0.0, 1.0); STEPS];
-        let (mut steps, mut quarter) = (0, FRAC_PI_2);
-        let (mut k, mut k1) = ((1.0 - complement).sqrt(), complement.sqrt());
+        let (mut steps, mut k) = (0, 1.0);
+        // Gauss's arithmetic and geometric means of 1 and k'.
+        let (mut a, mut g) = (1.0, complement.sqrt());
         while k > 1e-9 && steps < STEPS {
-            // (1 - k') / (1 + k') and its complement, neither of them by cancellation.
-            (k, k1) = ((k / (1.0 + k1)).powi(2), 2.0 * k1.sqrt() / (1.0 + k1));
-            descent[steps] = (k, k1 * k1);
-            quarter *= 1.0 + k;
+            k = (a - g) / (a + g);
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
+            descent[steps] = (k, (g / a).powi(2));
             steps += 1;
         }
-        Some(Self { complement, descent, steps, quarter })
+        Some(Self { complement, descent, steps, quarter: FRAC_PI_2 / a })
     }
 
     /// The complement `1 - m`.
@@ -147,7 +147,8 @@ pub fn kind_d(phi: f64, m: f64) -> Option<f64> {
 
 /// `Pi(n; phi | m)`, the incomplete integral of the third kind: of
 /// `1 / ((1 - n sin^2) sqrt(1 - m sin^2))` (thesis (A.33)); for `n sin^2 phi > 1` its principal
-/// value. `None` where it is not real or infinite.
+/// value. Outside of `0 <= m <= 1` and for large `-n` it loses half the digits of `-n`.
+/// `None` where it is not real or infinite.
 #[must_use]
 pub fn third_kind(n: f64, phi: f64, m: f64) -> Option<f64> {
     let direct = |n: f64, gap: f64, s: f64, c2: f64, d2: f64| {

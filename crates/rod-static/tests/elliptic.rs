@@ -40,7 +40,9 @@ fn integrals_have_all_digits() {
             // Where an integrand is steep, the amplitude's last digit counts as often.
             let steep = 1.0 - m.min(1.0).max(n.min(1.0)) * phi.sin().powi(2);
             let error = (found / exact - 1.0).abs();
-            let allowed = 1e-14 + 1e-15 * phi.abs() / steep.max(1e-6);
+            // There the integral of the third kind is a difference.
+            let lost = if !(0.0..=1.0).contains(&m) && n < 0.0 { 1e-15 * (-n).sqrt() } else { 0.0 };
+            let allowed = 1e-14 + lost + 1e-15 * phi.abs() / steep.max(1e-6);
             assert!(error < allowed, "kind {kind}, phi {phi}, m {m}, n {n}: {error:e}");
         }
     }
