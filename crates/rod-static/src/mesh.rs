@@ -87,7 +87,7 @@ impl Scaled {
         let mut from = 0.0;
         for (index, (piece, (curvature, soft))) in self.pieces.iter().zip(rates).enumerate() {
             let length = piece.length() / self.length;
-            let rate = curvature + (carried / soft).sqrt() + 2.0;
+            let rate = curvature + (carried / soft).sqrt() + 5.0;
             let count = (rate * length / COARSE).ceil().max(2.0);
             let mut i = 0.0;
             while i < count {

@@ -10,6 +10,7 @@ use crate::state::State;
 use crate::step::Node;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
+use std::iter::once;
 
 /// First and shortest step of a continuation, in parts of the way.
 const FIRST: f64 = 0.25;
@@ -17,9 +18,11 @@ const SHORTEST: f64 = 1e-3;
 /// How often the elements are split before the solution counts as not resolved.
 const REFINEMENTS: usize = 4;
 /// Moments that bend the shapes to start from, in units of stiffness by length.
-const BENDING: [f64; 3] = [1.5, 3.0, 5.0];
+const BENDING: [f64; 4] = [1.5, 3.0, 5.0, 7.0];
 /// Directions in which they bend.
 const DIRECTIONS: u32 = 8;
+/// Torques that twist them as well.
+const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
 /// A rod clamped at its root, loaded along its length, with a condition on its far end.
 ///
@@ -71,8 +74,8 @@ impl Problem {
     pub fn solve(&self) -> Result<Equilibrium, StaticError> {
         let elements = self.rod.elements();
         let mut unstable = None;
-        for start in self.starts(&elements, &[0.0]) {
-            match self.follow(&elements, &start) {
+        for nodes in self.starts(&elements) {
+            match self.follow(&elements, &Start { nodes, factor: 0.0, turns: 0.0 }) {
                 Some(found) if found.is_stable() => return Ok(found),
                 Some(found) => unstable = unstable.or(Some(found)),
                 None => {}
@@ -90,11 +93,14 @@ impl Problem {
             .flat_map(|k| if k == 0 { vec![0.0] } else { vec![f64::from(k), -f64::from(k)] })
             .collect();
         let mut found: Vec<Equilibrium> = Vec::new();
-        for start in self.starts(&elements, &turns) {
-            if let Some(one) = self.follow(&elements, &start)
-                && !found.iter().any(|other| same(other, &one))
-            {
-                found.push(one);
+        for nodes in self.starts(&elements) {
+            for &turns in &turns {
+                let start = Start { nodes: nodes.clone(), factor: 0.0, turns };
+                if let Some(one) = self.follow(&elements, &start)
+                    && !found.iter().any(|other| same(other, &one))
+                {
+                    found.push(one);
+                }
             }
         }
         found.sort_by(|a, b| a.energy().total_cmp(&b.energy()));
@@ -149,30 +155,26 @@ impl Problem {
         self.finish(elements, nodes, &self.goal, 1.0).ok_or(StaticError::NotFound)
     }
 
-    /// The shapes to start from: the natural one, then bent ones by their distance from the goal.
-    fn starts(&self, elements: &[Element], turns: &[f64]) -> Vec<Start> {
-        let shape =
-            |moment: Vector3<f64>| self.rod.natural(elements, self.clamp, self.clamp.1 * moment);
-        let mut bent = Vec::new();
-        for size in BENDING {
-            for direction in 0..DIRECTIONS {
-                let angle = TAU * f64::from(direction) / f64::from(DIRECTIONS);
-                bent.push(shape(Vector3::new(size * angle.cos(), size * angle.sin(), 0.0)));
+    /// The shapes to start from: the natural one, then, once that is not enough, bent ones by their
+    /// distance from the goal, then those that are twisted too.
+    fn starts<'a>(&'a self, elements: &'a [Element]) -> impl Iterator<Item = Vec<Node>> + 'a {
+        let shape = |m: Vector3<f64>| self.rod.natural(elements, self.clamp, self.clamp.1 * m);
+        let bent = move |torque: f64| {
+            let mut bent = Vec::new();
+            for size in BENDING {
+                for direction in 0..DIRECTIONS {
+                    let (sin, cos) = (TAU * f64::from(direction) / f64::from(DIRECTIONS)).sin_cos();
+                    bent.push(shape(Vector3::new(size * cos, size * sin, torque)));
+                }
             }
-        }
-        let tip = |nodes: &Vec<Node>| nodes.last().and_then(|n| self.goal.missed(n));
-        let distance = |nodes: &Vec<Node>| tip(nodes).map_or(f64::MAX, |(missed, _)| missed.norm());
-        bent.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        bent.insert(0, shape(Vector3::zeros()));
-        let mut starts = Vec::new();
-        for turns in turns {
-            starts.extend(bent.iter().map(|nodes| Start {
-                nodes: nodes.clone(),
-                factor: 0.0,
-                turns: *turns,
-            }));
-        }
-        starts
+            let missed = |nodes: &Vec<Node>| {
+                let missed = nodes.last().and_then(|tip| self.goal.missed(tip));
+                missed.map_or(f64::MAX, |(missed, _)| missed.norm())
+            };
+            bent.sort_by(|a, b| missed(a).total_cmp(&missed(b)));
+            bent
+        };
+        once(shape(Vector3::zeros())).chain(TWISTING.into_iter().flat_map(bent))
     }
 
     /// Continuation from `start` in the loads and in the condition on the end together.
