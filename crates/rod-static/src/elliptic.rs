@@ -68,31 +68,37 @@ impl Modulus {
     #[must_use]
     pub fn reduce(&self, u: f64) -> (f64, f64) {
         let j = (u / (2.0 * self.quarter)).round();
-        (j, u - 2.0 * j * self.quarter)
+        (j, (u - 2.0 * j * self.quarter).clamp(-self.quarter, self.quarter))
     }
 
-    /// sn, cn and dn at `u`, by descending Landen transformations (DLMF 22.7.2, 22.7.3) of the
-    /// tangent of the amplitude.
+    /// sn, cn and dn at `u`.
     #[must_use]
     pub fn jacobi(&self, u: f64) -> Jacobi {
         let (j, rest) = self.reduce(u);
-        let (mut s, mut c) = (rest * FRAC_PI_2 / self.quarter).sin_cos();
+        let Jacobi { sn, cn, dn } = self.jacobi_reduced(rest);
+        let sign = if j.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+        Jacobi { sn: sign * sn, cn: sign * cn, dn }
+    }
+
+    /// The same for `|u| <= K`, with `cn >= 0` also where `u` is rounded to `K`: by descending
+    /// Landen transformations (DLMF 22.7.2, 22.7.3) of the tangent of the amplitude.
+    pub(crate) fn jacobi_reduced(&self, u: f64) -> Jacobi {
+        let (mut s, mut c) = (u * FRAC_PI_2 / self.quarter).sin_cos();
+        c = c.max(0.0);
         for (k, complement) in self.descent[..self.steps].iter().rev() {
             let d = (c * c + complement * s * s).sqrt();
             (s, c) = ((1.0 + k) * s, c * d);
             let norm = s.hypot(c);
             (s, c) = (s / norm, c / norm);
         }
-        let sign = if j.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-        let dn = (c * c + self.complement * s * s).sqrt();
-        Jacobi { sn: sign * s, cn: sign * c, dn }
+        Jacobi { sn: s, cn: c, dn: (c * c + self.complement * s * s).sqrt() }
     }
 
     /// The amplitude am of `u`, radians: grows by pi over each `2 K`.
     #[must_use]
     pub fn amplitude(&self, u: f64) -> f64 {
         let (j, rest) = self.reduce(u);
-        let at = self.jacobi(rest);
+        let at = self.jacobi_reduced(rest);
         j * PI + at.sn.atan2(at.cn)
     }
 }

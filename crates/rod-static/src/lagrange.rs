@@ -20,8 +20,8 @@ use std::f64::consts::PI;
 /// as the two complex numbers `cos(theta/2) exp(i (phi + psi)/2)` and
 /// `sin(theta/2) exp(i (phi - psi)/2)` of Cayley and Klein, which are smooth everywhere; each of
 /// the two phases is one integral of the third kind. So the helix, planar rods, the poles and the
-/// separatrix are no exceptions. Transverse positions come from `m + r x n = const` and, where the
-/// force is too weak to divide by, from quadrature of the closed tangent.
+/// separatrix are no exceptions. Positions are closed too, and where the force is too weak to divide
+/// by they come from quadrature of the closed tangent.
 #[derive(Debug, Clone)]
 pub struct Lagrange {
     bending: f64,
@@ -32,6 +32,10 @@ pub struct Lagrange {
     spin: f64,
     motion: Option<Motion>,
 }
+
+/// Force times arc length, in units of the rates, below which positions come from quadrature: the
+/// closed form is a difference divided by the force.
+const WEAK: f64 = 1e-2;
 
 /// The angle to the force and what turns about it, in units of the bending stiffness.
 #[derive(Debug, Clone)]
@@ -84,19 +88,25 @@ impl Lagrange {
         let (frame, moment) = (to_world.inverse() * start.frame, to_world.inverse() * moment);
         let tangent = frame.matrix().column(2).into_owned();
         let m3 = moment.dot(&tangent);
-        let z = tangent.z;
-        let e = Vector3::z();
+        // 1 - z and 1 + z; the smaller of them from the sine, which keeps its digits.
+        let squared = tangent.x * tangent.x + tangent.y * tangent.y;
+        let (below, above) = if tangent.z > 0.0 {
+            (squared / (1.0 + tangent.z), 1.0 + tangent.z)
+        } else {
+            (1.0 - tangent.z, squared / (1.0 - tangent.z))
+        };
+        let level = moment.x * tangent.x + moment.y * tangent.y;
         let integrals = Integrals {
             n: force.norm(),
-            below: 0.5 * (e - tangent).norm_squared(),
-            above: 0.5 * (e + tangent).norm_squared(),
+            below,
+            above,
             slope: moment.cross(&tangent).z,
             bending: moment.cross(&tangent).norm_squared(),
             m3,
             mz: moment.z,
-            crossing: moment.dot(&(e - z * tangent)),
-            difference: moment.dot(&(e - tangent)),
-            sum: moment.dot(&(e + tangent)),
+            crossing: moment.z * squared - tangent.z * level,
+            difference: moment.z * below - level,
+            sum: moment.z * above + level,
         };
         let spin = 0.5 * ((bending / torsion - 1.0) * m3 + natural_twist);
         let motion = Roots::of(&integrals)
@@ -154,12 +164,12 @@ impl Lagrange {
         let quaternion = Quaternion::new(alpha.re, -beta.im, beta.re, alpha.im);
         let frame = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix();
         let transverse = motion.transverse(&place, alpha, beta);
-        let across = if motion.n * s.abs() > 1e-3 * motion.rate {
-            Complex::new(0.0, -1.0) * (transverse - motion.transverse) / motion.n
+        let local = if motion.n * s.abs() > WEAK * motion.rate {
+            let way = Complex::new(0.0, -1.0) * (transverse - motion.transverse) / motion.n;
+            Vector3::new(way.re, way.im, motion.along(&place, s))
         } else {
             motion.by_quadrature(s)
         };
-        let local = Vector3::new(across.re, across.im, motion.along(&place, s));
         let moment = Vector3::new(transverse.re, transverse.im, motion.mz) * self.bending;
         State {
             position: self.start.position + self.to_world * local,
@@ -210,7 +220,7 @@ impl Motion {
     fn place(&self, s: f64) -> Place {
         let u = self.roots.lambda * s + self.roots.start;
         let (half_waves, rest) = self.roots.modulus.reduce(u);
-        let at = self.roots.modulus.jacobi(rest);
+        let at = self.roots.modulus.jacobi_reduced(rest);
         Place { u, rest, half_waves, sn: at.sn, cn: at.cn, dn: at.dn }
     }
 
@@ -287,19 +297,20 @@ impl Motion {
         r.z1() * s + r.span / r.lambda * (squares(p) - squares(&self.place(0.0)))
     }
 
-    /// The way across the force, m, by quadrature of the tangent.
-    fn by_quadrature(&self, s: f64) -> Complex<f64> {
+    /// The way, m, by quadrature of the tangent.
+    fn by_quadrature(&self, s: f64) -> Vector3<f64> {
         let panels = (s.abs() * self.rate).ceil().max(1.0);
-        let mut sum = Complex::default();
+        let mut way = Vector3::zeros();
         let mut panel = 0.0;
         while panel < panels {
             let (from, to) = (s * panel / panels, s * ((panel + 1.0) / panels));
-            sum += gauss(from, to, |t| {
+            way += gauss(from, to, |t| {
                 let [alpha, beta] = self.numbers(&self.place(t), 0.0);
-                alpha * beta * 2.0
+                let across = alpha * beta * 2.0;
+                Vector3::new(across.re, across.im, alpha.norm_sqr() - beta.norm_sqr())
             });
             panel += 1.0;
         }
-        sum
+        way
     }
 }

@@ -1,3 +1,5 @@
+use nalgebra::Vector3;
+
 /// Nodes on `[-1, 1]` and weights of Gauss-Legendre quadrature with eight points, one half of them
 /// (Abramowitz and Stegun, table 25.4).
 const HALF: [(f64, f64); 4] = [
@@ -8,16 +10,11 @@ const HALF: [(f64, f64); 4] = [
 ];
 
 /// The integral of `f` over `[from, to]`; its error is that of degree 16 in the length.
-pub(crate) fn gauss<T>(from: f64, to: f64, f: impl Fn(f64) -> T) -> T
-where
-    T: std::ops::Mul<f64, Output = T> + std::ops::AddAssign + Default,
-{
+pub(crate) fn gauss(from: f64, to: f64, f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    let mut sum = T::default();
+    let mut sum = Vector3::zeros();
     for (x, weight) in HALF {
-        for x in [-x, x] {
-            sum += f(middle + half * x) * (weight * half);
-        }
+        sum += (f(middle - half * x) + f(middle + half * x)) * (weight * half);
     }
     sum
 }
