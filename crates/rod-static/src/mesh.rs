@@ -119,7 +119,9 @@ impl Scaled {
             let rate = |s: f64, node: &Node| {
                 let p = properties(s);
                 let strain = node.q.inverse_transform_vector(&node.m).component_div(&p.stiffness);
-                (p.natural_curvature + strain).norm() + (node.n.norm() / p.stiffness.min()).sqrt()
+                p.natural_curvature.norm()
+                    + strain.norm()
+                    + (node.n.norm() / p.stiffness.min()).sqrt()
             };
             let end = node.step(element.from, element.to, &properties).node;
             let fastest = rate(element.from, node).max(rate(element.to, &end));

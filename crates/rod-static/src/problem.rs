@@ -15,6 +15,8 @@ use std::iter::once;
 /// First and shortest step of a continuation, in parts of the way.
 const FIRST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
+/// A way short enough to be tried in one step, in lengths, radians and stiffness by length.
+const NEAR: f64 = 0.1;
 /// How often the elements are split before the solution counts as not resolved.
 const REFINEMENTS: usize = 4;
 /// Moments that bend the shapes to start from, in units of stiffness by length.
@@ -107,9 +109,9 @@ impl Problem {
         found
     }
 
-    /// The equilibrium that continuation from `start` leads to, an equilibrium of the same rod with
-    /// another end. The loads grow on the way from nothing if the end of `start` was found by
-    /// [`Problem::bent`], and stay otherwise.
+    /// The equilibrium that continuation from `start` leads to: an equilibrium of the same pieces
+    /// and clamp with another end, or one of [`Problem::bent`]. Loads grow on the way from the part
+    /// of them that acts on `start`.
     ///
     /// # Errors
     /// [`StaticError::NotFound`] if the way there is blocked.
@@ -181,7 +183,8 @@ impl Problem {
     fn follow(&self, elements: &[Element], start: &Start) -> Option<Equilibrium> {
         let tip = start.nodes.last()?;
         let mut nodes = start.nodes.clone();
-        let (mut at, mut step) = (0.0_f64, FIRST);
+        let near = start.factor >= 1.0 && self.goal.missed(tip)?.0.norm() < NEAR;
+        let (mut at, mut step) = (0.0_f64, if near { 1.0 } else { FIRST });
         while at < 1.0 {
             let next = (at + step).min(1.0);
             let goal = self.goal.on_the_way(tip, start.turns, next)?;

@@ -90,3 +90,35 @@ fn a_straight_rod_twists() {
         assert!((at.frame.matrix() - twist.matrix()).norm() < 1e-15);
     }
 }
+
+/// The separatrix itself, the localized helix of a long rod under tension and twist:
+/// `1 - z = (2 - m^2 / 2) sech^2(sqrt(1 - m^2 / 4) s)` with `m = M / sqrt(B T)`.
+#[test]
+fn the_separatrix_is_localized() {
+    for moment in [0.0, 0.3, 1.0, 1.7] {
+        let height = 2.0 - 0.5 * moment * moment;
+        let (z, sine) = (1.0 - height, f64::sqrt(height * (2.0 - height)));
+        let tangent = Vector3::new(sine, 0.0, z);
+        let frame = so3::exp(&(Vector3::y() * sine.atan2(z)));
+        assert!((frame * Vector3::z() - tangent).norm() < 1e-15);
+        // Through the antipode (moment zero) the rod bends at the rate 2; else it turns there.
+        let bend = if moment > 0.0 {
+            Vector3::new(moment * height / sine, 0.0, moment)
+        } else {
+            Vector3::new(0.0, 2.0, 0.0)
+        };
+        let force = Vector3::z();
+        let start = State { position: Point3::origin(), frame, force, moment: bend };
+        let rod = Lagrange::new(1.0, 0.8, 0.0, &start).expect("a rod");
+        let rate = f64::sqrt(1.0 - 0.25 * moment * moment);
+        for i in -16..=16 {
+            let s = 0.5 * f64::from(i);
+            let expected = 1.0 - height / (rate * s).cosh().powi(2);
+            let found = (rod.at(s).frame * Vector3::z()).z;
+            // Off the separatrix by a rounding error, the rod leaves it exponentially.
+            let allowed = 1e-15 * (2.0 * rate * s.abs()).exp() + 1e-14;
+            assert!((found - expected).abs() < allowed, "m {moment}, s {s}: {found}, {expected}");
+            assert!((rod.at(s).frame * Vector3::z()).norm() - 1.0 < 1e-14);
+        }
+    }
+}
