@@ -110,3 +110,34 @@ fn random_joints_and_bearings_are_reached() {
     }
     assert!(unsolved == 0, "{unsolved} unsolved");
 }
+
+/// Curved, heavy rods of elliptic section: the targets are the tips of free rods with a random
+/// force and moment on the end.
+#[test]
+fn random_clamps_of_curved_heavy_rods_are_reached() {
+    let mut random = Random::new(4);
+    let (count, mut solved) = (100, 0);
+    for i in 0..count {
+        let natural_curvature = random.direction() * (8.0 * random.unit());
+        let properties = Properties {
+            stiffness: Vector3::new(1.0, 0.3 + 0.7 * random.unit(), 0.6),
+            natural_curvature,
+            load: random.direction() * (20.0 * random.unit()),
+        };
+        let problem = |end| {
+            let piece = Piece::uniform(1.0, properties);
+            Problem::new(&Isometry3::identity(), vec![piece], end).expect("a problem")
+        };
+        let force = random.direction() * (10.0 * random.unit());
+        let moment = random.direction() * (3.0 * random.unit());
+        let Ok(free) = problem(End::Free { force, moment }).solve() else { continue };
+        let tip = free.tip();
+        if let Ok(found) = problem(held(&tip)).solve() {
+            let at = found.tip();
+            assert!((at.position - tip.position).norm() < 1e-9, "target {i}");
+            assert!(so3::log(&(at.frame * tip.frame.inverse())).norm() < 1e-8, "target {i}");
+            solved += 1;
+        }
+    }
+    assert!(solved >= count - 1, "{solved} of {count} solved");
+}
