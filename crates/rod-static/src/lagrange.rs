@@ -4,10 +4,9 @@ use crate::error::{finite, positive};
 use crate::quadrature::gauss;
 use crate::roots::{Integrals, Roots};
 use crate::state::State;
-use nalgebra::{Complex, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Complex, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::euler::EulerAngles;
 use rapunzel_fiber::so3;
-use std::f64::consts::PI;
 
 /// A rod of circular section with a force and a moment at its ends only: the closed form
 /// (Lagrange's case, thesis section 3.3.1.1 with its errata).
@@ -36,6 +35,8 @@ pub struct Lagrange {
 /// Force times arc length, in units of the rates, below which positions come from quadrature: the
 /// closed form is a difference divided by the force.
 const WEAK: f64 = 1e-2;
+/// The most that quadrature is used for, in radians; longer ways are closed again.
+const PANELS: f64 = 1e5;
 
 /// The angle to the force and what turns about it, in units of the bending stiffness.
 #[derive(Debug, Clone)]
@@ -82,8 +83,9 @@ impl Lagrange {
         // Without a force the moment is constant and the rod winds about it.
         let axis = if force == Vector3::zeros() { moment } else { force };
         let to_world = so3::between(&Vector3::z(), &axis).unwrap_or_else(|| {
-            let half_turn = if axis.z < 0.0 { PI } else { 0.0 };
-            so3::exp(&(Vector3::x() * half_turn))
+            let sign = if axis.z < 0.0 { -1.0 } else { 1.0 };
+            let half_turn = Matrix3::from_diagonal(&Vector3::new(1.0, sign, sign));
+            Rotation3::from_matrix_unchecked(half_turn)
         });
         let (frame, moment) = (to_world.inverse() * start.frame, to_world.inverse() * moment);
         let tangent = frame.matrix().column(2).into_owned();
@@ -109,8 +111,11 @@ impl Lagrange {
             sum: moment.z * above + level,
         };
         let spin = 0.5 * ((bending / torsion - 1.0) * m3 + natural_twist);
+        let straight = squared == 0.0 && integrals.bending == 0.0;
+        let across = Complex::new(moment.x, moment.y);
         let motion = Roots::of(&integrals)
-            .map(|roots| Motion::of(roots, &integrals, &frame, Complex::new(moment.x, moment.y)));
+            .filter(|_| !straight)
+            .map(|roots| Motion::of(roots, &integrals, &frame, across));
         Ok(Self { bending, start: *start, to_world, spin, motion })
     }
 
@@ -158,17 +163,19 @@ impl Lagrange {
     /// The state at arc length `s`, m, of either sign. Not a number only if `s` is not finite.
     #[must_use]
     pub fn at(&self, s: f64) -> State {
-        let Some(motion) = &self.motion else { return self.straight(s) };
+        let free = self.start.force == Vector3::zeros();
+        let Some(motion) = self.motion.as_ref().filter(|_| !free) else { return self.helix(s) };
         let place = motion.place(s);
         let [alpha, beta] = motion.numbers(&place, self.spin * s);
         let quaternion = Quaternion::new(alpha.re, -beta.im, beta.re, alpha.im);
         let frame = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix();
         let transverse = motion.transverse(&place, alpha, beta);
-        let local = if motion.n * s.abs() > WEAK * motion.rate {
+        let weak = motion.n * s.abs() <= WEAK * motion.rate && s.abs() * motion.rate <= PANELS;
+        let local = if weak {
+            motion.by_quadrature(s)
+        } else {
             let way = Complex::new(0.0, -1.0) * (transverse - motion.transverse) / motion.n;
             Vector3::new(way.re, way.im, motion.along(&place, s))
-        } else {
-            motion.by_quadrature(s)
         };
         let moment = Vector3::new(transverse.re, transverse.im, motion.mz) * self.bending;
         State {
@@ -179,13 +186,15 @@ impl Lagrange {
         }
     }
 
-    /// A rod along its force, or without any load: only its twist turns.
-    fn straight(&self, s: f64) -> State {
-        let tangent = self.start.frame.matrix().column(2).into_owned();
-        let m3 = self.start.moment.dot(&tangent) / self.bending;
+    /// A rod along its force, or without one: the world sees it turn about its constant moment, and
+    /// it turns about itself.
+    fn helix(&self, s: f64) -> State {
+        let turn = self.start.moment * (s / self.bending);
+        let tangent = self.start.frame * Vector3::z();
+        let own = so3::exp(&(Vector3::z() * (2.0 * self.spin * s)));
         State {
-            position: self.start.position + tangent * s,
-            frame: so3::exp(&(tangent * ((2.0 * self.spin + m3) * s))) * self.start.frame,
+            position: self.start.position + so3::right_jacobian(&-turn) * tangent * s,
+            frame: so3::exp(&turn) * self.start.frame * own,
             ..self.start
         }
     }

@@ -88,6 +88,7 @@ fn a_straight_rod_twists() {
         assert!((at.position - Point3::new(0.0, 0.0, 4.0)).norm() < 1e-15);
         let twist = so3::exp(&(Vector3::z() * (4.0 * (0.6 / 1.5 + 0.1))));
         assert!((at.frame.matrix() - twist.matrix()).norm() < 1e-15);
+        assert_eq!(rod.roots(), None);
     }
 }
 
