@@ -1,0 +1,124 @@
+use crate::goal::Goal;
+use crate::mesh::{Element, Scaled};
+use crate::step::{Node, Propagator};
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
+
+/// Newton steps before an attempt is given up.
+const MOST: usize = 12;
+/// A correction after which nothing is left to correct: the next one is its square.
+const SMALL: f64 = 1e-8;
+/// A correction in radians and lengths that is no longer one.
+const FAR: f64 = 3.0;
+
+type Variation = SVector<f64, 12>;
+
+/// Newton's method for all nodes at once (multiple shooting): each element's end must be the next
+/// node, and the last node meet `goal`. `None` if it does not converge; then `nodes` are spoilt.
+///
+/// The linear system is solved by propagating an orthonormal basis of what the clamp leaves free
+/// (Godunov 1961, Scott and Watts 1977): modes that grow along the rod do no harm.
+pub(crate) fn newton(
+    rod: &Scaled,
+    elements: &[Element],
+    nodes: &mut [Node],
+    goal: &Goal,
+    factor: f64,
+) -> Option<()> {
+    let mut before = f64::INFINITY;
+    for iteration in 0..MOST {
+        let corrections = corrections(rod, elements, nodes, goal, factor)?;
+        let mut size = 0.0_f64;
+        for (node, correction) in nodes.iter().zip(&corrections) {
+            size = size.max(relative(node, correction));
+        }
+        let diverges = iteration > 1 && size > 0.7 * before && size > SMALL;
+        if !size.is_finite() || size > FAR || diverges {
+            return None;
+        }
+        for (node, correction) in nodes.iter_mut().zip(&corrections) {
+            node.correct(correction);
+        }
+        if size < SMALL {
+            return Some(());
+        }
+        before = size;
+    }
+    None
+}
+
+/// The size of a correction: in lengths, radians and parts of what the node carries.
+fn relative(node: &Node, c: &Variation) -> f64 {
+    let part = |row: usize| c.fixed_rows::<3>(row).norm();
+    let (m, n) = (part(6) / (1.0 + node.m.norm()), part(9) / (1.0 + node.n.norm()));
+    part(0).max(part(3)).max(m).max(n)
+}
+
+impl Node {
+    fn correct(&mut self, c: &Variation) {
+        self.r += c.fixed_rows::<3>(0);
+        let turn: Vector3<f64> = c.fixed_rows::<3>(3).into_owned();
+        self.q = UnitQuaternion::new_normalize(
+            (UnitQuaternion::from_scaled_axis(turn) * self.q).into_inner(),
+        );
+        self.m += c.fixed_rows::<3>(6);
+        self.n += c.fixed_rows::<3>(9);
+    }
+
+    /// What takes `other` here.
+    fn minus(&self, other: &Self) -> Variation {
+        let mut difference = Variation::zeros();
+        difference.fixed_rows_mut::<3>(0).copy_from(&(self.r - other.r));
+        let turn = (self.q * other.q.inverse()).scaled_axis();
+        difference.fixed_rows_mut::<3>(3).copy_from(&turn);
+        difference.fixed_rows_mut::<3>(6).copy_from(&(self.m - other.m));
+        difference.fixed_rows_mut::<3>(9).copy_from(&(self.n - other.n));
+        difference
+    }
+}
+
+/// The derivatives of an element's end, and the end.
+pub(crate) fn propagate(
+    rod: &Scaled,
+    element: &Element,
+    node: &Node,
+    factor: f64,
+) -> (Node, Propagator) {
+    let properties = rod.properties(element, factor);
+    let (reached, by) = node.step_with_derivatives(element.from, element.to, properties);
+    let n = reached.node.n - element.end_load * factor;
+    (Node { n, ..reached.node }, by)
+}
+
+/// The Newton corrections of all nodes.
+fn corrections(
+    rod: &Scaled,
+    elements: &[Element],
+    nodes: &[Node],
+    goal: &Goal,
+    factor: f64,
+) -> Option<Vec<Variation>> {
+    // A correction of node i is basis_i p_i + rest_i; the clamp leaves moment and force free.
+    let mut basis = SMatrix::<f64, 12, 6>::zeros();
+    basis.fixed_view_mut::<6, 6>(6, 0).fill_with_identity();
+    let mut rest = Variation::zeros();
+    let mut passed = Vec::with_capacity(elements.len());
+    for (i, element) in elements.iter().enumerate() {
+        let (end, by) = propagate(rod, element, &nodes[i], factor);
+        let moved = by * rest + end.minus(&nodes[i + 1]);
+        let qr = (by * basis).qr();
+        let next = qr.q();
+        let along = next.tr_mul(&moved);
+        passed.push((basis, rest, qr.r(), along));
+        (basis, rest) = (next, moved - next * along);
+    }
+    let (missed, by) = goal.missed(nodes.last()?)?;
+    let mut p = (by * basis).lu().solve(&-(missed + by * rest))?;
+    let mut corrections = vec![basis * p + rest];
+    for (basis, rest, triangle, along) in passed.iter().rev() {
+        // The triangle leads from p here to p there: modes that grow forward shrink backward.
+        p = triangle.solve_upper_triangular(&(p - along))?;
+        corrections.push(basis * p + rest);
+    }
+    corrections.reverse();
+    Some(corrections)
+}

@@ -1,0 +1,63 @@
+use crate::goal::Goal;
+use crate::mesh::{Element, Scaled};
+use crate::shooting::propagate;
+use crate::step::Node;
+use nalgebra::{Matrix3, Vector3};
+
+/// Stiffness of what is held, in units of the rod's own: as good as rigid, and no matter for signs.
+const RIGID: f64 = 1e9;
+
+/// Number of independent variations that lower the energy: the number of points conjugate to the
+/// end, counted with their multiplicity. `None` if a derivative is singular.
+///
+/// The variations are rotations along the rod; the second variation in them is eliminated element
+/// by element from the end, and each pivot's negative eigenvalues are counted (the count of
+/// Wittrick and Williams 1971). An end that is held in its place takes away those variations that
+/// move it, which are as many as its compliance has negative eigenvalues (the isoperimetric index
+/// of Maddocks 1985; Manning, Rogers and Maddocks 1998).
+pub(crate) fn index(
+    rod: &Scaled,
+    elements: &[Element],
+    nodes: &[Node],
+    goal: &Goal,
+    factor: f64,
+) -> Option<usize> {
+    let tangent = nodes.last()?.q * Vector3::z();
+    // The part beyond a node: its moment is stiffness * rotation + coupling * force, and the end
+    // moves, seen from the node, by arm * rotation + compliance * force.
+    let mut stiffness = match goal {
+        Goal::Free { .. } | Goal::Position { .. } => Matrix3::zeros(),
+        Goal::Tangent { .. } => (tangent * tangent.transpose() - Matrix3::identity()) * RIGID,
+        Goal::Held { .. } => Matrix3::identity() * -RIGID,
+    };
+    let [mut coupling, mut arm, mut compliance] = [Matrix3::<f64>::zeros(); 3];
+    let mut count = 0;
+    for (element, node) in elements.iter().zip(nodes).rev() {
+        let (_, by) = propagate(rod, element, node, factor);
+        let block = |row: usize, column: usize| -> Matrix3<f64> {
+            by.fixed_view::<3, 3>(3 * row, 3 * column).into_owned()
+        };
+        let [r, rotation, m] = [0, 1, 2].map(|row| [1, 2, 3].map(|column| block(row, column)));
+        let pivot = m[1] - stiffness * rotation[1];
+        count += negative(&(pivot * rotation[1].try_inverse()?));
+        let inverse = pivot.try_inverse()?;
+        let (before, beyond) = (
+            inverse * (stiffness * rotation[0] - m[0]),
+            inverse * (stiffness * rotation[2] + coupling - m[2]),
+        );
+        let (turned, pulled) =
+            (rotation[0] + rotation[1] * before, rotation[2] + rotation[1] * beyond);
+        compliance += r[2] + r[1] * beyond + arm * pulled;
+        arm = r[0] + r[1] * before + arm * turned;
+        (stiffness, coupling) = (before, beyond);
+    }
+    let held = if matches!(goal, Goal::Free { .. }) { 0 } else { negative(&compliance) };
+    Some(count.saturating_sub(held))
+}
+
+/// Number of negative eigenvalues of the symmetric part; those of rounding do not count.
+fn negative(m: &Matrix3<f64>) -> usize {
+    let eigenvalues = (0.5 * (m + m.transpose())).symmetric_eigenvalues();
+    let zero = 1e-10 * eigenvalues.amax();
+    eigenvalues.iter().filter(|e| **e < -zero).count()
+}
