@@ -246,3 +246,60 @@ proptest! {
         prop_assert!(needed.iter().all(|pair| found.binary_search(pair).is_ok()));
     }
 }
+
+/// Two bundles of several regions each: one goes far away, and comes back to the other's place.
+#[test]
+fn bundles_that_part_and_meet_again_are_found() {
+    let one = scenes::wavy(36);
+    let nodes = one.layout.nodes();
+    let layout = Layout::new(std::iter::repeat_n(100, 72));
+    let radii = vec![one.radii[0]; layout.segments()];
+    let mut list = Candidates::new(0.0, 1e-3).expect("valid");
+    for (away, update) in [(0.1, Update::Rebuilt), (1.0, Update::Kept), (0.0, Update::Refitted)] {
+        let mut positions = [&one.positions[..], &one.positions[..]].concat();
+        positions[nodes..].iter_mut().for_each(|p| p.y += away + 1e-5);
+        let capsules = Capsules::new(&layout, &positions, &radii).expect("valid");
+        let mut found = Vec::new();
+        let made = list.contacts(&capsules, &mut found).expect("the same segments");
+        assert!(made == update || (away == 0.0 && made == Update::Rebuilt), "{away}: {made:?}");
+        found.sort_by_key(|contact| contact.pair);
+        let mut tree = Tree::new(&capsules, 0.0).expect("valid");
+        let mut expected = Vec::new();
+        contacts(&capsules, &pairs(&mut tree), 0.0, &mut expected).expect("valid");
+        assert!(found == expected, "{away}: {} of {}", found.len(), expected.len());
+    }
+}
+
+fn offset() -> impl Strategy<Value = [f64; 3]> {
+    prop::array::uniform3(prop_oneof![4 => Just(0.0), 2 => Just(1.0), 1 => -1e-3..1e-3_f64])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    /// Bundles of several regions each, which go far away from, back to and through each other.
+    #[test]
+    fn candidates_of_bundles_that_wander_miss_no_contact(
+        offsets in prop::collection::vec(prop::array::uniform3(offset()), 2..7),
+        apart in 0.0..3.0_f64,
+        margin in prop_oneof![Just(0.0), 1e-5..3e-3_f64],
+    ) {
+        let one = scenes::wavy(9);
+        let layout = Layout::new(std::iter::repeat_n(100, 27));
+        let radii = vec![one.radii[0]; layout.segments()];
+        let mut list = Candidates::new(0.0, margin).expect("valid");
+        for (step, offsets) in (0_u8..).zip(&offsets) {
+            let now = one.advanced(apart * f64::from(step));
+            let positions: Vec<_> = offsets
+                .iter()
+                .flat_map(|offset| now.positions.iter().map(|p| p + Vector3::from(*offset)))
+                .collect();
+            let capsules = Capsules::new(&layout, &positions, &radii).expect("valid");
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            list.contacts(&capsules, &mut found).expect("the same segments");
+            contacts(&capsules, &common::box_pairs(&capsules), 0.0, &mut expected).expect("valid");
+            found.sort_by_key(|contact| contact.pair);
+            prop_assert!(found == expected);
+        }
+    }
+}

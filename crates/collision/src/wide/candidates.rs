@@ -36,6 +36,8 @@ struct List {
     pairs: Vec<Pair>,
     /// Positions when the list was made (world), m.
     positions: Vec<Point3<f64>>,
+    /// Boxes of the regions when the list was made.
+    hulls: Vec<Bounds>,
     /// Region of every segment: its block of the tree's second level.
     regions: Vec<u32>,
     /// Room for the squared distances of all pairs, m².
@@ -133,8 +135,15 @@ impl List {
                 }
             }
         }
-        let (pairs, positions, squared) = (Vec::new(), Vec::new(), Vec::new());
-        let mut list = Self { cost: tree.cost(), tree, pairs, positions, regions, squared };
+        let mut list = Self {
+            cost: tree.cost(),
+            tree,
+            pairs: Vec::new(),
+            positions: Vec::new(),
+            hulls: Vec::new(),
+            regions,
+            squared: Vec::new(),
+        };
         list.search(capsules);
         Ok(list)
     }
@@ -142,6 +151,7 @@ impl List {
     /// Lists all pairs whose grown boxes meet.
     fn search(&mut self, capsules: &Capsules) {
         self.tree.pairs(&mut self.pairs);
+        self.hulls.clone_from(&self.tree.levels[1].hulls);
         self.positions.clear();
         self.positions.extend_from_slice(capsules.positions());
     }
@@ -162,8 +172,8 @@ impl List {
     fn stays_complete(&mut self, capsules: &Capsules, margin: f64) -> Result<bool, CollisionError> {
         self.tree.check(capsules)?;
         let motions = self.motions(capsules);
-        let hulls = &self.tree.levels[1].hulls;
-        let hulls = hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull)).collect();
+        let moved = self.hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull));
+        let hulls = moved.collect();
         let closer = |[a, b]: [usize; 2]| motions[a].apart(&motions[b]);
         Ok(self.tree.regions_that_meet(hulls, |regions| closer(regions) <= margin))
     }
@@ -171,7 +181,7 @@ impl List {
     /// How far the segments of every region have moved since the list was made.
     fn motions(&self, capsules: &Capsules) -> Vec<Motion> {
         let (layout, positions) = (capsules.layout(), capsules.positions());
-        let none = vec![Motion::NONE; self.tree.levels[1].hulls.len()];
+        let none = vec![Motion::NONE; self.hulls.len()];
         let length = layout.fibers().div_ceil(PARTS);
         let part = |part: usize| {
             let mut motions = none.clone();
