@@ -1,7 +1,6 @@
 //! Times and statistics.
 
 use crate::drawing::{Chart, Curve, Drawing};
-use crate::report::{Check, Criterion};
 use std::time::Instant;
 
 /// The least time of some runs, ms, and what the last gave.
@@ -42,15 +41,4 @@ pub(crate) fn chart(
         Curve { name, points }
     });
     Drawing::Chart(Chart { title: title.into(), x, y, log_from, curves: curves.collect() })
-}
-
-/// A check of a number.
-pub(crate) fn check(
-    compared: impl Into<String>,
-    obtained: f64,
-    unit: &'static str,
-    criterion: Criterion,
-    thesis: &'static str,
-) -> Check {
-    Check { compared: compared.into(), obtained, unit, criterion, thesis }
 }

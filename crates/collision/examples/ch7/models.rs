@@ -2,8 +2,8 @@
 
 use crate::Fallible;
 use crate::drawing::{Drawing, Picture, Pictures};
-use crate::measure::{chart, check};
-use crate::report::{Criterion, Figure};
+use crate::measure::chart;
+use crate::report::{Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::hierarchy::Variant;
 use rapunzel_collision::scenes::{self, Arrangement};

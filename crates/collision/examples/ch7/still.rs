@@ -1,9 +1,9 @@
 //! Figures 7.9, 7.13 and 7.14: models at rest.
 
 use crate::Fallible;
-use crate::measure::{chart, check, least};
+use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use crate::report::{Criterion, Figure};
+use crate::report::{Criterion, Figure, check};
 use rapunzel_collision::hierarchy::{Counts, Variant};
 use rapunzel_collision::scenes::{self, Arrangement};
 use rapunzel_collision::volume::Directions;
@@ -185,7 +185,7 @@ pub(crate) fn table(size: Size) -> Fallible<Figure> {
                 "find all: time of OS over AS, largest of all models",
                 os.iter().zip(ass).map(|(o, a)| o.all / a.all).fold(0.0, f64::max),
                 "",
-                Criterion::Within(2.0, 30.0),
+                Criterion::Told,
                 "up to 10",
             ),
             check(
@@ -248,7 +248,7 @@ pub(crate) fn counts(size: Size) -> Fallible<Figure> {
                 "locke, root: volume of OL over SL",
                 growth,
                 "",
-                Criterion::AtLeast(10.0),
+                Criterion::Told,
                 "five orders of magnitude; boxes from corners grow exponentially with the level",
             ),
             check(

@@ -1,9 +1,9 @@
 //! Figure 7.15: k-DOPs of 6 to 200 faces.
 
 use crate::Fallible;
-use crate::measure::{chart, check, least};
+use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use crate::report::{Criterion, Figure};
+use crate::report::{Criterion, Figure, check};
 use rapunzel_collision::hierarchy::{Counts, Variant};
 use rapunzel_collision::scenes::Arrangement;
 use rapunzel_collision::volume::Directions;

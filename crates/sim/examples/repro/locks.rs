@@ -3,7 +3,7 @@
 use crate::Fallible;
 use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::film::{Film, mean_tip, play, scene};
-use crate::report::{Check, Criterion, Figure};
+use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
 use rapunzel_sim::World;
 use rapunzel_sim::scene::Tip;
@@ -58,13 +58,6 @@ pub(crate) fn pulled() -> Fallible<Figure> {
     let over = after.fold(f64::MIN, f64::max);
     let swings: Vec<f64> =
         turning_points(&height, until).iter().map(|p| (p[1] - rest).abs()).collect();
-    let check = |compared: &str, obtained, unit, criterion, thesis| Check {
-        compared: compared.into(),
-        obtained,
-        unit,
-        criterion,
-        thesis,
-    };
     Ok(Figure {
         scene: "lock-pulled",
         parameters: "25 cm, 1 + 180 fibers, each integrated by itself, pulled in 0.5 s; gravity \

@@ -3,7 +3,7 @@
 use crate::Fallible;
 use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::film::{Film, play, scene, with_box};
-use crate::report::{Check, Criterion, Figure};
+use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
 use rapunzel_sim::scene::{Arrangement, Shape, Tip, Weights};
 use rapunzel_sim::{Scene, World};
@@ -185,13 +185,6 @@ pub(crate) fn torque() -> Fallible<Figure> {
         crossings = crossings.max(self_crossings(&state.positions));
     })?;
     let most = turn.iter().map(|p| p[1]).fold(0.0, f64::max);
-    let check = |compared: &str, obtained, unit, criterion, thesis| Check {
-        compared: compared.into(),
-        obtained,
-        unit,
-        criterion,
-        thesis,
-    };
     Ok(Figure {
         scene: "straight-rod-with-torque",
         parameters: "45 cm; alpha 0.3, beta 0, gamma 0.7, steps of 1/30 s as in the thesis; the \
@@ -455,13 +448,8 @@ pub(crate) fn damping() -> Fallible<Figure> {
         rest.push(late.fold(0.0, f64::max));
         curves.push(Curve { name: format!("alpha {alpha}, gamma {gamma}"), points });
     }
-    let check = |compared: String, obtained, criterion| Check {
-        compared,
-        obtained,
-        unit: "",
-        criterion,
-        thesis: "how soon it rests depends on the coefficients",
-    };
+    let thesis = "how soon it rests depends on the coefficients";
+    let check = |compared, obtained, criterion| check(compared, obtained, "", criterion, thesis);
     let mut checks = Vec::new();
     for i in 1..SETS.len() {
         checks.push(check(
