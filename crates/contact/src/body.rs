@@ -1,0 +1,26 @@
+use crate::ContactError;
+use nalgebra::Vector3;
+
+/// Something that moves, or several such things, as a contact solver sees it: points that answer
+/// impulses with velocities.
+///
+/// The answer is linear, symmetric and positive semidefinite: with `H` the map from the state to
+/// the velocities of the points and `A` the inertia of a step, impulses `p` on the points change
+/// their velocities by `H A^-1 H^T p`. Vectors are in the world frame.
+pub trait Body: Send {
+    /// Number of points.
+    fn points(&self) -> usize;
+
+    /// Adds a mass (kg, not negative) at every point, in place of those added before: from then on
+    /// the answer is `H (A + H^T M H)^-1 H^T p`. Zeros take all masses away.
+    ///
+    /// # Errors
+    /// [`ContactError::Body`] if that cannot be solved.
+    fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError>;
+
+    /// Writes the change of the points' velocities, m/s, that `impulses`, N s, cause.
+    fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
+
+    /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
+    fn own_traces(&mut self, traces: &mut [f64]);
+}

@@ -1,0 +1,30 @@
+use crate::LimitCurve;
+use nalgebra::{Matrix3, Vector3};
+
+/// A contact between two points, or between a point and something whose motion is given.
+///
+/// With `v` the velocities of the points, `u = frame^T (v_first - v_second) + bias` is the relative
+/// velocity as the law sees it, and the impulse `r` on the first point, `-r` on the second, obeys
+/// `0 <= r_n + adhesion`, `u_n >= 0`, one of them zero, and Coulomb's law of maximal dissipation:
+/// `r_t` lies in the limit curve scaled by `r_n + adhesion` and is, of all that do, the one that
+/// works most against `u_t`. Components 0, 1, 2 are normal, along `t1`, along `t2`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// Index of the first point among the points of all bodies, in the order of the bodies.
+    pub first: usize,
+    /// Index of the second; `None` where the first touches something that is not moved by it.
+    pub second: Option<usize>,
+    /// Orthonormal columns, world: the normal from the second to the first, then two tangents, of
+    /// which the limit curve speaks.
+    pub frame: Matrix3<f64>,
+    /// Added to the relative velocity, m/s, in `frame`: minus the velocity of what is not moved;
+    /// along the normal the gap that may still close in the step divided by its length, or the
+    /// restitution's share of the velocity of approach.
+    pub bias: Vector3<f64>,
+    /// How much friction there is, by direction.
+    pub friction: LimitCurve,
+    /// Tensile impulse that the contact can bear, N s.
+    pub adhesion: f64,
+    /// Compliance: adds `compliance * r` to the relative velocity, 1/kg. Zero is rigid.
+    pub compliance: f64,
+}

@@ -1,0 +1,43 @@
+use thiserror::Error;
+
+/// Why contacts could not be solved.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A number makes no sense.
+    #[error("{what} is {value}: {why}")]
+    Invalid {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        why: &'static str,
+    },
+    /// A contact is at a point that there is not, or its numbers make no sense.
+    #[error("contact {contact}: {why}")]
+    Contact {
+        /// Index of the contact.
+        contact: usize,
+        /// What is wrong.
+        why: &'static str,
+    },
+    /// An array does not have the length that the bodies or contacts need.
+    #[error("{what}: {found} were given, {expected} are needed")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// The length that it must have.
+        expected: usize,
+        /// Its length.
+        found: usize,
+    },
+    /// A body could not answer.
+    #[error("body {body} cannot answer impulses: {why}")]
+    Body {
+        /// Index of the body.
+        body: usize,
+        /// Why.
+        why: String,
+    },
+}

@@ -1,0 +1,13 @@
+#![doc = include_str!("../README.md")]
+
+mod body;
+mod contact;
+mod error;
+mod limit_curve;
+mod solver;
+
+pub use body::Body;
+pub use contact::Contact;
+pub use error::ContactError;
+pub use limit_curve::LimitCurve;
+pub use solver::{Report, Solver};

@@ -1,0 +1,36 @@
+use crate::{Body, Contact, ContactError};
+use nalgebra::Vector3;
+
+/// How well a law is obeyed, and what that cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Report {
+    /// Iterations.
+    pub iterations: usize,
+    /// Whether the solver's tolerances were reached.
+    pub converged: bool,
+    /// Coulomb residual: the natural map of the law in impulses, relative to all impulses.
+    pub residual: f64,
+    /// Largest error of a normal velocity, m/s: how fast a gap closes that must not, or opens
+    /// although it is pressed.
+    pub normal_error: f64,
+    /// Largest slip of a contact whose friction is within its limit, m/s.
+    pub slip_error: f64,
+}
+
+/// Solves all contacts of some bodies together.
+pub trait Solver: Send {
+    /// Finds the impulses of `contacts` (N s, in each contact's frame) and replaces `impulses` by
+    /// them. `velocities` are those of all points while the impulses given at first act; these
+    /// are where the search starts as well.
+    ///
+    /// # Errors
+    /// [`ContactError`] for arrays that do not fit and contacts that make no sense. A search that
+    /// ends before its tolerance is no error: the report says so.
+    fn solve(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        contacts: &[Contact],
+        velocities: &[Vector3<f64>],
+        impulses: &mut [Vector3<f64>],
+    ) -> Result<Report, ContactError>;
+}
