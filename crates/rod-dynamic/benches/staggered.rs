@@ -86,7 +86,7 @@ fn response(c: &mut Criterion) {
         for _ in 0..100 {
             batch.step(1e-3, &conditions, &mut reports).expect("a step");
         }
-        batch.predict(1e-3, &conditions, &mut reports).expect("a prediction");
+        batch.predict(1e-3, &conditions, &[], &mut reports).expect("a prediction");
         let nodes = batch.nodes();
         let mut impulses = vec![Vector3::zeros(); nodes];
         impulses[50] = Vector3::new(1e-9, 2e-9, 3e-9);

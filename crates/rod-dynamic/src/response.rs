@@ -1,17 +1,15 @@
 use crate::RodError;
 use nalgebra::{Matrix3, Vector3};
 
-/// A mass added at a point of a fibre, for a solver that needs a metric.
+/// A point of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weight {
+pub struct Point {
     /// Index of the fibre in its batch.
-    pub fiber: usize,
+    pub fiber: u32,
     /// Index of the segment.
-    pub segment: usize,
+    pub segment: u32,
     /// Where on the segment, 0 at its root end and 1 at its tip end.
     pub fraction: f64,
-    /// The mass, kg (impulse per velocity), not negative.
-    pub mass: f64,
 }
 
 /// How fibres whose step has been solved, but not finished, answer impulses.
@@ -36,18 +34,30 @@ pub trait ImpulseResponse {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
+    /// Writes the change of the mean velocities of points that impulses on them cause.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for arrays that do not fit, [`RodError::Invalid`] for a point that is
+    /// not on a fibre.
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError>;
+
     /// Writes the answer of every node to an impulse on itself (1/kg), by selected inversion.
     ///
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
 
-    /// Adds masses at points, in place of all added before, and factorises again: from then on the
+    /// Adds masses (kg, that is impulse per velocity) at points, in place of all added before, and factorises again: from then on the
     /// response is the inverse of `W^-1 + H^T M H`, `H` the interpolation to the points. An empty
     /// list takes them away.
     ///
     /// # Errors
-    /// [`RodError::Invalid`] for a point that is not on a fibre or a mass that is negative or not
-    /// finite.
-    fn set_weights(&mut self, weights: &[Weight]) -> Result<(), RodError>;
+    /// [`RodError::Length`] unless there is a mass for each point, [`RodError::Invalid`] for a
+    /// point that is not on a fibre or a mass that is negative or not finite.
+    fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError>;
 }

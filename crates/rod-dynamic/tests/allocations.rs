@@ -5,8 +5,8 @@ mod common;
 use common::{GRAVITY, hair};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Instant, Rod, RodIntegrator,
-    StaggeredBatch, Steady, StepReport, Weight,
+    BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Instant, Point, Rod, RodIntegrator,
+    StaggeredBatch, Steady, StepReport,
 };
 
 /// Allocations of the second of two runs of `step`.
@@ -43,14 +43,15 @@ fn warm_steps_do_not_allocate() {
         let impulses = vec![Vector3::new(1e-9, 0.0, 0.0); nodes];
         let mut velocities = vec![Vector3::zeros(); nodes];
         let mut blocks = vec![Matrix3::zeros(); nodes];
-        let weights = [Weight { fiber: 0, segment: 7, fraction: 0.3, mass: 1e-6 }];
+        let points = [Point { fiber: 0, segment: 7, fraction: 0.3 }];
         let count = allocations(|| {
-            batch.predict(1e-3, &conditions, &mut reports).expect("a prediction");
+            batch.predict(1e-3, &conditions, &impulses, &mut reports).expect("a prediction");
             batch.mean_velocities(&mut velocities).expect("lengths");
             batch.respond(&impulses, &mut velocities).expect("lengths");
             batch.diagonal_blocks(&mut blocks).expect("lengths");
-            batch.set_weights(&weights).expect("weights");
-            batch.finish(&impulses, &mut reports).expect("a step");
+            batch.set_weights(&points, &[1e-6]).expect("weights");
+            batch.correct(&impulses, &mut reports).expect("a step");
+            batch.accept();
         });
         assert_eq!(count, 0, "the halves of a step of {fibers}");
     }

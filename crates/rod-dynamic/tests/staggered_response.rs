@@ -5,7 +5,7 @@ use nalgebra::{
 };
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Rod, StaggeredBatch, Steady, StepReport, Weight,
+    Conditions, ImpulseResponse, Instant, Point, Rod, StaggeredBatch, Steady, StepReport,
 };
 
 const SEGMENTS: usize = 40;
@@ -43,7 +43,7 @@ fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     }
     let mut start = Vec::new();
     batch.save(&mut start);
-    batch.predict(dt, &conditions, &mut reports).expect("a prediction");
+    batch.predict(dt, &conditions, &[], &mut reports).expect("a prediction");
     (batch, start)
 }
 
@@ -101,7 +101,7 @@ fn response_is_the_derivative_of_a_step() {
             impulses[node] = direction;
             let mut linear = vec![Vector3::zeros(); NODES];
             batch.restore(&start).expect("own numbers");
-            batch.predict(dt, &[&hold], &mut reports).expect("a prediction");
+            batch.predict(dt, &[&hold], &[], &mut reports).expect("a prediction");
             batch.respond(&impulses, &mut linear).expect("lengths");
             let scale = linear.iter().map(|v| v.norm()).fold(0.0, f64::max);
             // An impulse that changes the most mobile node's velocity by a tenth of a millimetre
@@ -110,9 +110,10 @@ fn response_is_the_derivative_of_a_step() {
             let mut moved = [Vec::new(), Vec::new()];
             for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
                 batch.restore(&start).expect("own numbers");
-                batch.predict(dt, &[&hold], &mut reports).expect("a prediction");
+                batch.predict(dt, &[&hold], &[], &mut reports).expect("a prediction");
                 let small: Vec<_> = impulses.iter().map(|p| p * sign * size).collect();
-                batch.finish(&small, &mut reports).expect("a step");
+                batch.correct(&small, &mut reports).expect("a step");
+                batch.accept();
                 *moved = batch.state(0).positions;
             }
             for a in 0..NODES {
@@ -131,7 +132,8 @@ fn predicting_and_finishing_is_a_step() {
     let (hold, mut reports) = (hold(), [StepReport::default()]);
     let mut mean = vec![Vector3::zeros(); NODES];
     batch.mean_velocities(&mut mean).expect("lengths");
-    batch.finish(&vec![Vector3::zeros(); NODES], &mut reports).expect("a step");
+    batch.correct(&vec![Vector3::zeros(); NODES], &mut reports).expect("a step");
+    batch.accept();
     let halves = batch.state(0);
     batch.restore(&start).expect("own numbers");
     let before = batch.state(0);
@@ -151,22 +153,20 @@ fn weights_add_to_the_inverse() {
     let (mut batch, _) = falling(2, 1e-2);
     let w = matrix(&mut batch);
     let mass = batch.rods()[0].fiber.mass();
-    let weights = [
-        Weight { fiber: 0, segment: 7, fraction: 0.25, mass: 0.3 * mass },
-        Weight { fiber: 0, segment: 7, fraction: 0.9, mass: 0.02 * mass },
-        Weight { fiber: 0, segment: 39, fraction: 1.0, mass: 0.5 * mass },
-        Weight { fiber: 1, segment: 20, fraction: 0.5, mass },
-    ];
-    batch.set_weights(&weights).expect("valid weights");
+    let points = [(0, 7, 0.25), (0, 7, 0.9), (0, 39, 1.0), (1, 20, 0.5)]
+        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+    let masses = [0.3 * mass, 0.02 * mass, 0.5 * mass, mass];
+    batch.set_weights(&points, &masses).expect("valid weights");
     let weighted = matrix(&mut batch);
     // (W^-1 + H^T M H)^-1 = W - W H^T (M^-1 + H W H^T)^-1 H W, for W is singular.
     let mut h = DMatrix::zeros(9, 3 * NODES);
     let mut inverse = DMatrix::zeros(9, 9);
-    for (i, weight) in weights[..3].iter().enumerate() {
+    for (i, (point, mass)) in points[..3].iter().zip(&masses).enumerate() {
+        let node = 3 * point.segment as usize;
         for k in 0..3 {
-            h[(3 * i + k, 3 * weight.segment + k)] = 1.0 - weight.fraction;
-            h[(3 * i + k, 3 * weight.segment + 3 + k)] = weight.fraction;
-            inverse[(3 * i + k, 3 * i + k)] = 1.0 / weight.mass;
+            h[(3 * i + k, node + k)] = 1.0 - point.fraction;
+            h[(3 * i + k, node + 3 + k)] = point.fraction;
+            inverse[(3 * i + k, 3 * i + k)] = 1.0 / mass;
         }
     }
     let hw = &h * &w;
@@ -175,6 +175,33 @@ fn weights_add_to_the_inverse() {
     // The weighted matrix is linearised at the last iterate, the dense one at that before.
     assert!((&weighted - &expected).amax() < 1e-7 * w.amax(), "weighted response");
     assert!((&weighted - &w).amax() > 1e-2 * w.amax(), "the weights matter");
-    batch.set_weights(&[]).expect("no weights");
+    batch.set_weights(&[], &[]).expect("no weights");
     assert!((matrix(&mut batch) - &w).amax() < 1e-7 * w.amax(), "weights are taken away");
+}
+
+/// An impulse at a point is its shares on the two nodes, and its velocity is interpolated alike.
+#[test]
+fn points_answer_as_their_nodes() {
+    let (mut batch, _) = falling(3, 1e-3);
+    let points = [(2, 39, 1.0), (0, 0, 0.5), (1, 17, 0.3), (1, 17, 0.8), (0, 5, 0.0)]
+        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+    let impulses: Vec<_> = (0..5).map(|i| Vector3::new(1.0, f64::from(i), -2.0) * 1e-9).collect();
+    let mut answers = vec![Vector3::zeros(); 5];
+    batch.respond_at(&points, &impulses, &mut answers).expect("valid points");
+    let mut nodes = vec![Vector3::zeros(); batch.nodes()];
+    let first = |p: &Point| p.fiber as usize * NODES + p.segment as usize;
+    for (point, impulse) in points.iter().zip(&impulses) {
+        nodes[first(point)] += impulse * (1.0 - point.fraction);
+        nodes[first(point) + 1] += impulse * point.fraction;
+    }
+    let mut velocities = vec![Vector3::zeros(); batch.nodes()];
+    batch.respond(&nodes, &mut velocities).expect("lengths");
+    for (point, answer) in points.iter().zip(&answers) {
+        let a = first(point);
+        let expected = velocities[a].lerp(&velocities[a + 1], point.fraction);
+        assert!((answer - expected).norm() <= 1e-13 * expected.norm(), "{point:?}");
+        assert!(expected.norm() > 0.0);
+    }
+    let off = Point { fiber: 3, segment: 0, fraction: 0.0 };
+    batch.respond_at(&[off], &impulses[..1], &mut answers[..1]).expect_err("no such fibre");
 }

@@ -29,8 +29,12 @@ pub struct StaggeredBatch {
     time: f64,
     /// Length of the step that has been predicted, s.
     pub(super) predicted: f64,
+    /// Whether accelerations are carried from step to step.
+    memory: bool,
     /// Whether a fibre's initial acceleration is still to be found.
     pub(super) fresh: [bool; 8],
+    /// The same before the step that has been predicted.
+    pub(super) fresh_before: [bool; 8],
 }
 
 impl StaggeredBatch {
@@ -45,6 +49,23 @@ impl StaggeredBatch {
     /// [`RodError::Invalid`] unless there are 1 to 8 rods of equally many segments, at least two,
     /// with damping times that are finite and not negative, and `0 <= rho_inf <= 1`.
     pub fn new(rods: Vec<Rod>, rho_inf: f64) -> Result<Self, RodError> {
+        if !(0.0..=1.0).contains(&rho_inf) {
+            return Err(RodError::Invalid { what: "rho_inf", why: "must be between 0 and 1" });
+        }
+        Self::with_scheme(rods, Scheme::new(rho_inf))
+    }
+
+    /// The same moved by the backward Euler method: first order in time. It damps more, but its
+    /// velocity at the end of a step is the mean one over the step, so that what an impulse stops
+    /// stays at rest, and forces of contact need no acceleration to balance them.
+    ///
+    /// # Errors
+    /// As [`StaggeredBatch::new`].
+    pub fn backward_euler(rods: Vec<Rod>) -> Result<Self, RodError> {
+        Self::with_scheme(rods, Scheme::backward_euler())
+    }
+
+    fn with_scheme(rods: Vec<Rod>, scheme: Scheme) -> Result<Self, RodError> {
         let invalid = |what, why| Err(RodError::Invalid { what, why });
         if rods.is_empty() || rods.len() > Self::MAX_FIBERS {
             return invalid("rods", "a batch has 1 to 8 rods");
@@ -56,11 +77,11 @@ impl StaggeredBatch {
         if rods.iter().any(|rod| !(rod.damping_time >= 0.0 && rod.damping_time.is_finite())) {
             return invalid("damping time", "must be finite and not negative (s)");
         }
-        if !(0.0..=1.0).contains(&rho_inf) {
-            return invalid("rho_inf", "must be between 0 and 1");
-        }
-        let engine = build(&rods, Scheme::new(rho_inf));
-        let mut batch = Self { engine, rods, time: 0.0, predicted: 0.0, fresh: [true; 8] };
+        let engine = build(&rods, scheme);
+        let memory = scheme.has_memory();
+        let (fresh, fresh_before) = ([true; 8], [true; 8]);
+        let mut batch =
+            Self { engine, rods, time: 0.0, predicted: 0.0, memory, fresh, fresh_before };
         for fiber in 0..batch.rods.len() {
             let state = natural_state(&batch.rods[fiber]);
             batch.set_state(fiber, &state)?;
@@ -288,6 +309,9 @@ impl StaggeredBatch {
                 self.engine.set_conditions(fiber, &now);
             }
             self.engine.measure(&self.fresh);
+        }
+        if !self.memory {
+            self.fresh = [false; 8];
         }
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
             let at =

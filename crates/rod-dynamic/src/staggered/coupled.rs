@@ -3,12 +3,13 @@
 use super::batch::StaggeredBatch;
 use super::scheme::Problem;
 use super::search::Outcome;
-use crate::{Conditions, ImpulseResponse, RodError, StepError, StepReport, Weight};
+use crate::{Conditions, ImpulseResponse, Point, RodError, StepError, StepReport};
 use nalgebra::{Matrix3, Vector3};
 
 impl StaggeredBatch {
-    /// Solves the free step of length `dt` without finishing it: [`Self::mean_velocities`] and
-    /// [`ImpulseResponse`] then speak of it, until [`Self::finish`].
+    /// Solves the step of length `dt` with `impulses` (N s, one a node, or none at all) at its
+    /// start, without finishing it: [`Self::mean_velocities`] and [`ImpulseResponse`] then speak of
+    /// it, until [`Self::accept`] or [`Self::abandon`].
     ///
     /// # Errors
     /// [`StepError`]; a step that does not converge is not halved, since all that touches must
@@ -20,15 +21,48 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
+        impulses: &[Vector3<f64>],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
-        let fresh = self.fresh;
+        self.fresh_before = self.fresh;
         self.begin(dt, conditions, reports)?;
-        let solved = self.solve(dt, Problem::Step, reports);
+        let solved = if impulses.is_empty() { Ok(()) } else { self.set_impulses(impulses) };
+        let solved = solved.and_then(|()| self.solve(dt, Problem::Step, reports));
         if solved.is_err() {
-            self.take_back(fresh);
+            self.abandon();
         }
         solved.map(|_| ())
+    }
+
+    /// Solves the predicted step again with other impulses, from where the last solve ended.
+    ///
+    /// # Errors
+    /// As [`Self::predict`], and [`StepError::Conditions`] for impulses that are not one a node or
+    /// not finite.
+    pub fn correct(
+        &mut self,
+        impulses: &[Vector3<f64>],
+        reports: &mut [StepReport],
+    ) -> Result<(), StepError> {
+        let solved = self.set_impulses(impulses);
+        let solved = solved.and_then(|()| self.solve(self.predicted, Problem::Again, reports));
+        if solved.is_err() {
+            self.abandon();
+        }
+        solved.map(|_| ())
+    }
+
+    /// Makes what the last solve found the state.
+    pub fn accept(&mut self) {
+        let mut all = [false; 8];
+        all[..self.rods().len()].fill(true);
+        self.engine.commit(&[self.predicted; 8], &all, Problem::Step);
+        self.advance_time(self.predicted);
+    }
+
+    /// Takes the fibres back to before the prediction.
+    pub fn abandon(&mut self) {
+        self.take_back(self.fresh_before);
     }
 
     /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
@@ -44,18 +78,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the predicted step with `impulses` (N s, one a node) at its start: solves it again,
-    /// from where the prediction ended, and makes that the state.
-    ///
-    /// # Errors
-    /// As [`Self::predict`], and [`StepError::Conditions`] for impulses that are not one a node or
-    /// not finite.
-    pub fn finish(
-        &mut self,
-        impulses: &[Vector3<f64>],
-        reports: &mut [StepReport],
-    ) -> Result<(), StepError> {
-        let (dt, time) = (self.predicted, self.time());
+    fn set_impulses(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+        let time = self.time();
         let nodes = self.nodes() / self.rods().len();
         let error = |fiber, why| Err(StepError::Conditions { fiber, what: "impulses", time, why });
         if impulses.len() != self.nodes() {
@@ -66,17 +90,8 @@ impl StaggeredBatch {
             return error(k / nodes, "must be finite (N s)");
         }
         for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
-            self.engine.kick(fiber, impulses);
+            self.engine.set_impulses(fiber, impulses);
         }
-        let fresh = self.fresh;
-        if let Err(error) = self.solve(dt, Problem::Again, reports) {
-            self.take_back(fresh);
-            return Err(error);
-        }
-        let mut all = [false; 8];
-        all[..self.rods().len()].fill(true);
-        self.engine.commit(&[dt; 8], &all, Problem::Step);
-        self.advance_time(dt);
         Ok(())
     }
 
@@ -97,6 +112,20 @@ impl StaggeredBatch {
             self.engine.stop(fiber);
         }
         Ok(saddle)
+    }
+
+    fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
+        let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
+        let on = |p: &Point| {
+            (p.fiber as usize) < fibers
+                && (p.segment as usize) < segments
+                && (0.0..=1.0).contains(&p.fraction)
+        };
+        if points.iter().all(on) {
+            return Ok(());
+        }
+        let why = "each needs a fibre, a segment and a fraction in 0..=1";
+        Err(RodError::Invalid { what: "points", why })
     }
 
     /// Solves one problem in all fibres. Tells whether any of them ended at a saddle.
@@ -149,22 +178,26 @@ impl ImpulseResponse for StaggeredBatch {
         Ok(())
     }
 
-    fn set_weights(&mut self, weights: &[Weight]) -> Result<(), RodError> {
-        let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
-        let ok = |w: &Weight| {
-            w.fiber < fibers
-                && w.segment < segments
-                && (0.0..=1.0).contains(&w.fraction)
-                && w.mass >= 0.0
-                && w.mass.is_finite()
-        };
-        if !weights.iter().all(ok) {
-            return Err(RodError::Invalid {
-                what: "weights",
-                why: "each needs a fibre, a segment, a fraction in 0..=1 and a mass >= 0 (kg)",
-            });
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError> {
+        check("impulses", points.len(), impulses.len())?;
+        check("velocities", points.len(), velocities.len())?;
+        self.check_points(points)?;
+        self.engine.respond_at(points, impulses, velocities);
+        Ok(())
+    }
+
+    fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError> {
+        check("masses", points.len(), masses.len())?;
+        self.check_points(points)?;
+        if !masses.iter().all(|m| *m >= 0.0 && m.is_finite()) {
+            return Err(RodError::Invalid { what: "masses", why: "must be finite and >= 0 (kg)" });
         }
-        self.engine.weigh(weights);
+        self.engine.weigh(points, masses);
         Ok(())
     }
 }

@@ -1,13 +1,15 @@
 //! A pack with its register width hidden, and the choice of that width.
 
+use super::ends::Kind;
 use super::lanes::zeros;
 use super::pack::{Pack, at, lanes, set};
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Energy, Instant, Rod, RodState, Weight};
+use crate::{Energy, Instant, Point, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
+use pulp::bytemuck::{self, Zeroable};
 
 /// What a batch needs of a [`Pack`], whatever its register width.
 pub(super) trait Engine: Send {
@@ -42,9 +44,12 @@ pub(super) trait Engine: Send {
     /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
-    fn weigh(&mut self, weights: &[Weight]);
-    /// Adds jumps of velocity to the nodes of one lane.
-    fn kick(&mut self, lane: usize, impulses: &[Vector3<f64>]);
+    /// The same for points in any order.
+    fn respond_at(&mut self, points: &[Point], impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
+    fn weigh(&mut self, points: &[Point], masses: &[f64]);
+    /// Sets the impulses on the nodes of one lane at the start of the step; none acts any more
+    /// once a step is set out on anew.
+    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]);
     /// Takes all motion of one lane away.
     fn stop(&mut self, lane: usize);
     /// How many numbers a lane's state has.
@@ -125,6 +130,7 @@ impl<S: Simd> Engine for Pack<S> {
             backup.extend_from_slice(array);
         }
         self.backup = backup;
+        self.impulses.fill(S::f64s::zeroed());
         self.q_start.copy_from_slice(&self.chain.q);
         self.reaction_start = self.chain.ends.tip_reaction;
     }
@@ -165,14 +171,44 @@ impl<S: Simd> Engine for Pack<S> {
             }
         }
     }
-    fn weigh(&mut self, weights: &[Weight]) {
-        Self::weigh(self, weights);
-    }
-    fn kick(&mut self, lane: usize, impulses: &[Vector3<f64>]) {
-        for (a, impulse) in impulses.iter().enumerate() {
-            let v = self.vector(&self.nodes.v, a, lane) + impulse / at(&self.mass, a, lane);
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        out: &mut [Vector3<f64>],
+    ) {
+        let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.work.values);
+        values.fill(0.0);
+        for (point, impulse) in points.iter().zip(impulses) {
+            let node = &mut values[first::<S>(point)..];
             for i in 0..3 {
-                set(&mut self.nodes.v, 3 * a + i, lane, v[i]);
+                let behind = point.fraction * impulse[i];
+                node[i * S::F64_LANES] += impulse[i] - behind;
+                node[(3 + i) * S::F64_LANES] += behind;
+            }
+        }
+        Self::respond(self);
+        let values = bytemuck::cast_slice::<S::f64s, f64>(&self.work.values);
+        for (point, out) in points.iter().zip(out) {
+            let node = &values[first::<S>(point)..];
+            for i in 0..3 {
+                let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
+                out[i] = before + point.fraction * (behind - before);
+            }
+        }
+    }
+    fn weigh(&mut self, points: &[Point], masses: &[f64]) {
+        Self::weigh(self, points, masses);
+    }
+    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]) {
+        let held = self.held[lane];
+        let (last, free) = (impulses.len() - 1, Vector3::zeros());
+        for (a, impulse) in impulses.iter().enumerate() {
+            let absorbed =
+                (a == 0 && held.root != Kind::Loaded) || (a == last && held.tip != Kind::Loaded);
+            let impulse = if absorbed { &free } else { impulse };
+            for i in 0..3 {
+                set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
             }
         }
     }
@@ -187,6 +223,11 @@ impl<S: Simd> Engine for Pack<S> {
     fn numbers(&self) -> usize {
         self.arrays().iter().map(|a| a.len()).sum()
     }
+}
+
+/// Index of the first number of the node before a point, in an array of vectors.
+fn first<S: Simd>(point: &Point) -> usize {
+    3 * S::F64_LANES * point.segment as usize + point.fiber as usize
 }
 
 /// Builds the engine for at most eight rods: two lanes for one or two, else eight. All variants

@@ -34,6 +34,8 @@ pub(super) struct Pack<S: Simd> {
     pub(super) nodes: Track<S>,
     pub(super) directors: Track<S>,
     pub(super) joints: Track<S>,
+    /// Impulses on the nodes at the start of the step (3).
+    pub(super) impulses: Array<S>,
     /// Forces on the nodes from outside (3).
     pub(super) node_forces: Array<S>,
     /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
@@ -68,6 +70,7 @@ impl<S: Simd> Pack<S> {
             nodes: Track::new(n + 1),
             directors: Track::new(2 * n),
             joints: Track::new(n + 1),
+            impulses: zeros::<S>(3 * (n + 1)),
             node_forces: zeros::<S>(3 * (n + 1)),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::CLAMPED; 8],
@@ -131,10 +134,10 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let Self(pack, dt, wanted, problem, out) = self;
                 let stage = pack.stage(dt, problem);
-                pack.prepare(&stage);
                 if problem == Problem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
+                pack.prepare(&stage);
                 pack.chain.newton(wanted, &pack.held, problem == Problem::Rest, out);
             }
         }
@@ -218,9 +221,10 @@ impl<S: Simd> Pack<S> {
         let wind = V3::load(simd, fields, 2);
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         for a in 0..=n {
-            let rates = self.nodes.rates(&self.chain, a);
-            let (du, vc) = self.scheme.predict(stage, rates);
+            let mut rates = self.nodes.rates(&self.chain, a);
             let mass = Lane::new(simd, self.mass[a]);
+            rates.v += self.jump(a);
+            let (du, vc) = self.scheme.predict(stage, rates);
             let mut length = zero;
             let mut tangent = V3::splat(simd, 0.0);
             for e in [a.wrapping_sub(1), a] {
@@ -282,6 +286,13 @@ impl<S: Simd> Pack<S> {
         }
     }
 
+    /// How much the impulse on a node changes its velocity.
+    #[inline(always)]
+    fn jump(&self, a: usize) -> V3<S> {
+        let impulse = self.chain.vec(&self.impulses, a);
+        impulse.scale(Lane::new(self.chain.simd, self.mass[a]).recip())
+    }
+
     /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
     /// method from which the forces are already of the right size.
     #[inline(always)]
@@ -308,6 +319,9 @@ impl<S: Simd> Pack<S> {
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.r, a);
             let old = self.chain.vec(&self.r, a);
+            let v = self.chain.vec(&self.nodes.v, a);
+            let after = (v + self.jump(a)).positive_or(done, v);
+            store(&mut self.nodes.v, a, after);
             self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
             if stage.problem != Problem::Start {
                 store(&mut self.r, a, new.positive_or(done, old));

@@ -10,7 +10,7 @@ use super::factor::Block;
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
-use crate::Weight;
+use crate::Point;
 use pulp::bytemuck::{self, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 
@@ -48,7 +48,7 @@ impl<S: Simd> Workspace<S> {
 enum Question<'a> {
     Respond,
     Blocks,
-    Weigh(&'a [Weight]),
+    Weigh(&'a [Point], &'a [f64]),
 }
 
 impl<S: Simd> Pack<S> {
@@ -63,8 +63,8 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Factorises again with masses added at points.
-    pub(super) fn weigh(&mut self, weights: &[Weight]) {
-        self.ask(Question::Weigh(weights));
+    pub(super) fn weigh(&mut self, points: &[Point], masses: &[f64]) {
+        self.ask(Question::Weigh(points, masses));
     }
 
     fn ask(&mut self, question: Question<'_>) {
@@ -77,7 +77,9 @@ impl<S: Simd> Pack<S> {
                 match self.1 {
                     Question::Respond => self.0.solve_response(&stage),
                     Question::Blocks => self.0.solve_blocks(&stage),
-                    Question::Weigh(weights) => self.0.factorize_weighted(&stage, weights),
+                    Question::Weigh(points, masses) => {
+                        self.0.factorize_weighted(&stage, points, masses);
+                    }
                 }
             }
         }
@@ -141,17 +143,17 @@ impl<S: Simd> Pack<S> {
     /// A mass at a point of a rigid segment is a mass on each of its nodes, and takes away
     /// `m f (1 - f) h^2` of the inertia of the segment's d3.
     #[inline(always)]
-    fn factorize_weighted(&mut self, stage: &Stage<S>, weights: &[Weight]) {
+    fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let work = &mut self.work;
         work.mass.fill(S::f64s::zeroed());
         work.inertia.fill(S::f64s::zeroed());
-        for weight in weights {
-            let (e, f, m) = (weight.segment, weight.fraction, weight.mass);
-            let h = at(&self.chain.h, e, weight.fiber);
+        for (point, m) in points.iter().zip(masses) {
+            let (lane, e, f) = (point.fiber as usize, point.segment as usize, point.fraction);
+            let h = at(&self.chain.h, e, lane);
             let add = |array: &mut [S::f64s], i: usize, x: f64| {
-                let old = at(array, i, weight.fiber);
-                set(array, i, weight.fiber, old + x);
+                let old = at(array, i, lane);
+                set(array, i, lane, old + x);
             };
             add(&mut work.mass, e, m * (1.0 - f));
             add(&mut work.mass, e + 1, m * f);

@@ -7,7 +7,8 @@
 //! gains energy; see the crate's tests.
 //!
 //! With `u` the displacement over the step, the end of the step has the velocity `cv u + vc` and
-//! the acceleration `c1 (u - du)`.
+//! the acceleration `c1 (u - du)`. Backward Euler is the same without memory of accelerations: its
+//! velocity is the mean one over the step, which is what laws of contact speak of.
 
 use super::lanes::{Lane, V3};
 use pulp::Simd;
@@ -19,6 +20,8 @@ pub(super) struct Scheme {
     alpha_f: f64,
     beta: f64,
     gamma: f64,
+    /// 1 if accelerations are kept from step to step, else 0.
+    memory: f64,
 }
 
 /// What is solved for.
@@ -56,7 +59,15 @@ impl Scheme {
         let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
         let alpha_f = rho_inf / (rho_inf + 1.0);
         let base = 1.0 - alpha_m + alpha_f;
-        Self { alpha_m, alpha_f, beta: 0.25 * base * base, gamma: base - 0.5 }
+        Self { alpha_m, alpha_f, beta: 0.25 * base * base, gamma: base - 0.5, memory: 1.0 }
+    }
+
+    pub(super) fn backward_euler() -> Self {
+        Self { alpha_m: 0.0, alpha_f: 0.0, beta: 1.0, gamma: 1.0, memory: 0.0 }
+    }
+
+    pub(super) fn has_memory(self) -> bool {
+        self.memory > 0.0
     }
 
     #[inline(always)]
@@ -105,6 +116,7 @@ impl Scheme {
             .acceleration
             .fma(dt.lift(self.alpha_f * scale), h.a.scale(dt.lift(-self.alpha_m * scale)));
         let a = acceleration.fma(dt.lift((1.0 - self.alpha_f) * scale), old);
-        Rates { v, a, acceleration }
+        let kept = |x: V3<S>| x.scale(dt.lift(self.memory));
+        Rates { v, a: kept(a), acceleration: kept(acceleration) }
     }
 }
