@@ -1,7 +1,8 @@
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, StepperSettings};
-use crate::{SimError, World};
+use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
+use crate::contact::Touching;
+use crate::{FreeFibers, SimError, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError};
@@ -51,7 +52,8 @@ impl Scene {
             .map(|fibers| {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
                 let bundle = starts[0].bundle;
-                let batch = batch(&self.stepper, &starts)
+                let method = self.stepper.method(self.contact.is_some());
+                let batch = batch(method, self.stepper.tolerance, &starts)
                     .map_err(|source| SimError::Rod { bundle, source })?;
                 let lane = |(lane, start): (usize, &&Start)| FiberConditions {
                     bundle: Arc::clone(&start.conditions),
@@ -63,6 +65,20 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         Ok(World::new(self.environment.clone(), assembly, groups))
+    }
+
+    /// What moves the world of this scene.
+    ///
+    /// # Errors
+    /// [`SimError::Collision`] if its fibres cannot be searched for contacts.
+    pub fn stepper_of(&self, world: &World) -> Result<Box<dyn Stepper>, SimError> {
+        Ok(match &self.contact {
+            None => Box::new(FreeFibers),
+            Some(settings) => {
+                let objects = self.objects.iter().map(|object| object.build()).collect();
+                Box::new(Touching::new(settings.clone(), objects, world)?)
+            }
+        })
     }
 
     fn conditions(&self, bundle: &Bundle) -> Result<BundleConditions, RodError> {
@@ -153,18 +169,22 @@ fn straight(fiber: &Fiber) -> RodState {
 }
 
 /// The integrator of a group of fibres of equal segment count.
-fn batch(settings: &StepperSettings, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
-    let tolerance = settings.tolerance;
-    match settings.method {
+fn batch(
+    method: Method,
+    tolerance: Option<f64>,
+    starts: &[&Start],
+) -> Result<Box<dyn Batch>, RodError> {
+    let rods = || starts.iter().map(|start| start.rod.clone()).collect();
+    match method {
         Method::Staggered { rho_infinity } if tolerance.is_none() => {
-            let rods = starts.iter().map(|start| start.rod.clone()).collect();
-            let mut batch = StaggeredBatch::new(rods, rho_infinity)?;
-            for (lane, start) in starts.iter().enumerate() {
-                if let Some(state) = &start.state {
-                    batch.set_state(lane, state)?;
-                }
-            }
-            Ok(Box::new(batch))
+            side_by_side(StaggeredBatch::new(rods(), rho_infinity)?, starts)
+        }
+        Method::BackwardEuler if tolerance.is_none() => {
+            side_by_side(StaggeredBatch::backward_euler(rods())?, starts)
+        }
+        Method::BackwardEuler => {
+            let new = Staggered::backward_euler;
+            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
         }
         Method::Staggered { rho_infinity } => {
             let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
@@ -177,6 +197,19 @@ fn batch(settings: &StepperSettings, starts: &[&Start]) -> Result<Box<dyn Batch>
             Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
         }
     }
+}
+
+/// Fibres in SIMD lanes, each at its start.
+fn side_by_side(
+    mut batch: StaggeredBatch,
+    starts: &[&Start],
+) -> Result<Box<dyn Batch>, RodError> {
+    for (lane, start) in starts.iter().enumerate() {
+        if let Some(state) = &start.state {
+            batch.set_state(lane, state)?;
+        }
+    }
+    Ok(Box::new(batch))
 }
 
 /// Integrators of single rods, each at its start.

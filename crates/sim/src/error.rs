@@ -1,5 +1,7 @@
 use crate::export::ExportError;
 use crate::scene::Problem;
+use rapunzel_collision::CollisionError;
+use rapunzel_contact::ContactError;
 use rapunzel_fiber::FiberError;
 use rapunzel_rod_dynamic::{RodError, StepError};
 use std::io;
@@ -42,6 +44,12 @@ pub enum SimError {
         /// Which fibre and why.
         source: StepError,
     },
+    /// Contacts could not be looked for.
+    #[error("contacts cannot be found: {0}")]
+    Collision(#[from] CollisionError),
+    /// Contacts could not be solved.
+    #[error("contacts cannot be solved: {0}")]
+    Contact(#[from] ContactError),
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]
     Io {

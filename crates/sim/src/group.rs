@@ -1,6 +1,6 @@
 use crate::StepReport;
 use crate::conditions::FiberConditions;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rapunzel_rod_dynamic::{
     self as rod, Conditions, Energy, RodError, RodIntegrator, RodState, StaggeredBatch, StepError,
     adaptive,
@@ -9,9 +9,19 @@ use rapunzel_rod_dynamic::{
 /// Rods that are stepped together.
 pub(crate) trait Batch: Send {
     fn state(&self, lane: usize) -> RodState;
+    /// Position and velocity of a node.
+    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
     fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError>;
+    /// The batch as one that can take a step in parts, if it is.
+    fn coupled(&mut self) -> Option<&mut StaggeredBatch> {
+        None
+    }
+    /// The same to be read.
+    fn as_coupled(&self) -> Option<&StaggeredBatch> {
+        None
+    }
     fn save(&self, numbers: &mut Vec<f64>);
     fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError>;
 }
@@ -20,6 +30,10 @@ pub(crate) trait Batch: Send {
 impl Batch for StaggeredBatch {
     fn state(&self, lane: usize) -> RodState {
         self.state(lane)
+    }
+
+    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
+        self.node(lane, node)
     }
 
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
@@ -33,11 +47,15 @@ impl Batch for StaggeredBatch {
     fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError> {
         let mut reports = [rod::StepReport::default(); Self::MAX_FIBERS];
         self.step(dt, lanes, &mut reports)?;
-        let mut sum = StepReport::default();
-        for one in &reports[..lanes.len()] {
-            sum.add(&StepReport::of_one(one.iterations, one.halvings, 0));
-        }
-        Ok(sum)
+        Ok(sum(&reports[..lanes.len()]))
+    }
+
+    fn coupled(&mut self) -> Option<&mut StaggeredBatch> {
+        Some(self)
+    }
+
+    fn as_coupled(&self) -> Option<&StaggeredBatch> {
+        Some(self)
     }
 
     fn save(&self, numbers: &mut Vec<f64>) {
@@ -80,6 +98,11 @@ impl<I: RodIntegrator> Rods<I> {
 impl<I: RodIntegrator> Batch for Rods<I> {
     fn state(&self, lane: usize) -> RodState {
         self.rods[lane].state()
+    }
+
+    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
+        let state = self.rods[lane].state();
+        (state.positions[node], state.velocities[node])
     }
 
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
@@ -134,6 +157,43 @@ pub(crate) struct Group {
 impl Group {
     /// Moves all fibres of the group from `time` by `dt`, s.
     pub(crate) fn step(&mut self, time: f64, dt: f64) -> Result<StepReport, StepError> {
+        let middle = self.load(time, dt)?;
+        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
+        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
+        self.batch.step(dt, &lanes).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Sets out on the step from `time` by `dt`, s, with impulses (N s) on all nodes of all fibres
+    /// at its start, without solving it.
+    pub(crate) fn set_out(
+        &mut self,
+        time: f64,
+        dt: f64,
+        impulses: &[Vector3<f64>],
+    ) -> Result<(), StepError> {
+        let middle = self.load(time, dt)?;
+        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
+        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
+        let mut reports = [rod::StepReport::default(); StaggeredBatch::MAX_FIBERS];
+        let Some(batch) = self.batch.coupled() else { return Ok(()) };
+        let done = batch.set_out(dt, &lanes, impulses, &mut reports);
+        done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Solves Newton's equations of the step; returns the largest increment, rad.
+    pub(crate) fn linearize(&mut self) -> Result<f64, StepError> {
+        let Some(batch) = self.batch.coupled() else { return Ok(0.0) };
+        batch.linearize().map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Takes the increments, with other impulses.
+    pub(crate) fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
+        let Some(batch) = self.batch.coupled() else { return Ok(0.0) };
+        batch.advance(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Sets the forces on nodes for the step from `time` by `dt`, s. Returns its middle.
+    fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
         let middle = time + 0.5 * dt;
         for (lane, conditions) in self.lanes.iter().enumerate() {
             if let Some(forces) = conditions.node_forces(middle) {
@@ -145,8 +205,15 @@ impl Group {
                 })?;
             }
         }
-        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
-        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
-        self.batch.step(dt, &lanes).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+        Ok(middle)
     }
+}
+
+/// What the steps of some fibres cost together.
+fn sum(reports: &[rod::StepReport]) -> StepReport {
+    let mut sum = StepReport::default();
+    for one in reports {
+        sum.add(&StepReport::of_one(one.iterations, one.halvings, 0));
+    }
+    sum
 }

@@ -3,6 +3,7 @@
 mod assemble;
 mod checkpoint;
 mod conditions;
+mod contact;
 mod error;
 pub mod export;
 mod folder;
@@ -16,6 +17,7 @@ mod storage;
 mod summary;
 mod world;
 
+pub use contact::ContactReport;
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};
 pub use plan::Plan;

@@ -2,7 +2,7 @@ use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Table};
 use crate::storage::write_atomically;
-use crate::{FreeFibers, Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World};
+use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -56,6 +56,7 @@ struct Run<'a> {
     folder: &'a RunFolder,
     plan: Plan,
     world: World,
+    stepper: Box<dyn Stepper>,
     statistics: Statistics,
     observers: Vec<Box<dyn Observer>>,
     /// The run at the last frame.
@@ -66,6 +67,7 @@ impl<'a> Run<'a> {
     fn start(scene: &'a Scene, folder: &'a RunFolder) -> Result<Self, SimError> {
         let plan = Plan::new(scene);
         let mut world = scene.build()?;
+        let stepper = scene.stepper_of(&world)?;
         let mut observers = observers(scene, folder, &plan)?;
         let scene_hash = scene_hash(scene)?;
         let last = match Checkpoint::read(&folder.file(CHECKPOINT))? {
@@ -91,7 +93,7 @@ impl<'a> Run<'a> {
             }
         };
         let statistics = last.statistics;
-        Ok(Self { scene, scene_hash, folder, plan, world, statistics, observers, last })
+        Ok(Self { scene, scene_hash, folder, plan, world, stepper, statistics, observers, last })
     }
 
     fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
@@ -126,7 +128,7 @@ impl<'a> Run<'a> {
     }
 
     fn step(&mut self) -> Result<(), SimError> {
-        let report = FreeFibers.step(&mut self.world, self.plan.dt)?;
+        let report = self.stepper.step(&mut self.world, self.plan.dt)?;
         self.statistics.add(&report);
         self.observers.iter_mut().try_for_each(|observer| observer.observe(&self.world))
     }

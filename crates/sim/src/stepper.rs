@@ -1,8 +1,9 @@
+use crate::contact::ContactReport;
 use crate::{SimError, World};
 use rayon::prelude::*;
 
 /// What a step of many fibres cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepReport {
     /// Number of fibres.
     pub fibers: usize,
@@ -14,12 +15,14 @@ pub struct StepReport {
     pub halvings: usize,
     /// How often a step was longer than its tolerance allows although it was the smallest.
     pub missed: usize,
+    /// What the contacts were and cost, if there are any.
+    pub contact: ContactReport,
 }
 
 impl StepReport {
     /// The report of a single fibre.
     pub(crate) fn of_one(iterations: usize, halvings: usize, missed: usize) -> Self {
-        Self { fibers: 1, iterations, worst_iterations: iterations, halvings, missed }
+        Self { fibers: 1, iterations, worst_iterations: iterations, halvings, missed, contact: ContactReport::default() }
     }
 
     /// Counts the fibres of another report too.
@@ -29,6 +32,7 @@ impl StepReport {
         self.worst_iterations = self.worst_iterations.max(other.worst_iterations);
         self.halvings += other.halvings;
         self.missed += other.missed;
+        self.contact.add(&other.contact);
     }
 }
 

@@ -1,3 +1,4 @@
+use crate::contact::Remembered;
 use crate::group::Group;
 use crate::{SimError, scene::Environment};
 use rapunzel_fiber::Assembly;
@@ -12,6 +13,9 @@ pub struct World {
     /// Group and lane of every fibre.
     lanes: Vec<(usize, usize)>,
     clock: Clock,
+    /// Contacts of the last step, and its length.
+    pub(crate) contacts: Vec<Remembered>,
+    pub(crate) contact_dt: Option<f64>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -40,7 +44,9 @@ impl World {
                 lanes[fiber] = (g, lane);
             }
         }
-        Self { environment, assembly, groups, lanes, clock: Clock::default() }
+        let clock = Clock::default();
+        let (contacts, contact_dt) = (Vec::new(), None);
+        Self { environment, assembly, groups, lanes, clock, contacts, contact_dt }
     }
 
     /// Time, s.
@@ -59,6 +65,11 @@ impl World {
     #[must_use]
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
+    }
+
+    /// Group and lane of a fibre.
+    pub(crate) fn lane(&self, fiber: usize) -> (usize, usize) {
+        self.lanes[fiber]
     }
 
     /// Where fibre `i` is and how it moves. Allocates; costs one pass over its nodes.

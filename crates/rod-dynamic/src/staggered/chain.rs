@@ -54,7 +54,7 @@ pub(super) struct Chain<S: Simd> {
     /// Hessians of the segments at the last assembly (6).
     pub(super) hessian: Array<S>,
     /// Increments (6) of the last solve, the direction being searched (6), and its origin (4).
-    step: Array<S>,
+    pub(super) step: Array<S>,
     direction: Array<S>,
     origin: Array<S>,
 }
@@ -365,6 +365,24 @@ impl<S: Simd> Chain<S> {
         }
     }
 
+    /// The increments of Newton's method at the present rotations, without taking them: the largest
+    /// turn, rad, and the gap that a held tip leaves.
+    #[inline(always)]
+    pub(super) fn increments(&mut self, search: &mut [Search; 8]) -> (Lane<S>, V3<S>) {
+        let (_, gap) = self.shape();
+        let (_, turn) = self.solve(gap, search);
+        (turn, gap)
+    }
+
+    #[inline(always)]
+    pub(super) fn largest_turn(&self) -> Lane<S> {
+        let mut turn = Lane::splat(self.simd, 0.0);
+        for e in 0..self.n {
+            turn = turn.max(self.vec(&self.step, 2 * e + 1).max_abs());
+        }
+        turn
+    }
+
     /// One Newton solve; lanes whose Hessian is indefinite are solved again with ever more of the
     /// definite part. Returns the potential energy of joints and directors and the largest
     /// increment.
@@ -378,10 +396,7 @@ impl<S: Simd> Chain<S> {
             }
             let definite = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
             let (potential, signature) = self.assemble(gap, definite);
-            let mut turn = Lane::splat(simd, 0.0);
-            for e in 0..self.n {
-                turn = turn.max(self.vec(&self.step, 2 * e + 1).max_abs());
-            }
+            let turn = self.largest_turn();
             let mut again = false;
             for lane in 0..lanes {
                 again |= search[lane].needs_more(get(signature, lane) == 0.0, get(turn, lane));
@@ -395,7 +410,7 @@ impl<S: Simd> Chain<S> {
     /// Turns the segments by `scale` times the direction, from where the direction started. Lanes
     /// with `fresh > 0` take the last solve as their new direction first.
     #[inline(always)]
-    fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
+    pub(super) fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
         for e in 0..self.n {
             let (new, old) =
                 (self.vec(&self.step, 2 * e + 1), self.vec(&self.direction, 2 * e + 1));

@@ -52,6 +52,80 @@ impl StaggeredBatch {
         solved.map(|_| ())
     }
 
+    /// Sets out on a step of length `dt` with `impulses` (N s, one a node) at its start, toward
+    /// where the motion leads, without solving it: [`Self::linearize`] and [`Self::advance`] do
+    /// that, one iteration of Newton's method after another.
+    ///
+    /// # Errors
+    /// [`StepError`] for conditions and impulses that make no sense. The fibres are then as before.
+    ///
+    /// # Panics
+    /// If there are fewer conditions or reports than fibres.
+    pub fn set_out(
+        &mut self,
+        dt: f64,
+        conditions: &[&dyn Conditions],
+        impulses: &[Vector3<f64>],
+        reports: &mut [StepReport],
+    ) -> Result<(), StepError> {
+        self.fresh_before = self.fresh;
+        self.begin(dt, conditions, reports)?;
+        if let Err(error) = self.set_impulses(impulses) {
+            self.abandon();
+            return Err(error);
+        }
+        self.engine.look(dt);
+        self.predicted = dt;
+        Ok(())
+    }
+
+    /// Solves Newton's equations where the rods are in their step, without taking the increments:
+    /// [`Self::linear_velocities`] and [`ImpulseResponse`] then speak of them. Returns the largest
+    /// increment, rad.
+    ///
+    /// # Errors
+    /// [`StepError::NotConverged`] if they have no solution.
+    pub fn linearize(&mut self) -> Result<f64, StepError> {
+        let turns = self.engine.linearize();
+        self.largest(&turns)
+    }
+
+    /// Mean velocities of all nodes over the step if the increments of the last linearisation were
+    /// taken, to first order, m/s.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    pub fn linear_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        check("velocities", self.nodes(), velocities.len())?;
+        let nodes = self.nodes() / self.rods().len();
+        for (k, velocity) in velocities.iter_mut().enumerate() {
+            let way = self.engine.linear_displacement(k / nodes, k % nodes);
+            *velocity = way / self.predicted;
+        }
+        Ok(())
+    }
+
+    /// Takes the increments of the last linearisation, with these impulses in place of those before;
+    /// no weights may be set. Returns the largest increment, rad; those above 1 are shortened.
+    ///
+    /// # Errors
+    /// [`StepError`] as [`Self::correct`].
+    pub fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
+        self.check_impulses(impulses)?;
+        let turns = self.engine.advance(self.rods.len(), impulses);
+        self.largest(&turns)
+    }
+
+    /// The largest of one number for each fibre.
+    fn largest(&self, turns: &[f64; 8]) -> Result<f64, StepError> {
+        let turns = &turns[..self.rods.len()];
+        if let Some(fiber) = turns.iter().position(|turn| !turn.is_finite()) {
+            let (time, dt, residuals) = (self.time(), self.predicted, vec![turns[fiber]]);
+            return Err(StepError::NotConverged { fiber, time, dt, residuals });
+        }
+        Ok(turns.iter().copied().fold(0.0, f64::max))
+    }
+
     /// Makes what the last solve found the state.
     pub fn accept(&mut self) {
         let mut all = [false; 8];
@@ -78,7 +152,7 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    fn set_impulses(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+    fn check_impulses(&self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
         let time = self.time();
         let nodes = self.nodes() / self.rods().len();
         let error = |fiber, why| Err(StepError::Conditions { fiber, what: "impulses", time, why });
@@ -89,6 +163,12 @@ impl StaggeredBatch {
         if let Some(k) = impulses.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return error(k / nodes, "must be finite (N s)");
         }
+        Ok(())
+    }
+
+    fn set_impulses(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+        self.check_impulses(impulses)?;
+        let nodes = self.nodes() / self.rods().len();
         for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
             self.engine.set_impulses(fiber, impulses);
         }

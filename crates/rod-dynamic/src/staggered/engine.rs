@@ -50,6 +50,14 @@ pub(super) trait Engine: Send {
     /// Sets the impulses on the nodes of one lane at the start of the step; none acts any more
     /// once a step is set out on anew.
     fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]);
+    /// Sets out on a step of length `dt`, to where the motion leads.
+    fn look(&mut self, dt: f64);
+    /// Solves Newton's equations where the rods are; returns the largest increments, rad.
+    fn linearize(&mut self) -> [f64; 8];
+    /// How far a node moves in the step, with what the last linearisation would add.
+    fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
+    /// Takes the increments, with other impulses than those of the linearisation.
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8];
     /// Takes all motion of one lane away.
     fn stop(&mut self, lane: usize);
     /// How many numbers a lane's state has.
@@ -211,6 +219,29 @@ impl<S: Simd> Engine for Pack<S> {
                 set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
             }
         }
+    }
+    fn look(&mut self, dt: f64) {
+        Self::look(self, dt);
+    }
+    fn linearize(&mut self) -> [f64; 8] {
+        Self::linearize(self)
+    }
+    fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
+        Engine::displacement(self, lane, node) + self.vector(&self.work.way, node, lane)
+    }
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8] {
+        let nodes = self.chain.n + 1;
+        self.work.values.fill(S::f64s::zeroed());
+        for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
+            for (a, impulse) in impulses.iter().enumerate() {
+                let change = impulse - self.vector(&self.impulses, a, lane);
+                for i in 0..3 {
+                    set(&mut self.work.values, 3 * a + i, lane, change[i]);
+                }
+            }
+            self.set_impulses(lane, impulses);
+        }
+        Self::advance(self)
     }
     fn stop(&mut self, lane: usize) {
         let tracks = [&mut self.nodes, &mut self.directors, &mut self.joints];

@@ -1,11 +1,11 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
-use super::chain::{Chain, store};
+use super::chain::{Chain, get, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
 use super::response::Workspace;
 use super::scheme::{Problem, Scheme, Stage};
-use super::search::Outcome;
+use super::search::{Outcome, Search};
 use super::track::Track;
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod};
@@ -13,6 +13,9 @@ use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_fiber::so3;
+
+/// Longer increments of rods in contact are shortened to this, rad.
+const LONGEST_TURN: f64 = 1.0;
 
 /// Model and state of up to eight fibres with equally many segments.
 pub(super) struct Pack<S: Simd> {
@@ -143,6 +146,96 @@ impl<S: Simd> Pack<S> {
         }
         self.last_dt = *dt;
         self.chain.simd.vectorize(Attempt(self, dt, wanted, problem, out));
+    }
+
+    /// Prepares a step of length `dt` and sets out to where the motion leads, without solving it.
+    pub(super) fn look(&mut self, dt: f64) {
+        struct LookAhead<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
+                self.0.look_ahead(&stage, &[true; 8]);
+                self.0.prepare(&stage);
+                self.0.chain.shape();
+            }
+        }
+        self.last_dt = [dt; 8];
+        self.chain.simd.vectorize(LookAhead(self));
+    }
+
+    /// Solves Newton's equations at the present shape, without taking the increments. Leaves the
+    /// displacements of the nodes that they would add, and returns the largest increment, rad.
+    pub(super) fn linearize(&mut self) -> [f64; 8] {
+        struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
+            type Output = [f64; 8];
+            #[inline(always)]
+            fn call(self) -> [f64; 8] {
+                let pack = self.0;
+                let mut search = [Search::new(false, Held::CLAMPED, false); 8];
+                for lane in 0..S::F64_LANES {
+                    search[lane] = Search::new(true, pack.held[lane], false);
+                }
+                let (turn, gap) = pack.chain.increments(&mut search);
+                let n = pack.chain.n;
+                for a in 0..=n {
+                    let mut sum = V3::splat(pack.chain.simd, 0.0);
+                    if a < n {
+                        sum += pack.chain.vec(&pack.chain.step, 2 * a);
+                    }
+                    if a > 0 {
+                        sum -= pack.chain.vec(&pack.chain.step, 2 * (a - 1));
+                    }
+                    let mut way = sum.scale(pack.chain.one(&pack.chain.w, a));
+                    if a == n {
+                        way += gap;
+                    }
+                    store(&mut pack.work.way, a, way);
+                }
+                let mut turns = [0.0; 8];
+                for lane in 0..S::F64_LANES {
+                    turns[lane] = get(turn, lane);
+                }
+                turns
+            }
+        }
+        self.chain.simd.vectorize(Linearize(self))
+    }
+
+    /// Takes the increments of the last linearisation together with those that the change of the
+    /// impulses in the workspace causes. Returns the largest increment, rad.
+    pub(super) fn advance(&mut self) -> [f64; 8] {
+        struct Advance<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
+            type Output = [f64; 8];
+            #[inline(always)]
+            fn call(self) -> [f64; 8] {
+                let pack = self.0;
+                let stage = pack.stage(&pack.last_dt, Problem::Step);
+                pack.solve_response(&stage);
+                for i in 0..2 * pack.chain.n {
+                    let sum = pack.chain.vec(&pack.chain.step, i)
+                        + pack.chain.vec(&pack.work.solution, i);
+                    store(&mut pack.chain.step, i, sum);
+                }
+                let turn = pack.chain.largest_turn();
+                let (mut turns, mut scale) = ([0.0; 8], [0.0; 8]);
+                for lane in 0..S::F64_LANES {
+                    turns[lane] = get(turn, lane);
+                    scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
+                }
+                let simd = pack.chain.simd;
+                let scale = Lane::new(simd, simd.partial_load_f64s(&scale[..S::F64_LANES]));
+                pack.chain.advance(Lane::splat(simd, 1.0), scale);
+                pack.prepare(&stage);
+                pack.chain.shape();
+                pack.chain.measure_joints();
+                turns
+            }
+        }
+        self.chain.simd.vectorize(Advance(self))
     }
 
     /// Makes the present rotations the start of a step, in the lanes that are wanted.

@@ -19,7 +19,9 @@ pub(super) struct Workspace<S: Simd> {
     /// Impulses in, mean velocities out (3 a node).
     pub(super) values: Array<S>,
     loads: Array<S>,
-    solution: Array<S>,
+    pub(super) solution: Array<S>,
+    /// Displacements of the nodes that the last linearisation would add (3 a node).
+    pub(super) way: Array<S>,
     diagonal: Array<S>,
     right: Array<S>,
     /// Diagonal blocks out (6 a node).
@@ -35,6 +37,7 @@ impl<S: Simd> Workspace<S> {
             values: zeros::<S>(3 * (n + 1)),
             loads: zeros::<S>(3 * n),
             solution: zeros::<S>(6 * n),
+            way: zeros::<S>(3 * (n + 1)),
             diagonal: zeros::<S>(6 * n),
             right: zeros::<S>(9 * n),
             blocks: zeros::<S>(6 * (n + 1)),
@@ -87,7 +90,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn solve_response(&mut self, stage: &Stage<S>) {
+    pub(super) fn solve_response(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let (chain, work) = (&mut self.chain, &mut self.work);
         let gain = stage.c1 * stage.dt;

@@ -32,7 +32,7 @@ pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<(
 pub(crate) fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
     let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
     scene.stepper =
-        StepperSettings { dt, method: Method::Box { weights, residual }, tolerance: None };
+        StepperSettings { dt, method: Some(Method::Box { weights, residual }), tolerance: None };
 }
 
 /// Pictures of all fibers at given instants.

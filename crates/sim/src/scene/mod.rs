@@ -5,6 +5,7 @@
 //! known is an error, and so is a number that makes no sense.
 
 mod check;
+mod contact;
 mod fibers;
 mod locate;
 mod motion;
@@ -14,6 +15,7 @@ mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
+pub use contact::{ContactSettings, Friction, Object, ObjectShape};
 pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
@@ -47,6 +49,12 @@ pub struct Scene {
     pub duration: f64,
     /// The fibres.
     pub fibers: Vec<Bundle>,
+    /// What fibres lie on and bump into; needs `contact`.
+    #[serde(default)]
+    pub objects: Vec<Object>,
+    /// What fibres do where they touch; left out, they pass through each other.
+    #[serde(default)]
+    pub contact: Option<ContactSettings>,
     /// What acts on all fibres.
     #[serde(default)]
     pub environment: Environment,
@@ -183,6 +191,18 @@ impl Scene {
         if nodes > MOST_NODES {
             let message = format!("have {nodes} nodes, but must have at most {MOST_NODES}");
             check.refuse("fibers", message);
+        }
+        check.each("objects", &self.objects, |c, object| object.check(c));
+        if let Some(contact) = &self.contact {
+            check.within("contact", |c| contact.check(c));
+            if !self.stepper.can_touch() {
+                let message = "must be Staggered or BackwardEuler without a tolerance where \
+                               fibers touch";
+                check.refuse("stepper.method", message.into());
+            }
+        } else if !self.objects.is_empty() {
+            let message = "are given, but nothing touches them; say what happens with `contact`";
+            check.refuse("objects", message.into());
         }
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));

@@ -9,9 +9,9 @@ pub struct StepperSettings {
     /// Largest time step, s. The step taken is the largest not above it of which the frame
     /// interval is a multiple.
     pub dt: f64,
-    /// The integrator.
+    /// The integrator; left out, it is `BackwardEuler` where fibres touch and else `Staggered`.
     #[serde(default)]
-    pub method: Method,
+    pub method: Option<Method>,
     /// Largest estimated error of the nodes' positions that may build up in a second of simulated
     /// time, m/s: each step is cut into as many as that takes, at three times the cost of a step
     /// each. Left out, steps are as `dt` says.
@@ -30,6 +30,9 @@ pub enum Method {
         #[serde(default = "rho_infinity")]
         rho_infinity: f64,
     },
+    /// The staggered chain moved by the backward Euler method: first order in time, damps more,
+    /// and what touches comes to rest.
+    BackwardEuler,
     /// The box scheme in space with the generalised-alpha method in time (thesis 3.4).
     Box {
         /// Weights of the method in time.
@@ -101,13 +104,26 @@ impl Weights {
 }
 
 impl StepperSettings {
+    /// The integrator, where fibres touch or where they do not.
+    #[must_use]
+    pub fn method(&self, touch: bool) -> Method {
+        let usual = if touch { Method::BackwardEuler } else { Method::default() };
+        self.method.unwrap_or(usual)
+    }
+
+    /// Whether it can move fibres that touch.
+    pub(crate) fn can_touch(&self) -> bool {
+        !matches!(self.method(true), Method::Box { .. }) && self.tolerance.is_none()
+    }
+
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("dt", self.dt, Allowed::Within(1e-9, 1.0), "s");
         if let Some(tolerance) = self.tolerance {
             check.number("tolerance", tolerance, Allowed::Positive, "m/s");
         }
-        check.within("method", |c| match &self.method {
+        check.within("method", |c| match &self.method(false) {
+            Method::BackwardEuler => {}
             Method::Staggered { rho_infinity } => {
                 c.number("rho_infinity", *rho_infinity, Allowed::Within(0.0, 1.0), "");
             }

@@ -1,0 +1,182 @@
+//! Who touches whom at the end of a step, and whom they would have passed through.
+
+use super::object::{Object, Strand};
+use super::touch::{Partner, Touch};
+use nalgebra::{Point3, Vector3};
+use rapunzel_collision::continuous::MovingSegment;
+use rapunzel_collision::{Candidates, Capsules, CollisionError, Contact, Pair, Update, contacts};
+use rapunzel_fiber::Layout;
+use rayon::prelude::*;
+
+/// Pairs that one task takes.
+const CHUNK: usize = 2048;
+
+/// Finds touches, with lists that live for many steps.
+pub(crate) struct Detector {
+    /// Largest gap of a touch that is listed, m.
+    margin: f64,
+    /// How much closer two segments may come before the list is made anew, m.
+    reserve: f64,
+    candidates: Candidates,
+    contacts: Vec<Contact>,
+}
+
+/// All nodes before and after a step.
+pub(crate) struct Motion<'a> {
+    pub(crate) layout: &'a Layout,
+    pub(crate) radii: &'a [f64],
+    pub(crate) start: &'a [Point3<f64>],
+    pub(crate) end: &'a [Point3<f64>],
+    pub(crate) time: f64,
+    pub(crate) dt: f64,
+}
+
+impl Detector {
+    /// Lists touches with gaps up to `margin`, m.
+    pub(crate) fn new(margin: f64) -> Result<Self, CollisionError> {
+        let reserve = 8.0 * margin;
+        let candidates = Candidates::new(margin, reserve)?;
+        Ok(Self { margin, reserve, candidates, contacts: Vec::new() })
+    }
+
+    /// All touches at the end of a motion, sorted by pair and place; none is missed that a straight
+    /// motion of all nodes would lead through.
+    pub(crate) fn touches(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        touches: &mut Vec<Touch>,
+    ) -> Result<(), CollisionError> {
+        let [start, end] = [motion.start, motion.end]
+            .map(|positions| Capsules::new(motion.layout, positions, motion.radii));
+        let (start, end) = (start?, end?);
+        self.cover(&start, &end)?;
+        let pairs = self.candidates.pairs();
+        let (near, fast) = sort(&start, &end, pairs);
+        contacts(&end, &near, self.margin, &mut self.contacts)?;
+        touches.clear();
+        touches.extend(self.contacts.iter().map(|contact| fiber_touch(&end, contact)));
+        touches.extend(fast.iter().map(|contact| fiber_touch(&end, contact)));
+        let fibers = motion.layout.fibers();
+        let strand = |fiber: usize| {
+            let mut found = Vec::new();
+            for (index, object) in (0..).zip(objects) {
+                let strand = Strand {
+                    fiber: fiber_number(fiber),
+                    nodes: &motion.end[motion.layout.node_range(fiber)],
+                    radii: &motion.radii[motion.layout.segment_range(fiber)],
+                };
+                let span = [motion.time, motion.dt];
+                object.touches(index, &strand, span, self.margin, &mut found);
+            }
+            found
+        };
+        let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
+        found.iter().for_each(|found| touches.extend_from_slice(found));
+        touches.par_sort_unstable_by(|a, b| {
+            let place = |touch: &Touch| (touch.fiber, touch.partner);
+            let [[s, t], [u, v]] = [a.at(), b.at()];
+            place(a).cmp(&place(b)).then(s.total_cmp(&u)).then(t.total_cmp(&v))
+        });
+        touches.dedup_by(|a, b| a.same(b));
+        Ok(())
+    }
+
+    /// Makes the list cover the whole motion from `start` to `end`.
+    fn cover(&mut self, start: &Capsules, end: &Capsules) -> Result<(), CollisionError> {
+        self.candidates.update(start)?;
+        while self.candidates.update(end)? != Update::Kept
+            && self.candidates.update(start)? != Update::Kept
+        {
+            // The motion of a single step is wider than the reserve.
+            self.reserve *= 2.0;
+            self.candidates = Candidates::new(self.margin, self.reserve)?;
+            self.candidates.update(start)?;
+        }
+        Ok(())
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
+fn fiber_number(fiber: usize) -> u32 {
+    fiber as u32
+}
+
+/// Pairs that cannot have passed through each other, and contacts of those that would.
+fn sort(start: &Capsules, end: &Capsules, pairs: &[Pair]) -> (Vec<Pair>, Vec<Contact>) {
+    let chunk = |pairs: &[Pair]| {
+        let (mut near, mut fast) = (Vec::new(), Vec::new());
+        for &pair in pairs {
+            match passing(start, end, pair) {
+                Some(contact) => fast.push(contact),
+                None => near.push(pair),
+            }
+        }
+        (near, fast)
+    };
+    let parts: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
+    let (mut near, mut fast) = (Vec::new(), Vec::new());
+    for (n, f) in parts {
+        near.extend(n);
+        fast.extend(f);
+    }
+    (near, fast)
+}
+
+/// Where two segments would pass through each other: the place of their impact, with the normal at
+/// that time and the gap along it at the end.
+fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
+    let [i, j] = pair.map(|s| s as usize);
+    let (a0, b0, a1, b1) = (start.get(i), start.get(j), end.get(i), end.get(j));
+    let reach = a0.radius + b0.radius;
+    let ways = [a1.start - a0.start, a1.end - a0.end];
+    let others = [b1.start - b0.start, b1.end - b0.end];
+    let mut travel: f64 = 0.0;
+    for way in ways {
+        for other in others {
+            travel = travel.max((way - other).norm_squared());
+        }
+    }
+    // Axes that were apart by more than the way cannot have crossed.
+    if travel < 0.25 * reach * reach || travel < a0.closest(&b0).offset.norm_squared() {
+        return None;
+    }
+    let (a, b) = (MovingSegment::between(&a0, &a1), MovingSegment::between(&b0, &b1));
+    let impact = a.impact(&b, 0.9 * reach, 1e-3 * reach)?;
+    let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
+    let [s, t] = impact.coordinates;
+    let offset = b1.at(t) - a1.at(s);
+    let gap = offset.dot(&normal) - reach;
+    Some(Contact { pair, fractions: [s, t], normal, gap })
+}
+
+/// The touch of two fibres; the one with the smaller number comes first.
+fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
+    let layout = end.layout();
+    let numbers = contact.pair.map(|segment| {
+        let fiber = layout.segment_fibers()[segment as usize];
+        let first = layout.segment_range(fiber).start;
+        (fiber_number(fiber), segment - fiber_number(first))
+    });
+    let [(fiber, s), (partner, t)] = numbers;
+    let (segments, fractions, normal) = (contact.pair, contact.fractions, *contact.normal);
+    let touch = |fiber, partner, segments, fractions, normal: Vector3<f64>, segment: u32| {
+        let capsule = end.get(segment as usize);
+        Touch {
+            fiber,
+            partner: Partner::Fiber(partner),
+            segments,
+            fractions,
+            normal,
+            axis: capsule.end - capsule.start,
+            gap: contact.gap,
+            drive: Vector3::zeros(),
+            impulse: Vector3::zeros(),
+        }
+    };
+    if (fiber, s) <= (partner, t) {
+        touch(fiber, partner, [s, t], fractions, -normal, segments[0])
+    } else {
+        touch(partner, fiber, [t, s], [fractions[1], fractions[0]], normal, segments[1])
+    }
+}

@@ -1,0 +1,63 @@
+//! Impulses of the step before, from which the search for those of this step starts.
+
+use super::touch::{Partner, Touch};
+use nalgebra::Vector3;
+
+/// A contact that bore something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Remembered {
+    pub(crate) fiber: u32,
+    pub(crate) partner: Partner,
+    /// Where along the fibres, in segments from the root.
+    pub(crate) at: [f64; 2],
+    /// Impulse on the fibre, N s, world.
+    pub(crate) impulse: Vector3<f64>,
+}
+
+/// How far a contact may have moved to be the same, in segments.
+const REACH: f64 = 1.0;
+
+/// Gives touches the impulses of remembered contacts of their pairs, the nearest first; no impulse
+/// is given twice. Both are sorted by pair and place.
+pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
+    let mut rest = remembered;
+    let mut matches = Vec::new();
+    for group in touches.chunk_by_mut(|a, b| (a.fiber, a.partner) == (b.fiber, b.partner)) {
+        let pair = (group[0].fiber, group[0].partner);
+        rest = &rest[rest.partition_point(|r| (r.fiber, r.partner) < pair)..];
+        let known = &rest[..rest.partition_point(|r| (r.fiber, r.partner) == pair)];
+        matches.clear();
+        for (i, touch) in group.iter_mut().enumerate() {
+            touch.impulse = Vector3::zeros();
+            let [s, t] = touch.at();
+            for (k, one) in known.iter().enumerate() {
+                let distance = (one.at[0] - s).abs().max((one.at[1] - t).abs());
+                if distance < REACH {
+                    matches.push((distance, i, k));
+                }
+            }
+        }
+        matches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut given, mut taken) = (vec![false; group.len()], vec![false; known.len()]);
+        for &(_, i, k) in &matches {
+            if !given[i] && !taken[k] {
+                (given[i], taken[k]) = (true, true);
+                group[i].impulse = known[k].impulse;
+            }
+        }
+    }
+}
+
+/// What to remember of some touches, in their order.
+pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
+    touches
+        .iter()
+        .filter(|touch| touch.impulse != Vector3::zeros())
+        .map(|touch| Remembered {
+            fiber: touch.fiber,
+            partner: touch.partner,
+            at: touch.at(),
+            impulse: touch.impulse,
+        })
+        .collect()
+}

@@ -1,0 +1,46 @@
+use nalgebra::Vector3;
+
+/// What a fibre touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Partner {
+    /// A fibre, perhaps itself.
+    Fiber(u32),
+    /// An object of the scene.
+    Object(u32),
+}
+
+/// A place where a fibre touches something, or nearly does, at the end of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    pub(crate) fiber: u32,
+    pub(crate) partner: Partner,
+    /// Segments within the fibres; that of an object is 0.
+    pub(crate) segments: [u32; 2],
+    /// Fractions along the segments.
+    pub(crate) fractions: [f64; 2],
+    /// Unit normal from the partner to the fibre, world.
+    pub(crate) normal: Vector3<f64>,
+    /// Along the fibre, from root to tip, world; not of unit length.
+    pub(crate) axis: Vector3<f64>,
+    /// Distance of the surfaces at the end of the step, m.
+    pub(crate) gap: f64,
+    /// Mean velocity of the partner's surface over the step if it is an object, m/s, world.
+    pub(crate) drive: Vector3<f64>,
+    /// Impulse on the fibre, N s, world.
+    pub(crate) impulse: Vector3<f64>,
+}
+
+impl Touch {
+    /// Where it is along both fibres, in segments from the root.
+    pub(crate) fn at(&self) -> [f64; 2] {
+        [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
+    }
+
+    /// Whether two are the same place, named by two segments that share a node.
+    pub(crate) fn same(&self, other: &Self) -> bool {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        (self.fiber, self.partner) == (other.fiber, other.partner)
+            && (s - u).abs() < 1e-9
+            && (t - v).abs() < 1e-9
+    }
+}
