@@ -14,6 +14,7 @@
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
 //! difference is the error of either, `R (z - v)` in impulses.
 
+use crate::anderson::Anderson;
 use crate::contact::free_solve;
 use crate::solver::{Certificate, check};
 use crate::{Body, Contact, ContactError, Report, Solver};
@@ -59,7 +60,10 @@ pub struct Admm {
     /// Metric of a point in units of its own inertia: larger trusts impulses more, smaller
     /// velocities.
     pub weight: f64,
+    /// How many steps the acceleration remembers; 0 for none.
+    pub memory: usize,
     points: Points,
+    anderson: Anderson,
 }
 
 /// What the iteration knows of the points, in the order of the bodies.
@@ -76,6 +80,8 @@ struct Points {
     v: Vec<Vector3<f64>>,
     asked: Vec<Vector3<f64>>,
     answer: Vec<Vector3<f64>>,
+    /// What an iteration adds to the state.
+    step: Vec<Vector3<f64>>,
 }
 
 /// Iterations between two looks at the tolerance.
@@ -88,7 +94,14 @@ impl Admm {
     /// The solver with its usual relaxation and weight.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.6, weight: 1.0, points: Points::default() }
+        Self {
+            tolerance,
+            relaxation: 1.6,
+            weight: 1.0,
+            memory: 6,
+            points: Points::default(),
+            anderson: Anderson::default(),
+        }
     }
 }
 
@@ -106,7 +119,8 @@ impl Solver for Admm {
             return Ok(report);
         }
         self.points.prepare(bodies, contacts, velocities, impulses, self.weight)?;
-        let points = &mut self.points;
+        self.anderson.reset(self.memory);
+        let points = &self.points;
         let weights: Vec<f64> = contacts
             .iter()
             .map(|c| 1.0 / points.metric[c.first] + c.second.map_or(0.0, |b| 1.0 / points.metric[b]))
@@ -114,7 +128,7 @@ impl Solver for Admm {
         // Impulses on the first points, world.
         let mut world: Vec<Vector3<f64>> = vec![Vector3::zeros(); contacts.len()];
         loop {
-            let h = &points.h;
+            let h = &self.points.h;
             impulses
                 .par_chunks_mut(CHUNK)
                 .zip(world.par_chunks_mut(CHUNK))
@@ -126,16 +140,26 @@ impl Solver for Admm {
                         world[i] = contact.frame * impulses[i];
                     }
                 });
+            let points = &mut self.points;
             points.respond(bodies, velocities, &world, self.relaxation);
+            if self.memory > 0 {
+                self.anderson.next(&points.metric, &points.step, &mut points.h);
+            } else {
+                points.h.iter_mut().zip(&points.step).for_each(|(h, step)| *h += step);
+            }
             report.iterations += 1;
             let last = report.iterations >= self.tolerance.iterations;
             if report.iterations.is_multiple_of(LOOK) || last {
-                let found = Certificate::of(contacts, &weights, &points.v, impulses);
-                (report.residual, report.normal_error, report.slip_error) =
-                    (found.residual, found.normal_error, found.slip_error);
-                report.converged = self.tolerance.reached(&found);
-                if report.converged || last {
-                    return Ok(report);
+                let found = points.error(contacts, &weights, impulses, self.relaxation);
+                if last || self.tolerance.reached(&found) {
+                    points.truth(bodies, velocities, &world);
+                    let found = Certificate::of(contacts, &weights, &points.v, impulses);
+                    (report.residual, report.normal_error, report.slip_error) =
+                        (found.residual, found.normal_error, found.slip_error);
+                    report.converged = self.tolerance.reached(&found);
+                    if report.converged || last {
+                        return Ok(report);
+                    }
                 }
             }
         }
@@ -154,7 +178,8 @@ impl Points {
     ) -> Result<(), ContactError> {
         let count = velocities.len();
         let zero = Vector3::zeros();
-        for array in [&mut self.given, &mut self.h, &mut self.asked, &mut self.answer] {
+        let Self { given, h, asked, answer, step, .. } = self;
+        for array in [given, h, asked, answer, step] {
             array.clear();
             array.resize(count, zero);
         }
@@ -180,7 +205,6 @@ impl Points {
             .zip(parts)
             .zip(contact)
             .map(|((body, metric), contact)| {
-                body.set_weights(&vec![0.0; metric.len()])?;
                 body.own_traces(metric);
                 for (metric, (contact, _)) in metric.iter_mut().zip(contact) {
                     // A point that nothing moves has no inertia to compare with.
@@ -198,7 +222,66 @@ impl Points {
         Ok(())
     }
 
-    /// Lets the bodies move as near to `2 z - h` as they can, and steps to the next state.
+    /// How far what the contacts want is from what the bodies do.
+    fn error(
+        &self,
+        contacts: &[Contact],
+        weights: &[f64],
+        impulses: &[Vector3<f64>],
+        relaxation: f64,
+    ) -> Certificate {
+        let (mut wrong, mut all) = (0.0, 0.0);
+        let mut found = Certificate::default();
+        for ((contact, weight), r) in contacts.iter().zip(weights).zip(impulses) {
+            let mut off = self.step[contact.first];
+            if let Some(second) = contact.second {
+                off -= self.step[second];
+            }
+            let mut off = contact.frame.tr_mul(&off) / relaxation;
+            if r.x <= -contact.adhesion {
+                // Nothing holds it: only what closes the gap is wrong.
+                off.y = 0.0;
+                off.z = 0.0;
+                off.x = contact.relative(&self.v).x.min(0.0);
+            }
+            wrong += off.norm_squared() / (weight * weight);
+            all += r.norm_squared();
+            found.normal_error = found.normal_error.max(off.x.abs());
+            found.slip_error = found.slip_error.max(off.yz().norm());
+        }
+        if wrong > 0.0 {
+            found.residual = if all > 0.0 { (wrong / all).sqrt() } else { f64::INFINITY };
+        }
+        found
+    }
+
+    /// The velocities that the impulses really cause.
+    fn truth(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        base: &[Vector3<f64>],
+        impulses: &[Vector3<f64>],
+    ) {
+        for (i, (contact, sign)) in self.contact.iter().enumerate() {
+            let acts = if *contact == NONE {
+                Vector3::zeros()
+            } else {
+                impulses[*contact as usize] * *sign
+            };
+            self.asked[i] = acts - self.given[i];
+        }
+        let asked = split(&mut self.asked, bodies);
+        let v = split(&mut self.v, bodies);
+        bodies
+            .par_iter_mut()
+            .zip(asked.into_par_iter().zip(v))
+            .for_each(|(body, (asked, v))| body.respond(asked, v));
+        for (v, base) in self.v.iter_mut().zip(base) {
+            *v += base;
+        }
+    }
+
+    /// Lets the bodies move as near to `2 z - h` as they can, and finds the step to the next state.
     fn respond(
         &mut self,
         bodies: &mut [&mut dyn Body],
@@ -206,8 +289,8 @@ impl Points {
         impulses: &[Vector3<f64>],
         relaxation: f64,
     ) {
-        let Self { contact, metric, given, h, v, asked, answer } = self;
-        let (h, v) = (split(h, bodies), split(v, bodies));
+        let Self { contact, metric, given, h, v, asked, answer, step } = self;
+        let (step, v) = (split(step, bodies), split(v, bodies));
         let (asked, answer) = (split(asked, bodies), split(answer, bodies));
         let mut start = 0;
         let ranges: Vec<_> = bodies
@@ -221,9 +304,10 @@ impl Points {
         bodies
             .par_iter_mut()
             .zip(ranges)
-            .zip(h.into_par_iter().zip(v))
+            .zip(step.into_par_iter().zip(v))
             .zip(asked.into_par_iter().zip(answer))
-            .for_each(|(((body, range), (h, v)), (asked, answer))| {
+            .for_each(|(((body, range), (step, v)), (asked, answer))| {
+                let h = &h[range.clone()];
                 let (contact, metric) = (&contact[range.clone()], &metric[range.clone()]);
                 let (given, base) = (&given[range.clone()], &base[range]);
                 let impulse = |i: usize| {
@@ -233,12 +317,12 @@ impl Points {
                 for i in 0..h.len() {
                     asked[i] = (h[i] - base[i]) * metric[i] + impulse(i) * 2.0 - given[i];
                 }
-                body.respond(asked, answer);
+                body.weighted_respond(asked, answer);
                 for i in 0..h.len() {
                     v[i] = base[i] + answer[i];
                     if metric[i] > 0.0 {
                         let z = h[i] + impulse(i) / metric[i];
-                        h[i] += (v[i] - z) * relaxation;
+                        step[i] = (v[i] - z) * relaxation;
                     }
                 }
             });

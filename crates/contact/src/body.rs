@@ -11,8 +11,8 @@ pub trait Body: Send {
     /// Number of points.
     fn points(&self) -> usize;
 
-    /// Adds a mass (kg, not negative) at every point, in place of those added before: from then on
-    /// the answer is `H (A + H^T M H)^-1 H^T p`. Zeros take all masses away.
+    /// Adds a mass (kg, not negative) at every point, in place of those added before, for
+    /// [`Body::weighted_respond`].
     ///
     /// # Errors
     /// [`ContactError::Body`] if that cannot be solved.
@@ -20,6 +20,9 @@ pub trait Body: Send {
 
     /// Writes the change of the points' velocities, m/s, that `impulses`, N s, cause.
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
+
+    /// The same with the masses of [`Body::set_weights`]: `H (A + H^T M H)^-1 H^T p`.
+    fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
 
     /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
     fn own_traces(&mut self, traces: &mut [f64]);

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod admm;
+mod anderson;
 mod body;
 mod contact;
 mod error;

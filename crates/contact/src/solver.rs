@@ -48,6 +48,7 @@ pub struct Certificate {
 }
 
 impl Certificate {
+
     /// Measures `impulses` where the points have the given velocities. `weights` (1/kg) are the
     /// sizes of the contacts' own responses, with which velocities are compared to impulses.
     #[must_use]

@@ -46,15 +46,26 @@ pub trait ImpulseResponse {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
+    /// The same for the fibres with the masses of [`ImpulseResponse::set_weights`] added.
+    ///
+    /// # Errors
+    /// As [`ImpulseResponse::respond_at`].
+    fn weighted_respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError>;
+
     /// Writes the answer of every node to an impulse on itself (1/kg), by selected inversion.
     ///
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
 
-    /// Adds masses (kg, that is impulse per velocity) at points, in place of all added before, and factorises again: from then on the
-    /// response is the inverse of `W^-1 + H^T M H`, `H` the interpolation to the points. An empty
-    /// list takes them away.
+    /// Adds masses (kg, that is impulse per velocity) at points, in place of all added before, and
+    /// factorises again for [`ImpulseResponse::weighted_respond_at`]: its response is the inverse of
+    /// `W^-1 + H^T M H`, `H` the interpolation to the points. To be called after each solve.
     ///
     /// # Errors
     /// [`RodError::Length`] unless there is a mass for each point, [`RodError::Invalid`] for a

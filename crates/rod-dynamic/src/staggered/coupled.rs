@@ -1,6 +1,7 @@
 //! A step in two halves, for a solver of contacts between them.
 
 use super::batch::StaggeredBatch;
+use super::response::Inertia;
 use super::scheme::Problem;
 use super::search::Outcome;
 use crate::{Conditions, ImpulseResponse, Point, RodError, StepError, StepReport};
@@ -105,8 +106,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the increments of the last linearisation, with these impulses in place of those before;
-    /// no weights may be set. Returns the largest increment, rad; those above 1 are shortened.
+    /// Takes the increments of the last linearisation, with these impulses in place of those before.
+    /// Returns the largest increment, rad; those above 1 are shortened.
     ///
     /// # Errors
     /// [`StepError`] as [`Self::correct`].
@@ -267,7 +268,20 @@ impl ImpulseResponse for StaggeredBatch {
         check("impulses", points.len(), impulses.len())?;
         check("velocities", points.len(), velocities.len())?;
         self.check_points(points)?;
-        self.engine.respond_at(points, impulses, velocities);
+        self.engine.respond_at(points, impulses, Inertia::Own, velocities);
+        Ok(())
+    }
+
+    fn weighted_respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError> {
+        check("impulses", points.len(), impulses.len())?;
+        check("velocities", points.len(), velocities.len())?;
+        self.check_points(points)?;
+        self.engine.respond_at(points, impulses, Inertia::Weighted, velocities);
         Ok(())
     }
 

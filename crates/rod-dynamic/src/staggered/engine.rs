@@ -3,6 +3,7 @@
 use super::ends::Kind;
 use super::lanes::zeros;
 use super::pack::{Pack, at, lanes, set};
+use super::response::Inertia;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
@@ -45,7 +46,13 @@ pub(super) trait Engine: Send {
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
     /// The same for points in any order.
-    fn respond_at(&mut self, points: &[Point], impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        inertia: Inertia,
+        out: &mut [Vector3<f64>],
+    );
     fn weigh(&mut self, points: &[Point], masses: &[f64]);
     /// Sets the impulses on the nodes of one lane at the start of the step; none acts any more
     /// once a step is set out on anew.
@@ -159,7 +166,7 @@ impl<S: Simd> Engine for Pack<S> {
                 }
             }
         }
-        Self::respond(self);
+        Self::respond(self, Inertia::Own);
         for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
             for (from, to) in lanes(&mut self.work.values).zip(out) {
                 for i in 0..3 {
@@ -183,6 +190,7 @@ impl<S: Simd> Engine for Pack<S> {
         &mut self,
         points: &[Point],
         impulses: &[Vector3<f64>],
+        inertia: Inertia,
         out: &mut [Vector3<f64>],
     ) {
         let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.work.values);
@@ -195,7 +203,7 @@ impl<S: Simd> Engine for Pack<S> {
                 node[(3 + i) * S::F64_LANES] += behind;
             }
         }
-        Self::respond(self);
+        Self::respond(self, inertia);
         let values = bytemuck::cast_slice::<S::f64s, f64>(&self.work.values);
         for (point, out) in points.iter().zip(out) {
             let node = &values[first::<S>(point)..];

@@ -3,7 +3,7 @@
 use super::chain::{Chain, get, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
-use super::response::Workspace;
+use super::response::{Inertia, Workspace};
 use super::scheme::{Problem, Scheme, Stage};
 use super::search::{Outcome, Search};
 use super::track::Track;
@@ -214,7 +214,7 @@ impl<S: Simd> Pack<S> {
             fn call(self) -> [f64; 8] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, Problem::Step);
-                pack.solve_response(&stage);
+                pack.solve_response(&stage, Inertia::Own);
                 for i in 0..2 * pack.chain.n {
                     let sum = pack.chain.vec(&pack.chain.step, i)
                         + pack.chain.vec(&pack.work.solution, i);

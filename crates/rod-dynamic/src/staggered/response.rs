@@ -6,7 +6,7 @@
 //! are the same up to transposition, so the response is symmetric.
 
 use super::chain::{hat, store};
-use super::factor::Block;
+use super::factor::{Block, Factor};
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
@@ -29,6 +29,9 @@ pub(super) struct Workspace<S: Simd> {
     /// Added masses of the nodes, and added inertias of d3 (both kg or kg m^2).
     mass: Array<S>,
     inertia: Array<S>,
+    /// What the added masses make of the inverse masses of the nodes, and of the factors.
+    w: Array<S>,
+    weighted: Factor<S>,
 }
 
 impl<S: Simd> Workspace<S> {
@@ -43,21 +46,32 @@ impl<S: Simd> Workspace<S> {
             blocks: zeros::<S>(6 * (n + 1)),
             mass: zeros::<S>(n + 1),
             inertia: zeros::<S>(n),
+            w: zeros::<S>(n + 1),
+            weighted: Factor::new(n),
         }
     }
 }
 
+/// Which inertia answers an impulse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Inertia {
+    /// That of the rods.
+    Own,
+    /// The same with the masses that were added.
+    Weighted,
+}
+
 /// What is asked of the factorised step.
 enum Question<'a> {
-    Respond,
+    Respond(Inertia),
     Blocks,
     Weigh(&'a [Point], &'a [f64]),
 }
 
 impl<S: Simd> Pack<S> {
     /// Replaces the impulses in the workspace by mean velocities.
-    pub(super) fn respond(&mut self) {
-        self.ask(Question::Respond);
+    pub(super) fn respond(&mut self, inertia: Inertia) {
+        self.ask(Question::Respond(inertia));
     }
 
     /// Computes the diagonal blocks of all nodes.
@@ -78,7 +92,7 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let stage = self.0.stage(&self.0.last_dt, Problem::Step);
                 match self.1 {
-                    Question::Respond => self.0.solve_response(&stage),
+                    Question::Respond(inertia) => self.0.solve_response(&stage, inertia),
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
                         self.0.factorize_weighted(&stage, points, masses);
@@ -90,28 +104,33 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    pub(super) fn solve_response(&mut self, stage: &Stage<S>) {
+    pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let (chain, work) = (&mut self.chain, &mut self.work);
+        let (w, factor) = match inertia {
+            Inertia::Own => (&chain.w, &mut chain.factor),
+            Inertia::Weighted => (&work.w, &mut work.weighted),
+        };
         let gain = stage.c1 * stage.dt;
         for e in 0..n {
-            let (before, here) = (chain.vec(&work.values, e), chain.vec(&work.values, e + 1));
-            let (w0, w1) = (chain.one(&chain.w, e), chain.one(&chain.w, e + 1));
+            let (before, here) =
+                (V3::load(simd, &work.values, e), V3::load(simd, &work.values, e + 1));
+            let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
             store(&mut work.loads, e, (before.scale(w0) - here.scale(w1)).scale(gain));
         }
         let idle = |x: &S::f64s| bytemuck::bytes_of(x).iter().all(|byte| *byte == 0);
         let first = work.loads.iter().position(|x| !idle(x)).map_or(0, |i| i / 3);
-        chain.factor.solve(simd, first, &work.loads, &mut work.solution);
+        factor.solve(simd, first, &work.loads, &mut work.solution);
         let rate = stage.dt.recip();
         for a in 0..=n {
-            let mut sum = chain.vec(&work.values, a).scale(gain);
+            let mut sum = V3::load(simd, &work.values, a).scale(gain);
             if a < n {
-                sum += chain.vec(&work.solution, 2 * a);
+                sum += V3::load(simd, &work.solution, 2 * a);
             }
             if a > 0 {
-                sum -= chain.vec(&work.solution, 2 * (a - 1));
+                sum -= V3::load(simd, &work.solution, 2 * (a - 1));
             }
-            store(&mut work.values, a, sum.scale(chain.one(&chain.w, a) * rate));
+            store(&mut work.values, a, sum.scale(Lane::new(simd, w[a]) * rate));
         }
     }
 
@@ -165,7 +184,7 @@ impl<S: Simd> Pack<S> {
         for a in 0..=n {
             let free = Lane::new(simd, self.chain.w[a]);
             let mu = stage.c1.fma(Lane::new(simd, work.mass[a]), Lane::new(simd, self.chain.mu[a]));
-            self.chain.w[a] = free.positive_or(mu.recip(), free).value;
+            work.w[a] = free.positive_or(mu.recip(), free).value;
         }
         let mut carry = Block::zero(simd);
         let zero = V3::splat(simd, 0.0);
@@ -175,7 +194,7 @@ impl<S: Simd> Pack<S> {
             let inertia = Lane::new(simd, work.inertia[e]) * stage.c1;
             let hessian = Sym::load(simd, &self.chain.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
-            let (w0, w1) = (self.chain.one(&self.chain.w, e), self.chain.one(&self.chain.w, e + 1));
+            let (w0, w1) = (Lane::new(simd, work.w[e]), Lane::new(simd, work.w[e + 1]));
             let block = Block {
                 compliance: Sym::diagonal(-(w0 + w1)),
                 lever: hat(d.scale(h)),
@@ -184,7 +203,7 @@ impl<S: Simd> Pack<S> {
                 torque: zero,
             };
             let coupling = self.chain.factor.coupling(simd, e);
-            (carry, _) = self.chain.factor.eliminate(e, block - carry, w1, coupling);
+            (carry, _) = work.weighted.eliminate(e, block - carry, w1, coupling);
         }
     }
 }

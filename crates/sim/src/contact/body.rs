@@ -25,6 +25,11 @@ impl Body for Fibers<'_> {
         debug_assert!(answered.is_ok(), "the points are on the fibres");
     }
 
+    fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
+        let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
+        debug_assert!(answered.is_ok(), "the points are on the fibres");
+    }
+
     fn own_traces(&mut self, traces: &mut [f64]) {
         let nodes = self.batch.nodes() / self.batch.rods().len();
         let mut blocks = vec![Matrix3::zeros(); self.batch.nodes()];

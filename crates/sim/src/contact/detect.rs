@@ -40,11 +40,13 @@ impl Detector {
     }
 
     /// All touches at the end of a motion, sorted by pair and place; none is missed that a straight
-    /// motion of all nodes would lead through.
+    /// motion of all nodes would lead through. Gaps up to `more`, m, above the margin are listed
+    /// too, as far as they are known.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
         objects: &[Object],
+        more: f64,
         touches: &mut Vec<Touch>,
     ) -> Result<(), CollisionError> {
         let [start, end] = [motion.start, motion.end]
@@ -53,7 +55,8 @@ impl Detector {
         self.cover(&start, &end)?;
         let pairs = self.candidates.pairs();
         let (near, fast) = sort(&start, &end, pairs);
-        contacts(&end, &near, self.margin, &mut self.contacts)?;
+        let margin = self.margin + more;
+        contacts(&end, &near, margin, &mut self.contacts)?;
         touches.clear();
         touches.extend(self.contacts.iter().map(|contact| fiber_touch(&end, contact)));
         touches.extend(fast.iter().map(|contact| fiber_touch(&end, contact)));
@@ -67,17 +70,13 @@ impl Detector {
                     radii: &motion.radii[motion.layout.segment_range(fiber)],
                 };
                 let span = [motion.time, motion.dt];
-                object.touches(index, &strand, span, self.margin, &mut found);
+                object.touches(index, &strand, span, margin, &mut found);
             }
             found
         };
         let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
         found.iter().for_each(|found| touches.extend_from_slice(found));
-        touches.par_sort_unstable_by(|a, b| {
-            let place = |touch: &Touch| (touch.fiber, touch.partner);
-            let [[s, t], [u, v]] = [a.at(), b.at()];
-            place(a).cmp(&place(b)).then(s.total_cmp(&u)).then(t.total_cmp(&v))
-        });
+        touches.par_sort_unstable_by(Touch::order);
         touches.dedup_by(|a, b| a.same(b));
         Ok(())
     }

@@ -92,9 +92,11 @@ enum Cut {
     Fatal(SimError),
 }
 
+/// By how many radii the list of contacts is widened at most.
+const WIDEST: f64 = 8.0;
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
-const MOST_ROUNDS: usize = 6;
+const MOST_ROUNDS: usize = 8;
 /// Increments below this, rad, end it: the error left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
 /// Most halvings of a step.
@@ -110,7 +112,11 @@ impl Touching {
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let detector = Detector::new(largest)?;
-        let solver = Admm::new(Tolerance::EXACT);
+        let mut solver = Admm::new(Tolerance::EXACT);
+        let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+        solver.weight = env("RZ_K", 1.0);
+        solver.relaxation = env("RZ_A", 1.6);
+        solver.memory = env("RZ_M", 6.0) as usize;
         Ok(Self { settings, objects, detector, solver, radii, radius })
     }
 }
@@ -215,13 +221,7 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let depth = self.settings.depth * 2.0 * self.radius;
-        self.solver.tolerance = Tolerance {
-            residual: 0.5 * self.settings.residual,
-            normal: 0.3 * depth / dt,
-            slip: 0.5 * self.settings.slip,
-            iterations: self.settings.iterations,
-        };
-        self.detect(world, attempt, expected, [time, dt])?;
+        self.detect(world, attempt, expected, [time, dt], 0.0)?;
         let curve = self.settings.friction.limit_curve();
         for round in 0.. {
             let mut case = Case::new(world, &curve, attempt, dt);
@@ -231,6 +231,14 @@ impl Touching {
             for iteration in 0..most {
                 world.for_groups(|group, _| group.linearize(), &[]).map_err(Cut::Rod)?;
                 case.linear = world.at_points(&case.points, &world.velocities(true));
+                // Newton's first iterations are not worth exact answers.
+                let slack = if round == 0 { 30.0 } else { (10.0 * 0.1_f64.powi(iteration as i32)).max(1.0) };
+                self.solver.tolerance = Tolerance {
+                    residual: 0.5 * slack * self.settings.residual,
+                    normal: 0.5 * slack * depth / dt,
+                    slip: 0.5 * slack * self.settings.slip,
+                    iterations: self.settings.iterations,
+                };
                 let one = case.solve(world, &mut self.solver);
                 let one = one.map_err(|error| Cut::Fatal(error.into()))?;
                 attempt.report.contact.iterations += one.iterations;
@@ -258,9 +266,13 @@ impl Touching {
                     break;
                 }
             }
-            let expected = remember(&attempt.touches);
-            let before = std::mem::take(&mut attempt.touches);
-            self.detect(world, attempt, &expected, [time, dt])?;
+            let mut before = std::mem::take(&mut attempt.touches);
+            // What moved far since the contacts were listed may move as far again.
+            let listed_at = std::mem::take(&mut attempt.mean);
+            let mean = world.velocities(false);
+            let moved = listed_at.iter().zip(&mean).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            let more = if round == 0 { (moved * dt).min(WIDEST * self.radius) } else { 0.0 };
+            self.detect(world, attempt, &remember(&before), [time, dt], more)?;
             let gap = attempt.touches.iter().map(|t| t.gap).fold(f64::INFINITY, f64::min);
             attempt.report.contact.gap = gap;
             if std::env::var("RZ_DEBUG").is_ok() {
@@ -271,12 +283,16 @@ impl Touching {
                 attempt.touches = before;
                 return Ok(());
             }
-            if round == MOST_ROUNDS {
-                if last {
-                    attempt.touches = before;
-                    return Ok(());
+            if round > 0 && round < MOST_ROUNDS {
+                for (touch, contact) in before.iter_mut().zip(&case.contacts) {
+                    touch.gap = dt * contact.relative(&case.velocities).x;
                 }
-                return Err(Cut::Depth);
+                attempt.touches = merged(before, &attempt.touches, 0.5 * depth);
+                continue;
+            }
+            if round == MOST_ROUNDS {
+                attempt.touches = before;
+                return if last { Ok(()) } else { Err(Cut::Depth) };
             }
         }
         Ok(())
@@ -289,6 +305,7 @@ impl Touching {
         attempt: &mut Attempt,
         expected: &[Remembered],
         [time, dt]: [f64; 2],
+        more: f64,
     ) -> Result<(), Cut> {
         attempt.mean = world.velocities(false);
         attempt.end =
@@ -301,11 +318,35 @@ impl Touching {
             time,
             dt,
         };
-        let found = self.detector.touches(&motion, &self.objects, &mut attempt.touches);
+        let found = self.detector.touches(&motion, &self.objects, more, &mut attempt.touches);
         found.map_err(|error| Cut::Fatal(error.into()))?;
         recall(expected, &mut attempt.touches);
         Ok(())
     }
+}
+
+/// The touches of a list, with those of another in place of theirs, or beside them, that are deeper
+/// than `depth`.
+fn merged(mut list: Vec<Touch>, other: &[Touch], depth: f64) -> Vec<Touch> {
+    let old = list.len();
+    for deep in other.iter().filter(|touch| touch.gap < -depth) {
+        let pair = (deep.fiber, deep.partner);
+        let start = list[..old].partition_point(|t| (t.fiber, t.partner) < pair);
+        let near = |t: &Touch| {
+            let ([s, u], [v, w]) = (t.at(), deep.at());
+            (s - v).abs().max((u - w).abs()) < 0.5
+        };
+        let same = list[start..old]
+            .iter_mut()
+            .take_while(|t| (t.fiber, t.partner) == pair)
+            .find(|t| near(t));
+        match same {
+            Some(touch) => *touch = Touch { impulse: touch.impulse, ..*deep },
+            None => list.push(Touch { impulse: Vector3::zeros(), ..*deep }),
+        }
+    }
+    list.sort_by(Touch::order);
+    list
 }
 
 /// The contacts of a step as the solver takes them.
@@ -398,11 +439,7 @@ impl Case {
             .collect();
         let mut bodies: Vec<&mut dyn Body> =
             bodies.iter_mut().map(|body| body as &mut dyn Body).collect();
-        let report = solver.solve(&mut bodies, &self.contacts, &self.linear, &mut self.impulses);
-        for body in &mut bodies {
-            body.set_weights(&vec![0.0; body.points()])?;
-        }
-        report
+        solver.solve(&mut bodies, &self.contacts, &self.linear, &mut self.impulses)
     }
 
     fn give_back(&self, touches: &mut [Touch]) {

@@ -1,4 +1,5 @@
 use nalgebra::Vector3;
+use std::cmp::Ordering;
 
 /// What a fibre touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,6 +35,13 @@ impl Touch {
     /// Where it is along both fibres, in segments from the root.
     pub(crate) fn at(&self) -> [f64; 2] {
         [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
+    }
+
+    /// By pair, then by place.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        let pairs = (self.fiber, self.partner).cmp(&(other.fiber, other.partner));
+        pairs.then(s.total_cmp(&u)).then(t.total_cmp(&v))
     }
 
     /// Whether two are the same place, named by two segments that share a node.

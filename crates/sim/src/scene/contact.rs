@@ -33,7 +33,7 @@ fn slip() -> f64 {
     4e-5
 }
 fn depth() -> f64 {
-    0.01
+    0.02
 }
 fn iterations() -> usize {
     400
