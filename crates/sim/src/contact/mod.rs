@@ -93,7 +93,7 @@ enum Cut {
 }
 
 /// By how many radii the list of contacts is widened at most.
-const WIDEST: f64 = 8.0;
+const WIDEST: f64 = 2.0;
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
 const MOST_ROUNDS: usize = 8;
