@@ -64,6 +64,14 @@ pub enum StaticError {
         /// Number of nodes.
         nodes: usize,
     },
+    /// Chains and shapes to start from are not of the same number.
+    #[error("{given} shapes are given to start from, but there are {chains} chains")]
+    NotOneStartEach {
+        /// Number of shapes.
+        given: usize,
+        /// Number of chains.
+        chains: usize,
+    },
     /// The iteration ended before it found an equilibrium.
     #[error(
         "no equilibrium was found in {iterations} steps, the last of which would turn a node by \

@@ -25,6 +25,7 @@ mod state;
 mod step;
 mod target;
 mod trial;
+mod two_phase;
 
 pub use chain::Chain;
 pub use equilibrium::Equilibrium;

@@ -77,9 +77,18 @@ impl Chain {
 
     /// Relaxes each chain from its own shape, in parallel; the results do not depend on the number
     /// of threads.
-    #[must_use]
-    pub fn relax_all(chains: &[Self], starts: &[Shape]) -> Vec<Result<Rest, StaticError>> {
-        chains.par_iter().zip(starts).map(|(chain, start)| chain.relax(start)).collect()
+    ///
+    /// # Errors
+    /// Not one start for each chain; and for each chain those of [`Chain::relax`].
+    pub fn relax_all(
+        chains: &[Self],
+        starts: &[Shape],
+    ) -> Result<Vec<Result<Rest, StaticError>>, StaticError> {
+        let (given, chains_given) = (starts.len(), chains.len());
+        if given != chains_given {
+            return Err(StaticError::NotOneStartEach { given, chains: chains_given });
+        }
+        Ok(chains.par_iter().zip(starts).map(|(chain, start)| chain.relax(start)).collect())
     }
 
     /// Positions, frames, forces and moments of the nodes in equilibrium. Moments come from the
