@@ -154,6 +154,9 @@ impl Problem {
             end.n -= element.end_load;
             nodes.push(end);
         }
+        // The guess says how fine the elements must be, before Newton's method leaves it.
+        let finer = self.rod.refined(&elements, &nodes, 1.0);
+        let (elements, nodes) = finer.unwrap_or((elements, nodes));
         self.finish(elements, nodes, &self.goal, 1.0).ok_or(StaticError::NotFound)
     }
 
