@@ -15,6 +15,12 @@ impl Chain {
         turns.zip(&self.segments).map(|(turn, segment)| segment.elastic(&turn)).sum()
     }
 
+    /// Work of the dead forces on the way from the world's origin to the nodes, J.
+    #[must_use]
+    pub fn work(&self, shape: &Shape) -> f64 {
+        self.forces.iter().zip(&shape.positions).map(|(f, at)| f.dot(&at.coords)).sum()
+    }
+
     /// Energy, J: the elastic one, that of the dead forces (less force times position, from the
     /// world's origin), and that of the springs of the targets (3.130).
     ///
@@ -22,12 +28,11 @@ impl Chain {
     /// A shape of another number of nodes.
     pub fn energy(&self, shape: &Shape) -> Result<f64, StaticError> {
         self.check(shape)?;
-        let loads = self.forces.iter().zip(&shape.positions).map(|(f, at)| f.dot(&at.coords));
         let springs = self.targets.iter().filter(|target| !target.is_held()).map(|target| {
             let gap = shape.positions[target.node] - target.place;
             0.5 * target.stiffness * gap.norm_squared()
         });
-        Ok(self.elastic_energy(shape) - loads.sum::<f64>() + springs.sum::<f64>())
+        Ok(self.elastic_energy(shape) - self.work(shape) + springs.sum::<f64>())
     }
 
     /// Derivatives of [`Chain::energy`] by the rotations of the nodes behind the clamp, N m:

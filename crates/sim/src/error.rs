@@ -2,6 +2,7 @@ use crate::export::ExportError;
 use crate::scene::Problem;
 use rapunzel_fiber::FiberError;
 use rapunzel_rod_dynamic::{RodError, StepError};
+use rapunzel_rod_static::StaticError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -41,6 +42,20 @@ pub enum SimError {
         time: f64,
         /// Which fibre and why.
         source: StepError,
+    },
+    /// A rod has no equilibrium that was found.
+    #[error("the case has no answer: {0}")]
+    Static(#[from] StaticError),
+    /// No length of a rod does what is wished.
+    #[error(
+        "no length between {shortest} and {longest} m does what is wished; allow a longer rod, or \
+         wish for less"
+    )]
+    NoLength {
+        /// The shortest length that was tried, m.
+        shortest: f64,
+        /// The longest, m.
+        longest: f64,
     },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]
