@@ -1,6 +1,6 @@
 use crate::SimError;
 use crate::scene::{
-    Allowed, Check, FORMAT, LoadFrame, Material, Pose, Problem, check_section, parse,
+    Allowed, Check, FORMAT, LoadFrame, Material, Orientation, Pose, Problem, check_section, parse,
 };
 use rapunzel_fiber::{NodeProperties, Section};
 use serde::{Deserialize, Serialize};
@@ -43,7 +43,8 @@ pub struct Case {
     #[serde(default)]
     pub wish: Option<Wish>,
     /// All equilibria that are found, not only a stable one, also with up to so many whole turns
-    /// of the end about its tangent.
+    /// of the end about its tangent. Those that only differ by a turn or a reflection of the whole
+    /// are told once.
     #[serde(default)]
     pub all_with_turns: Option<u16>,
     /// Number of equal parts between the stations of the answer.
@@ -109,8 +110,13 @@ pub enum End {
         /// The tangent, away from the clamp; any length.
         direction: [f64; 3],
     },
-    /// A clamp; its tangent is along the rod, away from the first clamp.
-    Clamped(Pose),
+    /// A clamp.
+    Clamped {
+        /// Where, m.
+        position: [f64; 3],
+        /// The frame there; its tangent is along the rod, away from the first clamp.
+        orientation: Orientation,
+    },
 }
 
 impl Default for End {
@@ -125,8 +131,9 @@ impl End {
     pub fn position(&self) -> Option<[f64; 3]> {
         match self {
             Self::Free { .. } => None,
-            Self::Joint { position } | Self::Bearing { position, .. } => Some(*position),
-            Self::Clamped(pose) => Some(pose.position),
+            Self::Joint { position }
+            | Self::Bearing { position, .. }
+            | Self::Clamped { position, .. } => Some(*position),
         }
     }
 }
@@ -294,7 +301,7 @@ impl Case {
             return;
         }
         let with = "does not go together with following forces and places on the way";
-        if matches!(self.end, End::Bearing { .. } | End::Clamped(_)) {
+        if matches!(self.end, End::Bearing { .. } | End::Clamped { .. }) {
             check.refuse("end", format!("is held in its direction, which {with}"));
         }
         if matches!(self.end, End::Free { moment, .. } if moment != [0.0; 3]) {
@@ -336,7 +343,9 @@ impl End {
                 check.vector("position", position, "m");
                 check.direction("direction", direction);
             }
-            Self::Clamped(pose) => pose.check(check),
+            Self::Clamped { position, orientation } => {
+                Pose { position: *position, orientation: *orientation }.check(check);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::answer::{Answer, Equilibrium, Peak, Stability, Station};
 use super::case::{Case, End};
 use crate::SimError;
-use crate::scene::LoadFrame;
+use crate::scene::{LoadFrame, Pose};
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use rapunzel_rod_static as rods;
 use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
@@ -47,7 +47,13 @@ impl Case {
         if found.is_empty() {
             return Err(StaticError::NotFound.into());
         }
-        Ok(found.iter().map(|one| self.resolved(one)).collect())
+        let mut told: Vec<Equilibrium> = Vec::new();
+        for one in found.iter().map(|one| self.resolved(one)) {
+            if !told.iter().any(|other| alike(other, &one)) {
+                told.push(one);
+            }
+        }
+        Ok(told)
     }
 
     fn resolved(&self, found: &rods::Equilibrium) -> Equilibrium {
@@ -98,7 +104,7 @@ impl Case {
             End::Free { force, .. } => forces[count] += Vector3::from(force),
             End::Joint { position } => targets.push(Target::held(count, position.into())),
             // Refused when the case was checked.
-            End::Bearing { .. } | End::Clamped(_) => {}
+            End::Bearing { .. } | End::Clamped { .. } => {}
         }
         chain.set_forces(&forces)?;
         chain.set_followers(&followers)?;
@@ -108,7 +114,7 @@ impl Case {
         let at = chain.arc_lengths().into_iter().zip(states).step_by(finer);
         let pulls = rest.pulls.iter().take(self.places.len()).map(|pull| (*pull).into()).collect();
         let stability = if follows { Stability::Unknown } else { Stability::Stable };
-        let energies = [chain.elastic_energy(&rest.shape), -chain.work(&rest.shape)];
+        let energies = [chain.elastic_energy(&rest.shape), 0.0 - chain.work(&rest.shape)];
         Ok(self.equilibrium(&at.collect::<Vec<_>>(), stability, energies, pulls))
     }
 
@@ -203,11 +209,25 @@ impl Case {
                 let tangent = Unit::new_normalize(Vector3::from(direction));
                 rods::End::Tangent(Point3::from(position), tangent)
             }
-            End::Clamped(to) => rods::End::Held(pose(&to)?),
+            End::Clamped { position, orientation } => {
+                rods::End::Held(pose(&Pose { position, orientation })?)
+            }
         })
     }
 }
 
-fn pose(pose: &crate::scene::Pose) -> Result<Isometry3<f64>, SimError> {
+fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
     pose.isometry().map_err(|source| SimError::Fiber { bundle: 0, source })
+}
+
+/// Whether two equilibria may be turned or reflected into each other: their energies and what they
+/// carry are the same in size.
+fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (a.abs() + b.abs());
+    let size = |v: [f64; 3]| Vector3::from(v).norm();
+    a.stability == b.stability
+        && same(a.elastic_energy, b.elastic_energy)
+        && same(a.load_energy, b.load_energy)
+        && same(size(a.clamp_force), size(b.clamp_force))
+        && same(size(a.clamp_moment), size(b.clamp_moment))
 }
