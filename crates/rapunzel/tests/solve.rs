@@ -62,14 +62,10 @@ fn a_hose_is_as_long_as_it_must_be() {
     let answer = solved("hose-between-flanges.ron");
     let found = &answer["equilibria"][0];
     assert_eq!(found["stability"], "Stable");
-    assert!(
-        (number(&found["sharpest"]["curvature"]) - 6.667).abs() < 1e-6,
-        "{}",
-        found["sharpest"]
-    );
-    assert!((number(&answer["wish"]["reached"]) - 6.667).abs() < 1e-6);
+    assert!((number(&found["sharpest"]["curvature"]) - 3.5).abs() < 1e-6, "{}", found["sharpest"]);
+    assert!((number(&answer["wish"]["reached"]) - 3.5).abs() < 1e-6);
     let length = number(&answer["length"]);
-    assert!((0.66..1.5).contains(&length), "{length}");
+    assert!((0.651..1.0).contains(&length), "{length}");
     let end = list(&found["stations"]).last().expect("an end");
     assert!(distance(vector(&end["position"]), [0.6, 0.0, 0.25]) < 1e-9);
     assert!(distance(vector(&end["frame"][2]), [1.0, 0.0, 0.0]) < 1e-8);
@@ -198,6 +194,6 @@ fn a_case_without_an_answer_says_so() {
     let output = rapunzel().arg("solve").arg(&path).output().expect("runs");
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("no length between 1.0 and 1.2 m does what is wished"), "{words}");
+    assert!(words.contains("no length between 1 and 1.2 m does what is wished"), "{words}");
     assert!(!folder.path().join("runs").exists());
 }

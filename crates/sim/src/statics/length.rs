@@ -7,15 +7,15 @@ use nalgebra::Vector3;
 use rapunzel_rod_static::StaticError;
 
 /// Lengths that are tried before the first that does is narrowed down.
-const TRIED: u32 = 48;
+const TRIED: u32 = 32;
 /// A held rod is at least so much longer than the way between its ends, in parts of it: stretched
 /// straight it has no definite force.
 const SLACK: f64 = 1e-4;
-/// How often the bracket is halved: to 1e-12 of its length.
-const HALVINGS: usize = 40;
+/// How often the bracket is halved: to 1e-9 of its length.
+const HALVINGS: usize = 30;
 
 impl Case {
-    /// The shortest length that does what is wished, among lengths as far apart as a 48th of the
+    /// The shortest length that does what is wished, among lengths as far apart as a 32nd of the
     /// range, and then narrowed down.
     pub(super) fn find_length(&self, wish: &Wish) -> Result<Length, SimError> {
         let from = Vector3::from(self.clamp.position);
