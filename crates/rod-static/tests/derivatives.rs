@@ -52,7 +52,7 @@ fn energy(chain: &Chain, turns: &[Vector3<C>]) -> C {
         for k in 1..40 {
             exp += power;
             mean += power.map(|x| x / f64::from(k));
-            power = power * hat(turn).map(|x| x / f64::from(k));
+            power *= hat(turn).map(|x| x / f64::from(k));
         }
         position += (frame * mean).column(2).map(|x| x * l);
         frame *= exp;

@@ -22,7 +22,9 @@ use std::process::ExitCode;
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
-const FIGURES: [Entry<fn() -> Fallible<Figure>>; 6] = [
+type Draw = fn() -> Fallible<Figure>;
+
+const FIGURES: [Entry<Draw>; 6] = [
     Entry { number: "3.3", title: "Annealing for a position", draw: ends::position },
     Entry { number: "3.5", title: "Annealing for position and tangent", draw: ends::tangent },
     Entry { number: "3.9", title: "A force that follows the tip", draw: minima::followers },
