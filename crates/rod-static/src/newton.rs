@@ -16,7 +16,7 @@ pub(crate) struct Newton {
 }
 
 /// Shifts that are tried in turn.
-const SHIFTS: [f64; 5] = [0.0, 1.0, 4.0, 16.0, 64.0];
+const SHIFTS: [f64; 6] = [0.0, 0.1, 1.0, 4.0, 16.0, 64.0];
 
 impl Newton {
     /// The largest rotation of a node, rad.
@@ -53,7 +53,13 @@ impl Newton {
                 newton.falling = falling;
                 return Some(newton);
             }
-            falling = falling.or_else(|| factor.falling());
+            if let (None, Some(step)) = (&falling, factor.falling()) {
+                // On the way down, what is held stays.
+                let mut way = Self { step, pulls: Vec::new(), shift, falling: None };
+                let met = vec![Vector3::zeros(); gaps.len()];
+                way.bind(chain, blocks, &met, motions, follow, &factor)?;
+                falling = Some(way.step);
+            }
         }
         None
     }

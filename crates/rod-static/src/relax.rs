@@ -3,6 +3,7 @@ use crate::chain::Chain;
 use crate::newton::Newton;
 use crate::segment::Blocks;
 use crate::shape::Shape;
+use crate::target::Target;
 use crate::trial::Trial;
 use crate::{State, StaticError};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -11,12 +12,18 @@ use rayon::prelude::*;
 
 /// Newton steps before an attempt is given up.
 const MOST: usize = 300;
+/// Newton steps before held nodes are led to their places by springs.
+const AT_ONCE: usize = 20;
+/// Stiffnesses of those springs, in units of the rod's.
+const SPRINGS: [f64; 4] = [3.0, 30.0, 300.0, 3000.0];
 /// A step, rad, after which nothing is left to do: the next one is its square.
 const SMALL: f64 = 1e-8;
 /// A step in the range of Newton's method, whose merit need not be tested.
-const LOCAL: f64 = 0.03;
-/// A step of a shifted matrix so small that the way down may be one of negative curvature.
+const LOCAL: f64 = 1e-3;
+/// A step of a shifted matrix so small that the way down may be one of negative curvature; with
+/// targets, which bend that way, only at the end.
 const STALLED: f64 = 0.3;
+const STALLED_HELD: f64 = 0.03;
 /// The largest step, rad.
 const LARGEST: f64 = 1.5;
 /// Part of the decrease that the slope promises which a step must bring (Armijo 1966).
@@ -115,13 +122,53 @@ impl Chain {
     }
 
     fn minimize(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
+        let free = vec![Vector3::zeros(); self.targets.len()];
+        if !self.targets.iter().any(Target::is_held) {
+            return self.descend(frames, free, MOST);
+        }
+        if let Ok(rest) = self.descend(frames.clone(), free, AT_ONCE) {
+            return Ok(rest);
+        }
+        // From afar, springs of growing stiffness lead the nodes to where they are held.
+        let mut rest = Rest { shape: self.shape(frames), pulls: Vec::new(), iterations: AT_ONCE };
+        let unit = self.stiffness();
+        for stiffness in SPRINGS {
+            let mut soft = self.clone();
+            for target in soft.targets.iter_mut().filter(|target| target.is_held()) {
+                target.stiffness = stiffness * unit;
+            }
+            let free = vec![Vector3::zeros(); self.targets.len()];
+            let before = rest.iterations;
+            rest = soft.descend(rest.shape.frames, free, MOST)?;
+            rest.iterations += before;
+        }
+        let before = rest.iterations;
+        let held = self.descend(rest.shape.frames, rest.pulls, MOST)?;
+        Ok(Rest { iterations: held.iterations + before, ..held })
+    }
+
+    /// What the whole rod resists a force on its end with, N/m, bending or loaded.
+    fn stiffness(&self) -> f64 {
+        let length: f64 = self.segments.iter().map(|segment| segment.length).sum();
+        let bending = self.segments.iter().map(|segment| segment.stiffness.max());
+        let loads: f64 = self.forces.iter().map(Vector3::norm).sum();
+        bending.fold(0.0, f64::max) / length.powi(3) + loads / length
+    }
+
+    /// The minimum that is reached in at most `most` steps, from `pulls` of the targets.
+    fn descend(
+        &self,
+        frames: Vec<UnitQuaternion<f64>>,
+        mut pulls: Vec<Vector3<f64>>,
+        most: usize,
+    ) -> Result<Rest, StaticError> {
         let dead = self.carried(&frames, 0.0, &[]);
         let mut now = Trial::new(self, frames, &dead);
-        let mut pulls = vec![Vector3::zeros(); self.targets.len()];
         // The merit: the energy, and what held nodes miss by, weighed more than the pulls.
         let mut weight = 0.0_f64;
         let mut size = f64::INFINITY;
-        for iterations in 0..MOST {
+        let stalled = if self.targets.is_empty() { STALLED } else { STALLED_HELD };
+        for iterations in 0..most {
             self.stretch_springs(&now, &mut pulls);
             let carried = self.carried(&now.frames, 0.0, &pulls);
             let blocks = now.blocks(self, &carried);
@@ -138,7 +185,7 @@ impl Chain {
             }
             let merit = |trial: &Trial| trial.energy + weight * trial.missed(self);
             let before = merit(&now);
-            if let Some(falling) = newton.falling.as_ref().filter(|_| size < STALLED) {
+            if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
                 let largest = falling.iter().map(Vector3::norm).fold(0.0, f64::max);
                 let steps = FALLS.iter().flat_map(|size| [size / largest, -size / largest]);
                 let trials = steps.map(|part| now.moved(self, &dead, falling, part));
@@ -163,7 +210,7 @@ impl Chain {
             }
             update(&mut pulls, &newton.pulls, part);
         }
-        Err(StaticError::NotConverged { iterations: MOST, step: size })
+        Err(StaticError::NotConverged { iterations: most, step: size })
     }
 
     /// How the merit changes along a step.

@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::cases;
 use common::reference::{Elastica, HeavyRod};
+use common::{Random, cases};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_rod_static::{Chain, End, Piece, Problem, Properties, Rest, StaticError, Target};
@@ -149,6 +149,37 @@ fn springs_pull_a_wound_fiber_to_two_places() {
     }
     assert!(missed.is_sorted_by(|a, b| a > b), "{missed:?}");
     assert!(missed[3] < 1e-12, "{missed:?}");
+}
+
+/// Straight and curled rods under small and large loads, free and held at their tips: almost all
+/// are found, and they are in balance.
+#[test]
+fn random_rods_come_to_rest() {
+    let mut random = Random::new(5);
+    let (mut tried, mut found) = (0, 0);
+    for (size, curl) in [10.0, 300.0, 1e4].into_iter().flat_map(|s| [(s, 0.0), (s, 6.0), (s, 30.0)])
+    {
+        for i in 0..40 {
+            let properties = Properties {
+                stiffness: Vector3::new(1.0, 0.7, 0.75),
+                natural_curvature: random.direction() * curl,
+                load: random.direction() * size,
+            };
+            let piece = Piece::uniform(1.0, properties).with_end_load(random.direction() * size);
+            let mut chain = chain(&Isometry3::identity(), &piece, 100);
+            let place = Point3::from(random.direction() * (0.9 * random.unit()));
+            if i % 2 == 0 {
+                chain.set_targets(&[Target::held(100, place)]).expect("a target");
+            }
+            tried += 1;
+            let Ok(rest) = chain.solve() else { continue };
+            found += 1;
+            let states = chain.states(&rest);
+            assert!(states[100].moment.norm() < 1e-10 * (1.0 + size), "{}", states[100].moment);
+            assert!(i % 2 == 1 || (tip(&rest) - place).norm() < 1e-12, "{}", tip(&rest));
+        }
+    }
+    assert!(f64::from(found) >= 0.995 * f64::from(tried), "{found} of {tried}");
 }
 
 /// A mass on the way bends the rod as a force on the same place does.
