@@ -134,6 +134,32 @@ fn a_fiber_nestles_against_two_places() {
     assert!(distance(spring, pull) < 1e-9, "{spring:?} {pull:?}");
 }
 
+/// A cable between two joints on one level: the wished sag, and the wished pull on the clamp.
+#[test]
+fn a_cable_is_as_long_as_it_is_wished() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cable.ron");
+    for (wish, value, read) in [("Sag", 0.2, "sag"), ("ClampForce", 6.0, "clamp_force")] {
+        let text = format!(
+            "(
+                format: 1, length: 1.02, parts: 200,
+                rod: Measured(
+                    bending: (0.02, 0.02), torsion: 0.02, linear_density: 0.5, radius: 0.004,
+                ),
+                clamp: (orientation: Along(direction: (1, 0, -0.5))),
+                end: Joint(position: (1, 0, 0)),
+                wish: (so_that: {wish}({value:?}), longest: 1.5),
+            )"
+        );
+        fs::write(&path, text).expect("writable");
+        let answer = answer(&path, folder.path());
+        let found = &answer["equilibria"][0][read];
+        let reached = found.as_f64().unwrap_or_else(|| dot(vector(found), vector(found)).sqrt());
+        assert!((reached - value).abs() < 1e-6 * value, "{wish}: {reached}");
+        assert!(number(&answer["length"]) > 1.02);
+    }
+}
+
 const SOUND: &str = "(
     format: 1,
     length: 1.0,
