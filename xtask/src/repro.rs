@@ -10,7 +10,8 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 2] = [
+const CHAPTERS: [Chapter; 3] = [
+    Chapter { name: "ch3-static", package: "rapunzel-rod-static", example: "ch3" },
     Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
     Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
 ];

@@ -18,12 +18,15 @@ const AFTER_HELP: &str = "\
 Begin with:
   rapunzel new lock-under-gravity
   rapunzel run lock-under-gravity.ron
+or, for a rod at rest:
+  rapunzel new static/hose-between-flanges
+  rapunzel solve hose-between-flanges.ron
 
 Exit codes:
   0    done
-  1    the simulation failed: a fibre's step could not be solved
+  1    a fibre's step could not be solved, or a case has no answer
   2    the command line is wrong
-  3    the scene is wrong
+  3    the scene or the case is wrong
   4    a file or folder cannot be used
   130  interrupted; the run can be resumed";
 
@@ -36,7 +39,9 @@ pub(crate) enum Command {
         /// The scene, a RON file.
         scene: PathBuf,
     },
-    /// Write a scene to begin with.
+    /// Find how one rod lies at rest: where it goes, what its ends carry, how long it must be.
+    Solve(SolveOptions),
+    /// Write a scene or a case to begin with.
     #[command(arg_required_else_help = true)]
     New(NewOptions),
     /// Say how the run in a folder stands.
@@ -69,8 +74,18 @@ pub(crate) struct RunOptions {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct SolveOptions {
+    /// The case, a RON file.
+    pub(crate) case: PathBuf,
+    /// The folder of the answer, whose files are overwritten [default: runs/ and the name of the
+    /// case].
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct NewOptions {
-    /// The scene to copy.
+    /// The scene to copy, or the case of a rod at rest, whose name begins with static/.
     #[arg(value_parser = PossibleValuesParser::new(templates::NAMES))]
     pub(crate) template: String,
     /// The file to write [default: the name of the template and .ron].

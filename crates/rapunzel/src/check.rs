@@ -8,14 +8,18 @@ use std::process::ExitCode;
 
 /// Reads the scene in a file.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
-    let text = fs::read_to_string(path).map_err(|error| {
+    Scene::from_ron(&read_text(path, "scene")?).map_err(Failure::of(path))
+}
+
+/// Reads the text of a file; `what` it is to be is for the message.
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, Failure> {
+    fs::read_to_string(path).map_err(|error| {
         let advice = match error.kind() {
-            ErrorKind::InvalidData => "; a scene is text, as `rapunzel new` writes it",
-            _ => "; check the path",
+            ErrorKind::InvalidData => format!("; a {what} is text, as `rapunzel new` writes it"),
+            _ => "; check the path".to_owned(),
         };
-        Failure::File(format!("cannot read the scene {}: {error}{advice}", path.display()))
-    })?;
-    Scene::from_ron(&text).map_err(Failure::of(path))
+        Failure::File(format!("cannot read the {what} {}: {error}{advice}", path.display()))
+    })
 }
 
 /// Says what a scene would do.

@@ -19,7 +19,7 @@ pub(crate) enum Failure {
     File(String),
 }
 
-/// A step could not be taken.
+/// A step could not be taken, or an equilibrium not be found.
 const FAILED: u8 = 1;
 /// The scene is wrong.
 const SCENE: u8 = 3;
@@ -36,7 +36,10 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Self::Sim { error: SimError::Step { .. }, .. } => FAILED,
+            Self::Sim {
+                error: SimError::Step { .. } | SimError::Static(_) | SimError::NoLength { .. },
+                ..
+            } => FAILED,
             Self::Sim {
                 error: SimError::Scene { .. } | SimError::Fiber { .. } | SimError::Rod { .. },
                 ..

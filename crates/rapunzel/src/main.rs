@@ -6,6 +6,7 @@ mod failure;
 mod info;
 mod new;
 mod run;
+mod solve;
 mod templates;
 mod words;
 
@@ -20,6 +21,7 @@ fn main() -> ExitCode {
         Command::Run(options) => run::run(&options, json),
         Command::Check { scene } => check::check(&scene, json),
         Command::New(options) => new::new(&options, json),
+        Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),
     };
     result.unwrap_or_else(|failure| failure.tell(json))

@@ -10,7 +10,12 @@ use std::process::ExitCode;
 /// Writes a scene that ships into a file.
 pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
-    let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
+    // A case is copied here, not into a folder of its own.
+    let (verb, file) = match name.strip_prefix("static/") {
+        Some(case) => ("solve", case),
+        None => ("run", name.as_str()),
+    };
+    let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{file}.ron")));
     let text = templates::text(name)
         .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;
     let failed = |error: std::io::Error| {
@@ -34,7 +39,7 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
     if json {
         say(&serde_json::json!({ "file": path }).to_string())?;
     } else {
-        say(&format!("{}: run it with `rapunzel run {}`", path.display(), path.display()))?;
+        say(&format!("{}: {verb} it with `rapunzel {verb} {}`", path.display(), path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,4 +1,4 @@
-//! The scenes that ship, inside the program.
+//! The scenes and cases that ship, inside the program.
 
 macro_rules! templates {
     ($($name:literal),+ $(,)?) => {
@@ -19,6 +19,11 @@ templates![
     "lock-pulled",
     "lock-falling",
     "lock-on-moving-root",
+    "static/hose-between-flanges",
+    "static/tress-root",
+    "static/follower-load",
+    "static/upright-rod",
+    "static/two-places",
 ];
 
 /// The text of a scene that ships.

@@ -32,6 +32,57 @@ pub enum StaticError {
         /// Length of the rod, m.
         length: f64,
     },
+    /// A chain needs at least one segment.
+    #[error("the rod is to be cut into no segments; give at least one")]
+    NoSegments,
+    /// A segment is too long for its curvature.
+    #[error(
+        "segment {segment} turns by {angle} rad, but must turn by less than pi; cut the rod into \
+         more segments"
+    )]
+    TooCoarse {
+        /// The segment, counted from the clamp.
+        segment: usize,
+        /// Angle by which it turns, rad.
+        angle: f64,
+    },
+    /// A node that a chain does not have, or that is clamped.
+    #[error("there is no free node {node}; the nodes behind the clamp are 1 to {last}")]
+    NoNode {
+        /// The node that was given.
+        node: usize,
+        /// The last node.
+        last: usize,
+    },
+    /// A list that needs one entry for each node has another length.
+    #[error("{quantity} are {given}, but there must be one for each of the {nodes} nodes")]
+    WrongCount {
+        /// Which list, with its unit.
+        quantity: &'static str,
+        /// Its length.
+        given: usize,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// Chains and shapes to start from are not of the same number.
+    #[error("{given} shapes are given to start from, but there are {chains} chains")]
+    NotOneStartEach {
+        /// Number of shapes.
+        given: usize,
+        /// Number of chains.
+        chains: usize,
+    },
+    /// The iteration ended before it found an equilibrium.
+    #[error(
+        "no equilibrium was found in {iterations} steps, the last of which would turn a node by \
+         {step} rad; start nearer to it, or apply the loads in parts"
+    )]
+    NotConverged {
+        /// Steps that were taken.
+        iterations: usize,
+        /// Largest rotation of a node in the next one, rad.
+        step: f64,
+    },
     /// No start that was tried leads to an equilibrium.
     #[error(
         "no equilibrium was found from any start; give a start near the one that is wanted, or \

@@ -42,6 +42,10 @@ impl Scaled {
         Ok(Self { stiffness: (k.x * k.y).sqrt(), pieces, length })
     }
 
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
     /// Unit of force, N.
     pub(crate) fn force(&self) -> f64 {
         self.stiffness / (self.length * self.length)

@@ -1,4 +1,5 @@
 use crate::StaticError;
+use crate::chain::Chain;
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
 use crate::goal::Goal;
@@ -8,7 +9,8 @@ use crate::shooting::newton;
 use crate::stability::index;
 use crate::state::State;
 use crate::step::Node;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use crate::target::Target;
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use std::iter::once;
 
@@ -23,6 +25,8 @@ const REFINEMENTS: usize = 4;
 const BENDING: [f64; 4] = [1.5, 3.0, 5.0, 7.0];
 /// Directions in which they bend.
 const DIRECTIONS: u32 = 8;
+/// Segments of the chain whose minimum is a start.
+const SEGMENTS: usize = 400;
 /// Torques that twist them as well.
 const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
@@ -68,16 +72,20 @@ impl Problem {
     }
 
     /// An equilibrium, stable if one is found: by continuation from the natural shape without
-    /// loads, and if that fails or leads to an unstable one, from bent shapes, the nearest to the
-    /// condition on the end first. No random numbers.
+    /// loads; if that fails or leads to an unstable one, from the minimum of the energy of a
+    /// [`Chain`], where the end is free or in a ball joint, and then from bent shapes, the nearest
+    /// to the condition on the end first. No random numbers.
     ///
     /// # Errors
     /// [`StaticError::NotFound`] if no start leads to an equilibrium.
     pub fn solve(&self) -> Result<Equilibrium, StaticError> {
         let elements = self.rod.elements();
         let mut unstable = None;
-        for nodes in self.starts(&elements) {
-            match self.follow(&elements, &Start { nodes, factor: 0.0, turns: 0.0 }) {
+        for (tried, nodes) in self.starts(&elements).enumerate() {
+            let way = || self.follow(&elements, &Start { nodes, factor: 0.0, turns: 0.0 });
+            // The first start is the natural shape; where no way leads from it, energy does.
+            let found = if tried == 1 { self.minimum().or_else(way) } else { way() };
+            match found {
                 Some(found) if found.is_stable() => return Ok(found),
                 Some(found) => unstable = unstable.or(Some(found)),
                 None => {}
@@ -154,7 +162,33 @@ impl Problem {
             end.n -= element.end_load;
             nodes.push(end);
         }
+        // The guess says how fine the elements must be, before Newton's method leaves it.
+        let finer = self.rod.refined(&elements, &nodes, 1.0);
+        let (elements, nodes) = finer.unwrap_or((elements, nodes));
         self.finish(elements, nodes, &self.goal, 1.0).ok_or(StaticError::NotFound)
+    }
+
+    /// The equilibrium near the minimum of the energy of the rod in segments.
+    fn minimum(&self) -> Option<Equilibrium> {
+        let (r, q) = self.clamp;
+        let clamp = Isometry3::from_parts((r * self.rod.length).into(), q);
+        let mut chain = Chain::new(&clamp, self.rod.pieces(), SEGMENTS).ok()?;
+        let last = chain.segment_count();
+        match self.goal {
+            Goal::Free { force, moment } if moment == Vector3::zeros() => {
+                let mut forces = chain.forces().to_vec();
+                forces[last] += force * self.rod.force();
+                chain.set_forces(&forces).ok()?;
+            }
+            Goal::Position { position, .. } => {
+                let place = Point3::from(position * self.rod.length);
+                chain.set_targets(&[Target::held(last, place)]).ok()?;
+            }
+            _ => return None,
+        }
+        let rest = chain.solve().ok()?;
+        let guess = chain.arc_lengths().into_iter().zip(chain.states(&rest));
+        self.solve_near(&guess.collect::<Vec<_>>()).ok()
     }
 
     /// The shapes to start from: the natural one, then, once that is not enough, bent ones by their

@@ -9,6 +9,10 @@ const MOST: usize = 12;
 const SMALL: f64 = 1e-8;
 /// A correction in radians and lengths that is no longer one.
 const FAR: f64 = 3.0;
+/// Part of the largest singular value below which one is that of a neutral way.
+const NEUTRAL: f64 = 1e-10;
+/// Part of what is missed that such ways may leave over.
+const CONSISTENT: f64 = 1e-8;
 
 type Variation = SVector<f64, 12>;
 
@@ -112,7 +116,14 @@ fn corrections(
         (basis, rest) = (next, moved - next * along);
     }
     let (missed, by) = goal.missed(nodes.last()?)?;
-    let mut p = (by * basis).lu().solve(&-(missed + by * rest))?;
+    // A closed ring may turn about its tangent: where a way is neutral it is not gone.
+    let onto = (by * basis).svd(true, true);
+    let neutral = NEUTRAL * onto.singular_values.max();
+    let wanted = -(missed + by * rest);
+    let mut p = onto.solve(&wanted, neutral).ok()?;
+    if (by * basis * p - wanted).norm() > CONSISTENT * (1.0 + wanted.norm()) {
+        return None;
+    }
     let mut corrections = vec![basis * p + rest];
     for (basis, rest, triangle, along) in passed.iter().rev() {
         // The triangle leads from p here to p there: modes that grow forward shrink backward.

@@ -7,6 +7,11 @@ use nalgebra::{Matrix3, Vector3};
 /// Stiffness of what is held, in units of the rod's own: as good as rigid, and no matter for signs.
 const RIGID: f64 = 1e9;
 
+/// Part of the largest eigenvalue below which one counts as zero: of rounding, and of what Newton's
+/// method leaves of a neutral way.
+const ROUNDING: f64 = 1e-10;
+const NEUTRAL: f64 = 1e-7;
+
 /// Number of independent variations that lower the energy: the number of points conjugate to the
 /// end, counted with their multiplicity. `None` if a derivative is singular.
 ///
@@ -14,7 +19,7 @@ const RIGID: f64 = 1e9;
 /// by element from the end, and each pivot's negative eigenvalues are counted (the count of
 /// Wittrick and Williams 1971). An end that is held in its place takes away those variations that
 /// move it, which are as many as its compliance has negative eigenvalues (the isoperimetric index
-/// of Maddocks 1985; Manning, Rogers and Maddocks 1998).
+/// of Maddocks 1985; Manning, Rogers and Maddocks 1998), or none, of a neutral way.
 pub(crate) fn index(
     rod: &Scaled,
     elements: &[Element],
@@ -39,7 +44,7 @@ pub(crate) fn index(
         };
         let [r, rotation, m] = [0, 1, 2].map(|row| [1, 2, 3].map(|column| block(row, column)));
         let pivot = m[1] - stiffness * rotation[1];
-        count += negative(&(pivot * rotation[1].try_inverse()?));
+        count += negative(&(pivot * rotation[1].try_inverse()?), ROUNDING);
         let inverse = pivot.try_inverse()?;
         let (before, beyond) = (
             inverse * (stiffness * rotation[0] - m[0]),
@@ -51,13 +56,15 @@ pub(crate) fn index(
         arm = r[0] + r[1] * before + arm * turned;
         (stiffness, coupling) = (before, beyond);
     }
-    let held = if matches!(goal, Goal::Free { .. }) { 0 } else { negative(&compliance) };
+    let held =
+        if matches!(goal, Goal::Free { .. }) { 0 } else { 3 - negative(&-compliance, NEUTRAL) };
     Some(count.saturating_sub(held))
 }
 
-/// Number of negative eigenvalues of the symmetric part; those of rounding do not count.
-fn negative(m: &Matrix3<f64>) -> usize {
+/// Number of negative eigenvalues of the symmetric part; those that are as good as `zero`, in parts
+/// of the largest one, do not count.
+fn negative(m: &Matrix3<f64>, zero: f64) -> usize {
     let eigenvalues = (0.5 * (m + m.transpose())).symmetric_eigenvalues();
-    let zero = 1e-10 * eigenvalues.amax();
+    let zero = zero * eigenvalues.amax();
     eigenvalues.iter().filter(|e| **e < -zero).count()
 }

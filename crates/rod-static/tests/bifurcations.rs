@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn piece(stiffness: [f64; 3], load: Vector3<f64>) -> Piece {
     let stiffness = Vector3::from(stiffness);
@@ -91,4 +91,42 @@ fn strips_buckle_sideways() {
     let (tip, own) = (4.012_599_344, 12.853_763);
     assert_eq!([index(0.0, 0.999 * tip), index(0.0, 1.001 * tip)], [0, 1]);
     assert_eq!([index(0.999 * own, 0.0), index(1.001 * own, 0.0)], [0, 1]);
+}
+
+/// Michell 1889, Zajac 1962: a straight rod bent to a ring and joined after a twist of
+/// `2 pi sqrt(3) EI / GJ` leaves its plane. The ring may turn about its tangent at the clamp; that
+/// way is neutral, below and above.
+#[test]
+fn a_twisted_ring_leaves_its_plane() {
+    for torsion in [0.75, 1.0, 1.4] {
+        let critical = TAU * 3.0_f64.sqrt() / torsion;
+        let index = |twist: f64| {
+            let spin = |s: f64| UnitQuaternion::from_scaled_axis(Vector3::z() * (twist * s));
+            let end = Isometry3::from_parts(Translation3::identity(), spin(1.0));
+            let rod = piece([1.0, 1.0, torsion], Vector3::zeros());
+            let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+            let ring: Vec<(f64, State)> = (0..64)
+                .map(|i| {
+                    let s = f64::from(i) / 64.0;
+                    let (sin, cos) = (TAU * s).sin_cos();
+                    let turn = UnitQuaternion::from_scaled_axis(Vector3::y() * (TAU * s));
+                    let tangent = Vector3::new(sin, 0.0, cos);
+                    let state = State {
+                        position: Point3::new((1.0 - cos) / TAU, 0.0, sin / TAU),
+                        frame: (turn * spin(s)).to_rotation_matrix(),
+                        force: Vector3::y() * (torsion * twist * TAU),
+                        moment: Vector3::y() * TAU + tangent * (torsion * twist),
+                    };
+                    (s, state)
+                })
+                .collect();
+            let found = problem.expect("a problem").solve_near(&ring).expect("the ring");
+            assert!(
+                (found.elastic_energy() - 0.5 * (TAU * TAU + torsion * twist * twist)).abs() < 1e-9
+            );
+            found.conjugate_points()
+        };
+        assert_eq!(index(0.999 * critical), 0, "torsion {torsion}");
+        assert_eq!(index(1.001 * critical), 2, "torsion {torsion}");
+    }
 }

@@ -2,26 +2,15 @@
 
 mod common;
 
+use common::reference::{Elastica, HeavyRod};
 use common::{cases, rotation};
-use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State};
 use serde::Deserialize;
-use std::f64::consts::FRAC_PI_2;
 
 /// Allowed errors: position in lengths, frame in radians, force and moment in parts of their size.
 const ALLOWED: [f64; 3] = [1e-9, 1e-8, 1e-6];
-
-/// The frame of a planar rod at the angle `theta` from x towards y: its tangent is in the plane
-/// and d1 out of it.
-fn planar(theta: f64) -> Rotation3<f64> {
-    so3::exp(&(Vector3::z() * (theta - FRAC_PI_2)))
-        * Rotation3::from_basis_unchecked(&[Vector3::z(), Vector3::x(), Vector3::y()])
-}
-
-fn pose(frame: Rotation3<f64>) -> Isometry3<f64> {
-    Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_rotation_matrix(&frame))
-}
 
 /// Errors of a state in position, frame, force and moment.
 fn errors(found: &State, exact: &State) -> [f64; 3] {
@@ -42,79 +31,15 @@ fn larger(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])]
 }
 
-/// A case of `b_heavy_elastica_planar.json`: L = EI = 1, gravity -y.
-#[derive(Debug, Deserialize)]
-struct Elastica {
-    name: String,
-    #[serde(rename = "G")]
-    g: f64,
-    clamp_angle_deg: f64,
-    kappa0: serde_json::Value,
-    equilibria: Vec<PlanarEquilibrium>,
-}
-
-#[derive(Debug, Deserialize)]
-struct PlanarEquilibrium {
-    root_moment: f64,
-    stable: bool,
-    #[serde(rename = "E_elastic")]
-    elastic: f64,
-    #[serde(rename = "E_total")]
-    energy: f64,
-    stations: Vec<PlanarStation>,
-}
-
-#[derive(Debug, Deserialize)]
-struct PlanarStation {
-    s: f64,
-    x: f64,
-    y: f64,
-    theta: f64,
-    kappa: f64,
-}
-
-impl Elastica {
-    /// Natural curvature: a number or `a*sin(b*s)`.
-    fn natural_curvature(&self) -> impl Fn(f64) -> f64 + Send + Sync + 'static {
-        let text = self.kappa0.to_string();
-        let text = text.trim_matches('"');
-        let number = |t: &str| t.parse::<f64>().expect("a number");
-        let (a, b) = match text.split_once("*sin(") {
-            None => (number(text), None),
-            Some((a, rest)) => (number(a), Some(number(rest.trim_end_matches("*s)")))),
-        };
-        move |s| b.map_or(a, |b| a * (b * s).sin())
-    }
-
-    fn problem(&self) -> Problem {
-        let (kappa, g) = (self.natural_curvature(), self.g);
-        let piece = Piece::varying(1.0, move |s| Properties {
-            // Stiff out of the plane, as the reference's stability is that in the plane.
-            stiffness: Vector3::new(1.0, 1e3, 1e3),
-            natural_curvature: Vector3::new(kappa(s), 0.0, 0.0),
-            load: Vector3::new(0.0, -g, 0.0),
-        });
-        let clamp = pose(planar(self.clamp_angle_deg.to_radians()));
-        Problem::new(&clamp, vec![piece], End::FREE).expect("a problem")
-    }
-
-    fn states(&self, equilibrium: &PlanarEquilibrium) -> Vec<(f64, State)> {
-        let natural = self.natural_curvature();
-        let state = |at: &PlanarStation| State {
-            position: Point3::new(at.x, at.y, 0.0),
-            frame: planar(at.theta),
-            force: Vector3::new(0.0, -self.g * (1.0 - at.s), 0.0),
-            moment: Vector3::new(0.0, 0.0, at.kappa - natural(at.s)),
-        };
-        equilibrium.stations.iter().map(|at| (at.s, state(at))).collect()
-    }
+fn problem(case: &Elastica) -> Problem {
+    Problem::new(&case.clamp(), vec![case.piece()], End::FREE).expect("a problem")
 }
 
 /// All equilibria of all cases, the unstable ones too, from a start near them: states, energies.
 #[test]
 fn planar_equilibria_of_the_reference() {
     for case in cases::<Elastica>("b_heavy_elastica_planar.json") {
-        let problem = case.problem();
+        let problem = problem(&case);
         for (i, equilibrium) in case.equilibria.iter().enumerate() {
             let name = format!("{}, equilibrium {i}", case.name);
             let states = case.states(equilibrium);
@@ -139,7 +64,7 @@ fn planar_equilibria_of_the_reference() {
 #[test]
 fn planar_rods_find_a_stable_equilibrium() {
     for case in cases::<Elastica>("b_heavy_elastica_planar.json") {
-        let found = case.problem().solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
+        let found = problem(&case).solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
         let known = case
             .equilibria
             .iter()
@@ -148,51 +73,11 @@ fn planar_rods_find_a_stable_equilibrium() {
     }
 }
 
-/// A case of `b_heavy_rod_3d.json`: L = 1, gravity -z.
-#[derive(Debug, Deserialize)]
-struct HeavyRod {
-    name: String,
-    #[serde(rename = "G")]
-    g: f64,
-    #[serde(rename = "EI1")]
-    ei1: f64,
-    #[serde(rename = "EI2")]
-    ei2: f64,
-    #[serde(rename = "Gmu")]
-    torsion: f64,
-    kappa0: [f64; 3],
-    #[serde(rename = "R0")]
-    root: [[f64; 3]; 3],
-    #[serde(rename = "E_elastic")]
-    elastic: f64,
-    #[serde(rename = "E_total")]
-    energy: f64,
-    stable: bool,
-    stations: Vec<HeavyStation>,
-}
-
-#[derive(Debug, Deserialize)]
-struct HeavyStation {
-    s: f64,
-    r: [f64; 3],
-    #[serde(rename = "R")]
-    frame: [[f64; 3]; 3],
-    m_fixed: [f64; 3],
-}
-
 #[test]
 fn heavy_rods_of_the_reference() {
     for case in cases::<HeavyRod>("b_heavy_rod_3d.json") {
-        let piece = Piece::uniform(
-            1.0,
-            Properties {
-                stiffness: Vector3::new(case.ei1, case.ei2, case.torsion),
-                natural_curvature: Vector3::from(case.kappa0),
-                load: Vector3::new(0.0, 0.0, -case.g),
-            },
-        );
-        let clamp = pose(rotation(&case.root));
-        let problem = Problem::new(&clamp, vec![piece], End::FREE).expect("a problem");
+        let problem =
+            Problem::new(&case.clamp(), vec![case.piece()], End::FREE).expect("a problem");
         let found = problem.solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
         let mut worst = [0.0; 3];
         for station in &case.stations {

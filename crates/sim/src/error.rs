@@ -4,6 +4,7 @@ use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_fiber::FiberError;
 use rapunzel_rod_dynamic::{RodError, StepError};
+use rapunzel_rod_static::StaticError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -50,6 +51,20 @@ pub enum SimError {
     /// Contacts could not be solved.
     #[error("contacts cannot be solved: {0}")]
     Contact(#[from] ContactError),
+    /// A rod has no equilibrium that was found.
+    #[error("the case has no answer: {0}")]
+    Static(#[from] StaticError),
+    /// No length of a rod does what is wished.
+    #[error(
+        "no length between {shortest} and {longest} m does what is wished; allow a longer rod, or \
+         wish for less"
+    )]
+    NoLength {
+        /// The shortest length that was tried, m.
+        shortest: f64,
+        /// The longest, m.
+        longest: f64,
+    },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]
     Io {

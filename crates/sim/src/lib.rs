@@ -12,6 +12,7 @@ mod observers;
 mod plan;
 mod run;
 pub mod scene;
+pub mod statics;
 mod stepper;
 mod storage;
 mod summary;

@@ -1,6 +1,7 @@
 //! Files that are there whole or not at all.
 
 use crate::SimError;
+use crate::export::ExportError;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,26 @@ pub(crate) fn write_atomically(
         let _ = fs::remove_file(&partial);
         SimError::io("write", path)(error)
     })
+}
+
+/// Writes a file of `export` atomically.
+pub(crate) fn save(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ExportError>,
+) -> Result<(), SimError> {
+    let mut refused = None;
+    let written = write_atomically(path, |to| match write(to) {
+        Ok(()) => Ok(()),
+        Err(ExportError::Io(error)) => Err(error),
+        Err(error) => {
+            refused = Some(error);
+            Err(io::ErrorKind::InvalidData.into())
+        }
+    });
+    match refused {
+        Some(source) => Err(SimError::Export { path: path.to_owned(), source }),
+        None => written,
+    }
 }
 
 fn partial(path: &Path) -> PathBuf {

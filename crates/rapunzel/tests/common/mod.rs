@@ -1,4 +1,5 @@
 //! A small scene, and the program as a process.
+#![allow(dead_code, reason = "every test file uses its own part")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

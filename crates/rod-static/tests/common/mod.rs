@@ -1,6 +1,8 @@
 //! What the integration tests share: the oracle files.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
+pub mod reference;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;

@@ -2,11 +2,11 @@ use super::Observer;
 use crate::export::{self, ExportError, Frame, Strand};
 use crate::folder::{FRAMES, PREVIEW, PVD, RunFolder, USD};
 use crate::scene::Format;
-use crate::storage::write_atomically;
+use crate::storage::save;
 use crate::{SimError, World};
 use std::fs::{self, File};
-use std::io::{BufReader, BufWriter};
-use std::path::{Path, PathBuf};
+use std::io::BufReader;
+use std::path::PathBuf;
 
 /// Frames on the contact sheet.
 const PREVIEW_FRAMES: usize = 12;
@@ -139,23 +139,4 @@ fn frame(world: &World, index: usize) -> Frame {
     };
     let strands = (0..world.assembly().fibers().len()).map(strand).collect();
     Frame { index, time: world.time(), strands }
-}
-
-fn save(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ExportError>,
-) -> Result<(), SimError> {
-    let mut refused = None;
-    let written = write_atomically(path, |to| match write(to) {
-        Ok(()) => Ok(()),
-        Err(ExportError::Io(error)) => Err(error),
-        Err(error) => {
-            refused = Some(error);
-            Err(std::io::ErrorKind::InvalidData.into())
-        }
-    });
-    match refused {
-        Some(source) => Err(SimError::Export { path: path.to_owned(), source }),
-        None => written,
-    }
 }

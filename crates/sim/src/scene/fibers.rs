@@ -231,7 +231,7 @@ impl Pose {
         }
     }
 
-    fn check(&self, check: &mut Check) {
+    pub(crate) fn check(&self, check: &mut Check) {
         check.vector("position", &self.position, "m");
         check.within("orientation", |c| match &self.orientation {
             Orientation::Along { direction, roll } => {
@@ -248,32 +248,8 @@ impl Bundle {
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
         check.count("segments", self.segments, 2, 100_000);
-        // A rod must be slender, and a NaN length has been refused already.
-        let thickest = if self.length > 0.0 { self.length / 10.0 } else { f64::MAX };
-        let size = |c: &mut Check, name: &str, value| {
-            c.number(name, value, Allowed::Positive, "m");
-            if value > thickest {
-                let message = format!(
-                    "is {value:?}, but must be at most {thickest:?} (m), a tenth of the length: \
-                     a fibre is slender"
-                );
-                c.refuse(name, message);
-            }
-        };
-        check.within("section", |c| match self.section {
-            Section::Circle { radius } => size(c, "radius", radius),
-            Section::Ellipse { a, b } => {
-                size(c, "a", a);
-                size(c, "b", b);
-            }
-        });
-        check.within("material", |c| {
-            if let Material::Elastic { density, youngs_modulus, shear_modulus } = self.material {
-                c.number("density", density, Allowed::Positive, "kg/m^3");
-                c.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
-                c.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
-            }
-        });
+        check.within("section", |c| check_section(c, &self.section, self.length));
+        check.within("material", |c| self.material.check(c));
         check.number("damping_time", self.damping_time, Allowed::NonNegative, "s");
         check.within("shape", |c| self.shape.check(c));
         check.within("root", |c| self.root.check(c));
@@ -286,6 +262,39 @@ impl Bundle {
             c.vector("value", &force.value, "N");
             c.within("profile", |c| force.profile.check(c));
         });
+    }
+}
+
+/// Notes what makes no sense in the section of a fibre of a length.
+pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
+    // A rod must be slender, and a NaN length has been refused already.
+    let thickest = if length > 0.0 { length / 10.0 } else { f64::MAX };
+    let size = |c: &mut Check, name: &str, value| {
+        c.number(name, value, Allowed::Positive, "m");
+        if value > thickest {
+            let message = format!(
+                "is {value:?}, but must be at most {thickest:?} (m), a tenth of the length: \
+                 a fibre is slender"
+            );
+            c.refuse(name, message);
+        }
+    };
+    match *section {
+        Section::Circle { radius } => size(check, "radius", radius),
+        Section::Ellipse { a, b } => {
+            size(check, "a", a);
+            size(check, "b", b);
+        }
+    }
+}
+
+impl Material {
+    pub(crate) fn check(&self, check: &mut Check) {
+        if let Self::Elastic { density, youngs_modulus, shear_modulus } = *self {
+            check.number("density", density, Allowed::Positive, "kg/m^3");
+            check.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
+            check.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
+        }
     }
 }
 

@@ -23,8 +23,10 @@ pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
-use check::{Allowed, Check};
+pub(crate) use check::{Allowed, Check};
+pub(crate) use fibers::check_section;
 use nalgebra::Vector3;
+pub(crate) use read::parse;
 use serde::{Deserialize, Serialize};
 
 /// The version of the scene format that this crate reads.

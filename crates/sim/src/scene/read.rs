@@ -7,6 +7,7 @@ use ron::error::Error::{
 use ron::error::Position;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
+use serde::de::DeserializeOwned;
 use serde_path_to_error::Segment;
 
 fn options() -> ron::Options {
@@ -20,7 +21,7 @@ impl Scene {
     /// [`SimError::Scene`] with everything that is wrong, at line, column and path.
     pub fn from_ron(text: &str) -> Result<Self, SimError> {
         let refuse = |problems| Err(SimError::Scene { source_text: text.to_owned(), problems });
-        match parse(text) {
+        match parse::<Self>(text) {
             Err(problem) => refuse(vec![problem]),
             Ok(scene) => {
                 let problems = scene.problems(Some(text));
@@ -56,7 +57,8 @@ impl Scene {
     }
 }
 
-fn parse(text: &str) -> Result<Scene, Problem> {
+/// Reads a value from RON.
+pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Problem> {
     let at = |position: Position| byte_of(text, position);
     let problem = |path: String, error: ron::error::SpannedError| {
         let span = match error.code {
@@ -77,12 +79,12 @@ fn parse(text: &str) -> Result<Scene, Problem> {
     };
     let mut deserializer = ron::Deserializer::from_str_with_options(text, &options())
         .map_err(|e| problem(String::new(), e))?;
-    let scene = serde_path_to_error::deserialize(&mut deserializer).map_err(|e| {
+    let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|e| {
         let path = path_of(e.path());
         problem(path, deserializer.span_error(e.into_inner()))
     })?;
     deserializer.end().map_err(|e| problem(String::new(), deserializer.span_error(e)))?;
-    Ok(scene)
+    Ok(value)
 }
 
 /// The byte at a line and a column (in characters) that count from 1.

@@ -51,8 +51,11 @@ pub fn write(out: &mut impl Write, frames: &[Frame]) -> Result<(), ExportError> 
         let frame = &frames[cell * (frames.len() - 1) / (count - 1).max(1)];
         let corner = grid.corner(cell);
         canvas.rectangle(corner, grid.picture, FRAME);
-        let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
-        canvas.text(caption, &format!("{:.3} s", frame.time), INK);
+        // One picture alone is of no certain time.
+        if count > 1 {
+            let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
+            canvas.text(caption, &format!("{:.3} s", frame.time), INK);
+        }
         draw(&mut canvas, frame, &view, &grid, corner);
     }
     grid.scale_bar(&mut canvas);

@@ -1,0 +1,82 @@
+use crate::arguments::SolveOptions;
+use crate::failure::Failure;
+use crate::{check, words::say};
+use rapunzel_sim::statics::{Answer, Case, Equilibrium, Stability, Wished};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Solves a case for a rod at rest, into a folder.
+pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Failure> {
+    let path = &options.case;
+    let text = check::read_text(path, "case")?;
+    let case = Case::from_ron(&text).map_err(Failure::of(path))?;
+    let answer = case.solve().map_err(Failure::of(path))?;
+    let folder = options
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("runs").join(path.file_stem().unwrap_or_default()));
+    answer.save(&folder).map_err(Failure::of(path))?;
+    if json {
+        say(&serde_json::json!({ "folder": folder, "answer": answer }).to_string())?;
+    } else {
+        say(&report(&case, &answer))?;
+        say(&format!("  results     {}", folder.display()))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn report(case: &Case, answer: &Answer) -> String {
+    let title = if answer.name.is_empty() { "the case is solved" } else { &answer.name };
+    let mut lines = vec![title.to_owned(), format!("  length      {:.6} m", answer.length)];
+    if let (Some(wish), Some(found)) = (case.wish, answer.wish) {
+        let (what, unit) = match wish.so_that {
+            Wished::Curvature(_) => ("curvature is nowhere above", "1/m"),
+            Wished::Sag(_) => ("sag is", "m"),
+            Wished::ClampForce(_) => ("force on the clamp is", "N"),
+            Wished::ClampMoment(_) => ("moment on the clamp is", "N m"),
+        };
+        lines.push(format!("  found       the shortest whose {what} {:.6} {unit}", found.reached));
+    }
+    for (i, found) in answer.equilibria.iter().enumerate() {
+        if answer.equilibria.len() > 1 {
+            lines.push(format!("equilibrium {i}"));
+        }
+        lines.extend(one(found));
+    }
+    lines.join("\n")
+}
+
+fn one(found: &Equilibrium) -> Vec<String> {
+    let stability = match found.stability {
+        Stability::Stable => "stable".to_owned(),
+        Stability::Unstable(1) => "unstable: one way leads down".to_owned(),
+        Stability::Unstable(ways) => format!("unstable: {ways} ways lead down"),
+        Stability::Unknown => "not told: a force follows the rod".to_owned(),
+    };
+    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let vector = |v: [f64; 3]| format!("({:.6e}, {:.6e}, {:.6e})", v[0], v[1], v[2]);
+    let carried = |name: &str, force: [f64; 3], moment: [f64; 3]| {
+        vec![
+            format!("  {name} force {:.6e} N = {}", size(force), vector(force)),
+            format!("  {name} moment {:.6e} N m = {}", size(moment), vector(moment)),
+        ]
+    };
+    let sharpest = found.sharpest;
+    let mut lines = vec![
+        format!("  stability   {stability}"),
+        format!(
+            "  energy      {:.6e} J: elastic {:.6e}, of the loads {:.6e}",
+            found.elastic_energy + found.load_energy,
+            found.elastic_energy,
+            found.load_energy
+        ),
+        format!("  sharpest    {:.6e} 1/m at {:.6} m", sharpest.curvature, sharpest.at),
+        format!("  sag         {:.6} m", found.sag),
+    ];
+    lines.extend(carried("on clamp   ", found.clamp_force, found.clamp_moment));
+    lines.extend(carried("on the end ", found.end_force, found.end_moment));
+    for (i, force) in found.place_forces.iter().enumerate() {
+        lines.push(format!("  at place {i}  force {:.6e} N = {}", size(*force), vector(*force)));
+    }
+    lines
+}

@@ -1,0 +1,38 @@
+//! Repeats the figures of the thesis's section 3.3 and compares what it says of them with our
+//! numbers; its search by simulated annealing is here for the comparison only.
+//!
+//! `cargo xtask repro ch3-static` runs it. Each figure is an SVG with its numbers as CSV.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
+
+mod annealing;
+#[path = "../../../sim/examples/repro/drawing.rs"]
+mod drawing;
+mod ends;
+mod minima;
+#[path = "../../../sim/examples/repro/program.rs"]
+mod program;
+#[path = "../../../sim/examples/repro/report.rs"]
+mod report;
+#[path = "../../../sim/examples/repro/svg.rs"]
+mod svg;
+
+use program::Entry;
+use report::Figure;
+use std::process::ExitCode;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+
+type Draw = fn() -> Fallible<Figure>;
+
+const FIGURES: [Entry<Draw>; 6] = [
+    Entry { number: "3.3", title: "Annealing for a position", draw: ends::position },
+    Entry { number: "3.5", title: "Annealing for position and tangent", draw: ends::tangent },
+    Entry { number: "3.9", title: "A force that follows the tip", draw: minima::followers },
+    Entry { number: "3.10", title: "A force that keeps its direction", draw: minima::dead_load },
+    Entry { number: "3.11", title: "Natural curvatures in gravity", draw: minima::curvatures },
+    Entry { number: "3.12", title: "A wound fiber at two places", draw: minima::places },
+];
+
+fn main() -> ExitCode {
+    program::main(&FIGURES, std::env::args().skip(1), |draw| draw())
+}

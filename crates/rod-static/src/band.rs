@@ -1,0 +1,132 @@
+use crate::segment::Blocks;
+use nalgebra::{Matrix3, Vector3};
+
+/// The derivatives of the nodes' balance, block-tridiagonal, eliminated from the tip.
+///
+/// Each node's variation follows from that of the node before. Forces that follow the frames beyond
+/// a node act on it too; they are carried along as one sum, so the cost stays that of tridiagonal
+/// blocks.
+#[derive(Debug, Default)]
+pub(crate) struct Factor {
+    /// Inverse pivots, and what leads from the node before, of the nodes behind the clamp.
+    inverse: Vec<Matrix3<f64>>,
+    carry: Vec<Matrix3<f64>>,
+    /// Change of the forces from each node on by that node's variation; empty without followers.
+    beyond: Vec<Matrix3<f64>>,
+    /// Number of negative eigenvalues of the pivots.
+    pub(crate) negative: usize,
+    /// The first of them: its node and direction.
+    falling: Option<(usize, Vector3<f64>)>,
+}
+
+/// How following forces change, and what that does.
+pub(crate) struct Follow {
+    /// Change of each node's force by the variation of its frame, world frame.
+    pub(crate) turned: Vec<Matrix3<f64>>,
+    /// Change of the end of each segment by the variations of its frames, world frame.
+    pub(crate) motions: Vec<[Matrix3<f64>; 2]>,
+}
+
+impl Factor {
+    /// Eliminates the blocks with `shift` times their own shifts added. `None` if a pivot is
+    /// singular.
+    pub(crate) fn of(blocks: &[Blocks], shift: f64, follow: Option<&Follow>) -> Option<Self> {
+        let count = blocks.len();
+        let mut factor = Self {
+            inverse: vec![Matrix3::zeros(); count],
+            carry: vec![Matrix3::zeros(); count],
+            ..Self::default()
+        };
+        if follow.is_some() {
+            factor.beyond = vec![Matrix3::zeros(); count];
+        }
+        // The change of the force beyond by the variation of the node at hand.
+        let mut beyond = Matrix3::zeros();
+        for i in (0..count).rev() {
+            let mut pivot = blocks[i].behind;
+            let mut own = shift * blocks[i].shift;
+            if let Some(next) = blocks.get(i + 1) {
+                pivot += next.before + next.mixed.tr_mul(&factor.carry[i + 1]);
+                own += shift * next.shift;
+            }
+            for j in 0..3 {
+                pivot[(j, j)] += own;
+            }
+            if let Some(follow) = follow {
+                factor.beyond[i] = beyond + follow.turned[i + 1];
+                pivot -= follow.motions[i][1].tr_mul(&factor.beyond[i]);
+                if let Some(motion) = follow.motions.get(i + 1) {
+                    pivot -= motion[0].tr_mul(&beyond);
+                }
+            } else if !definite(&pivot) {
+                factor.note(i, &pivot);
+            }
+            factor.inverse[i] = pivot.try_inverse()?;
+            factor.carry[i] = -(factor.inverse[i] * blocks[i].mixed);
+            if follow.is_some() {
+                beyond = factor.beyond[i] * factor.carry[i];
+            }
+        }
+        Some(factor)
+    }
+
+    fn note(&mut self, node: usize, pivot: &Matrix3<f64>) {
+        let eigen = pivot.symmetric_eigen();
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value < 0.0 {
+                self.negative += 1;
+                self.falling = self.falling.or(Some((node, vector.into_owned())));
+            }
+        }
+    }
+
+    /// The variations of the nodes behind the clamp for the given moments on them.
+    pub(crate) fn solve(
+        &self,
+        blocks: &[Blocks],
+        follow: Option<&Follow>,
+        moments: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut parts = vec![Vector3::zeros(); moments.len()];
+        let mut force = Vector3::zeros();
+        for i in (0..moments.len()).rev() {
+            let mut moment = moments[i];
+            if let Some(next) = blocks.get(i + 1) {
+                moment -= next.mixed.tr_mul(&parts[i + 1]);
+            }
+            if let Some(follow) = follow {
+                moment += follow.motions[i][1].tr_mul(&force);
+                if let Some(motion) = follow.motions.get(i + 1) {
+                    moment += motion[0].tr_mul(&force);
+                }
+            }
+            parts[i] = self.inverse[i] * moment;
+            if follow.is_some() {
+                force += self.beyond[i] * parts[i];
+            }
+        }
+        self.propagate(&mut parts, 0);
+        parts
+    }
+
+    /// A variation along which the energy falls to second order.
+    pub(crate) fn falling(&self) -> Option<Vec<Vector3<f64>>> {
+        let (node, direction) = self.falling?;
+        let mut parts = vec![Vector3::zeros(); self.carry.len()];
+        parts[node] = direction;
+        self.propagate(&mut parts, node);
+        Some(parts)
+    }
+
+    fn propagate(&self, parts: &mut [Vector3<f64>], from: usize) {
+        for i in from + 1..parts.len() {
+            let before = parts[i - 1];
+            parts[i] += self.carry[i] * before;
+        }
+    }
+}
+
+/// Whether a symmetric matrix is positive definite.
+fn definite(m: &Matrix3<f64>) -> bool {
+    m[(0, 0)] > 0.0 && m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(0, 1)] > 0.0 && m.determinant() > 0.0
+}

@@ -1,0 +1,305 @@
+use crate::StaticError;
+use crate::error::finite;
+use crate::rod::Piece;
+use crate::segment::{Segment, turn};
+use crate::shape::Shape;
+use crate::target::Target;
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+/// A rod in segments of constant curvature, clamped at its root, with forces on its nodes: the
+/// thesis's energy minimization (section 3.3.2).
+///
+/// Inextensible: the center line is a helix in each segment, so its error falls with the square of
+/// the segments' length. Loads along the rod act on the nodes; they may be given at will by
+/// [`Chain::set_forces`]. Everything costs in proportion to the number of segments.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    pub(crate) clamp: Isometry3<f64>,
+    pub(crate) segments: Vec<Segment>,
+    /// Dead forces on the nodes, world frame, and forces that follow the nodes' frames.
+    pub(crate) forces: Vec<Vector3<f64>>,
+    pub(crate) followers: Vec<Vector3<f64>>,
+    pub(crate) targets: Vec<Target>,
+}
+
+impl Chain {
+    /// The rod made of `pieces`, in order from the clamp, whose pose is `clamp`: its z axis is the
+    /// tangent. It is cut into about `segments` segments of about the same length, at least one for
+    /// each piece; each has the properties of its middle, and its load acts on its two ends.
+    ///
+    /// # Errors
+    /// What is wrong with a piece, no pieces or segments, and segments so long that they turn by
+    /// half a turn naturally.
+    pub fn new(
+        clamp: &Isometry3<f64>,
+        pieces: &[Piece],
+        segments: usize,
+    ) -> Result<Self, StaticError> {
+        check_pose(clamp)?;
+        if pieces.is_empty() {
+            return Err(StaticError::NoPieces);
+        }
+        if segments == 0 {
+            return Err(StaticError::NoSegments);
+        }
+        let total: f64 = pieces.iter().map(Piece::length).sum();
+        let mut chain = Self {
+            clamp: *clamp,
+            segments: Vec::with_capacity(segments),
+            forces: vec![Vector3::zeros()],
+            followers: Vec::new(),
+            targets: Vec::new(),
+        };
+        let mut from = 0.0;
+        for piece in pieces {
+            piece.validate(from)?;
+            let share = (segments as f64 * piece.length() / total).round().max(1.0);
+            let length = piece.length() / share;
+            let mut part = 0.0;
+            while part < share {
+                let p = piece.at(from + length * (part + 0.5));
+                let angle = p.natural_curvature.norm() * length;
+                if angle > PI {
+                    return Err(StaticError::TooCoarse { segment: chain.segments.len(), angle });
+                }
+                chain.segments.push(Segment {
+                    length,
+                    stiffness: p.stiffness,
+                    natural_curvature: p.natural_curvature,
+                });
+                let half = p.load * (0.5 * length);
+                chain.push_force(half);
+                part += 1.0;
+            }
+            from += piece.length();
+            if let Some(last) = chain.forces.last_mut() {
+                *last += piece.end_load();
+            }
+        }
+        chain.followers = vec![Vector3::zeros(); chain.forces.len()];
+        Ok(chain)
+    }
+
+    /// Half a segment's load on the last node and half on a new one.
+    fn push_force(&mut self, half: Vector3<f64>) {
+        if let Some(last) = self.forces.last_mut() {
+            *last += half;
+        }
+        self.forces.push(half);
+    }
+
+    /// Number of segments; there is one node more.
+    #[must_use]
+    pub fn segment_count(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// Arc lengths of the nodes from the clamp, m.
+    #[must_use]
+    pub fn arc_lengths(&self) -> Vec<f64> {
+        let mut at = vec![0.0];
+        at.extend(self.segments.iter().scan(0.0, |s, segment| {
+            *s += segment.length;
+            Some(*s)
+        }));
+        at
+    }
+
+    /// The pose of the clamp.
+    #[must_use]
+    pub fn clamp(&self) -> Isometry3<f64> {
+        self.clamp
+    }
+
+    /// Moves the clamp; shapes from before remain starts for [`Chain::relax`].
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn set_clamp(&mut self, clamp: &Isometry3<f64>) -> Result<(), StaticError> {
+        check_pose(clamp)?;
+        self.clamp = *clamp;
+        Ok(())
+    }
+
+    /// The dead forces on the nodes, N, world frame.
+    #[must_use]
+    pub fn forces(&self) -> &[Vector3<f64>] {
+        &self.forces
+    }
+
+    /// Replaces the dead forces on all nodes, N, world frame; that on the clamp's node is only
+    /// felt by the clamp.
+    ///
+    /// # Errors
+    /// Not one force for each node, and numbers that are not finite.
+    pub fn set_forces(&mut self, forces: &[Vector3<f64>]) -> Result<(), StaticError> {
+        self.check_nodes("the forces on the nodes (N)", forces)?;
+        self.forces.copy_from_slice(forces);
+        Ok(())
+    }
+
+    /// Sets forces that follow the nodes, N, in the nodes' own axes. They have no energy: an
+    /// equilibrium with them is no minimum.
+    ///
+    /// # Errors
+    /// Not one force for each node, and numbers that are not finite.
+    pub fn set_followers(&mut self, followers: &[Vector3<f64>]) -> Result<(), StaticError> {
+        self.check_nodes("the following forces (N)", followers)?;
+        self.followers.copy_from_slice(followers);
+        Ok(())
+    }
+
+    /// Sets the places that nodes are held at or pulled to.
+    ///
+    /// # Errors
+    /// Nodes that are not there or are the clamp, stiffnesses that are not positive, places that
+    /// are not finite, and held places farther apart than the rod between them is long.
+    pub fn set_targets(&mut self, targets: &[Target]) -> Result<(), StaticError> {
+        let at = self.arc_lengths();
+        let mut held: Vec<(f64, Point3<f64>)> = vec![(0.0, self.clamp.translation.vector.into())];
+        for target in targets {
+            let last = self.segments.len();
+            if !(1..=last).contains(&target.node) {
+                return Err(StaticError::NoNode { node: target.node, last });
+            }
+            finite("the place of a target (m)", target.place.coords.as_slice())?;
+            if target.stiffness.is_nan() || target.stiffness <= 0.0 {
+                let quantity = "the stiffness of a target (N/m)";
+                return Err(StaticError::NotPositive { quantity, value: target.stiffness });
+            }
+            if target.is_held() {
+                for (other, place) in &held {
+                    let (distance, length) =
+                        ((target.place - place).norm(), (at[target.node] - other).abs());
+                    if distance > length {
+                        return Err(StaticError::OutOfReach { distance, length });
+                    }
+                }
+                held.push((at[target.node], target.place));
+            }
+        }
+        self.targets = targets.to_vec();
+        Ok(())
+    }
+
+    /// The places that nodes are held at or pulled to.
+    #[must_use]
+    pub fn targets(&self) -> &[Target] {
+        &self.targets
+    }
+
+    fn check_nodes(
+        &self,
+        quantity: &'static str,
+        values: &[Vector3<f64>],
+    ) -> Result<(), StaticError> {
+        if values.len() != self.forces.len() {
+            let (given, nodes) = (values.len(), self.forces.len());
+            return Err(StaticError::WrongCount { quantity, given, nodes });
+        }
+        values.iter().try_for_each(|v| finite(quantity, v.as_slice()))
+    }
+
+    /// The shape without loads.
+    #[must_use]
+    pub fn natural_shape(&self) -> Shape {
+        let mut frames = vec![self.clamp.rotation];
+        for (i, segment) in self.segments.iter().enumerate() {
+            let turn = segment.natural_curvature * segment.length;
+            frames.push(frames[i] * UnitQuaternion::from_scaled_axis(turn));
+        }
+        self.shape(frames)
+    }
+
+    /// The shape after the rotations `by` of the nodes behind the clamp, rotation vectors in their
+    /// own axes: `R exp(b)`.
+    ///
+    /// # Errors
+    /// A shape or rotations of another number of nodes.
+    pub fn turned(&self, shape: &Shape, by: &[Vector3<f64>]) -> Result<Shape, StaticError> {
+        self.check(shape)?;
+        self.check_free(by)?;
+        let mut frames = shape.frames.clone();
+        turn_by(&mut frames, by, 1.0);
+        Ok(self.shape(frames))
+    }
+
+    /// The shape with the given frames of the nodes behind the clamp.
+    pub(crate) fn shape(&self, frames: Vec<UnitQuaternion<f64>>) -> Shape {
+        let mut shape = Shape { frames, positions: Vec::new() };
+        self.place(&mut shape);
+        shape
+    }
+
+    /// Puts the nodes where their frames lead.
+    pub(crate) fn place(&self, shape: &mut Shape) {
+        let mut at = Point3::from(self.clamp.translation.vector);
+        shape.positions.clear();
+        shape.positions.push(at);
+        for (segment, ends) in self.segments.iter().zip(shape.frames.windows(2)) {
+            at += ends[0] * segment.chord(&turn(&ends[0], &ends[1]));
+            shape.positions.push(at);
+        }
+    }
+
+    /// Forces in the segments, N, world frame: the sum of all beyond, of the following forces
+    /// times `factor`, and of the targets' `pulls`.
+    pub(crate) fn carried(
+        &self,
+        frames: &[UnitQuaternion<f64>],
+        factor: f64,
+        pulls: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut carried = self.forces[1..].to_vec();
+        if factor > 0.0 {
+            for (i, force) in carried.iter_mut().enumerate() {
+                *force += frames[i + 1] * (factor * self.followers[i + 1]);
+            }
+        }
+        for (target, pull) in self.targets.iter().zip(pulls) {
+            carried[target.node - 1] += pull;
+        }
+        for i in (1..carried.len()).rev() {
+            let beyond = carried[i];
+            carried[i - 1] += beyond;
+        }
+        carried
+    }
+
+    /// Checks that `shape` has this chain's number of nodes.
+    pub(crate) fn check(&self, shape: &Shape) -> Result<(), StaticError> {
+        let (given, nodes) = (shape.frames.len(), self.forces.len());
+        let quantity = "the frames of the shape";
+        let same = given == nodes;
+        if same { Ok(()) } else { Err(StaticError::WrongCount { quantity, given, nodes }) }
+    }
+
+    /// Checks that there is one rotation for each node behind the clamp.
+    pub(crate) fn check_free(&self, by: &[Vector3<f64>]) -> Result<(), StaticError> {
+        let (given, nodes) = (by.len(), self.segments.len());
+        let quantity = "the rotations of the nodes behind the clamp";
+        let same = given == nodes;
+        if same { Ok(()) } else { Err(StaticError::WrongCount { quantity, given, nodes }) }
+    }
+
+    /// Curvatures of the segments in their own axes, 1/m.
+    #[must_use]
+    pub fn curvatures(&self, shape: &Shape) -> Vec<Vector3<f64>> {
+        let turns = shape.frames.windows(2).map(|ends| turn(&ends[0], &ends[1]));
+        turns.zip(&self.segments).map(|(turn, segment)| turn / segment.length).collect()
+    }
+}
+
+fn check_pose(clamp: &Isometry3<f64>) -> Result<(), StaticError> {
+    finite("the pose of the clamp", clamp.translation.vector.as_slice())?;
+    finite("the pose of the clamp", clamp.rotation.coords.as_slice())
+}
+
+/// Turns the frames behind the first by the rotation vectors `part * by` in their own axes.
+pub(crate) fn turn_by(frames: &mut [UnitQuaternion<f64>], by: &[Vector3<f64>], part: f64) {
+    for (frame, variation) in frames[1..].iter_mut().zip(by) {
+        let turned = *frame * UnitQuaternion::from_scaled_axis(variation * part);
+        *frame = UnitQuaternion::new_normalize(turned.into_inner());
+    }
+}

@@ -1,0 +1,129 @@
+use crate::band::{Factor, Follow};
+use crate::chain::Chain;
+use crate::segment::Blocks;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// A Newton step of a [`Chain`].
+pub(crate) struct Newton {
+    /// Variations of the frames behind the clamp.
+    pub(crate) step: Vec<Vector3<f64>>,
+    /// Changes of the targets' pulls.
+    pub(crate) pulls: Vec<Vector3<f64>>,
+    /// How far the matrix was shifted to be definite; zero at and near stable equilibria.
+    pub(crate) shift: f64,
+    /// A variation along which the energy falls, where the matrix is not definite.
+    pub(crate) falling: Option<Vec<Vector3<f64>>>,
+}
+
+/// Shifts that are tried in turn.
+const SHIFTS: [f64; 6] = [0.0, 0.1, 1.0, 4.0, 16.0, 64.0];
+
+impl Newton {
+    /// The largest rotation of a node, rad.
+    pub(crate) fn size(&self) -> f64 {
+        self.step.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt()
+    }
+
+    /// The step from where the targets' nodes are off their places by `gaps`. With followers the
+    /// matrix is not symmetric, and no shift is tried. `None` if it is singular.
+    pub(crate) fn of(
+        chain: &Chain,
+        blocks: &[Blocks],
+        gaps: &[Vector3<f64>],
+        motions: &[[Matrix3<f64>; 2]],
+        follow: Option<&Follow>,
+    ) -> Option<Self> {
+        let moments: Vec<Vector3<f64>> = (0..blocks.len())
+            .map(|i| {
+                let next = blocks.get(i + 1).map_or_else(Vector3::zeros, |b| b.gradient[0]);
+                -(blocks[i].gradient[1] + next)
+            })
+            .collect();
+        let mut falling = None;
+        for shift in SHIFTS {
+            let factor = Factor::of(blocks, shift, follow)?;
+            let mut newton = Self {
+                step: factor.solve(blocks, follow, &moments),
+                pulls: Vec::new(),
+                shift,
+                falling: None,
+            };
+            let taken = newton.bind(chain, blocks, gaps, motions, follow, &factor)?;
+            if factor.negative == taken || follow.is_some() {
+                newton.falling = falling;
+                return Some(newton);
+            }
+            if let (None, Some(step)) = (&falling, factor.falling()) {
+                // On the way down, what is held stays.
+                let mut way = Self { step, pulls: Vec::new(), shift, falling: None };
+                let met = vec![Vector3::zeros(); gaps.len()];
+                way.bind(chain, blocks, &met, motions, follow, &factor)?;
+                falling = Some(way.step);
+            }
+        }
+        None
+    }
+
+    /// Bends the step so that the targets' nodes are met or pulled: the Schur complement of their
+    /// pulls. Returns how many directions of falling energy the targets take away.
+    fn bind(
+        &mut self,
+        chain: &Chain,
+        blocks: &[Blocks],
+        gaps: &[Vector3<f64>],
+        motions: &[[Matrix3<f64>; 2]],
+        follow: Option<&Follow>,
+        factor: &Factor,
+    ) -> Option<usize> {
+        let count = chain.targets.len();
+        if count == 0 {
+            return Some(0);
+        }
+        let mut compliance = DMatrix::zeros(3 * count, 3 * count);
+        let mut off = DVector::zeros(3 * count);
+        let mut responses = Vec::with_capacity(3 * count);
+        for (i, target) in chain.targets.iter().enumerate() {
+            let held = target.is_held();
+            for axis in 0..3 {
+                let mut moments = vec![Vector3::zeros(); blocks.len()];
+                for (s, motion) in motions[..target.node].iter().enumerate() {
+                    moments[s] += motion[1].row(axis).transpose();
+                    if s > 0 {
+                        moments[s - 1] += motion[0].row(axis).transpose();
+                    }
+                }
+                responses.push(factor.solve(blocks, follow, &moments));
+                if !held {
+                    compliance[(3 * i + axis, 3 * i + axis)] = 1.0 / target.stiffness;
+                }
+            }
+            let wanted = if held { gaps[i] } else { Vector3::zeros() };
+            off.fixed_rows_mut::<3>(3 * i)
+                .copy_from(&(moved(&motions[..target.node], &self.step) + wanted));
+        }
+        for (i, target) in chain.targets.iter().enumerate() {
+            for (column, response) in responses.iter().enumerate() {
+                let by = moved(&motions[..target.node], response);
+                let mut entry = compliance.fixed_view_mut::<3, 1>(3 * i, column);
+                entry += by;
+            }
+        }
+        let pulls = -compliance.clone().lu().solve(&off)?;
+        for (response, pull) in responses.iter().zip(pulls.iter()) {
+            for (variation, part) in self.step.iter_mut().zip(response) {
+                *variation += part * *pull;
+            }
+        }
+        self.pulls = (0..count).map(|i| pulls.fixed_rows::<3>(3 * i).into_owned()).collect();
+        let symmetric = 0.5 * (&compliance + compliance.transpose());
+        Some(symmetric.symmetric_eigenvalues().iter().filter(|e| **e < 0.0).count())
+    }
+}
+
+/// Motion of the end of the segments by the variations of the frames behind the clamp.
+pub(crate) fn moved(motions: &[[Matrix3<f64>; 2]], step: &[Vector3<f64>]) -> Vector3<f64> {
+    motions.iter().enumerate().fold(Vector3::zeros(), |sum, (s, motion)| {
+        let before = if s > 0 { motion[0] * step[s - 1] } else { Vector3::zeros() };
+        sum + before + motion[1] * step[s]
+    })
+}

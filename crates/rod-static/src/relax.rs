@@ -1,0 +1,310 @@
+use crate::band::Follow;
+use crate::chain::Chain;
+use crate::newton::Newton;
+use crate::segment::Blocks;
+use crate::shape::Shape;
+use crate::target::Target;
+use crate::trial::Trial;
+use crate::{State, StaticError};
+use nalgebra::{UnitQuaternion, Vector3};
+use rapunzel_fiber::so3::hat;
+use rayon::prelude::*;
+
+/// Newton steps before an attempt is given up.
+const MOST: usize = 300;
+/// Newton steps before held nodes are led to their places by springs.
+const AT_ONCE: usize = 20;
+/// Stiffnesses of those springs, in units of the rod's.
+const SPRINGS: [f64; 4] = [3.0, 30.0, 300.0, 3000.0];
+/// A step, rad, after which nothing is left to do: the next one is its square.
+const SMALL: f64 = 1e-8;
+/// A step in the range of Newton's method, whose merit need not be tested.
+const LOCAL: f64 = 1e-3;
+/// A step of a shifted matrix so small that the way down may be one of negative curvature; with
+/// targets, which bend that way, only at the end.
+const STALLED: f64 = 0.3;
+const STALLED_HELD: f64 = 0.03;
+/// The largest step, rad.
+const LARGEST: f64 = 1.5;
+/// Part of the decrease that the slope promises which a step must bring (Armijo 1966).
+const ENOUGH: f64 = 1e-4;
+/// Shortest part of a step.
+const SHORTEST: f64 = 1e-6;
+/// Steps along a direction of negative curvature, rad.
+const FALLS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.0];
+/// First and shortest part of the following forces in which they are applied, and the Newton steps
+/// for each.
+const FIRST: f64 = 0.25;
+const LEAST: f64 = 1e-3;
+const FEW: usize = 12;
+
+/// An equilibrium of a [`Chain`]: a minimum of the energy, if no following forces act.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// How the chain lies.
+    pub shape: Shape,
+    /// Forces of the targets on their nodes, N, world frame, in the order of the targets.
+    pub pulls: Vec<Vector3<f64>>,
+    /// Newton steps that led here.
+    pub iterations: usize,
+}
+
+impl Chain {
+    /// The equilibrium that is reached from the natural shape.
+    ///
+    /// # Errors
+    /// As [`Chain::relax`].
+    pub fn solve(&self) -> Result<Rest, StaticError> {
+        self.relax(&self.natural_shape())
+    }
+
+    /// The equilibrium that is reached from `start`, a shape of this chain, perhaps of before its
+    /// clamp or its loads changed.
+    ///
+    /// Newton's method on the energy (3.130) and (3.135), corrected: the energy itself is
+    /// minimized, not its square. The pivots of the Hessian tell whether it is definite; where it
+    /// is not, it is shifted, and at a saddle the way down is taken. So the equilibrium is stable.
+    /// Places that hold nodes enter by Lagrange's multipliers. Following forces, which have no
+    /// energy, are applied in parts. Cost: about half a microsecond for each segment and step;
+    /// less than ten steps from a natural shape, three from a shape nearby.
+    ///
+    /// # Errors
+    /// A shape of another number of nodes, and [`StaticError::NotConverged`].
+    pub fn relax(&self, start: &Shape) -> Result<Rest, StaticError> {
+        self.check(start)?;
+        // A shape from before the clamp turned is turned with it.
+        let moved = self.clamp.rotation * start.frames[0].inverse();
+        let frames = start.frames.iter().map(|frame| moved * frame).collect();
+        if self.followers.iter().all(|force| *force == Vector3::zeros()) {
+            self.minimize(frames)
+        } else {
+            self.follow(frames)
+        }
+    }
+
+    /// Relaxes each chain from its own shape, in parallel; the results do not depend on the number
+    /// of threads.
+    ///
+    /// # Errors
+    /// Not one start for each chain; and for each chain those of [`Chain::relax`].
+    pub fn relax_all(
+        chains: &[Self],
+        starts: &[Shape],
+    ) -> Result<Vec<Result<Rest, StaticError>>, StaticError> {
+        let (given, chains_given) = (starts.len(), chains.len());
+        if given != chains_given {
+            return Err(StaticError::NotOneStartEach { given, chains: chains_given });
+        }
+        Ok(chains.par_iter().zip(starts).map(|(chain, start)| chain.relax(start)).collect())
+    }
+
+    /// Positions, frames, forces and moments of the nodes in equilibrium. Moments come from the
+    /// balance of the nodes; forces, which are constant in each segment, are the mean of both
+    /// segments, extrapolated at the ends.
+    #[must_use]
+    pub fn states(&self, rest: &Rest) -> Vec<State> {
+        let shape = &rest.shape;
+        let carried = self.carried(&shape.frames, 1.0, &rest.pulls);
+        let blocks = Trial::new(self, shape.frames.clone(), &carried).blocks(self, &carried);
+        let last = self.segments.len() - 1;
+        let state = |i: usize| {
+            let force = match i {
+                _ if last == 0 => carried[0],
+                0 => 1.5 * carried[0] - 0.5 * carried[1],
+                i if i > last => 1.5 * carried[last] - 0.5 * carried[last - 1],
+                i => 0.5 * (carried[i - 1] + carried[i]),
+            };
+            let moment = if i == 0 { -blocks[0].gradient[0] } else { blocks[i - 1].gradient[1] };
+            let (frame, position) = (shape.frames[i], shape.positions[i]);
+            State { position, frame: frame.to_rotation_matrix(), force, moment: frame * moment }
+        };
+        (0..=last + 1).map(state).collect()
+    }
+
+    fn minimize(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
+        let free = vec![Vector3::zeros(); self.targets.len()];
+        if !self.targets.iter().any(Target::is_held) {
+            return self.descend(frames, free, MOST);
+        }
+        if let Ok(rest) = self.descend(frames.clone(), free, AT_ONCE) {
+            return Ok(rest);
+        }
+        // From afar, springs of growing stiffness lead the nodes to where they are held.
+        let mut rest = Rest { shape: self.shape(frames), pulls: Vec::new(), iterations: AT_ONCE };
+        let unit = self.stiffness();
+        for stiffness in SPRINGS {
+            let mut soft = self.clone();
+            for target in soft.targets.iter_mut().filter(|target| target.is_held()) {
+                target.stiffness = stiffness * unit;
+            }
+            let free = vec![Vector3::zeros(); self.targets.len()];
+            let before = rest.iterations;
+            rest = soft.descend(rest.shape.frames, free, MOST)?;
+            rest.iterations += before;
+        }
+        let before = rest.iterations;
+        let held = self.descend(rest.shape.frames, rest.pulls, MOST)?;
+        Ok(Rest { iterations: held.iterations + before, ..held })
+    }
+
+    /// What the whole rod resists a force on its end with, N/m, bending or loaded.
+    fn stiffness(&self) -> f64 {
+        let length: f64 = self.segments.iter().map(|segment| segment.length).sum();
+        let bending = self.segments.iter().map(|segment| segment.stiffness.max());
+        let loads: f64 = self.forces.iter().map(Vector3::norm).sum();
+        bending.fold(0.0, f64::max) / length.powi(3) + loads / length
+    }
+
+    /// The minimum that is reached in at most `most` steps, from `pulls` of the targets.
+    fn descend(
+        &self,
+        frames: Vec<UnitQuaternion<f64>>,
+        mut pulls: Vec<Vector3<f64>>,
+        most: usize,
+    ) -> Result<Rest, StaticError> {
+        let dead = self.carried(&frames, 0.0, &[]);
+        let mut now = Trial::new(self, frames, &dead);
+        // The merit: the energy, and what held nodes miss by, weighed more than the pulls.
+        let mut weight = 0.0_f64;
+        let mut size = f64::INFINITY;
+        let stalled = if self.targets.is_empty() { STALLED } else { STALLED_HELD };
+        for iterations in 0..most {
+            self.stretch_springs(&now, &mut pulls);
+            let carried = self.carried(&now.frames, 0.0, &pulls);
+            let blocks = now.blocks(self, &carried);
+            let motions = if self.targets.is_empty() { Vec::new() } else { now.motions(self) };
+            let Some(newton) = Newton::of(self, &blocks, &now.gaps, &motions, None) else { break };
+            size = newton.size();
+            if newton.shift == 0.0 && size < SMALL {
+                now = now.moved(self, &dead, &newton.step, 1.0);
+                update(&mut pulls, &newton.pulls, 1.0);
+                return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
+            }
+            for (pull, change) in pulls.iter().zip(&newton.pulls) {
+                weight = weight.max(2.0 * (pull + change).norm());
+            }
+            let merit = |trial: &Trial| trial.energy + weight * trial.missed(self);
+            let before = merit(&now);
+            if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
+                let largest = falling.iter().map(Vector3::norm).fold(0.0, f64::max);
+                let steps = FALLS.iter().flat_map(|size| [size / largest, -size / largest]);
+                let trials = steps.map(|part| now.moved(self, &dead, falling, part));
+                let lowest = trials.min_by(|a, b| merit(a).total_cmp(&merit(b)));
+                if let Some(lowest) = lowest.filter(|lowest| merit(lowest) < before) {
+                    now = lowest;
+                    continue;
+                }
+            }
+            let mut part = (LARGEST / size).min(1.0);
+            if newton.shift == 0.0 && size < LOCAL {
+                now = now.moved(self, &dead, &newton.step, 1.0);
+            } else {
+                let slope = self.slope(&blocks, &newton, &now, &pulls, weight);
+                now = loop {
+                    let next = now.moved(self, &dead, &newton.step, part);
+                    if merit(&next) <= before + ENOUGH * part * slope.min(0.0) || part < SHORTEST {
+                        break next;
+                    }
+                    part *= 0.5;
+                };
+            }
+            update(&mut pulls, &newton.pulls, part);
+        }
+        Err(StaticError::NotConverged { iterations: most, step: size })
+    }
+
+    /// How the merit changes along a step.
+    fn slope(
+        &self,
+        blocks: &[Blocks],
+        newton: &Newton,
+        now: &Trial,
+        pulls: &[Vector3<f64>],
+        weight: f64,
+    ) -> f64 {
+        let along = blocks.iter().enumerate().fold(0.0, |sum, (i, block)| {
+            let before = if i > 0 { block.gradient[0].dot(&newton.step[i - 1]) } else { 0.0 };
+            sum + before + block.gradient[1].dot(&newton.step[i])
+        });
+        // The pulls of held nodes are in the gradient, but not in the energy.
+        let held = self.targets.iter().zip(&now.gaps).zip(pulls).filter(|((t, _), _)| t.is_held());
+        along - held.map(|((_, gap), pull)| gap.dot(pull) + weight * gap.norm()).sum::<f64>()
+    }
+
+    pub(crate) fn stretch_springs(&self, now: &Trial, pulls: &mut [Vector3<f64>]) {
+        for ((target, gap), pull) in self.targets.iter().zip(&now.gaps).zip(pulls) {
+            if !target.is_held() {
+                *pull = -target.stiffness * gap;
+            }
+        }
+    }
+
+    /// Applies the following forces in parts, with Newton's method after each.
+    fn follow(&self, mut frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
+        let mut pulls = vec![Vector3::zeros(); self.targets.len()];
+        let (mut at, mut step, mut iterations) = (0.0_f64, FIRST, 0);
+        // From a shape nearby, all at once.
+        let mut next = 1.0;
+        loop {
+            let (mut trial, mut held) = (frames.clone(), pulls.clone());
+            let size = self.balance(&mut trial, &mut held, next, &mut iterations);
+            if size < SMALL {
+                (frames, pulls) = (trial, held);
+                if next >= 1.0 {
+                    return Ok(Rest { shape: self.shape(frames), pulls, iterations });
+                }
+                step *= if next > at { 2.0 } else { 1.0 };
+                at = next;
+            } else if at == 0.0 && next >= 1.0 {
+                let rest =
+                    Self { followers: vec![Vector3::zeros(); self.forces.len()], ..self.clone() }
+                        .minimize(frames)?;
+                (frames, pulls) = (rest.shape.frames, rest.pulls);
+            } else {
+                step *= 0.5;
+                if step < LEAST {
+                    return Err(StaticError::NotConverged { iterations, step: size });
+                }
+            }
+            next = (at + step).min(1.0);
+        }
+    }
+
+    /// Newton's method with `factor` times the following forces; returns the last step's size.
+    fn balance(
+        &self,
+        frames: &mut Vec<UnitQuaternion<f64>>,
+        pulls: &mut [Vector3<f64>],
+        factor: f64,
+        iterations: &mut usize,
+    ) -> f64 {
+        let mut size = f64::INFINITY;
+        for _ in 0..FEW {
+            *iterations += 1;
+            let carried = self.carried(frames, factor, pulls);
+            let now = Trial::new(self, std::mem::take(frames), &carried);
+            self.stretch_springs(&now, pulls);
+            let carried = self.carried(&now.frames, factor, pulls);
+            let blocks = now.blocks(self, &carried);
+            let turned = now.frames.iter().zip(&self.followers).map(|(frame, force)| {
+                frame.to_rotation_matrix().matrix() * hat(&(-factor * force))
+            });
+            let follow = Follow { turned: turned.collect(), motions: now.motions(self) };
+            let step = Newton::of(self, &blocks, &now.gaps, &follow.motions, Some(&follow));
+            let Some(newton) = step else { return f64::INFINITY };
+            size = newton.size();
+            *frames = now.moved(self, &carried, &newton.step, (LARGEST / size).min(1.0)).frames;
+            update(pulls, &newton.pulls, 1.0);
+            if size < SMALL || !size.is_finite() {
+                break;
+            }
+        }
+        size
+    }
+}
+
+fn update(pulls: &mut [Vector3<f64>], changes: &[Vector3<f64>], part: f64) {
+    for (pull, change) in pulls.iter_mut().zip(changes) {
+        *pull += part * change;
+    }
+}

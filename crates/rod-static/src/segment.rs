@@ -1,0 +1,162 @@
+use crate::series::{curve, curve_values, logarithm};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use rapunzel_fiber::so3::hat;
+
+/// A stretch of constant curvature between two nodes, whose frames are its unknowns.
+///
+/// `phi` is the rotation vector from the frame before to the frame behind, the curvature times the
+/// length; `nu` is the force that the rod beyond exerts, in the frame before. Variations of a
+/// frame are rotation vectors in its own axes: `R exp(b)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Segment {
+    pub(crate) length: f64,
+    pub(crate) stiffness: Vector3<f64>,
+    pub(crate) natural_curvature: Vector3<f64>,
+}
+
+/// Gradient and Hessian of a segment's energy by the variations of the frames before and behind.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Blocks {
+    pub(crate) gradient: [Vector3<f64>; 2],
+    /// Second derivatives by the frame before, behind, and mixed (rows behind, columns before).
+    pub(crate) before: Matrix3<f64>,
+    pub(crate) behind: Matrix3<f64>,
+    pub(crate) mixed: Matrix3<f64>,
+    /// What must be added to both diagonal blocks, about, for them to be convex.
+    pub(crate) shift: f64,
+}
+
+/// The rotation vector from `before` to `behind`, shorter than half a turn.
+pub(crate) fn turn(before: &UnitQuaternion<f64>, behind: &UnitQuaternion<f64>) -> Vector3<f64> {
+    let q = (before.inverse() * behind).into_inner();
+    let (v, sign) = (q.imag(), 1.0_f64.copysign(q.w));
+    let norm = v.norm();
+    let factor = if norm > 1e-9 { 2.0 * norm.atan2(q.w.abs()) / norm } else { 2.0 };
+    v * (factor * sign)
+}
+
+/// Quantities that gradient, Hessian and motion of the end have in common.
+struct Geometry {
+    /// Chord by length, `p`, and its derivative by `phi`.
+    chord: Vector3<f64>,
+    chord_by_phi: Matrix3<f64>,
+    /// `phi` changes by `inverse b` of the frame behind, and by `-inverse^T b` of the one before.
+    inverse: Matrix3<f64>,
+    c: [[f64; 3]; 2],
+    d: [f64; 2],
+}
+
+impl Geometry {
+    fn of(phi: &Vector3<f64>) -> Self {
+        let (x, e3, z) = (phi.norm_squared(), Vector3::z(), phi.z);
+        let [c2, c3] = curve(x);
+        let d = logarithm(x, &c2);
+        let (across, along) = (Vector3::new(phi.y, -phi.x, 0.0), phi * z - e3 * x);
+        let mut chord_by_phi = (across * c2[1] + along * c3[1]) * 2.0 * phi.transpose();
+        chord_by_phi[(0, 1)] += c2[0];
+        chord_by_phi[(1, 0)] -= c2[0];
+        for i in 0..3 {
+            chord_by_phi[(i, i)] += c3[0] * z;
+            chord_by_phi[(i, 2)] += c3[0] * phi[i];
+            chord_by_phi[(2, i)] -= 2.0 * c3[0] * phi[i];
+        }
+        let mut inverse = hat(&(0.5 * phi)) + phi * (d[0] * phi).transpose();
+        let diagonal = 1.0 - d[0] * x;
+        for i in 0..3 {
+            inverse[(i, i)] += diagonal;
+        }
+        let chord = e3 + across * c2[0] + along * c3[0];
+        Self { chord, chord_by_phi, inverse, c: [c2, c3], d }
+    }
+
+    /// Second derivatives of `nu . p` by `phi`.
+    fn chord_hessian(&self, phi: &Vector3<f64>, nu: &Vector3<f64>) -> Matrix3<f64> {
+        let [c2, c3] = self.c;
+        let k = Vector3::new(-nu.y, nu.x, 0.0);
+        let (along, q) = (phi.dot(nu), phi.dot(nu) * phi.z - phi.norm_squared() * nu.z);
+        let slope = nu * phi.z + Vector3::z() * along - phi * (2.0 * nu.z);
+        let w = 2.0 * (c2[1] * phi.dot(&k) + c3[1] * q);
+        let h = (k * c2[1] + slope * c3[1] + phi * (2.0 * (c2[2] * phi.dot(&k) + c3[2] * q))) * 2.0;
+        let mut hessian = phi * h.transpose() + h * phi.transpose();
+        for i in 0..3 {
+            hessian[(i, i)] += w - 2.0 * c3[0] * nu.z;
+            hessian[(i, 2)] += c3[0] * nu[i];
+            hessian[(2, i)] += c3[0] * nu[i];
+        }
+        hessian
+    }
+
+    /// The derivative of `inverse^T u` by `phi` for a constant `u`.
+    fn lifted(&self, phi: &Vector3<f64>, u: &Vector3<f64>, sign: f64) -> Matrix3<f64> {
+        let [d, slope] = self.d;
+        let (x, along) = (phi.norm_squared(), phi.dot(u));
+        let mut lifted = hat(&(0.5 * sign * u))
+            + (u * (-2.0 * d) + (phi * along - u * x) * (2.0 * slope)) * phi.transpose()
+            + phi * (d * u).transpose();
+        for i in 0..3 {
+            lifted[(i, i)] += d * along;
+        }
+        lifted
+    }
+}
+
+impl Segment {
+    /// The end of the segment as seen from its beginning.
+    pub(crate) fn chord(&self, phi: &Vector3<f64>) -> Vector3<f64> {
+        let (x, z) = (phi.norm_squared(), phi.z);
+        let [c2, c3] = curve_values(x);
+        let chord = Vector3::new(c2 * phi.y + c3 * z * phi.x, c3 * z * phi.y - c2 * phi.x, 0.0);
+        (chord + Vector3::z() * (1.0 + c3 * (z * z - x))) * self.length
+    }
+
+    /// The curvature in excess of the natural one.
+    pub(crate) fn strain(&self, phi: &Vector3<f64>) -> Vector3<f64> {
+        phi / self.length - self.natural_curvature
+    }
+
+    /// Elastic energy.
+    pub(crate) fn elastic(&self, phi: &Vector3<f64>) -> f64 {
+        let strain = self.strain(phi);
+        0.5 * self.length * strain.dot(&self.stiffness.component_mul(&strain))
+    }
+
+    /// Gradient and Hessian of the elastic energy less `nu . chord`.
+    pub(crate) fn blocks(&self, phi: &Vector3<f64>, nu: &Vector3<f64>) -> Blocks {
+        let g = Geometry::of(phi);
+        let (l, force) = (self.length, nu * self.length);
+        let (inverse, transposed) = (g.inverse, g.inverse.transpose());
+        let elastic = self.stiffness.component_mul(&self.strain(phi));
+        let pulled = g.chord_by_phi.transpose();
+        let u = elastic - pulled * force;
+        let mut by_phi = -g.chord_hessian(phi, &force);
+        for i in 0..3 {
+            by_phi[(i, i)] += self.stiffness[i] / l;
+        }
+        let turned = pulled * hat(&force);
+        let lifted = g.lifted(phi, &u, 1.0) + transposed * by_phi;
+        let lowered = g.lifted(phi, &u, -1.0) + inverse * by_phi;
+        let behind = lifted * inverse;
+        // The two halves of this sum are each other's transposes.
+        let crossed = inverse * turned;
+        let before =
+            lowered * transposed + crossed + crossed.transpose() - hat(&g.chord) * hat(&force);
+        Blocks {
+            gradient: [-(inverse * u) - g.chord.cross(&force), transposed * u],
+            before: symmetric(&before),
+            behind: symmetric(&behind),
+            mixed: -(lifted * transposed) - transposed * turned,
+            shift: 0.5 * (force.norm() - force.dot(&g.chord) + u.norm() * phi.norm()),
+        }
+    }
+
+    /// Motion of the end, as seen from the beginning, by the variations of both frames.
+    pub(crate) fn motion(&self, phi: &Vector3<f64>) -> [Matrix3<f64>; 2] {
+        let g = Geometry::of(phi);
+        let by_phi = g.chord_by_phi * self.length;
+        [-(hat(&(g.chord * self.length)) + by_phi * g.inverse.transpose()), by_phi * g.inverse]
+    }
+}
+
+fn symmetric(m: &Matrix3<f64>) -> Matrix3<f64> {
+    0.5 * (m + m.transpose())
+}

@@ -1,0 +1,40 @@
+use crate::StaticError;
+use crate::chain::Chain;
+use crate::shape::Shape;
+use nalgebra::{UnitQuaternion, Vector3};
+
+impl Chain {
+    /// Pai's two phases: forces and curvatures are integrated by Euler's method from the tip to the
+    /// clamp, then frames from the clamp to the tip (3.128, 3.129, both corrected in sign). A fast
+    /// approximation, of first order, without iteration.
+    ///
+    /// All forces are taken as following ones: the dead ones in the axes that the nodes have in
+    /// `reference`. That is good for small loads, or with a shape nearby for reference; the
+    /// equilibrium itself gives itself back. Targets are left out.
+    ///
+    /// # Errors
+    /// A reference of another number of nodes.
+    pub fn two_phase(&self, reference: &Shape) -> Result<Shape, StaticError> {
+        self.check(reference)?;
+        let count = self.segments.len();
+        let load = |node: usize| {
+            reference.frames[node].inverse_transform_vector(&self.forces[node])
+                + self.followers[node]
+        };
+        let mut force = load(count);
+        let mut moment = Vector3::zeros();
+        let mut turns = vec![Vector3::zeros(); count];
+        for (i, segment) in self.segments.iter().enumerate().rev() {
+            let (length, strain) = (segment.length, moment.component_div(&segment.stiffness));
+            let curvature = segment.natural_curvature + strain;
+            turns[i] = curvature * length;
+            moment += (curvature.cross(&moment) + Vector3::z().cross(&force)) * length;
+            force += curvature.cross(&force) * length + load(i);
+        }
+        let mut frames = vec![self.clamp.rotation];
+        for (i, turn) in turns.iter().enumerate() {
+            frames.push(frames[i] * UnitQuaternion::from_scaled_axis(*turn));
+        }
+        Ok(self.shape(frames))
+    }
+}

@@ -1,0 +1,233 @@
+use super::answer::{Answer, Equilibrium, Peak, Stability, Station};
+use super::case::{Case, End};
+use crate::SimError;
+use crate::scene::{LoadFrame, Pose};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use rapunzel_rod_static as rods;
+use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
+
+/// Segments of a chain between two stations, at least: its error falls with their square.
+const SEGMENTS: usize = 400;
+
+impl Case {
+    /// Solves the case.
+    ///
+    /// A rod with dead loads and conditions at its ends only is solved to 1e-9 of its length; one
+    /// with following forces or places on the way is a chain of at least 400 segments.
+    ///
+    /// # Errors
+    /// [`SimError::Scene`] for a case that makes no sense and [`SimError::Static`] for one without
+    /// an answer.
+    pub fn solve(&self) -> Result<Answer, SimError> {
+        let problems = self.problems();
+        if !problems.is_empty() {
+            return Err(SimError::Scene { source_text: String::new(), problems });
+        }
+        let wish = self.wish.map(|wish| self.find_length(&wish)).transpose()?;
+        let case = Self { length: wish.map_or(self.length, |found| found.length), ..self.clone() };
+        Ok(Answer {
+            name: self.name.clone(),
+            length: case.length,
+            radius: self.properties().2,
+            wish,
+            equilibria: case.equilibria()?,
+        })
+    }
+
+    /// The equilibria of the case at its own length.
+    pub(super) fn equilibria(&self) -> Result<Vec<Equilibrium>, SimError> {
+        if self.needs_chain() {
+            return Ok(vec![self.chain()?]);
+        }
+        let problem = Problem::new(&pose(&self.clamp)?, self.pieces(), self.far_end()?)?;
+        let found = match self.all_with_turns {
+            None => vec![problem.solve()?],
+            Some(turns) => problem.solutions(turns),
+        };
+        if found.is_empty() {
+            return Err(StaticError::NotFound.into());
+        }
+        let mut told: Vec<Equilibrium> = Vec::new();
+        for one in found.iter().map(|one| self.resolved(one)) {
+            if !told.iter().any(|other| alike(other, &one)) {
+                told.push(one);
+            }
+        }
+        Ok(told)
+    }
+
+    fn resolved(&self, found: &rods::Equilibrium) -> Equilibrium {
+        let states: Vec<(f64, State)> = (0..=self.parts)
+            .map(|i| self.length * i as f64 / self.parts as f64)
+            .map(|s| (s, found.at(s)))
+            .collect();
+        let stability = match found.conjugate_points() {
+            0 => Stability::Stable,
+            ways => Stability::Unstable(ways),
+        };
+        let energies = [found.elastic_energy(), found.load_energy()];
+        self.equilibrium(&states, stability, energies, Vec::new())
+    }
+
+    /// The rod as a chain whose nodes are the stations and more between them.
+    fn chain(&self) -> Result<Equilibrium, SimError> {
+        let finer = SEGMENTS.div_ceil(self.parts);
+        let count = self.parts * finer;
+        let mut whole = self.clone();
+        (whole.masses, whole.forces) = (Vec::new(), Vec::new());
+        let mut chain = Chain::new(&pose(&self.clamp)?, &whole.pieces(), count)?;
+        #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
+        let node = |at: f64| (at / self.length * count as f64).round() as usize;
+        let mut forces = chain.forces().to_vec();
+        let mut followers = vec![Vector3::zeros(); count + 1];
+        for mass in &self.masses {
+            forces[node(mass.at)] += Vector3::from(self.gravity) * mass.mass;
+        }
+        for force in &self.forces {
+            let on = match force.frame {
+                LoadFrame::World => &mut forces,
+                LoadFrame::Follower => &mut followers,
+            };
+            on[node(force.at)] += Vector3::from(force.value);
+        }
+        let follows = followers.iter().any(|force| *force != Vector3::zeros());
+        let mut targets: Vec<Target> = self
+            .places
+            .iter()
+            .map(|place| Target {
+                node: node(place.at),
+                place: place.position.into(),
+                stiffness: place.stiffness.unwrap_or(f64::INFINITY),
+            })
+            .collect();
+        match self.end {
+            End::Free { force, .. } => forces[count] += Vector3::from(force),
+            End::Joint { position } => targets.push(Target::held(count, position.into())),
+            // Refused when the case was checked.
+            End::Bearing { .. } | End::Clamped { .. } => {}
+        }
+        chain.set_forces(&forces)?;
+        chain.set_followers(&followers)?;
+        chain.set_targets(&targets)?;
+        let rest = chain.solve()?;
+        let states = chain.states(&rest);
+        let at = chain.arc_lengths().into_iter().zip(states).step_by(finer);
+        let pulls = rest.pulls.iter().take(self.places.len()).map(|pull| (*pull).into()).collect();
+        let stability = if follows { Stability::Unknown } else { Stability::Stable };
+        let energies = [chain.elastic_energy(&rest.shape), 0.0 - chain.work(&rest.shape)];
+        Ok(self.equilibrium(&at.collect::<Vec<_>>(), stability, energies, pulls))
+    }
+
+    fn equilibrium(
+        &self,
+        states: &[(f64, State)],
+        stability: Stability,
+        [elastic_energy, load_energy]: [f64; 2],
+        place_forces: Vec<[f64; 3]>,
+    ) -> Equilibrium {
+        let stiffness = Vector3::from(self.properties().0);
+        let stations: Vec<Station> = states
+            .iter()
+            .map(|(s, state)| {
+                let strain = (state.frame.inverse() * state.moment).component_div(&stiffness);
+                Station {
+                    s: *s,
+                    position: state.position.coords.into(),
+                    frame: [0, 1, 2].map(|i| state.frame.matrix().column(i).into_owned().into()),
+                    force: state.force.into(),
+                    moment: state.moment.into(),
+                    curvature: (strain + Vector3::from(self.natural_curvature)).into(),
+                }
+            })
+            .collect();
+        let bend = |station: &Station| station.curvature[0].hypot(station.curvature[1]);
+        let sharpest = stations
+            .iter()
+            .map(|station| Peak { at: station.s, curvature: bend(station) })
+            .fold(
+                Peak { at: 0.0, curvature: 0.0 },
+                |a, b| if b.curvature > a.curvature { b } else { a },
+            );
+        let gravity = Vector3::from(self.gravity);
+        let depth = |(_, state): &(f64, State)| match gravity.try_normalize(0.0) {
+            Some(down) => down.dot(&state.position.coords),
+            None => 0.0,
+        };
+        let (first, last) = (&states[0], &states[states.len() - 1]);
+        let lower = depth(first).max(depth(last));
+        let deepest = states.iter().map(depth).fold(lower, f64::max);
+        Equilibrium {
+            stability,
+            elastic_energy,
+            load_energy,
+            clamp_force: first.1.force.into(),
+            clamp_moment: first.1.moment.into(),
+            end_force: last.1.force.into(),
+            end_moment: last.1.moment.into(),
+            place_forces,
+            sharpest,
+            sag: deepest - lower,
+            stations,
+        }
+    }
+
+    /// The rod in pieces between its masses and forces.
+    fn pieces(&self) -> Vec<Piece> {
+        let (stiffness, density, _) = self.properties();
+        let gravity = Vector3::from(self.gravity);
+        let properties = Properties {
+            stiffness: stiffness.into(),
+            natural_curvature: self.natural_curvature.into(),
+            load: gravity * density,
+        };
+        let masses = self.masses.iter().map(|mass| (mass.at, gravity * mass.mass));
+        let forces = self.forces.iter().map(|force| (force.at, Vector3::from(force.value)));
+        let mut loads: Vec<(f64, Vector3<f64>)> = masses.chain(forces).collect();
+        loads.push((self.length, Vector3::zeros()));
+        loads.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut pieces: Vec<Piece> = Vec::new();
+        let (mut from, mut sum) = (0.0, Vector3::zeros());
+        for (i, (at, load)) in loads.iter().enumerate() {
+            // What hangs on the clamp itself does not bend the rod.
+            sum = if *at > 0.0 { sum + load } else { sum };
+            let ends = loads.get(i + 1).is_none_or(|next| next.0 > *at);
+            if ends && *at > from {
+                pieces.push(Piece::uniform(at - from, properties).with_end_load(sum));
+                (from, sum) = (*at, Vector3::zeros());
+            }
+        }
+        pieces
+    }
+
+    fn far_end(&self) -> Result<rods::End, SimError> {
+        Ok(match self.end {
+            End::Free { force, moment } => {
+                rods::End::Free { force: force.into(), moment: moment.into() }
+            }
+            End::Joint { position } => rods::End::Position(position.into()),
+            End::Bearing { position, direction } => {
+                let tangent = Unit::new_normalize(Vector3::from(direction));
+                rods::End::Tangent(Point3::from(position), tangent)
+            }
+            End::Clamped { position, orientation } => {
+                rods::End::Held(pose(&Pose { position, orientation })?)
+            }
+        })
+    }
+}
+
+fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
+    pose.isometry().map_err(|source| SimError::Fiber { bundle: 0, source })
+}
+
+/// Whether two equilibria may be turned or reflected into each other: their energies and what they
+/// carry are the same in size.
+fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (a.abs() + b.abs());
+    let size = |v: [f64; 3]| Vector3::from(v).norm();
+    a.stability == b.stability
+        && same(a.elastic_energy, b.elastic_energy)
+        && same(a.load_energy, b.load_energy)
+        && same(size(a.clamp_force), size(b.clamp_force))
+        && same(size(a.clamp_moment), size(b.clamp_moment))
+}

@@ -1,0 +1,66 @@
+use super::answer::{Answer, Equilibrium};
+use crate::SimError;
+use crate::export::{Frame, Strand, preview, vtp};
+use crate::storage::{save, write_atomically};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+/// Columns of the table.
+const COLUMNS: &str = "s (m),x (m),y (m),z (m),d1x,d1y,d1z,d2x,d2y,d2z,d3x,d3y,d3z,nx (N),ny (N),\
+nz (N),mx (N m),my (N m),mz (N m),kappa1 (1/m),kappa2 (1/m),kappa3 (1/m)";
+
+impl Answer {
+    /// Writes the answer into a folder, which is made: `rod-0.csv` and so on, a table for each
+    /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`; and `answer.json`.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    pub fn save(&self, folder: &Path) -> Result<(), SimError> {
+        fs::create_dir_all(folder).map_err(SimError::io("make the folder", folder))?;
+        for (i, found) in self.equilibria.iter().enumerate() {
+            let path = folder.join(format!("rod-{i}.csv"));
+            write_atomically(&path, |to| to.write_all(found.table().as_bytes()))?;
+        }
+        let strands = self.equilibria.iter().map(|found| found.strand(self.radius));
+        let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
+        save(&folder.join("rods.vtp"), |to| vtp::write(to, &frame))?;
+        save(&folder.join("preview.png"), |to| preview::write(to, std::slice::from_ref(&frame)))?;
+        write_atomically(&folder.join("answer.json"), |to| Ok(serde_json::to_writer(to, self)?))
+    }
+}
+
+impl Equilibrium {
+    /// The stations as CSV, in SI units and the shortest digits that read back the same.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let rows = self.stations.iter().map(|station| {
+            let vectors = [station.position].into_iter().chain(station.frame).chain([
+                station.force,
+                station.moment,
+                station.curvature,
+            ]);
+            let numbers = vectors.flatten().map(|x| format!(",{x:?}"));
+            format!("{:?}{}\n", station.s, numbers.collect::<String>())
+        });
+        format!("{COLUMNS}\n{}", rows.collect::<String>())
+    }
+
+    fn strand(&self, radius: f64) -> Strand {
+        let stations = &self.stations;
+        let frames = stations.iter().map(|station| {
+            let columns = station.frame.map(Vector3::from);
+            Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns))
+        });
+        let segments = stations.len() - 1;
+        Strand {
+            points: stations.iter().map(|station| station.position.into()).collect(),
+            radii: vec![radius; stations.len()],
+            velocities: vec![Vector3::zeros(); stations.len()],
+            frames: frames.take(segments).collect(),
+            curvatures: stations.iter().map(|station| station.curvature.into()).collect(),
+            forces: stations[..segments].iter().map(|station| station.force.into()).collect(),
+        }
+    }
+}
