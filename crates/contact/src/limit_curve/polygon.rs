@@ -46,7 +46,7 @@ impl Polygon {
     }
 
     /// Every vertex and the next; a segment has two edges, a point one.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + '_ {
+    fn edges(&self) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + '_ {
         let count = self.vertices.len();
         (0..count).map(move |i| (self.vertices[i], self.vertices[(i + 1) % count]))
     }
@@ -56,7 +56,7 @@ impl Polygon {
     }
 
     pub(super) fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
-        let mut inside = self.vertices.len() > 2;
+        let mut inside = self.vertices.len() > 2 && scale > 0.0;
         let (mut nearest, mut distance) = (*p, f64::INFINITY);
         for (a, b) in self.edges() {
             let (edge, to) = ((b - a) * scale, p - a * scale);

@@ -48,7 +48,10 @@ pub fn solve_contact(
     } else if let LimitCurve::Polygon(curve) = &contact.friction {
         polygon::slide(&w, &free, curve)
     } else {
-        smooth::slide(&problem, &contact.friction.semi_axes().unwrap_or_default())
+        let slid = smooth::slide(&problem, &contact.friction.semi_axes().unwrap_or_default());
+        // A response near singular leaves rounding that the cone need not bear.
+        let friction = contact.friction.project(&slid.yz(), slid.x);
+        Vector3::new(slid.x, friction.x, friction.y)
     };
     impulse - tip
 }

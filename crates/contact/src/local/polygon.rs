@@ -4,44 +4,43 @@ use crate::limit_curve::Polygon;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 pub(super) fn slide(w: &Matrix3<f64>, free: &Vector3<f64>, curve: &Polygon) -> Vector3<f64> {
+    let vertices = curve.vertices();
+    let count = vertices.len();
     let mut best = Vector3::new(-free.x / w.m11, 0.0, 0.0);
     let mut least = f64::INFINITY;
-    let mut try_out = |impulse: Vector3<f64>, outside: f64| {
+    // What is wrong with a candidate: how far it is outside of its edge, and which share of the slip
+    // friction would resist more elsewhere.
+    let mut consider = |impulse: Vector3<f64>, outside: f64, better: [Vector2<f64>; 2]| {
         if impulse.x <= 0.0 || !impulse.iter().all(|x| x.is_finite()) {
             return;
         }
         let slip = (w * impulse + free).yz();
-        let violation = outside.max(reluctance(&slip, &(impulse.yz() / impulse.x), curve));
-        if violation < least {
-            (best, least) = (impulse, violation);
+        let gain = |toward: &Vector2<f64>| {
+            let most = toward.norm() * slip.norm();
+            if most > 0.0 { -toward.dot(&slip) / most } else { 0.0 }
+        };
+        let wrong = outside.max(gain(&better[0])).max(gain(&better[1]));
+        if wrong < least {
+            (best, least) = (impulse, wrong);
         }
     };
-    for (start, end) in curve.edges() {
+    for i in 0..count {
+        let (start, end) = (vertices[i], vertices[(i + 1) % count]);
+        let edge = end - start;
         let along = Vector3::new(1.0, start.x, start.y);
         let normal = -free.x / (w * along).x;
-        try_out(along * normal, 0.0);
-        let edge = Vector3::new(0.0, end.x - start.x, end.y - start.y);
+        consider(along * normal, 0.0, [edge, vertices[(i + count - 1) % count] - start]);
         // Nothing along the normal, nothing along the edge.
-        let (push, slide) = (w * along, w * edge);
-        let (a, b, c, d) = (push.x, slide.x, edge.dot(&push), edge.dot(&slide));
-        let (e, f) = (-free.x, -edge.dot(free));
+        let across = Vector3::new(0.0, edge.x, edge.y);
+        let (push, slide) = (w * along, w * across);
+        let (a, b, c, d) = (push.x, slide.x, across.dot(&push), across.dot(&slide));
+        let (e, f) = (-free.x, -across.dot(free));
         let determinant = a * d - b * c;
         let normal = (e * d - b * f) / determinant;
         let share = (a * f - c * e) / (determinant * normal);
         let inside = share.clamp(0.0, 1.0);
-        try_out((along + edge * inside) * normal, (share - inside).abs());
+        let inward = Vector2::new(-edge.y, edge.x);
+        consider((along + across * inside) * normal, (share - inside).abs(), [inward; 2]);
     }
     best
-}
-
-/// How much more, of the slip times the curve's size, another friction would dissipate.
-fn reluctance(slip: &Vector2<f64>, friction: &Vector2<f64>, curve: &Polygon) -> f64 {
-    let speed = slip.norm();
-    let size = curve.vertices().iter().map(Vector2::amax).fold(0.0, f64::max);
-    if speed * size > 0.0 {
-        curve.vertices().iter().map(|v| (friction - v).dot(slip)).fold(0.0, f64::max)
-            / (speed * size)
-    } else {
-        0.0
-    }
 }

@@ -3,20 +3,27 @@
 //! With `x = d z` the curve is the unit circle. Slip against friction, of any strength `alpha`, is
 //! `d (schur x + slip) = -alpha z`: for `alpha` from zero to infinity the friction goes from that
 //! which sticks, outside its limit, to none, inside. In between `|z|` equals the normal impulse.
-use super::{Pressed, solve_symmetric};
+use super::Pressed;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Steps after which the bracket is taken as it is; a dozen are usual.
 const STEPS: usize = 200;
 
 pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
+    let quarters = [
+        Quarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]),
+        Quarter::new(problem, [1.0, -1.0], [mu[0], mu[3]]),
+        Quarter::new(problem, [-1.0, 1.0], [mu[1], mu[2]]),
+        Quarter::new(problem, [-1.0, -1.0], [mu[1], mu[3]]),
+    ];
+    let quarters = if mu[0] == mu[1] && mu[2] == mu[3] { &quarters[..1] } else { &quarters[..] };
     let size = mu.iter().copied().fold(0.0, f64::max);
     let drive = size * problem.slip.norm();
     let mut low = 0.0;
     let mut high = drive * (1.0 + size * problem.pull.norm()) / problem.load;
     // Where both tangents answer alike this is the root.
     let square = size * size;
-    let mut alpha = (drive - square * problem.pull.dot(&-problem.slip)) / problem.load
+    let mut alpha = (drive + square * problem.pull.dot(&problem.slip)) / problem.load
         - 0.5 * square * problem.schur.trace();
     let mut point = Vector2::zeros();
     for _ in 0..STEPS {
@@ -27,16 +34,26 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
                 0.5 * (low + high)
             };
         }
-        let Some(at) = Point::new(problem, mu, alpha) else {
+        let quarter = containing(problem, quarters, alpha);
+        let z = quarter.solution(alpha);
+        point = quarter.friction(&z);
+        let norm = z.norm();
+        if norm <= 0.0 || norm.is_nan() {
+            // Nothing resists any slip.
             return Vector3::new(problem.load, 0.0, 0.0);
-        };
-        point = at.friction;
-        let step = at.excess / at.slope;
+        }
+        // Normal impulse divided by |z|, less one: linear in alpha where both tangents answer
+        // alike.
+        let normal = problem.load + quarter.pull.dot(&z);
+        let excess = normal / norm - 1.0;
+        let change = -z.component_div(&quarter.stiffness.add_scalar(alpha));
+        let slope = (quarter.pull.dot(&change) - normal * z.dot(&change) / (norm * norm)) / norm;
+        let step = excess / slope;
         let smallest = 2.0 * f64::EPSILON * alpha;
-        if at.excess == 0.0 || step.abs() <= smallest || high - low <= smallest {
+        if excess == 0.0 || step.abs() <= smallest || high - low <= smallest {
             break;
         }
-        if at.excess < 0.0 {
+        if excess < 0.0 {
             low = alpha;
         } else {
             high = alpha;
@@ -46,64 +63,80 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
     Vector3::new(problem.normal(&point), point.x, point.y)
 }
 
-/// The friction for one `alpha`.
-struct Point {
-    friction: Vector2<f64>,
-    /// Normal impulse divided by `|z|`, less one: linear in `alpha` where both tangents answer
-    /// alike.
-    excess: f64,
-    slope: f64,
+/// The problem in one quarter, in the eigenvectors of the answer to `z`: exact for small
+/// eigenvalues also.
+struct Quarter {
+    sign: [f64; 2],
+    semi: Vector2<f64>,
+    axes: Matrix2<f64>,
+    stiffness: Vector2<f64>,
+    slip: Vector2<f64>,
+    pull: Vector2<f64>,
 }
 
-impl Point {
-    /// `None` if there is no friction in any direction that slips.
-    fn new(problem: &Pressed, mu: &[f64; 4], alpha: f64) -> Option<Self> {
-        let (semi, matrix, z) = quarter(problem, mu, alpha);
-        let norm = z.norm();
-        if norm <= 0.0 || norm.is_nan() {
-            return None;
+impl Quarter {
+    fn new(problem: &Pressed, sign: [f64; 2], semi: [f64; 2]) -> Self {
+        let semi = Vector2::from(semi);
+        let (a, b, c) = (
+            problem.schur.m11 * semi.x * semi.x,
+            problem.schur.m12 * semi.x * semi.y,
+            problem.schur.m22 * semi.y * semi.y,
+        );
+        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        let radius = half.hypot(b);
+        let large = mean + radius;
+        let small = if large > 0.0 { ((a * c - b * b) / large).max(0.0) } else { 0.0 };
+        let axis = if half >= 0.0 {
+            Vector2::new(half + radius, b)
+        } else {
+            Vector2::new(b, radius - half)
+        };
+        let axis = axis.try_normalize(0.0).unwrap_or_else(Vector2::x);
+        let axes = Matrix2::new(axis.x, -axis.y, axis.y, axis.x);
+        Self {
+            sign,
+            semi,
+            axes,
+            stiffness: Vector2::new(large, small),
+            slip: axes.tr_mul(&semi.component_mul(&problem.slip)),
+            pull: axes.tr_mul(&semi.component_mul(&problem.pull)),
         }
-        let friction = semi.component_mul(&z);
-        let normal = problem.normal(&friction);
-        let change = solve_symmetric(&matrix, &-z);
-        let normal_change = problem.pull.dot(&semi.component_mul(&change));
-        Some(Self {
-            friction,
-            excess: normal / norm - 1.0,
-            slope: (normal_change - normal * z.dot(&change) / (norm * norm)) / norm,
-        })
+    }
+
+    fn solution(&self, alpha: f64) -> Vector2<f64> {
+        -self.slip.component_div(&self.stiffness.add_scalar(alpha))
+    }
+
+    fn friction(&self, z: &Vector2<f64>) -> Vector2<f64> {
+        self.semi.component_mul(&(self.axes * z))
+    }
+
+    /// How far the friction is outside of this quarter; on an axis of length zero, how much it would
+    /// take to stop a slip that the other side resists.
+    fn outside(&self, problem: &Pressed, alpha: f64) -> f64 {
+        let friction = self.friction(&self.solution(alpha));
+        let slip = problem.schur * friction + problem.slip;
+        let outside = |i: usize| {
+            let toward =
+                if self.semi[i] > 0.0 { friction[i] } else { -slip[i] / problem.schur[(i, i)] };
+            (-self.sign[i] * toward).max(0.0)
+        };
+        outside(0).max(outside(1))
     }
 }
 
-/// The quarter in which the solution lies, as semi-axes, its matrix and the solution: there is
-/// one, since the problem is a strictly convex one with a continuous gradient.
-fn quarter(
-    problem: &Pressed,
-    mu: &[f64; 4],
-    alpha: f64,
-) -> (Vector2<f64>, Matrix2<f64>, Vector2<f64>) {
-    let solve = |semi: Vector2<f64>| {
-        let scale = Matrix2::from_diagonal(&semi);
-        let matrix = scale * problem.schur * scale + Matrix2::from_diagonal_element(alpha);
-        (semi, matrix, solve_symmetric(&matrix, &-semi.component_mul(&problem.slip)))
-    };
-    if mu[0] == mu[1] && mu[2] == mu[3] {
-        return solve(Vector2::new(mu[0], mu[2]));
-    }
-    let mut best = None;
-    let mut least = f64::INFINITY;
-    for (sign, semi) in [
-        (Vector2::new(1.0, 1.0), Vector2::new(mu[0], mu[2])),
-        (Vector2::new(1.0, -1.0), Vector2::new(mu[0], mu[3])),
-        (Vector2::new(-1.0, 1.0), Vector2::new(mu[1], mu[2])),
-        (Vector2::new(-1.0, -1.0), Vector2::new(mu[1], mu[3])),
-    ] {
-        let solution = solve(semi);
-        // How far it is outside of its quarter.
-        let outside = -sign.component_mul(&semi.component_mul(&solution.2)).min().min(0.0);
-        if outside < least {
-            (best, least) = (Some(solution), outside);
+/// The quarter in which the friction lies: there is one, since for a given `alpha` the problem is
+/// strictly convex with a continuous gradient.
+fn containing<'a>(problem: &Pressed, quarters: &'a [Quarter], alpha: f64) -> &'a Quarter {
+    let mut best = &quarters[0];
+    if quarters.len() > 1 {
+        let mut least = f64::INFINITY;
+        for quarter in quarters {
+            let outside = quarter.outside(problem, alpha);
+            if outside < least {
+                (best, least) = (quarter, outside);
+            }
         }
     }
-    best.unwrap_or_else(|| solve(Vector2::new(mu[0], mu[2])))
+    best
 }
