@@ -5,9 +5,11 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 mod polygon;
 mod smooth;
 
-/// Pivots smaller than this, relative to their diagonal element, are rounding: the response is
-/// then made stiff enough, relative to its trace, to have none of them.
-const ROUNDING: f64 = 1e-12;
+/// Pivots smaller than this, relative to their diagonal element, are rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// What is added to such a diagonal element, relative to the trace.
+const SOFTNESS: f64 = 1e-9;
 
 /// The impulse that obeys the law of one contact exactly.
 ///
@@ -37,14 +39,18 @@ pub fn solve_contact(
     if free.x >= 0.0 {
         return -tip;
     }
-    if !has_pivots(&w) {
-        w += Matrix3::from_diagonal_element(ROUNDING * trace);
-    }
+    let bare = w;
+    let softened = soften(&mut w, SOFTNESS * trace);
     let problem = Pressed::new(&w, &free);
-    let sticking = problem.stick();
-    let normal = problem.normal(&sticking);
-    let impulse = if normal >= 0.0 && contact.friction.contains(&sticking, normal) {
-        Vector3::new(normal, sticking.x, sticking.y)
+    let mut sticking = problem.stick();
+    if softened {
+        // What was added leaves a rest of the slip, which this takes away.
+        for _ in 0..2 {
+            sticking += Pressed::new(&w, &(bare * sticking + free)).stick();
+        }
+    }
+    let impulse = if sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
+        sticking
     } else if let LimitCurve::Polygon(curve) = &contact.friction {
         polygon::slide(&w, &free, curve)
     } else {
@@ -56,13 +62,25 @@ pub fn solve_contact(
     impulse - tip
 }
 
-/// Whether elimination meets pivots that are more than rounding.
-fn has_pivots(w: &Matrix3<f64>) -> bool {
-    let first = w.m11;
-    let second = w.m22 - w.m12 * w.m12 / first;
-    let cross = w.m23 - w.m12 * w.m13 / first;
-    let third = w.m33 - w.m13 * w.m13 / first - cross * cross / second;
-    first > 0.0 && second > ROUNDING * w.m22 && third > ROUNDING * w.m33
+/// Adds `softness` to diagonal elements whose pivots are no more than rounding; tells whether there
+/// were any.
+fn soften(w: &mut Matrix3<f64>, softness: f64) -> bool {
+    let mut found = false;
+    let mut left = *w;
+    for i in 0..3 {
+        if left[(i, i)] <= ROUNDING * w[(i, i)] {
+            w[(i, i)] += softness;
+            left[(i, i)] += softness;
+            found = true;
+        }
+        for j in i + 1..3 {
+            let factor = left[(j, i)] / left[(i, i)];
+            for k in i + 1..3 {
+                left[(j, k)] -= factor * left[(i, k)];
+            }
+        }
+    }
+    found
 }
 
 /// A contact that is pressed, its normal impulse eliminated by `u_n = 0`: friction `x` causes the
@@ -92,9 +110,10 @@ impl Pressed {
         self.load + self.pull.dot(friction)
     }
 
-    /// The friction that stops all slip.
-    fn stick(&self) -> Vector2<f64> {
-        solve_symmetric(&self.schur, &-self.slip)
+    /// The impulse that stops all motion.
+    fn stick(&self) -> Vector3<f64> {
+        let friction = solve_symmetric(&self.schur, &-self.slip);
+        Vector3::new(self.normal(&friction), friction.x, friction.y)
     }
 }
 

@@ -8,15 +8,16 @@ pub(super) fn slide(w: &Matrix3<f64>, free: &Vector3<f64>, curve: &Polygon) -> V
     let count = vertices.len();
     let mut best = Vector3::new(-free.x / w.m11, 0.0, 0.0);
     let mut least = f64::INFINITY;
-    // What is wrong with a candidate: how far it is outside of its edge, and which share of the slip
-    // friction would resist more elsewhere.
+    let speed = free.norm();
+    // What is wrong with a candidate: how far it is outside of its edge, and how much of its slip,
+    // compared to the free velocity, friction would resist more elsewhere.
     let mut consider = |impulse: Vector3<f64>, outside: f64, better: [Vector2<f64>; 2]| {
         if impulse.x <= 0.0 || !impulse.iter().all(|x| x.is_finite()) {
             return;
         }
         let slip = (w * impulse + free).yz();
         let gain = |toward: &Vector2<f64>| {
-            let most = toward.norm() * slip.norm();
+            let most = toward.norm() * speed;
             if most > 0.0 { -toward.dot(&slip) / most } else { 0.0 }
         };
         let wrong = outside.max(gain(&better[0])).max(gain(&better[1]));
@@ -40,7 +41,9 @@ pub(super) fn slide(w: &Matrix3<f64>, free: &Vector3<f64>, curve: &Polygon) -> V
         let share = (a * f - c * e) / (determinant * normal);
         let inside = share.clamp(0.0, 1.0);
         let inward = Vector2::new(-edge.y, edge.x);
-        consider((along + across * inside) * normal, (share - inside).abs(), [inward; 2]);
+        // From the place on the edge, so that the normal velocity is zero to rounding.
+        let place = along + across * inside;
+        consider(place * (-free.x / (w * place).x), (share - inside).abs(), [inward; 2]);
     }
     best
 }

@@ -64,8 +64,7 @@ impl Dense {
 
     /// A thin rod along `axis` (unit) with points at the given distances from its middle.
     pub fn rod(mass: f64, length: f64, axis: &Vector3<f64>, places: &[f64]) -> Self {
-        let across = Matrix3::identity() - axis * axis.transpose();
-        let thin = Matrix3::from_diagonal_element(1e-9) + across;
+        let thin = Matrix3::identity() - axis * axis.transpose() * (1.0 - 1e-9);
         let offsets: Vec<_> = places.iter().map(|s| axis * *s).collect();
         Self::rigid(mass, &(thin * (mass * length * length / 12.0)), &offsets)
     }

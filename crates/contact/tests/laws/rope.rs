@@ -73,7 +73,7 @@ impl Rope {
 
 /// Ratio of the loads of a rope that slips over `n` corners at constant speed: one end is drawn by
 /// something so heavy that its speed does not change.
-pub fn slipping_ratio(mu: f64, angle: f64, n: usize, low: f64) -> f64 {
+pub(crate) fn slipping_ratio(mu: f64, angle: f64, n: usize, low: f64) -> f64 {
     let dt = 1e-3;
     let mut rope = Rope::new(mu, angle, n, [1e-6, 1e9]);
     for (i, tangent) in rope.tangents.clone().iter().enumerate() {
