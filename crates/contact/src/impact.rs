@@ -31,6 +31,9 @@ pub struct Impact {
 /// Approach slower than this, relative to the fastest contact, is none.
 const STILL: f64 = 1e-12;
 
+/// Energy less than this, relative to the work against the approach, is rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// Lets bodies collide: Newton's law of restitution with Coulomb friction, without gain of energy.
 ///
 /// `restitution` is the coefficient of every contact, from zero to one; `velocities` are those of
@@ -39,7 +42,8 @@ const STILL: f64 = 1e-12;
 ///
 /// Newton's law with friction can gain energy (Kane and Levinson 1985). The impact without
 /// restitution cannot; where the one with it would, the two are mixed just so that no energy is
-/// gained. The mixture is within the friction cones and leaves no contact approaching.
+/// gained. The mixture is within the friction cones and leaves no contact approaching. Impulses of a
+/// search that ends before its tolerance are cut down to gain no energy either.
 ///
 /// # Errors
 /// As [`crate::Solver::solve`]; [`ContactError::Invalid`] for a restitution outside of [0, 1].
@@ -88,13 +92,20 @@ fn together(
     let report = solver.sweep(delassus, &returning, &mut impulses);
     let after: Vec<_> = contacts.iter().map(|c| delassus.relative_velocity(c)).collect();
     let energy = work(&impulses, &before, &after);
-    if energy <= 0.0 {
+    if energy <= ROUNDING * -dot(&impulses, &before) {
         return Impact { impulses, energy, share: 1.0, report };
     }
     let mut plastic = impulses.clone();
     let report = solver.sweep(delassus, contacts, &mut plastic);
     let rest: Vec<_> = contacts.iter().map(|c| delassus.relative_velocity(c)).collect();
     let loss = work(&plastic, &before, &rest);
+    if loss > 0.0 {
+        // Only a search that ended early gains energy here: as much of it as gains none.
+        let change: Vec<_> = std::iter::zip(&rest, &before).map(|(a, b)| a - b).collect();
+        let scale = (-2.0 * dot(&plastic, &before) / dot(&plastic, &change)).clamp(0.0, 1.0);
+        let impulses = plastic.iter().map(|r| r * scale).collect();
+        return Impact { impulses, energy: 0.0, share: 0.0, report };
+    }
     let extra: Vec<_> = std::iter::zip(&impulses, &plastic).map(|(a, b)| a - b).collect();
     let response: Vec<_> = std::iter::zip(&after, &rest).map(|(a, b)| a - b).collect();
     let share = largest_share(loss, energy, 0.5 * dot(&extra, &response));
@@ -134,7 +145,7 @@ fn in_turn(
             (impulse, impulse.dot(&(before + 0.5 * response * impulse)))
         };
         let (mut impulse, mut change) = solve(restitution[i]);
-        if change > 0.0 {
+        if change > ROUNDING * -impulse.dot(&before) {
             let (plastic, loss) = solve(0.0);
             let extra = impulse - plastic;
             let share = largest_share(loss, change, 0.5 * extra.dot(&(response * extra)));
@@ -161,15 +172,9 @@ fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
 /// The largest share at which `loss + share b + share^2 curvature`, which is `gain > 0` at one, is
 /// not positive.
 fn largest_share(loss: f64, gain: f64, curvature: f64) -> f64 {
-    if loss >= 0.0 {
-        return 0.0;
-    }
     let slope = gain - loss - curvature;
     let root = (slope * slope - 4.0 * curvature * loss).max(0.0).sqrt();
-    let share = if slope >= 0.0 {
-        -2.0 * loss / (slope + root)
-    } else {
-        (root - slope) / (2.0 * curvature)
-    };
+    let share =
+        if slope > 0.0 { -2.0 * loss / (slope + root) } else { (root - slope) / (2.0 * curvature) };
     share.clamp(0.0, 1.0)
 }

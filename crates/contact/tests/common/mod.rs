@@ -27,15 +27,17 @@ pub struct Dense {
     pub mobility: DMatrix<f64>,
     pub jacobian: DMatrix<f64>,
     pub velocity: DVector<f64>,
-    /// `H A^-1 H^T`, with weights.
+    /// `H A^-1 H^T`.
+    bare: DMatrix<f64>,
+    /// The same with weights.
     response: DMatrix<f64>,
 }
 
 impl Dense {
     pub fn new(mobility: DMatrix<f64>, jacobian: DMatrix<f64>) -> Self {
-        let response = &jacobian * &mobility * jacobian.transpose();
+        let bare = &jacobian * &mobility * jacobian.transpose();
         let velocity = DVector::zeros(mobility.nrows());
-        Self { mobility, jacobian, velocity, response }
+        Self { mobility, jacobian, velocity, response: bare.clone(), bare }
     }
 
     pub fn particle(mass: f64) -> Self {
@@ -102,20 +104,18 @@ impl Body for Dense {
     }
 
     fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError> {
-        let bare = &self.jacobian * &self.mobility * self.jacobian.transpose();
-        let masses =
-            DMatrix::from_fn(
-                bare.nrows(),
-                bare.nrows(),
-                |i, j| {
-                    if i == j { weights[i / 3] } else { 0.0 }
-                },
-            );
-        let system = DMatrix::identity(bare.nrows(), bare.nrows()) + &bare * masses;
-        self.response = system.lu().solve(&bare).ok_or_else(|| ContactError::Body {
-            body: 0,
-            why: "the answer with weights is singular".into(),
-        })?;
+        let bare = &self.bare;
+        self.response.copy_from(bare);
+        if weights.iter().any(|weight| *weight > 0.0) {
+            let masses = DMatrix::from_fn(bare.nrows(), bare.nrows(), |i, j| {
+                if i == j { weights[i / 3] } else { 0.0 }
+            });
+            let system = DMatrix::identity(bare.nrows(), bare.nrows()) + bare * masses;
+            self.response = system.lu().solve(bare).ok_or_else(|| ContactError::Body {
+                body: 0,
+                why: "the answer with weights is singular".into(),
+            })?;
+        }
         Ok(())
     }
 

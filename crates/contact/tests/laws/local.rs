@@ -32,7 +32,7 @@ fn the_law_holds_for_every_curve_and_response() {
     let mut random = Random(11);
     for (decades, tolerance) in [(0.0, 1e-14), (1.0, 1e-13), (4.0, 1e-11), (7.0, 1e-8)] {
         let mut worst: f64 = 0.0;
-        for trial in 0..40_000 {
+        for trial in 0..12_000 {
             let mut c = with(random.curve(trial, 5.0));
             if trial % 3 == 0 {
                 c.adhesion = random.unit();
@@ -53,7 +53,7 @@ fn the_law_holds_for_every_curve_and_response() {
 #[test]
 fn brute_force_finds_the_same_sliding() {
     let mut random = Random(12);
-    for trial in 0..300 {
+    for trial in 0..100 {
         let mu = [0.2, 0.4, 0.3, 0.5].map(|mu| mu * (0.5 + random.unit()));
         let c = with(LimitCurve::Quarters { mu });
         let w = response(&mut random, 0.5);
@@ -68,14 +68,14 @@ fn brute_force_finds_the_same_sliding() {
         };
         consider(Vector3::zeros());
         consider(-w.try_inverse().expect("regular") * free);
-        for k in 0..20_000 {
-            let angle = TAU * f64::from(k) / 20_000.0;
+        for k in 0..5_000 {
+            let angle = TAU * f64::from(k) / 5_000.0;
             let point = c.friction.friction(&Vector2::new(angle.cos(), angle.sin()));
             let along = Vector3::new(1.0, point.x, point.y);
             consider(along * (-free.x / (w * along).x).max(0.0));
         }
         let difference = (best - exact).norm() / (1.0 + exact.norm());
-        assert!(difference < 2e-3 / w.symmetric_eigenvalues().min(), "{trial}: {best} {exact}");
+        assert!(difference < 5e-3 / w.symmetric_eigenvalues().min(), "{trial}: {best} {exact}");
     }
 }
 
