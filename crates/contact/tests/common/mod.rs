@@ -231,6 +231,11 @@ impl Random {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
+    pub fn below(&mut self, bound: usize) -> usize {
+        let bound = u64::try_from(bound).expect("64 bits are enough");
+        usize::try_from(self.bits() % bound).expect("less than the bound")
+    }
+
     /// In [-1, 1).
     pub fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
@@ -257,8 +262,9 @@ impl Random {
             1 => LimitCurve::Ellipse { mu: [mu(), mu()] },
             2 => LimitCurve::Quarters { mu: [mu(), mu(), mu(), mu()] },
             _ => {
-                let count = 4 + (mu() * 20.0 / most) as usize;
-                polygon(&(0..count).map(|_| mu()).collect::<Vec<_>>())
+                let count = 4 + self.below(20);
+                let mu: Vec<_> = (0..count).map(|_| most * self.unit()).collect();
+                polygon(&mu)
             }
         }
     }

@@ -1,5 +1,7 @@
 //! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion.
 
+#![allow(clippy::print_stdout, reason = "tests tell what they measured")]
+
 #[path = "../common/mod.rs"]
 mod common;
 

@@ -1,7 +1,8 @@
-//! Piles of discs at rest: contact.md's tests 9 and 10.
-use crate::common::{Dense, G, circle, contact, exact, resolve};
+//! Piles of discs: contact.md's tests 9, 10 and 23.
+use crate::common::{Dense, G, Random, circle, contact, exact, resolve};
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::Contact;
+use rapunzel_contact::{Contact, GaussSeidel};
+use std::f64::consts::PI;
 
 const DT: f64 = 1e-3;
 const RADIUS: f64 = 1.0;
@@ -96,8 +97,11 @@ fn a_pyramid_of_three_needs_its_friction() {
     println!("pyramid of three: {between:.5} between fibers, {ground:.5} on the ground");
     assert!((between - (2.0 - 3.0_f64.sqrt())).abs() < 1e-5, "{between}");
     assert!((ground - (2.0 - 3.0_f64.sqrt()) / 3.0).abs() < 1e-5, "{ground}");
+    assert!(stands([5.0, 5.0]) && !stands([0.0, 5.0]) && !stands([5.0, 0.0]));
 }
 
+/// With less friction than one this pile has a second solution, in which its discs roll on each other
+/// as gears do, and the solver may find that one.
 #[test]
 fn a_pile_at_rest_stays_for_ten_thousand_steps() {
     let mut centers = Vec::new();
@@ -124,12 +128,52 @@ fn a_pile_at_rest_stays_for_ten_thousand_steps() {
         way += speed * DT;
         let ground: f64 = impulses.iter().zip(&pile.grounded).filter(|x| *x.1).map(|x| x.0.x).sum();
         let weight = 10.0 * MASS * G * DT;
-        assert!(
-            (ground / weight - 1.0).abs() < 1e-8,
-            "{step}: {ground} {speed} {:?}",
-            pile.discs.iter().map(|d| d.velocity.as_slice().to_vec()).collect::<Vec<_>>()
-        );
+        assert!((ground / weight - 1.0).abs() < 1e-8, "{step}: {ground}");
     }
     println!("pile of ten: {way:.1e} m in 10^4 steps");
     assert!(way < 1e-11, "{way}");
+}
+
+/// Seven fibers pressed together sideways get as dense as can be, and never denser. Gaps close by
+/// no more than they are, and distances are at least what their linearization says.
+#[test]
+fn a_bundle_is_not_denser_than_discs_can_be() {
+    let bound = PI / (2.0 * 3.0_f64.sqrt());
+    let mut random = Random(23);
+    let mut centers = vec![Vector3::zeros()];
+    for k in 0..6 {
+        let (sine, cosine) = (PI / 3.0 * f64::from(k)).sin_cos();
+        centers.push(Vector3::new(cosine, sine, 0.0) * 2.5 + random.vector() * 0.2);
+    }
+    centers.iter_mut().for_each(|c| c.z = 0.0);
+    let mut impulses = vec![Vector3::zeros(); 21];
+    let mut density = 0.0;
+    for _ in 0..3000 {
+        let mut fibers: Vec<_> = centers.iter().map(|_| Dense::particle(1.0)).collect();
+        for (fiber, center) in fibers.iter_mut().zip(&centers) {
+            // Drawn to the middle; without inertia from step to step.
+            fiber.push((-center * 0.02).as_slice());
+        }
+        let mut contacts = Vec::new();
+        for i in 0..7 {
+            for j in i + 1..7 {
+                let between = centers[i] - centers[j];
+                let mut touch = contact(i, Some(j), &between, circle(0.0));
+                touch.bias.x = between.norm() - 2.0 * RADIUS;
+                contacts.push(touch);
+            }
+        }
+        let mut solver = GaussSeidel { residual: 1e-5, velocity: 1e-7, ..exact() };
+        let report = resolve(&mut fibers, &contacts, &mut impulses, &mut solver);
+        assert!(report.converged, "{report:?}");
+        for (center, fiber) in centers.iter_mut().zip(&fibers) {
+            *center += fiber.velocities()[0];
+        }
+        // Of the hexagon of the outer centers, which contains three discs' worth.
+        let area: f64 = (1..7).map(|i| 0.5 * centers[i].xy().perp(&centers[i % 6 + 1].xy())).sum();
+        density = 3.0 * PI * RADIUS * RADIUS / area;
+        assert!(density <= bound * (1.0 + 1e-6), "{density}");
+    }
+    println!("seven fibers: density {density:.7}, bound {bound:.7}");
+    assert!((density / bound - 1.0).abs() < 1e-6, "{density}");
 }

@@ -1,5 +1,5 @@
 //! A rope without weight and bending stiffness, inextensible, on corners that lie on a circle.
-use crate::common::{Dense, circle, contact, resolve};
+use crate::common::{Dense, circle, contact, exact, resolve};
 use nalgebra::{DMatrix, Vector3};
 use rapunzel_contact::{Contact, GaussSeidel};
 
@@ -102,4 +102,29 @@ fn a_polygonal_capstan_slips_at_its_ratio() {
     let expected = corner(0.3, turn / 100.0).powi(100);
     assert!((expected - 6.59052).abs() < 5e-6);
     assert!((ratio / expected - 1.0).abs() < 1e-6, "{ratio}");
+}
+
+/// Ten corners of 0.3 rad each hold up to 2.477 times the load and not more; both ends move freely.
+#[test]
+fn a_capstan_holds_what_it_can() {
+    let limit = corner(0.3, 0.3).powi(10);
+    assert!((limit - 2.477).abs() < 1e-3);
+    for (ratio, holds) in [(1.0, true), (2.0, true), (0.999 * limit, true), (1.001 * limit, false)]
+    {
+        let dt = 1e-3;
+        let mut rope = Rope::new(0.3, 3.0, 10, [1e-3; 2]);
+        let mut impulses = vec![Vector3::zeros(); 10];
+        let mut way: f64 = 0.0;
+        let mut solver = exact();
+        for _ in 0..100 {
+            rope.pull(0.02, 0.02 * ratio, dt);
+            let mut bodies = [rope.body.clone()];
+            let report = resolve(&mut bodies, &rope.contacts, &mut impulses, &mut solver);
+            assert!(report.converged, "{ratio}: {report:?}");
+            [rope.body] = bodies;
+            way += rope.body.velocity.amax() * dt;
+        }
+        println!("capstan at {ratio:.4}: {way:.1e} m in 0.1 s");
+        assert_eq!(way < 1e-12, holds, "{ratio}: {way}");
+    }
 }

@@ -44,6 +44,10 @@ fn slip_angle(axis_degrees: f64, curve: &LimitCurve) -> (f64, Vector2<f64>) {
 fn a_block_slips_at_the_angle_of_friction_and_not_before() {
     let (angle, _) = slip_angle(0.0, &circle(0.47));
     assert!((angle - 25.174).abs() < 1e-3, "{angle}");
+    for mu in [0.0, 5.0_f64] {
+        let (angle, _) = slip_angle(0.0, &circle(mu));
+        assert!((angle - mu.atan().to_degrees()).abs() < 1e-5, "{mu}: {angle}");
+    }
     for curve in [circle(0.47), LimitCurve::cuticle(0.3, 0.48, 0.6), polygon(&[0.48; 8])] {
         let (velocity, way) = slide(25.17, 0.0, &curve, 10_000);
         let stays = curve.contains(&Vector2::new(-25.17_f64.to_radians().tan(), 0.0), 1.0);
@@ -150,9 +154,9 @@ fn a_slider_is_not_lifted() {
 /// at rest, then swings about the place where it draws with that of sliding.
 #[test]
 fn a_belt_makes_an_oscillator_stick_and_slip() {
-    let (mass, stiffness, belt, dt) = (1e-3, 1.0, 0.01, 1e-5);
+    let (mass, stiffness, belt, dt) = (1e-3_f64, 1.0, 0.01, 1e-5);
     let friction = Friction { resting: circle(0.4), sliding: circle(0.3) };
-    let w = (stiffness / mass as f64).sqrt();
+    let w = (stiffness / mass).sqrt();
     let overshoot = 0.1 * mass * G / stiffness;
     assert!((overshoot - 0.981e-3).abs() < 1e-9);
     let period =
