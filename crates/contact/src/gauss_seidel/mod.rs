@@ -33,7 +33,7 @@ impl Default for GaussSeidel {
 }
 
 impl GaussSeidel {
-    pub(crate) fn validate(&self) -> Result<(), ContactError> {
+    fn validate(&self) -> Result<(), ContactError> {
         let checks = [
             ("tolerance of the residual", self.residual, f64::INFINITY),
             ("tolerance of velocities", self.velocity, f64::INFINITY),
@@ -49,9 +49,8 @@ impl GaussSeidel {
         }
     }
 
-    /// Solves on blocks that are there already. The velocities in `delassus` are those while
-    /// `impulses` act, before and after.
-    pub(crate) fn sweep(
+    /// The velocities in `delassus` are those while `impulses` act, before and after.
+    fn sweep(
         &self,
         delassus: &mut Delassus,
         contacts: &[Contact],

@@ -36,11 +36,12 @@ pub(super) fn project(p: &Vector2<f64>, semi: [f64; 2]) -> Vector2<f64> {
         let norm_squared = z.norm_squared();
         let norm = norm_squared.sqrt();
         let slope = z.component_mul(&z).component_div(&shifted).sum();
-        let next = t + (norm - 1.0) * norm_squared / slope;
-        if next <= t * (1.0 + 2.0 * f64::EPSILON) {
+        let step = (norm - 1.0) * norm_squared / slope;
+        t = (t + step).max(t);
+        // The next step would be of the order of this one's square.
+        if step <= 1e-9 * shifted.min() {
             break;
         }
-        t = next;
     }
     let weights = squares.component_div(&squares.add_scalar(t));
     weights.component_mul(&q) * size

@@ -263,7 +263,12 @@ impl Random {
             2 => LimitCurve::Quarters { mu: [mu(), mu(), mu(), mu()] },
             _ => {
                 let count = 4 + self.below(20);
-                let mu: Vec<_> = (0..count).map(|_| most * self.unit()).collect();
+                let mut mu: Vec<_> = (0..count).map(|_| most * self.unit()).collect();
+                if self.unit() < 0.3 {
+                    // The origin is then a corner or on an edge.
+                    let left_out = count / 2 + self.below(count / 2);
+                    mu[..left_out].fill(0.0);
+                }
                 polygon(&mu)
             }
         }

@@ -2,7 +2,7 @@
 use crate::common::{Dense, act, along, circle, contact, exact, oracle, resolve};
 use crate::rope;
 use nalgebra::{Vector2, Vector3};
-use rapunzel_contact::{Body, Contact, ImpactLaw, LimitCurve, Polygon, impact, solve_contact};
+use rapunzel_contact::{Body, Contact, LimitCurve, Polygon, impact, impact_in_turn, solve_contact};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -210,8 +210,7 @@ fn bounce(case: &Bounce) {
         ball.velocity[2] = -speed;
         let velocities = ball.velocities();
         let mut bodies: [&mut dyn Body; 1] = [&mut ball];
-        let law = ImpactLaw::Together;
-        let hit = impact(&mut bodies, &contacts, &[case.eps], &velocities, law, &exact());
+        let hit = impact(&mut bodies, &contacts, &[case.eps], &velocities, &mut exact());
         ball.apply(&[contacts[0].frame * hit.expect("valid").impulses[0]]);
         speed = ball.velocity[2];
         let height = speed * speed / (2.0 * case.g);
@@ -241,12 +240,16 @@ struct Oblique {
 
 fn oblique(case: &Oblique) {
     let contacts = [contact(0, None, &case.normal.into(), circle(case.mu))];
-    for law in [ImpactLaw::Together, ImpactLaw::InTurn] {
+    for in_turn in [false, true] {
         let mut particle = [Dense::particle(case.m)];
         particle[0].velocity.copy_from_slice(&case.v_before);
         let velocities = particle[0].velocities();
         let mut bodies: [&mut dyn Body; 1] = [&mut particle[0]];
-        let hit = impact(&mut bodies, &contacts, &[case.eps], &velocities, law, &exact());
+        let hit = if in_turn {
+            impact_in_turn(&mut bodies, &contacts, &[case.eps], &velocities, 10)
+        } else {
+            impact(&mut bodies, &contacts, &[case.eps], &velocities, &mut exact())
+        };
         let impulse = hit.expect("valid").impulses[0];
         act(&mut particle, &contacts, &[impulse]);
         let after = particle[0].velocities()[0];
@@ -285,8 +288,7 @@ fn rod(case: &Rod) {
     assert!((1.0 / answer[0].z - case.effective_mass).abs() < 1e-12, "{}", case.name);
     let velocities = rod[0].velocities();
     let mut bodies: [&mut dyn Body; 1] = [&mut rod[0]];
-    let law = ImpactLaw::Together;
-    let hit = impact(&mut bodies, &contacts, &[case.eps], &velocities, law, &exact());
+    let hit = impact(&mut bodies, &contacts, &[case.eps], &velocities, &mut exact());
     let hit = hit.expect("valid");
     act(&mut rod, &contacts, &hit.impulses);
     let found =
