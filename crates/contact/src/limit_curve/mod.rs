@@ -143,8 +143,8 @@ impl LimitCurve {
     /// The impulse nearest to `q` whose friction is within its limit: the projection onto the cone
     /// over the curve.
     ///
-    /// Closed form for a circle, otherwise a bracketed root with some ten calls of
-    /// [`Self::project`].
+    /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses,
+    /// a bracketed root with some ten calls of [`Self::project`] for a polygon.
     #[must_use]
     pub fn project_cone(&self, q: &Vector3<f64>) -> Vector3<f64> {
         cone::project(self, q)

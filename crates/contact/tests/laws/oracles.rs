@@ -103,13 +103,13 @@ fn incline(case: &Incline) {
             case.name
         );
     }
-    if case.regime_at_rest == "stick" {
+    let stuck = case.regime_at_rest == "stick" && case.v_downhill.last() == Some(&0.0);
+    if stuck {
         assert!(block[0].velocity.norm() < 1e-15, "{}", case.name);
         assert!(case.v0_downhill != 0.0 || x.abs() < 1e-15, "{}: {x}", case.name);
     }
     let friction = impulses[0].yz().norm() / impulses[0].x;
-    let expected =
-        case.mu.min(if case.regime_at_rest == "stick" { sine / cosine } else { case.mu });
+    let expected = if stuck { sine / cosine } else { case.mu };
     assert!((friction - expected).abs() < 1e-12, "{}: {friction}", case.name);
 }
 
@@ -180,11 +180,13 @@ struct Capstan {
 /// On a polygon of `n` contacts the load at slip is higher by `mu phi^3 (1 + mu^2) / (12 n^2)`.
 fn capstan(case: &Capstan) {
     let n = 40;
-    let ratio = rope::slipping_ratio(case.mu, case.wrap_angle_rad, n, case.low);
-    let relative = ratio * case.low / case.high - 1.0;
     let (mu, angle) = (case.mu, case.wrap_angle_rad);
+    let ratio = rope::slipping_ratio(mu, angle, n, case.low);
+    let polygonal = rope::corner(mu, angle / n as f64).powi(40);
+    assert!((ratio / polygonal - 1.0).abs() < 1e-6, "{}: {ratio} {polygonal}", case.name);
+    let relative = ratio * case.low / case.high - 1.0;
     let expected = mu * angle.powi(3) * (1.0 + mu * mu) / (12.0 * (n * n) as f64);
-    assert!((relative - expected).abs() < 0.05 * expected + 1e-6, "{}: {relative}", case.name);
+    assert!((relative - expected).abs() < 0.1 * expected + 1e-6, "{}: {relative}", case.name);
 }
 
 #[derive(Deserialize)]
@@ -196,7 +198,7 @@ struct Bounce {
     apex_heights: Vec<f64>,
     impact_times: Vec<f64>,
     impact_speeds: Vec<f64>,
-    rest_time: f64,
+    rest_time: Option<f64>,
 }
 
 /// Free flight in closed form; every impact by the law.
@@ -221,7 +223,9 @@ fn bounce(case: &Bounce) {
     }
     // The bounces that are left take a geometric series of times.
     let rest = t + 2.0 * speed / case.g * case.eps / (1.0 - case.eps);
-    assert!((rest - case.rest_time).abs() < 1e-12 * rest, "{}: {rest}", case.name);
+    if let Some(expected) = case.rest_time.filter(|_| case.eps < 1.0) {
+        assert!((rest - expected).abs() < 1e-12 * rest, "{}: {rest}", case.name);
+    }
 }
 
 #[derive(Deserialize)]
@@ -254,7 +258,7 @@ fn oblique(case: &Oblique) {
         act(&mut particle, &contacts, &[impulse]);
         let after = particle[0].velocities()[0];
         let world = contacts[0].frame * Vector3::new(0.0, impulse.y, impulse.z);
-        assert!((impulse.x - case.normal_impulse).abs() < 1e-13 * case.normal_impulse);
+        assert!((impulse.x - case.normal_impulse).abs() <= 1e-13 * case.normal_impulse);
         assert!((world - Vector3::from(case.tangential_impulse)).norm() < 1e-13, "{}", case.name);
         assert!((after - Vector3::from(case.v_after)).norm() < 1e-13, "{}: {after}", case.name);
         let slip = contacts[0].frame.tr_mul(&after).yz().norm();

@@ -91,7 +91,8 @@ pub(crate) fn slipping_ratio(mu: f64, angle: f64, n: usize, low: f64) -> f64 {
     1.0 - rope.held(&impulses) / (low * dt)
 }
 
-fn corner(mu: f64, turn: f64) -> f64 {
+/// Ratio of the tensions beside a corner that slips.
+pub(crate) fn corner(mu: f64, turn: f64) -> f64 {
     (1.0 + mu * (0.5 * turn).tan()) / (1.0 - mu * (0.5 * turn).tan())
 }
 
