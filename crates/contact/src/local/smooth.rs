@@ -10,13 +10,17 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 const STEPS: usize = 200;
 
 pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
-    let quarters = [
-        Quarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]),
-        Quarter::new(problem, [1.0, -1.0], [mu[0], mu[3]]),
-        Quarter::new(problem, [-1.0, 1.0], [mu[1], mu[2]]),
-        Quarter::new(problem, [-1.0, -1.0], [mu[1], mu[3]]),
-    ];
-    let quarters = if mu[0] == mu[1] && mu[2] == mu[3] { &quarters[..1] } else { &quarters[..] };
+    let first = Quarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]);
+    let quarters = if mu[0] == mu[1] && mu[2] == mu[3] {
+        &[first][..]
+    } else {
+        &[
+            first,
+            Quarter::new(problem, [1.0, -1.0], [mu[0], mu[3]]),
+            Quarter::new(problem, [-1.0, 1.0], [mu[1], mu[2]]),
+            Quarter::new(problem, [-1.0, -1.0], [mu[1], mu[3]]),
+        ]
+    };
     let size = mu.iter().copied().fold(0.0, f64::max);
     let drive = size * problem.slip.norm();
     let mut low = 0.0;
@@ -65,6 +69,7 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
 
 /// The problem in one quarter, in the eigenvectors of the answer to `z`: exact for small
 /// eigenvalues also.
+#[derive(Clone, Copy)]
 struct Quarter {
     sign: [f64; 2],
     semi: Vector2<f64>,
