@@ -10,6 +10,9 @@ pub(crate) struct Delassus {
     places: Vec<Option<(usize, usize)>>,
 }
 
+/// What is left of the answers of two points less than this, relative to them, is rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// The touched points of one body.
 #[derive(Debug)]
 struct Patch {
@@ -33,6 +36,7 @@ impl Delassus {
                 found: velocities.len(),
             });
         }
+        finite("component of a velocity", velocities)?;
         let mut touched = vec![false; points];
         for (index, contact) in contacts.iter().enumerate() {
             contact.validate(index, points)?;
@@ -50,13 +54,20 @@ impl Delassus {
             for (place, &i) in local.iter().enumerate() {
                 delassus.places[offset + i] = Some((index, place));
             }
-            delassus.patches.push(Patch::new(*body, &local, &velocities[of_body])?);
+            let patch = Patch::new(*body, &local, &velocities[of_body])?;
+            if !patch.responses.iter().all(|block| block.iter().all(|x| x.is_finite())) {
+                return Err(ContactError::Body {
+                    body: index,
+                    why: "its answer is not finite".into(),
+                });
+            }
+            delassus.patches.push(patch);
             offset += count;
         }
         Ok(delassus)
     }
 
-    /// The contact's own answer, in its frame.
+    /// The contact's own answer, in its frame; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
         let block = |of: usize, to: usize| match (self.places[of], self.places[to]) {
             (Some((a, i)), Some((b, j))) if a == b => self.patches[a].response(i, j),
@@ -65,7 +76,11 @@ impl Delassus {
         let first = contact.first;
         let mut world = block(first, first);
         if let Some(second) = contact.second {
-            world += block(second, second) - block(first, second) - block(second, first);
+            let apart = world + block(second, second);
+            world = apart - block(first, second) - block(second, first);
+            if world.trace() <= ROUNDING * apart.trace() {
+                return Matrix3::zeros();
+            }
         }
         let local = contact.frame.transpose() * world * contact.frame;
         0.5 * (local + local.transpose())
@@ -129,5 +144,14 @@ impl Patch {
 
     fn response(&self, of: usize, to: usize) -> Matrix3<f64> {
         self.responses[of + to * self.velocities.len()]
+    }
+}
+
+/// # Errors
+/// [`ContactError::Invalid`] for a component that is not finite.
+pub(crate) fn finite(what: &'static str, vectors: &[Vector3<f64>]) -> Result<(), ContactError> {
+    match vectors.iter().flat_map(|v| v.iter()).find(|x| !x.is_finite()) {
+        Some(&value) => Err(ContactError::Invalid { what, value, why: "it must be finite" }),
+        None => Ok(()),
     }
 }

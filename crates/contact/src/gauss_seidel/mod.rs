@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 
 mod delassus;
 
+use delassus::finite;
+
 pub(crate) use delassus::Delassus;
 
 /// Block Gauss-Seidel: one contact after the other is solved exactly while the others' impulses
@@ -119,13 +121,7 @@ impl Solver for GaussSeidel {
                 found: impulses.len(),
             });
         }
-        if impulses.iter().any(|r| !r.iter().all(|x| x.is_finite())) {
-            return Err(ContactError::Invalid {
-                what: "component of a starting impulse",
-                value: f64::NAN,
-                why: "it must be finite",
-            });
-        }
+        finite("component of a starting impulse", impulses)?;
         let mut delassus = Delassus::new(bodies, contacts, velocities)?;
         Ok(self.sweep(&mut delassus, contacts, impulses))
     }

@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-14;
 pub(super) fn project(p: &Vector2<f64>, semi: [f64; 2]) -> Vector2<f64> {
     let [a, b] = semi;
     if a <= 0.0 || b <= 0.0 {
-        return Vector2::new(p.x.clamp(-a, a), p.y.clamp(-b, b));
+        return Vector2::new(p.x.min(a).max(-a), p.y.min(b).max(-b));
     }
     if (p.x / a).powi(2) + (p.y / b).powi(2) <= 1.0 {
         return *p;

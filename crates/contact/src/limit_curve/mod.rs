@@ -84,6 +84,9 @@ impl LimitCurve {
     /// monotone Newton iteration. Errors are of the order of rounding.
     #[must_use]
     pub fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
+        if scale <= 0.0 {
+            return Vector2::zeros();
+        }
         match self {
             Self::Circle { mu } => {
                 let (radius, norm) = (mu * scale, p.norm());

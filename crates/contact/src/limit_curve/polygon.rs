@@ -87,9 +87,6 @@ impl Polygon {
     }
 
     pub(super) fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
-        if scale <= 0.0 {
-            return Vector2::zeros();
-        }
         if self.half == 0 {
             return self.project_by_search(p, scale);
         }

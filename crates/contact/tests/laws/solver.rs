@@ -119,6 +119,13 @@ fn a_body_may_touch_itself() {
     let mut impulses = [Vector3::zeros()];
     let report = resolve(&mut rigid, &contacts, &mut impulses, &mut exact());
     assert!(report.converged && impulses[0].norm() < 1e-9, "{report:?} {impulses:?}");
+
+    // A gap that cannot be closed is told of.
+    let overlapping = [Contact { bias: -Vector3::x(), ..contacts[0].clone() }];
+    let mut solver = GaussSeidel { sweeps: 10, ..exact() };
+    let report = resolve(&mut rigid, &overlapping, &mut impulses, &mut solver);
+    assert!(!report.converged && report.normal_error == 1.0, "{report:?}");
+    assert_eq!(impulses[0], Vector3::zeros());
 }
 
 #[test]
@@ -151,6 +158,17 @@ fn nonsense_is_refused_with_what_and_where() {
     let one = std::slice::from_ref(&good);
     assert!(matches!(refused(one, 2, 1, exact()), ContactError::Length { expected: 1, .. }));
     assert!(matches!(refused(one, 1, 3, exact()), ContactError::Length { found: 3, .. }));
+    let mut body = Dense::particle(1.0);
+    for (v, r) in [(f64::NAN, 0.0), (0.0, f64::INFINITY)] {
+        let (v, mut r) = ([Vector3::repeat(v)], [Vector3::repeat(r)]);
+        let error = exact().solve(&mut [&mut body], one, &v, &mut r).expect_err("refused");
+        assert!(matches!(error, ContactError::Invalid { .. }), "{error}");
+    }
+    body.mobility.fill(f64::NAN);
+    let mut broken = Dense::new(body.mobility, body.jacobian);
+    let (v, mut r) = ([Vector3::zeros()], [Vector3::zeros()]);
+    let error = exact().solve(&mut [&mut broken], one, &v, &mut r).expect_err("refused");
+    assert!(matches!(error, ContactError::Body { body: 0, .. }), "{error}");
     for relaxation in [0.0, 2.0, f64::NAN] {
         let solver = GaussSeidel { relaxation, ..exact() };
         assert!(matches!(refused(one, 1, 1, solver), ContactError::Invalid { .. }));
