@@ -16,8 +16,8 @@
 
 use crate::anderson::Anderson;
 use crate::contact::free_solve;
-use crate::solver::{Certificate, check};
-use crate::{Body, Contact, ContactError, Report, Solver};
+use crate::solver::check;
+use crate::{Body, Contact, ContactError, Report, Solver, report};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -43,7 +43,7 @@ impl Tolerance {
         iterations: 20_000,
     };
 
-    fn reached(&self, found: &Certificate) -> bool {
+    fn reached(&self, found: &Report) -> bool {
         found.residual <= self.residual
             && found.normal_error <= self.normal
             && found.slip_error <= self.slip
@@ -114,17 +114,18 @@ impl Solver for Admm {
         impulses: &mut [Vector3<f64>],
     ) -> Result<Report, ContactError> {
         check(bodies, contacts, velocities, impulses)?;
-        let mut report = Report { converged: true, ..Report::default() };
         if contacts.is_empty() {
-            return Ok(report);
+            return Ok(Report { converged: true, ..Report::default() });
         }
+        let mut iterations = 0;
         self.points.prepare(bodies, contacts, velocities, impulses, self.weight)?;
         self.anderson.reset(self.memory);
         let points = &self.points;
-        let weights: Vec<f64> = contacts
+        let responses: Vec<f64> = contacts
             .iter()
             .map(|c| 1.0 / points.metric[c.first] + c.second.map_or(0.0, |b| 1.0 / points.metric[b]))
             .collect();
+        let weights: Vec<f64> = responses.iter().map(|w| 1.0 / w).collect();
         // Impulses on the first points, world.
         let mut world: Vec<Vector3<f64>> = vec![Vector3::zeros(); contacts.len()];
         loop {
@@ -132,11 +133,11 @@ impl Solver for Admm {
             impulses
                 .par_chunks_mut(CHUNK)
                 .zip(world.par_chunks_mut(CHUNK))
-                .zip(contacts.par_chunks(CHUNK).zip(weights.par_chunks(CHUNK)))
-                .for_each(|((impulses, world), (contacts, weights))| {
+                .zip(contacts.par_chunks(CHUNK).zip(responses.par_chunks(CHUNK)))
+                .for_each(|((impulses, world), (contacts, responses))| {
                     for (i, contact) in contacts.iter().enumerate() {
                         let q = contact.relative(h);
-                        impulses[i] = free_solve(contact, &q, weights[i]);
+                        impulses[i] = free_solve(contact, &q, responses[i]);
                         world[i] = contact.frame * impulses[i];
                     }
                 });
@@ -147,18 +148,21 @@ impl Solver for Admm {
             } else {
                 points.h.iter_mut().zip(&points.step).for_each(|(h, step)| *h += step);
             }
-            report.iterations += 1;
-            let last = report.iterations >= self.tolerance.iterations;
-            if report.iterations.is_multiple_of(LOOK) || last {
-                let found = points.error(contacts, &weights, impulses, self.relaxation);
-                if last || self.tolerance.reached(&found) {
+            iterations += 1;
+            let last = iterations >= self.tolerance.iterations;
+            if iterations.is_multiple_of(LOOK) || last {
+                let near = points.error(contacts, &responses, impulses, self.relaxation);
+                if last || self.tolerance.reached(&near) {
                     points.truth(bodies, velocities, &world);
-                    let found = Certificate::of(contacts, &weights, &points.v, impulses);
-                    (report.residual, report.normal_error, report.slip_error) =
-                        (found.residual, found.normal_error, found.slip_error);
-                    report.converged = self.tolerance.reached(&found);
-                    if report.converged || last {
-                        return Ok(report);
+                    let velocities: Vec<_> = contacts
+                        .iter()
+                        .zip(&*impulses)
+                        .map(|(c, r)| c.relative(&points.v) + r * c.compliance)
+                        .collect();
+                    let found = report(contacts, &velocities, impulses, &weights);
+                    let converged = self.tolerance.reached(&found);
+                    if converged || last {
+                        return Ok(Report { iterations, converged, ..found });
                     }
                 }
             }
@@ -226,13 +230,13 @@ impl Points {
     fn error(
         &self,
         contacts: &[Contact],
-        weights: &[f64],
+        responses: &[f64],
         impulses: &[Vector3<f64>],
         relaxation: f64,
-    ) -> Certificate {
+    ) -> Report {
         let (mut wrong, mut all) = (0.0, 0.0);
-        let mut found = Certificate::default();
-        for ((contact, weight), r) in contacts.iter().zip(weights).zip(impulses) {
+        let mut found = Report::default();
+        for ((contact, response), r) in contacts.iter().zip(responses).zip(impulses) {
             let mut off = self.step[contact.first];
             if let Some(second) = contact.second {
                 off -= self.step[second];
@@ -244,7 +248,7 @@ impl Points {
                 off.z = 0.0;
                 off.x = contact.relative(&self.v).x.min(0.0);
             }
-            wrong += off.norm_squared() / (weight * weight);
+            wrong += off.norm_squared() / (response * response);
             all += r.norm_squared();
             found.normal_error = found.normal_error.max(off.x.abs());
             found.slip_error = found.slip_error.max(off.yz().norm());

@@ -1,4 +1,4 @@
-use crate::LimitCurve;
+use crate::{ContactError, LimitCurve};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// A contact between two points, or between a point and something whose motion is given.
@@ -29,6 +29,9 @@ pub struct Contact {
     pub compliance: f64,
 }
 
+/// How far a frame's columns may be from orthonormal.
+const ORTHONORMAL: f64 = 1e-9;
+
 impl Contact {
     /// Relative velocity, in the contact's frame and with its bias, where the points have the
     /// given velocities.
@@ -39,6 +42,35 @@ impl Contact {
             v -= velocities[second];
         }
         self.frame.tr_mul(&v) + self.bias
+    }
+
+    /// Checks contact number `index` of those between `points` points.
+    ///
+    /// # Errors
+    /// [`ContactError::Contact`] for a point that there is not or that touches itself, a frame that
+    /// is not orthonormal, and numbers that are not finite or, where they must not be, negative.
+    pub fn validate(&self, index: usize, points: usize) -> Result<(), ContactError> {
+        let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        let error = (self.frame.tr_mul(&self.frame) - Matrix3::identity()).amax();
+        let why = if self.first.max(self.second.unwrap_or(0)) >= points {
+            "a point is not among those of the bodies"
+        } else if self.second == Some(self.first) {
+            "a point cannot touch itself"
+        } else if error > ORTHONORMAL || error.is_nan() {
+            "the columns of the frame must be orthonormal"
+        } else if !finite(self.bias.as_slice()) {
+            "the bias must be finite"
+        } else if !(finite(&[self.adhesion, self.compliance])
+            && self.adhesion >= 0.0
+            && self.compliance >= 0.0)
+        {
+            "adhesion and compliance must be finite and not negative"
+        } else if self.friction.validate().is_err() {
+            "coefficients of friction must be finite and not negative"
+        } else {
+            return Ok(());
+        };
+        Err(ContactError::Contact { contact: index, why })
     }
 }
 

@@ -1,16 +1,26 @@
 #![doc = include_str!("../README.md")]
 
+mod adhesion;
 mod admm;
 mod anderson;
 mod body;
 mod contact;
 mod error;
+mod gauss_seidel;
+mod impact;
 mod limit_curve;
+mod local;
+mod residual;
 mod solver;
 
+pub use adhesion::{Bond, Cylinders, wet_pair_energy};
 pub use admm::{Admm, Tolerance};
 pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;
-pub use limit_curve::LimitCurve;
-pub use solver::{Certificate, Report, Solver};
+pub use gauss_seidel::GaussSeidel;
+pub use impact::{Impact, impact, impact_in_turn};
+pub use limit_curve::{Friction, LimitCurve, Polygon};
+pub use local::solve_contact;
+pub use residual::{Violation, report};
+pub use solver::{Report, Solver};

@@ -27,7 +27,7 @@ use memory::{recall, remember};
 use rapunzel_collision::segment_radii;
 use nalgebra::{Matrix3, Point3, Vector3};
 use rapunzel_contact::{
-    Admm, Body, Certificate, Contact, ContactError, LimitCurve, Solver, Tolerance,
+    Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance, report,
 };
 use rapunzel_rod_dynamic::{Point, StepError};
 use rayon::prelude::*;
@@ -248,7 +248,7 @@ impl Touching {
                 let advanced = world.for_groups(|group, own| group.advance(own), &impulses);
                 let turn = advanced.map_err(Cut::Rod)?.into_iter().fold(0.0, f64::max);
                 case.velocities = world.at_points(&case.points, &world.velocities(false));
-                let found = case.certificate(&vec![1e8; case.contacts.len()]);
+                let found = case.certificate(&vec![1e-8; case.contacts.len()]);
                 let report = &mut attempt.report.contact;
                 (report.residual, report.normal_error, report.slip_error) =
                     (found.residual, found.normal_error, found.slip_error);
@@ -420,15 +420,17 @@ impl Case {
     }
 
     /// How well the law holds where the rods are, whose own responses are `weights`.
-    fn certificate(&self, weights: &[f64]) -> Certificate {
-        Certificate::of(&self.contacts, weights, &self.velocities, &self.impulses)
+    fn certificate(&self, weights: &[f64]) -> Report {
+        let velocities: Vec<_> =
+            self.contacts.iter().map(|contact| contact.relative(&self.velocities)).collect();
+        report(&self.contacts, &velocities, &self.impulses, weights)
     }
 
     fn solve(
         &mut self,
         world: &mut World,
         solver: &mut Admm,
-    ) -> Result<rapunzel_contact::Report, ContactError> {
+    ) -> Result<Report, ContactError> {
         let mut bodies: Vec<Fibers> = world
             .groups
             .iter_mut()

@@ -1,0 +1,92 @@
+//! How far impulses and velocities are from the law.
+use crate::{Contact, Report};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Contacts that one task takes.
+const CHUNK: usize = 1024;
+
+/// How far one contact is from its law.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Violation {
+    /// Natural map in impulses, N s: the distance of the impulse from the projection onto its cone
+    /// of the impulse less weight times velocity, with de Saxcé's term added to the velocity.
+    pub impulse: f64,
+    /// Error of the normal velocity, m/s: how fast the gap closes, or opens although it is pressed.
+    pub normal: f64,
+    /// Slip that the friction does not allow, m/s: all of it while the friction is within its
+    /// limit.
+    pub slip: f64,
+}
+
+impl Violation {
+    /// `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
+    /// `weight > 0` (kg) makes an impulse of a velocity: take three divided by the trace of the
+    /// contact's own response. All three measures are zero where, and only where, the law holds.
+    ///
+    /// Costs one projection onto the cone and one onto the curve.
+    #[must_use]
+    pub fn new(
+        contact: &Contact,
+        velocity: &Vector3<f64>,
+        impulse: &Vector3<f64>,
+        weight: f64,
+    ) -> Self {
+        let curve = &contact.friction;
+        // From the cone's tip.
+        let r = impulse + Vector3::new(contact.adhesion, 0.0, 0.0);
+        let slip = velocity.yz();
+        let saxce = Vector3::new(curve.dissipation(&slip), 0.0, 0.0);
+        let projected = curve.project_cone(&(r - (velocity + saxce) * weight));
+        let limit = r.x.max(0.0);
+        let friction = curve.project(&(r.yz() - slip * weight), limit);
+        Self {
+            impulse: (r - projected).norm(),
+            normal: velocity.x.min(r.x / weight).abs(),
+            slip: (r.yz() - friction).norm() / weight,
+        }
+    }
+}
+
+/// The report on all contacts: the residual is the norm of all natural maps divided by that of all
+/// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
+/// are left for the solver to tell.
+///
+/// Arrays are by contact, as in [`Violation::new`]; of unequal lengths the shortest counts.
+#[must_use]
+pub fn report(
+    contacts: &[Contact],
+    velocities: &[Vector3<f64>],
+    impulses: &[Vector3<f64>],
+    weights: &[f64],
+) -> Report {
+    let count = contacts.len().min(velocities.len()).min(impulses.len()).min(weights.len());
+    let part = |start: usize| {
+        let mut report = Report::default();
+        let (mut residual, mut size) = (0.0, 0.0);
+        for i in start..count.min(start + CHUNK) {
+            let (contact, r) = (&contacts[i], &impulses[i]);
+            let violation = Violation::new(contact, &velocities[i], r, weights[i]);
+            residual += violation.impulse * violation.impulse;
+            size += (r + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
+            report.normal_error = report.normal_error.max(violation.normal);
+            report.slip_error = report.slip_error.max(violation.slip);
+        }
+        (report, residual, size)
+    };
+    let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
+    // Summed in the order of the contacts, whoever computes the parts.
+    let parts: Vec<_> = starts.into_par_iter().map(part).collect();
+    let mut report = Report::default();
+    let (mut residual, mut size) = (0.0, 0.0);
+    for (part, wrong, all) in parts {
+        residual += wrong;
+        size += all;
+        report.normal_error = report.normal_error.max(part.normal_error);
+        report.slip_error = report.slip_error.max(part.slip_error);
+    }
+    // Without any impulse the map itself is the measure: all wrong, or nothing.
+    let size: f64 = if size > 0.0 { size } else { residual };
+    report.residual = if residual > 0.0 { (residual / size).sqrt() } else { 0.0 };
+    report
+}

@@ -1,0 +1,17 @@
+//! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion.
+
+#![allow(clippy::print_stdout, reason = "tests tell what they measured")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod adhesion;
+mod between;
+mod curves;
+mod impacts;
+mod local;
+mod oracles;
+mod piles;
+mod rope;
+mod slopes;
+mod solver;
