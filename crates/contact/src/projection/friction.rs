@@ -1,0 +1,158 @@
+use super::group::{Group, Row};
+use super::{Differences, Form, active_set, program};
+use crate::ContactError;
+use nalgebra::{Cholesky, DMatrix, DVector, Vector6};
+
+/// Share of a diagonal entry that must be left after elimination for the fast solver to be used.
+const REGULAR: f64 = 1e-9;
+
+/// Lines 8 and 9 of Alg. 6: the change of the twists by the friction that dissipates most.
+///
+/// `plus` are the twists after the normal impulses, `bouncing` those after restitution. The unknowns
+/// are the impulses `p` along the contacts' tangents, as (8.58) has it; the printed half planes on
+/// `M u` alone would leave four of a body's six directions unbounded.
+pub(super) fn project(
+    group: &Group<'_>,
+    plus: &[Vector6<f64>],
+    bouncing: &[Vector6<f64>],
+    impulses: &[f64],
+    form: &Differences,
+) -> Result<Vec<Vector6<f64>>, ContactError> {
+    let loaded: Vec<usize> = (0..group.links.len())
+        .filter(|&i| impulses[i] > 0.0 && !group.links[i].friction.is_frictionless())
+        .collect();
+    let tangents: Vec<&Row> = loaded.iter().flat_map(|&i| &group.links[i].tangents).collect();
+    if tangents.is_empty() {
+        return Ok(vec![Vector6::zeros(); plus.len()]);
+    }
+    let velocity = match form.friction_velocity {
+        Form::AsPrinted => plus,
+        Form::Corrected => bouncing,
+    };
+    let (a, b) = constraints(group, &loaded, &tangents, velocity, impulses, form);
+    let p = match form.objective {
+        Form::AsPrinted => {
+            let twists = |row: &Row| {
+                let answer = group.answer(Form::Corrected, std::iter::once((row, 1.0)));
+                answer.iter().zip(velocity).map(|(a, u)| a.dot(u)).sum()
+            };
+            let slope =
+                DVector::from_iterator(tangents.len(), tangents.iter().map(|row| twists(row)));
+            program::solve(&DMatrix::zeros(slope.len(), slope.len()), &slope, &a, &b)?
+        }
+        Form::Corrected => {
+            let h = group.gram(Form::Corrected, &tangents, &tangents);
+            let slope = DVector::from_iterator(
+                tangents.len(),
+                tangents.iter().map(|row| row.velocity(velocity)),
+            );
+            match least_energy(&h, &slope, &a, &b) {
+                Some(p) => p,
+                None => program::solve(&h, &slope, &a, &b)?,
+            }
+        }
+    };
+    Ok(group.answer(Form::Corrected, tangents.iter().copied().zip(p.iter().copied())))
+}
+
+/// `a p <= b`: every contact's limit curve, and no contact pushed together by friction. Printed,
+/// the latter is asked of friction's own change of velocity; corrected, of the velocity after it.
+fn constraints(
+    group: &Group<'_>,
+    loaded: &[usize],
+    tangents: &[&Row],
+    velocity: &[Vector6<f64>],
+    impulses: &[f64],
+    form: &Differences,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let curves: Vec<_> = loaded
+        .iter()
+        .enumerate()
+        .flat_map(|(k, &i)| {
+            let planes = group.links[i].friction.half_planes(form.friction_set);
+            planes.iter().map(move |plane| (k, impulses[i], plane))
+        })
+        .collect();
+    let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
+    let coupling = group.gram(Form::Corrected, &normals, tangents);
+    let count = curves.len() + normals.len();
+    let (mut a, mut b) = (DMatrix::zeros(count, tangents.len()), DVector::zeros(count));
+    for (i, (k, impulse, (direction, bound))) in curves.iter().enumerate() {
+        a[(i, 2 * k)] = direction.x;
+        a[(i, 2 * k + 1)] = direction.y;
+        b[i] = (bound * impulse).max(0.0);
+    }
+    for (i, link) in group.links.iter().enumerate() {
+        a.row_mut(curves.len() + i).copy_from(&-coupling.row(i));
+        if form.objective.is_corrected() {
+            b[curves.len() + i] = (link.normal.velocity(velocity) + link.closing).max(0.0);
+        }
+    }
+    (a, b)
+}
+
+/// `argmin 1/2 p^T h p + g^T p` such that `a p <= b` by the active set on the dual, for a regular
+/// `h`: exact to rounding, and exactly the unbounded minimum where that is allowed.
+fn least_energy(
+    h: &DMatrix<f64>,
+    g: &DVector<f64>,
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let factor = Cholesky::new(h.clone())?;
+    let lower = factor.l_dirty();
+    if (0..g.len()).any(|i| lower[(i, i)].powi(2) < REGULAR * h[(i, i)]) {
+        return None;
+    }
+    let spread = factor.solve(&a.transpose());
+    let y = active_set::minimize(&(a * &spread), &(b + spread.transpose() * g))?;
+    Some(-factor.solve(&(g + a.transpose() * y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A random program of friction: `h` regular, `p = 0` feasible, the set bounded by a box.
+    fn programs() -> impl Strategy<Value = (DMatrix<f64>, DVector<f64>, DMatrix<f64>, DVector<f64>)>
+    {
+        (1..3_usize, 0..8_usize).prop_flat_map(|(contacts, extra)| {
+            let n = 2 * contacts;
+            let numbers = |count: usize| prop::collection::vec(-1.0..1.0_f64, count);
+            (
+                numbers(n * n),
+                numbers(n),
+                numbers(extra * n),
+                prop::collection::vec(0.0..1.0_f64, extra),
+            )
+                .prop_map(move |(root, g, rows, bounds)| {
+                    let root = DMatrix::from_vec(n, n, root);
+                    let h = &root * root.transpose() + DMatrix::identity(n, n) * 0.05;
+                    let mut a = DMatrix::zeros(2 * n + extra, n);
+                    let mut b = DVector::from_element(2 * n + extra, 0.5);
+                    for i in 0..n {
+                        a[(2 * i, i)] = 1.0;
+                        a[(2 * i + 1, i)] = -1.0;
+                    }
+                    for i in 0..extra {
+                        a.row_mut(2 * n + i).copy_from_slice(&rows[i * n..(i + 1) * n]);
+                        b[2 * n + i] = bounds[i];
+                    }
+                    (h, DVector::from_vec(g), a, b)
+                })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn active_set_meets_the_interior_point((h, g, a, b) in programs()) {
+            let fast = least_energy(&h, &g, &a, &b).expect("regular and bounded");
+            let slow = program::solve(&h, &g, &a, &b).expect("feasible and bounded");
+            prop_assert!((&fast - &slow).norm() < 1e-6, "{fast} {slow}");
+            prop_assert!((&a * &fast - &b).max() < 1e-12);
+            let cost = |p: &DVector<f64>| 0.5 * p.dot(&(&h * p)) + g.dot(p);
+            prop_assert!(cost(&fast) <= cost(&slow) + 1e-11);
+        }
+    }
+}
