@@ -125,19 +125,13 @@ fn gains(sets: usize, bodies: usize, contacts: usize, form: &Differences) -> (f6
 
 #[test]
 fn corrected_impacts_never_gain_energy() {
-    for (sets, bodies, contacts) in [(20_000, 1, 1), (5_000, 2, 1), (2_000, 2, 3), (1_000, 3, 6)] {
+    for (sets, bodies, contacts) in [(100_000, 1, 1), (5_000, 2, 1), (2_000, 2, 3), (1_000, 3, 6)] {
         let (share, largest) = gains(sets, bodies, contacts, &corrected());
         assert!(
             share == 0.0,
             "{bodies} bodies, {contacts} contacts: {share} gain, up to {largest}"
         );
     }
-}
-
-#[test]
-#[ignore = "slow: about 5 s, 10^5 sets"]
-fn corrected_impacts_never_gain_energy_in_many_sets() {
-    assert_eq!(gains(100_000, 1, 1, &corrected()).0, 0.0);
 }
 
 #[test]

@@ -15,7 +15,8 @@ pub(super) fn minimize(g: &DMatrix<f64>, c: &DVector<f64>) -> Option<DVector<f64
     let mut inside: Vec<usize> = Vec::new();
     let scale: Vec<f64> = (0..n).map(|i| g[(i, i)].max(0.0).sqrt()).collect();
     let scaled = |i: usize, value: f64| if scale[i] > 0.0 { value / scale[i] } else { value };
-    let tolerance = 1e-13 * (0..n).map(|i| scaled(i, c[i]).abs()).fold(0.0, f64::max);
+    let steepest = (0..n).map(|i| scaled(i, c[i])).fold(0.0, f64::min);
+    let tolerance = -1e-13 * steepest;
     for _ in 0..10 * n + 20 {
         let slope = g * &x + c;
         let entering = (0..n)

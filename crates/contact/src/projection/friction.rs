@@ -6,6 +6,9 @@ use nalgebra::{Cholesky, DMatrix, DVector, Vector6};
 /// Share of a diagonal entry that must be left after elimination for the fast solver to be used.
 const REGULAR: f64 = 1e-9;
 
+/// Cosine, in the mass metric, below which a normal and a tangent are orthogonal.
+const UNCOUPLED: f64 = 1e-12;
+
 /// Lines 8 and 9 of Alg. 6: the change of the twists by the friction that dissipates most.
 ///
 /// `plus` are the twists after the normal impulses, `bouncing` those after restitution. The unknowns
@@ -74,7 +77,16 @@ fn constraints(
         })
         .collect();
     let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
-    let coupling = group.gram(Form::Corrected, &normals, tangents);
+    let mut coupling = group.gram(Form::Corrected, &normals, tangents);
+    for (i, normal) in normals.iter().enumerate() {
+        for (j, tangent) in tangents.iter().enumerate() {
+            // Rounding in what should be orthogonal must not forbid to slide.
+            let size = group.own(normal) * group.own(tangent);
+            if coupling[(i, j)].powi(2) <= UNCOUPLED * UNCOUPLED * size {
+                coupling[(i, j)] = 0.0;
+            }
+        }
+    }
     let count = curves.len() + normals.len();
     let (mut a, mut b) = (DMatrix::zeros(count, tangents.len()), DVector::zeros(count));
     for (i, (k, impulse, (direction, bound))) in curves.iter().enumerate() {

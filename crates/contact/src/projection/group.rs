@@ -130,6 +130,14 @@ impl<'a> Group<'a> {
         gram
     }
 
+    /// `J M^-1 J^T` of one row.
+    pub(super) fn own(&self, row: &Row) -> f64 {
+        let square = |(body, wrench): &(usize, Vector6<f64>)| {
+            wrench.dot(&self.divide(Form::Corrected, *body, wrench))
+        };
+        row.sides.iter().map(square).sum()
+    }
+
     fn divide(&self, metric: Form, body: usize, wrench: &Vector6<f64>) -> Vector6<f64> {
         match metric {
             Form::AsPrinted => *wrench,
