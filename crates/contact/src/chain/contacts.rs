@@ -1,0 +1,120 @@
+use super::{Chain, half_way};
+use crate::projection::{Differences, Partner, Polygon, Touch, project};
+use crate::{ContactError, RigidBody};
+use nalgebra::{Point3, Vector3, Vector6};
+use std::collections::BTreeMap;
+
+/// What a segment touches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SegmentPartner {
+    /// Something whose motion is given: its velocity at the point, world, m/s.
+    Given(Vector3<f64>),
+    /// Another segment.
+    Segment {
+        /// Index of its chain.
+        chain: usize,
+        /// Its index there.
+        segment: usize,
+    },
+}
+
+/// A contact of a chain's segment, as a collision test found it at the poses of
+/// [`Chain::half_way`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SegmentContact {
+    /// Index of the chain.
+    pub chain: usize,
+    /// Index of the segment there.
+    pub segment: usize,
+    /// Where, world, m.
+    pub point: Point3<f64>,
+    /// Unit normal, world, from the partner to the segment.
+    pub normal: Vector3<f64>,
+    /// Gap at half step, m. An open one may close in the half step that is left; a negative one is
+    /// not repaired.
+    pub gap: f64,
+    /// The other side.
+    pub partner: SegmentPartner,
+    /// Limit curve, its angle zero along the segment's axis, root to tip.
+    pub friction: Polygon,
+}
+
+/// Alg. 6 for the touched segments: `ahead` gives a segment's velocities before the contacts act.
+/// Returns the changes of momentum, linear and angular, of every touched (chain, segment).
+pub(super) fn resolve(
+    chains: &[Chain],
+    contacts: &[SegmentContact],
+    dt: f64,
+    restitution: f64,
+    form: &Differences,
+    ahead: impl Fn(usize, usize) -> [Vector3<f64>; 2],
+) -> Result<Vec<(usize, usize, [Vector3<f64>; 2])>, ContactError> {
+    let mut touched = BTreeMap::new();
+    for (index, contact) in contacts.iter().enumerate() {
+        let mut touch = |chain: usize, segment: usize| {
+            if chains.get(chain).is_none_or(|chain| segment >= chain.segments.len()) {
+                let why = "it is on a segment that there is not";
+                return Err(ContactError::Contact { contact: index, why });
+            }
+            touched.insert((chain, segment), 0);
+            Ok(())
+        };
+        touch(contact.chain, contact.segment)?;
+        if let SegmentPartner::Segment { chain, segment } = contact.partner {
+            touch(chain, segment)?;
+        }
+    }
+    let mut bodies: Vec<RigidBody> = Vec::with_capacity(touched.len());
+    for ((chain, segment), slot) in &mut touched {
+        *slot = bodies.len();
+        let mut body = half_way(&chains[*chain].segments[*segment], dt);
+        let [momentum, angular_momentum] = ahead(*chain, *segment);
+        body.velocity = momentum / body.mass();
+        body.angular_momentum = angular_momentum;
+        bodies.push(body);
+    }
+    let touches: Vec<Touch> = contacts
+        .iter()
+        .map(|contact| {
+            let body = touched[&(contact.chain, contact.segment)];
+            Touch {
+                body,
+                partner: match contact.partner {
+                    SegmentPartner::Given(velocity) => Partner::Given(velocity),
+                    SegmentPartner::Segment { chain, segment } => {
+                        Partner::Body(touched[&(chain, segment)])
+                    }
+                },
+                point: contact.point,
+                normal: contact.normal,
+                tangent: tangent(&bodies[body], &contact.normal),
+                closing: contact.gap.max(0.0) / (0.5 * dt),
+                friction: contact.friction.clone(),
+            }
+        })
+        .collect();
+    let before: Vec<Vector6<f64>> = bodies.iter().map(momenta).collect();
+    project(&mut bodies, &touches, restitution, form)?;
+    Ok(touched
+        .into_keys()
+        .zip(bodies.iter().zip(&before))
+        .map(|((chain, segment), (body, before))| {
+            let change = momenta(body) - before;
+            (chain, segment, [crate::rigid::linear(&change), crate::rigid::angular(&change)])
+        })
+        .collect())
+}
+
+fn momenta(body: &RigidBody) -> Vector6<f64> {
+    crate::rigid::stack(&(body.mass() * body.velocity), &body.angular_momentum)
+}
+
+/// The segment's axis, or where it is along the normal (a tip that touches) another direction.
+fn tangent(segment: &RigidBody, normal: &Vector3<f64>) -> Vector3<f64> {
+    let axis = segment.pose.rotation * Vector3::z();
+    if axis.cross(normal).norm() > 1e-6 * normal.norm() {
+        axis
+    } else {
+        segment.pose.rotation * Vector3::x()
+    }
+}
