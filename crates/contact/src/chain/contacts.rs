@@ -1,4 +1,4 @@
-use super::{Chain, half_way};
+use super::Chain;
 use crate::projection::{Differences, Partner, Polygon, Touch, project};
 use crate::{ContactError, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
@@ -18,8 +18,8 @@ pub enum SegmentPartner {
     },
 }
 
-/// A contact of a chain's segment, as a collision test found it at the poses of
-/// [`Chain::half_way`].
+/// A contact of a chain's segment, as a collision test found it: at the chains' poses, or with
+/// [`ChainForm::contact_time`](super::ChainForm) as printed at those of [`Chain::half_way`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentContact {
     /// Index of the chain.
@@ -30,8 +30,7 @@ pub struct SegmentContact {
     pub point: Point3<f64>,
     /// Unit normal, world, from the partner to the segment.
     pub normal: Vector3<f64>,
-    /// Gap at half step, m. An open one may close in the half step that is left; a negative one is
-    /// not repaired.
+    /// Gap, m. An open one may close in what is left of the step; a negative one is not repaired.
     pub gap: f64,
     /// The other side.
     pub partner: SegmentPartner,
@@ -39,15 +38,16 @@ pub struct SegmentContact {
     pub friction: Polygon,
 }
 
-/// Alg. 6 for the touched segments: `ahead` gives a segment's velocities before the contacts act.
-/// Returns the changes of momentum, linear and angular, of every touched (chain, segment).
+/// Alg. 6 for the touched segments: `ahead` gives a segment as it is before the contacts act, with
+/// `time` left to close gaps. Returns the changes of momentum, linear and angular, of every touched
+/// (chain, segment).
 pub(super) fn resolve(
     chains: &[Chain],
     contacts: &[SegmentContact],
-    dt: f64,
+    time: f64,
     restitution: f64,
     form: &Differences,
-    ahead: impl Fn(usize, usize) -> [Vector3<f64>; 2],
+    ahead: impl Fn(usize, usize) -> RigidBody,
 ) -> Result<Vec<(usize, usize, [Vector3<f64>; 2])>, ContactError> {
     let mut touched = BTreeMap::new();
     for (index, contact) in contacts.iter().enumerate() {
@@ -67,11 +67,7 @@ pub(super) fn resolve(
     let mut bodies: Vec<RigidBody> = Vec::with_capacity(touched.len());
     for ((chain, segment), slot) in &mut touched {
         *slot = bodies.len();
-        let mut body = half_way(&chains[*chain].segments[*segment], dt);
-        let [momentum, angular_momentum] = ahead(*chain, *segment);
-        body.velocity = momentum / body.mass();
-        body.angular_momentum = angular_momentum;
-        bodies.push(body);
+        bodies.push(ahead(*chain, *segment));
     }
     let touches: Vec<Touch> = contacts
         .iter()
@@ -88,7 +84,7 @@ pub(super) fn resolve(
                 point: contact.point,
                 normal: contact.normal,
                 tangent: tangent(&bodies[body], &contact.normal),
-                closing: contact.gap.max(0.0) / (0.5 * dt),
+                closing: contact.gap.max(0.0) / time,
                 friction: contact.friction.clone(),
             }
         })

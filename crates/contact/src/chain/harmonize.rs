@@ -1,7 +1,7 @@
 use super::contacts::{SegmentContact, resolve};
 use super::joints::{Joints, Sums};
-use super::link::Link;
-use super::{Chain, ChainForm, Method};
+use super::link::{Link, gyroscopic_moment};
+use super::{Chain, ChainForm, Method, half_way};
 use crate::projection::Differences;
 use crate::{ContactError, RigidBody};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -138,16 +138,25 @@ fn meet_contacts(
     contacts: &[SegmentContact],
     settings: &Settings,
 ) -> Result<(), ContactError> {
+    let (dt, form) = (settings.dt, &settings.form);
+    let whole = form.contact_time.is_corrected();
     let ahead = |chain: usize, i: usize| {
         let (segment, acting) = (&chains[chain].segments[i], &acting[chain]);
         let [linear, angular] = acting.joints[i];
-        [
-            segment.mass() * (segment.velocity + settings.dt * settings.gravity) + linear,
-            segment.angular_momentum + angular + acting.springs[i],
-        ]
+        let (mut body, force) = if whole {
+            let mut body = segment.clone();
+            body.angular_momentum += 0.5 * dt * gyroscopic_moment(segment, form);
+            (body, 0.5 * dt)
+        } else {
+            (half_way(segment, dt), dt)
+        };
+        body.velocity += force * settings.gravity + linear / body.mass();
+        body.angular_momentum += angular + acting.springs[i];
+        body
     };
-    let (dt, restitution) = (settings.dt, settings.restitution);
-    let changes = resolve(chains, contacts, dt, restitution, &settings.projection, ahead)?;
+    let time = if whole { dt } else { 0.5 * dt };
+    let (restitution, projection) = (settings.restitution, &settings.projection);
+    let changes = resolve(chains, contacts, time, restitution, projection, ahead)?;
     for (chain, segment, change) in changes {
         acting[chain].contacts[segment] = change;
     }

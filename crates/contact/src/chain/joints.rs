@@ -63,12 +63,12 @@ impl<'a> Joints<'a> {
             let (gap, joint) = widest(&residuals);
             let open = |gap| ContactError::Joint { chain: index, joint, gap, iterations };
             let rounding = self.rounding();
+            if iterations == ITERATIONS || !gap.is_finite() {
+                return Err(open(gap));
+            }
             let done = gap <= rounding || (gap >= 0.5 * last && gap <= 1e3 * rounding);
             if done || (method == Method::Linearized && iterations == 1) {
                 return Ok((self.sums(&impulses), iterations));
-            }
-            if iterations == ITERATIONS || !gap.is_finite() {
-                return Err(open(gap));
             }
             if method == Method::Linearized {
                 self.links.iter_mut().for_each(Link::linearize);
@@ -200,8 +200,11 @@ impl<'a> Joints<'a> {
 /// Largest residual (m and rad alike) and its joint.
 fn widest<const D: usize>(residuals: &[SVector<f64, D>]) -> (f64, usize) {
     residuals.iter().enumerate().fold((0.0, 0), |widest, (joint, residual)| {
-        let size = residual.amax();
-        // A residual that is no number is the widest.
+        // A component that is no number is the widest.
+        let size = residual
+            .iter()
+            .map(|x| x.abs())
+            .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
         if size > widest.0 || size.is_nan() { (size, joint) } else { widest }
     })
 }

@@ -1,5 +1,6 @@
 use super::{Chain, ChainForm, Root};
 use crate::RigidBody;
+use crate::projection::Form;
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, Vector3};
 use rapunzel_fiber::so3::{self, hat};
 
@@ -24,8 +25,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// `angular` is the impulse of springs and the like (N m s) that acts from the start;
-    /// `contact` the impulses that act from half way.
+    /// `angular` is the springs' impulse, N m s; `contact` are the contacts' impulses.
     pub(super) fn new(
         segment: &RigidBody,
         half_length: f64,
@@ -38,12 +38,10 @@ impl Link {
         let inverse_inertia = segment.inverse_inertia();
         let (mass, omega) = (segment.mass(), segment.angular_velocity());
         let rotation = segment.pose.rotation.to_rotation_matrix();
-        let mut moment = Vector3::zeros();
-        if form.gyroscopic.is_corrected() {
-            moment -= omega.cross(&segment.angular_momentum);
-        }
-        let velocity = segment.velocity + (0.5 * dt * force + 0.5 * contact[0]) / mass;
-        let rate = omega + inverse_inertia * (0.5 * dt * moment + angular + 0.5 * contact[1]);
+        let moment = gyroscopic_moment(segment, form);
+        let share = if form.contact_time.is_corrected() { 1.0 } else { 0.5 };
+        let velocity = segment.velocity + (0.5 * dt * force + share * contact[0]) / mass;
+        let rate = omega + inverse_inertia * (0.5 * dt * moment + angular + share * contact[1]);
         let mut link = Self {
             dt,
             mass,
@@ -108,6 +106,14 @@ impl Link {
             block.view_mut((3, 3), (3, 3)).copy_from(&(sign * bend * self.turn));
         }
         block
+    }
+}
+
+/// `-omega x I omega` of (8.80), corrected; world, N m.
+pub(super) fn gyroscopic_moment(segment: &RigidBody, form: &ChainForm) -> Vector3<f64> {
+    match form.gyroscopic {
+        Form::AsPrinted => Vector3::zeros(),
+        Form::Corrected => segment.angular_momentum.cross(&segment.angular_velocity()),
     }
 }
 

@@ -6,14 +6,15 @@
 //! and segment 0. A step of length `dt` takes every segment to
 //!
 //! ```text
-//! x' = x + dt (v + p/m + dt f/(2m)) + dt/2 c/m                                    (8.78), (8.87)
-//! R' = exp[dt (omega + I^-1 L + dt/2 alpha) + dt/2 I^-1 c_L] R                     (8.80), (8.87)
+//! x' = x + dt w,           w = v + (p + c)/m + dt f/(2m)                           (8.78), (8.87)
+//! R' = exp[dt w_R] R,      w_R = omega + I^-1 (L + c_L) + dt/2 alpha               (8.80), (8.87)
 //! ```
 //!
-//! with `p`, `L` the sums of its joints' impulses, `c`, `c_L` those of its contacts (which are met
-//! half way, Alg. 6), and `alpha = I^-1 (l - omega x I omega)`; momenta are the state, so that they
-//! are kept to rounding. Where the errata correct the print, the corrected text is meant; see
-//! [`ChainForm`].
+//! with `p`, `L` the sums of its joints' impulses, `c`, `c_L` those of its contacts and
+//! `alpha = I^-1 (l - omega x I omega)`; momenta are the state, so that they are kept to rounding.
+//! The scheme is a leapfrog: velocities between steps are those after the step's forces, half a step
+//! of them ahead of the mean velocity `w`. Where the errata correct the print, the corrected text is
+//! meant; see [`ChainForm`].
 
 mod collision_matrix;
 mod contacts;
@@ -63,11 +64,16 @@ pub struct ChainForm {
     /// in two frames, and the natural curvature is taken off in every step. Corrected:
     /// `kappa = log(R_k^T R_l) / ds`. Of effect for [`Coupling::Explicit`] alone.
     pub curvature: Form,
+    /// Alg. 7 with Alg. 6. Printed: contacts act half way, on the velocity after all forces, so that
+    /// the joints' impulses carry a segment half a step into what it lies on, in every step.
+    /// Corrected (not in the errata): contacts act from the start of the step as the joints do, and
+    /// it is the mean velocity `w` that must not close the gap.
+    pub contact_time: Form,
 }
 
 impl From<Form> for ChainForm {
     fn from(form: Form) -> Self {
-        Self { gyroscopic: form, signs: form, curvature: form }
+        Self { gyroscopic: form, signs: form, curvature: form, contact_time: form }
     }
 }
 
@@ -199,7 +205,8 @@ impl Chain {
             .fold((0.0, 0), |widest, gap| if gap.0 > widest.0 { gap } else { widest })
     }
 
-    /// The poses half a step of `dt` ahead, `q + dt/2 u`, at which Alg. 6 asks for contacts.
+    /// The poses half a step of `dt` ahead, `q + dt/2 u`, at which the printed Alg. 6 asks for
+    /// contacts.
     #[must_use]
     pub fn half_way(&self, dt: f64) -> Vec<Isometry3<f64>> {
         self.segments.iter().map(|segment| half_way(segment, dt).pose).collect()
