@@ -388,7 +388,7 @@ fn threads_do_not_change_a_bit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
     /// Whatever moves a chain, its joints are closed after every step, free or held, and a held or
     /// a free chain's segments keep their lengths.
     #[test]
