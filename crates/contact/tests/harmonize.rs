@@ -1,4 +1,5 @@
 //! Alg. 7: chains in contact.
+#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Alg. 6, corrected: several bodies, several contacts, bad input.
+#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
 mod common;
 

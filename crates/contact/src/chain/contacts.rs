@@ -1,5 +1,6 @@
 use super::Chain;
 use crate::projection::{Differences, Partner, Polygon, Touch, project};
+use crate::rigid::{angular, linear, stack};
 use crate::{ContactError, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
 use std::collections::BTreeMap;
@@ -38,9 +39,16 @@ pub struct SegmentContact {
     pub friction: Polygon,
 }
 
+/// What its contacts do to a segment: the changes of its momenta, N s and N m s.
+pub(super) struct Change {
+    pub(super) chain: usize,
+    pub(super) segment: usize,
+    pub(super) linear: Vector3<f64>,
+    pub(super) angular: Vector3<f64>,
+}
+
 /// Alg. 6 for the touched segments: `ahead` gives a segment as it is before the contacts act, with
-/// `time` left to close gaps. Returns the changes of momentum, linear and angular, of every touched
-/// (chain, segment).
+/// `time` left to close gaps.
 pub(super) fn resolve(
     chains: &[Chain],
     contacts: &[SegmentContact],
@@ -48,7 +56,7 @@ pub(super) fn resolve(
     restitution: f64,
     form: &Differences,
     ahead: impl Fn(usize, usize) -> RigidBody,
-) -> Result<Vec<(usize, usize, [Vector3<f64>; 2])>, ContactError> {
+) -> Result<Vec<Change>, ContactError> {
     let mut touched = BTreeMap::new();
     for (index, contact) in contacts.iter().enumerate() {
         let mut touch = |chain: usize, segment: usize| {
@@ -96,13 +104,13 @@ pub(super) fn resolve(
         .zip(bodies.iter().zip(&before))
         .map(|((chain, segment), (body, before))| {
             let change = momenta(body) - before;
-            (chain, segment, [crate::rigid::linear(&change), crate::rigid::angular(&change)])
+            Change { chain, segment, linear: linear(&change), angular: angular(&change) }
         })
         .collect())
 }
 
 fn momenta(body: &RigidBody) -> Vector6<f64> {
-    crate::rigid::stack(&(body.mass() * body.velocity), &body.angular_momentum)
+    stack(&(body.mass() * body.velocity), &body.angular_momentum)
 }
 
 /// The segment's axis, or where it is along the normal (a tip that touches) another direction.

@@ -157,8 +157,8 @@ fn meet_contacts(
     let time = if whole { dt } else { 0.5 * dt };
     let (restitution, projection) = (settings.restitution, &settings.projection);
     let changes = resolve(chains, contacts, time, restitution, projection, ahead)?;
-    for (chain, segment, change) in changes {
-        acting[chain].contacts[segment] = change;
+    for change in changes {
+        acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
     }
     Ok(())
 }

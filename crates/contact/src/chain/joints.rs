@@ -9,6 +9,9 @@ use rapunzel_fiber::so3;
 /// Newton's iterations for the joints of a step; three or four are usual.
 const ITERATIONS: usize = 30;
 
+/// Distance of a joint's frames, m, and their mean at the start of the step.
+type Start = (f64, Rotation3<f64>);
+
 /// A chain in a step: its segments' links and what its joints must fulfil.
 pub(super) struct Joints<'a> {
     chain: &'a Chain,
@@ -16,7 +19,7 @@ pub(super) struct Joints<'a> {
     /// Segment towards the tip of joint 0.
     first: usize,
     /// Springs that are unknowns, and the joints' distances and mean frames at the start.
-    springs: Option<(&'a Springs, Vec<Option<(f64, Rotation3<f64>)>>)>,
+    springs: Option<(&'a Springs, Vec<Option<Start>>)>,
     pub(super) links: Vec<Link>,
     /// The links as the printed (8.87) moves those towards the tip.
     mirrored: Option<Vec<Link>>,

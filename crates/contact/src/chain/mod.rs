@@ -95,8 +95,7 @@ pub enum Root {
 pub struct Chain {
     pub(crate) segments: Vec<RigidBody>,
     pub(crate) half_lengths: Vec<f64>,
-    /// What holds the root; may be moved between steps.
-    pub root: Root,
+    pub(crate) root: Root,
     pub(crate) springs: Option<Springs>,
     /// Curvature as the printed rule carries it along, 1/m, per joint.
     pub(crate) printed_curvature: Vec<Vector3<f64>>,
@@ -161,6 +160,28 @@ impl Chain {
         springs.check(self.joints())?;
         self.springs = Some(springs);
         Ok(self)
+    }
+
+    /// What holds the root.
+    #[must_use]
+    pub fn root(&self) -> Root {
+        self.root
+    }
+
+    /// Holds the root otherwise, or moves it: the next step takes the chain there.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] for a chain with springs whose root was free and would be held, or
+    /// the other way around: it has another number of joints then.
+    pub fn set_root(&mut self, root: Root) -> Result<(), ContactError> {
+        let before = std::mem::replace(&mut self.root, root);
+        match self.springs.as_ref().map_or(Ok(()), |springs| springs.check(self.joints())) {
+            Ok(()) => Ok(()),
+            Err(error) => {
+                self.root = before;
+                Err(error)
+            }
+        }
     }
 
     /// Its segments, root to tip.

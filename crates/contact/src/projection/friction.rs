@@ -4,13 +4,13 @@ use crate::ContactError;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 
 /// Share of a diagonal entry that must be left after elimination for the fast solver to be used.
-const REGULAR: f64 = 1e-9;
+const REGULAR: f64 = 1e-7;
 
 /// Share of the diagonal by which proximal steps make a singular matrix regular.
-const PROXIMITY: f64 = 1e-6;
+const PROXIMITY: f64 = 1e-3;
 
-/// Most proximal steps; three are usual.
-const PROXIMAL_STEPS: usize = 20;
+/// Most proximal steps; five are usual.
+const PROXIMAL_STEPS: usize = 40;
 
 /// Cosine, in the mass metric, below which a normal and a tangent are orthogonal.
 const UNCOUPLED: f64 = 1e-12;

@@ -1,6 +1,8 @@
 //! What the integration tests share.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
+pub mod chains;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::RigidBody;
 use rapunzel_contact::projection::{Partner, Polygon, Touch};
