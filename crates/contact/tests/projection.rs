@@ -112,6 +112,24 @@ fn an_open_gap_closes_and_no_more() {
     assert!((bodies[0].velocity.z + 0.5).abs() < 1e-15);
 }
 
+/// Between two walls: held where they stand, refused where they crush.
+#[test]
+fn squeezed_between_walls() {
+    let walls = |speed: f64| {
+        [1.0, -1.0].map(|side| Touch {
+            partner: Partner::Given(Vector3::z() * side * speed),
+            ..floor(Vector3::z() * side, Vector3::x(), Polygon::regular(0.5, 8).expect("valid"))
+        })
+    };
+    let mut bodies = [particle(1.0, Vector3::new(0.2, 0.0, -1.0))];
+    project(&mut bodies, &walls(0.0), 0.0, &Form::Corrected.into()).expect("solved");
+    assert!(bodies[0].velocity.norm() < 1e-13, "{}", bodies[0].velocity);
+    let before = bodies.clone();
+    let refused = project(&mut bodies, &walls(1.0), 0.0, &Form::Corrected.into());
+    assert!(matches!(refused, Err(ContactError::Program { .. })), "{refused:?}");
+    assert_eq!(bodies, before);
+}
+
 #[test]
 fn bad_contacts_are_refused() {
     let good = floor(Vector3::z(), Vector3::x(), frictionless());

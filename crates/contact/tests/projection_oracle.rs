@@ -195,7 +195,7 @@ fn bounce(case: &Value) {
     let mut bodies = [particle(1.0, Vector3::zeros())];
     bodies[0].pose.translation.vector.z = h;
     let friction = common::frictionless();
-    let mut touch = |bodies: &[RigidBody]| -> Result<Vec<Touch>, ContactError> {
+    let touch = |bodies: &[RigidBody]| -> Result<Vec<Touch>, ContactError> {
         let point = bodies[0].center();
         let touch = Touch { point, ..floor(Vector3::z(), Vector3::x(), friction.clone()) };
         Ok(if point.z <= 0.0 { vec![touch] } else { Vec::new() })
@@ -207,7 +207,7 @@ fn bounce(case: &Value) {
         if t > number(case, "rest_time") + 0.1 {
             break;
         }
-        moreau_step(&mut bodies, &[load], &mut touch, dt, restitution, &Form::Corrected.into())
+        moreau_step(&mut bodies, &[load], touch, dt, restitution, &Form::Corrected.into())
             .expect("solved");
         apex = apex.max(bodies[0].center().z);
         if before < 0.0 && bodies[0].velocity.z >= 0.0 {

@@ -201,7 +201,8 @@ impl Chain {
         self.segments.len() - usize::from(self.root == Root::Free)
     }
 
-    /// The two ends of segment `i`, towards the root and towards the tip, world, m.
+    /// The two ends of segment `i` (of `segments()`, as in a slice), towards the root and towards the
+    /// tip, world, m.
     #[must_use]
     pub fn ends(&self, i: usize) -> [Point3<f64>; 2] {
         let (segment, half) = (&self.segments[i], self.half_lengths[i]);

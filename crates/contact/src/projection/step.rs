@@ -7,8 +7,8 @@ use rayon::prelude::*;
 /// Replaces the velocities of `bodies` by those after the impacts `touches`, lines 5 to 10 of
 /// Alg. 6, with the coefficient of `restitution` (0 to 1).
 ///
-/// With `Differences::scope` corrected all touched bodies are one convex program, whose cost grows
-/// with the cube of the number of contacts; as printed every body has its own, and all are solved
+/// With `Differences::scope` corrected all touched bodies are one dense convex program, whose cost
+/// grows with the cube of the number of contacts and faster; as printed every body has its own, and all are solved
 /// in parallel from the velocities before.
 ///
 /// # Errors
