@@ -1,9 +1,6 @@
 //! Alg. 6, corrected: several bodies, several contacts, bad input.
-#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
-mod common;
-
-use common::{floor, frictionless, particle};
+use crate::common::{floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
 use rapunzel_contact::projection::{

@@ -1,7 +1,4 @@
 //! Alg. 7: chains in contact.
-#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
-
-mod common;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::ContactError;

@@ -1,8 +1,6 @@
 //! Alg. 6, corrected, against closed forms.
 
-mod common;
-
-use common::{floor, number, numbers, oracle, particle, vector};
+use crate::common::{floor, number, numbers, oracle, particle, vector};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector2, Vector3, Vector6};
 use rapunzel_contact::projection::{Form, Polygon, Touch, moreau_step, project};
 use rapunzel_contact::{ContactError, RigidBody};
@@ -64,7 +62,7 @@ fn rod_impact(case: &Value) {
     rod.velocity.z = number(case, "v_normal_before");
     let touch = Touch {
         point: Point3::new(offset, 0.0, 0.0),
-        ..floor(Vector3::z(), Vector3::x(), common::frictionless())
+        ..floor(Vector3::z(), Vector3::x(), crate::common::frictionless())
     };
     let mut bodies = [rod];
     project(&mut bodies, &[touch], number(case, "eps"), &Form::Corrected.into()).expect("solved");
@@ -202,7 +200,7 @@ fn bounce(case: &Value) {
     let load = Vector6::new(0.0, 0.0, -number(case, "g"), 0.0, 0.0, 0.0);
     let mut bodies = [particle(1.0, Vector3::zeros())];
     bodies[0].pose.translation.vector.z = h;
-    let friction = common::frictionless();
+    let friction = crate::common::frictionless();
     let touch = |bodies: &[RigidBody]| -> Result<Vec<Touch>, ContactError> {
         let point = bodies[0].center();
         let touch = Touch { point, ..floor(Vector3::z(), Vector3::x(), friction.clone()) };

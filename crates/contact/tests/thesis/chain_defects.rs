@@ -1,9 +1,6 @@
 //! What the printed chains of thesis 8.5 do, by numbers, and that their corrections do not.
-#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
-mod common;
-
-use common::chains::{momenta, run, settings, shake, straight};
+use crate::chains::{momenta, run, settings, shake, straight};
 use nalgebra::{Point3, Vector3};
 use rapunzel_contact::chain::{
     ChainForm, Coupling, Root, Settings, Springs, collision_matrix, step,

@@ -1,9 +1,6 @@
 //! What the printed Alg. 6 does, by numbers, and that its corrections do not.
-#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
-mod common;
-
-use common::{Numbers, floor, frictionless, particle};
+use crate::common::{Numbers, floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector3, Vector6};
 use rapunzel_contact::RigidBody;
 use rapunzel_contact::projection::{

@@ -1,9 +1,6 @@
 //! Kinematic chains: joints, springs, conservation.
-#![expect(clippy::print_stdout, reason = "figures for the reader of a run")]
 
-mod common;
-
-use common::chains::{G, cantilever, momenta, run, settings, shake, springs, straight};
+use crate::chains::{G, cantilever, momenta, run, settings, shake, springs, straight};
 use nalgebra::{DMatrix, Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_contact::ContactError;

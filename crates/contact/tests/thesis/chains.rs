@@ -1,14 +1,12 @@
 //! Chains that the tests share.
-#![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
-
-use super::Numbers;
+use crate::common::Numbers;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::chain::{Chain, Coupling, Method, Order, Root, Settings, Springs, step};
 use rapunzel_contact::projection::Form;
 
-pub const G: f64 = 9.81;
+pub(crate) const G: f64 = 9.81;
 
-pub fn settings(dt: f64) -> Settings {
+pub(crate) fn settings(dt: f64) -> Settings {
     Settings {
         dt,
         gravity: Vector3::new(0.0, 0.0, -G),
@@ -22,14 +20,14 @@ pub fn settings(dt: f64) -> Settings {
 }
 
 /// A chain of total `length` along `direction` from the origin.
-pub fn straight(segments: usize, length: f64, direction: Vector3<f64>, root: Root) -> Chain {
+pub(crate) fn straight(segments: usize, length: f64, direction: Vector3<f64>, root: Root) -> Chain {
     let node = |i: usize| Point3::from(direction * (length * i as f64 / segments as f64));
     let nodes: Vec<_> = (0..=segments).map(node).collect();
     Chain::new(&nodes, 0.1, 1e-3, &Vector3::new(0.3, 1.0, 0.2), root).expect("valid")
 }
 
 /// A chain along x whose root is clamped at the origin.
-pub fn cantilever(segments: usize, length: f64) -> Chain {
+pub(crate) fn cantilever(segments: usize, length: f64) -> Chain {
     let mut chain = straight(segments, length, Vector3::x(), Root::Hinged(Point3::origin()));
     let rotation = chain.segments()[0].pose.rotation;
     let pose = Isometry3::from_parts(Vector3::zeros().into(), rotation);
@@ -37,12 +35,12 @@ pub fn cantilever(segments: usize, length: f64) -> Chain {
     chain
 }
 
-pub fn springs(stiffness: f64, joints: usize, coupling: Coupling) -> Springs {
+pub(crate) fn springs(stiffness: f64, joints: usize, coupling: Coupling) -> Springs {
     let natural = vec![Vector3::zeros(); joints];
     Springs { stiffness: Vector3::repeat(stiffness), natural, coupling }
 }
 
-pub fn run(chain: &mut Chain, steps: usize, settings: &Settings) -> f64 {
+pub(crate) fn run(chain: &mut Chain, steps: usize, settings: &Settings) -> f64 {
     let mut widest = 0.0_f64;
     for _ in 0..steps {
         let report = step(std::slice::from_mut(chain), &[], settings).expect("closed");
@@ -51,7 +49,7 @@ pub fn run(chain: &mut Chain, steps: usize, settings: &Settings) -> f64 {
     widest
 }
 
-pub fn shake(chain: &mut Chain, size: f64, seed: u64) {
+pub(crate) fn shake(chain: &mut Chain, size: f64, seed: u64) {
     let mut numbers = Numbers(seed);
     for segment in chain.segments_mut() {
         segment.velocity = size * numbers.vector();
@@ -60,7 +58,7 @@ pub fn shake(chain: &mut Chain, size: f64, seed: u64) {
 }
 
 /// Momentum, and angular momentum about the origin.
-pub fn momenta(chain: &Chain) -> (Vector3<f64>, Vector3<f64>) {
+pub(crate) fn momenta(chain: &Chain) -> (Vector3<f64>, Vector3<f64>) {
     chain.segments().iter().fold((Vector3::zeros(), Vector3::zeros()), |sum, s| {
         (sum.0 + s.mass() * s.velocity, sum.1 + s.angular_momentum_about(&Point3::origin()))
     })
