@@ -40,4 +40,32 @@ pub enum ContactError {
         /// Why.
         why: String,
     },
+    /// A small convex program of Alg. 6 was not solved.
+    #[error(
+        "a convex program with {variables} variables and {constraints} constraints was not \
+         solved ({why}): check the contacts' data for numbers that are not finite"
+    )]
+    Program {
+        /// Number of variables.
+        variables: usize,
+        /// Number of constraints.
+        constraints: usize,
+        /// What the solver says.
+        why: String,
+    },
+    /// The impulses that hold a chain together were not found.
+    #[error(
+        "joint {joint} of chain {chain} is open by {gap:e} m after {iterations} iterations: \
+             take a shorter step"
+    )]
+    Joint {
+        /// Index of the chain.
+        chain: usize,
+        /// Index of its joint with the widest gap.
+        joint: usize,
+        /// The gap, m; infinite where the equations were singular.
+        gap: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
 }

@@ -1,0 +1,189 @@
+use super::contacts::{SegmentContact, resolve};
+use super::joints::{Joints, Sums};
+use super::link::{Link, gyroscopic_moment};
+use super::{Chain, ChainForm, Method, half_way};
+use crate::projection::Differences;
+use crate::{ContactError, RigidBody};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use rayon::prelude::*;
+
+/// Which projection has the last word in Alg. 7.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Order {
+    /// Joints, then contacts: contacts hold, joints open a little (the thesis's choice, 8.6.5.3).
+    #[default]
+    JointsFirst,
+    /// Contacts, then joints: joints hold, lying fibers sag through each other.
+    ContactsFirst,
+}
+
+/// How [`step`] works.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Length of the step, s.
+    pub dt: f64,
+    /// Acceleration of gravity, world, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// How joints are closed.
+    pub method: Method,
+    /// Which projection comes first.
+    pub order: Order,
+    /// How often both are done, at least 1; the thesis does 1 to 3.
+    pub harmonizations: usize,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// The chains' text.
+    pub form: ChainForm,
+    /// The contacts' text. With `scope` corrected all contacts of the scene are one dense program:
+    /// for a few hundred contacts at most. As printed each segment has its own, in parallel.
+    pub projection: Differences,
+}
+
+/// What a [`step`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// Most linear solves that a chain's joints needed at once.
+    pub iterations: usize,
+    /// Widest gap of a joint after the step, m.
+    pub widest_gap: f64,
+}
+
+/// What acts on one chain in a step.
+struct Acting {
+    springs: Vec<Vector3<f64>>,
+    joints: Sums,
+    contacts: Sums,
+}
+
+/// One step of all `chains`: Alg. 7 with the contacts given. Parallel over the chains, and over the
+/// touched segments where these are projected by themselves; the result does not depend on the
+/// number of threads. Costs O(segments) but for the contacts.
+///
+/// # Errors
+/// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
+/// step), [`ContactError::Invalid`] for the step's length, and as
+/// [`project`](crate::projection::project). The chains are then as before.
+pub fn step(
+    chains: &mut [Chain],
+    contacts: &[SegmentContact],
+    settings: &Settings,
+) -> Result<StepReport, ContactError> {
+    let dt = settings.dt;
+    if !(dt > 0.0 && dt.is_finite()) {
+        let why = "must be > 0 s";
+        return Err(ContactError::Invalid { what: "length of a step", value: dt, why });
+    }
+    let mut acting: Vec<Acting> = chains
+        .iter()
+        .map(|chain| {
+            let none = vec![[Vector3::zeros(); 2]; chain.segments.len()];
+            let springs = chain.spring_impulses(dt, &settings.form);
+            Acting { springs, joints: none.clone(), contacts: none }
+        })
+        .collect();
+    let mut iterations = 0;
+    for _ in 0..settings.harmonizations.max(1) {
+        if settings.order == Order::JointsFirst {
+            iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
+            meet_contacts(chains, &mut acting, contacts, settings)?;
+        } else {
+            meet_contacts(chains, &mut acting, contacts, settings)?;
+            iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
+        }
+    }
+    let gaps: Vec<f64> = chains
+        .par_iter_mut()
+        .zip(&acting)
+        .map(|(chain, acting)| {
+            integrate(chain, acting, settings);
+            chain.widest_gap().0
+        })
+        .collect();
+    Ok(StepReport { iterations, widest_gap: gaps.into_iter().fold(0.0, f64::max) })
+}
+
+fn links(chain: &Chain, acting: &Acting, settings: &Settings) -> Vec<Link> {
+    let link = |(i, segment): (usize, &RigidBody)| {
+        let force = segment.mass() * settings.gravity;
+        let (half, springs) = (chain.half_lengths[i], &acting.springs[i]);
+        let contact = &acting.contacts[i];
+        Link::new(segment, half, &force, springs, contact, settings.dt, &settings.form)
+    };
+    chain.segments.iter().enumerate().map(link).collect()
+}
+
+fn close_joints(
+    chains: &[Chain],
+    acting: &mut [Acting],
+    settings: &Settings,
+) -> Result<usize, ContactError> {
+    let counts: Vec<usize> = chains
+        .par_iter()
+        .zip(acting)
+        .enumerate()
+        .map(|(index, (chain, acting))| {
+            let links = links(chain, acting, settings);
+            let mut joints = Joints::new(chain, links, settings.dt, &settings.form);
+            let (sums, iterations) = joints.close(settings.method, index)?;
+            acting.joints = sums;
+            Ok(iterations)
+        })
+        .collect::<Result<_, ContactError>>()?;
+    Ok(counts.into_iter().max().unwrap_or(0))
+}
+
+fn meet_contacts(
+    chains: &[Chain],
+    acting: &mut [Acting],
+    contacts: &[SegmentContact],
+    settings: &Settings,
+) -> Result<(), ContactError> {
+    let (dt, form) = (settings.dt, &settings.form);
+    let whole = form.contact_time.is_corrected();
+    let ahead = |chain: usize, i: usize| {
+        let (segment, acting) = (&chains[chain].segments[i], &acting[chain]);
+        let [linear, angular] = acting.joints[i];
+        let (mut body, force) = if whole {
+            let mut body = segment.clone();
+            body.angular_momentum += 0.5 * dt * gyroscopic_moment(segment, form);
+            (body, 0.5 * dt)
+        } else {
+            (half_way(segment, dt), dt)
+        };
+        body.velocity += force * settings.gravity + linear / body.mass();
+        body.angular_momentum += angular + acting.springs[i];
+        body
+    };
+    let time = if whole { dt } else { 0.5 * dt };
+    let (restitution, projection) = (settings.restitution, &settings.projection);
+    let changes = resolve(chains, contacts, time, restitution, projection, ahead)?;
+    for change in changes {
+        acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
+    }
+    Ok(())
+}
+
+fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {
+    let links = links(chain, acting, settings);
+    let printed = !settings.form.curvature.is_corrected();
+    let before = printed.then(|| chain.segments.clone());
+    for (i, (segment, mut link)) in chain.segments.iter_mut().zip(links).enumerate() {
+        let ([linear, angular], [c, c_angular]) = (acting.joints[i], acting.contacts[i]);
+        let omega = segment.angular_velocity();
+        link.move_on(&linear, &angular);
+        let turn = UnitQuaternion::from_scaled_axis(link.step_turn(&angular));
+        segment.pose.rotation = turn * segment.pose.rotation;
+        segment.pose.rotation.renormalize();
+        segment.pose.translation = Translation3::from(link.center);
+        segment.velocity += settings.dt * settings.gravity + (linear + c) / link.mass;
+        let gained = angular + c_angular + acting.springs[i];
+        if settings.form.gyroscopic.is_corrected() {
+            segment.angular_momentum += gained;
+        } else {
+            segment.set_angular_velocity(&(omega + link.inverse_inertia * gained));
+        }
+    }
+    if let Some(before) = before {
+        chain.print_curvatures(&before, settings.dt);
+    }
+}

@@ -1,0 +1,221 @@
+use super::group::{Group, Row};
+use super::{Differences, Form, active_set, program};
+use crate::ContactError;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
+
+/// Share of a diagonal entry that must be left after elimination for the fast solver to be used.
+const REGULAR: f64 = 1e-7;
+
+/// Share of the diagonal by which proximal steps make a singular matrix regular.
+const PROXIMITY: f64 = 1e-3;
+
+/// Most proximal steps; five are usual.
+const PROXIMAL_STEPS: usize = 40;
+
+/// Cosine, in the mass metric, below which a normal and a tangent are orthogonal.
+const UNCOUPLED: f64 = 1e-12;
+
+/// Lines 8 and 9 of Alg. 6: the change of the twists by the friction that dissipates most.
+///
+/// `plus` are the twists after the normal impulses, `bouncing` those after restitution. The unknowns
+/// are the impulses `p` along the contacts' tangents, as (8.58) has it; the printed half planes on
+/// `M u` alone would leave four of a body's six directions unbounded.
+pub(super) fn project(
+    group: &Group<'_>,
+    plus: &[Vector6<f64>],
+    bouncing: &[Vector6<f64>],
+    impulses: &[f64],
+    form: &Differences,
+) -> Result<Vec<Vector6<f64>>, ContactError> {
+    let loaded: Vec<usize> = (0..group.links.len())
+        .filter(|&i| impulses[i] > 0.0 && !group.links[i].friction.is_frictionless())
+        .collect();
+    let tangents: Vec<&Row> = loaded.iter().flat_map(|&i| &group.links[i].tangents).collect();
+    if tangents.is_empty() {
+        return Ok(vec![Vector6::zeros(); plus.len()]);
+    }
+    let velocity = match form.friction_velocity {
+        Form::AsPrinted => plus,
+        Form::Corrected => bouncing,
+    };
+    let (a, b) = constraints(group, &loaded, &tangents, velocity, impulses, form);
+    let p = match form.objective {
+        Form::AsPrinted => {
+            let twists = |row: &Row| {
+                let answer = group.answer(Form::Corrected, std::iter::once((row, 1.0)));
+                answer.iter().zip(velocity).map(|(a, u)| a.dot(u)).sum()
+            };
+            let slope =
+                DVector::from_iterator(tangents.len(), tangents.iter().map(|row| twists(row)));
+            program::solve(&DMatrix::zeros(slope.len(), slope.len()), &slope, &a, &b)?
+        }
+        Form::Corrected => {
+            let h = group.gram(Form::Corrected, &tangents, &tangents);
+            let slope = DVector::from_iterator(
+                tangents.len(),
+                tangents.iter().map(|row| row.velocity(velocity)),
+            );
+            match least_energy(&h, &slope, &a, &b) {
+                Some(p) => p,
+                None => program::solve(&h, &slope, &a, &b)?,
+            }
+        }
+    };
+    Ok(group.answer(Form::Corrected, tangents.iter().copied().zip(p.iter().copied())))
+}
+
+/// `a p <= b`: every contact's limit curve, and no contact pushed together by friction. Printed,
+/// the latter is asked of friction's own change of velocity; corrected, of the velocity after it.
+fn constraints(
+    group: &Group<'_>,
+    loaded: &[usize],
+    tangents: &[&Row],
+    velocity: &[Vector6<f64>],
+    impulses: &[f64],
+    form: &Differences,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let curves: Vec<_> = loaded
+        .iter()
+        .enumerate()
+        .flat_map(|(k, &i)| {
+            let planes = group.links[i].friction.half_planes(form.friction_set);
+            planes.iter().map(move |plane| (k, impulses[i], plane))
+        })
+        .collect();
+    let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
+    let mut coupling = group.gram(Form::Corrected, &normals, tangents);
+    for (i, normal) in normals.iter().enumerate() {
+        for (j, tangent) in tangents.iter().enumerate() {
+            // Rounding in what should be orthogonal must not forbid to slide.
+            let size = group.own(normal) * group.own(tangent);
+            if coupling[(i, j)].powi(2) <= UNCOUPLED * UNCOUPLED * size {
+                coupling[(i, j)] = 0.0;
+            }
+        }
+    }
+    let count = curves.len() + normals.len();
+    let (mut a, mut b) = (DMatrix::zeros(count, tangents.len()), DVector::zeros(count));
+    for (i, (k, impulse, (direction, bound))) in curves.iter().enumerate() {
+        a[(i, 2 * k)] = direction.x;
+        a[(i, 2 * k + 1)] = direction.y;
+        b[i] = (bound * impulse).max(0.0);
+    }
+    for (i, link) in group.links.iter().enumerate() {
+        a.row_mut(curves.len() + i).copy_from(&-coupling.row(i));
+        if form.objective.is_corrected() {
+            b[curves.len() + i] = (link.normal.velocity(velocity) + link.closing).max(0.0);
+        }
+    }
+    (a, b)
+}
+
+/// `argmin 1/2 p^T h p + g^T p` such that `a p <= b` by the active set on the dual: exact to
+/// rounding, and exactly the free minimum where that is allowed. Where `h` is singular, as for two
+/// points on the axis of a segment, by proximal steps of the same kind, which converge to one of the
+/// minima at the rate [`PROXIMITY`]. `None` where they do not.
+fn least_energy(
+    h: &DMatrix<f64>,
+    g: &DVector<f64>,
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    if let Some(factor) = factorize(h) {
+        return constrained(&factor, g, a, b);
+    }
+    let proximity = DMatrix::from_diagonal(&(h.diagonal() * PROXIMITY));
+    let factor = factorize(&(h + &proximity))?;
+    let mut p = DVector::zeros(g.len());
+    for _ in 0..PROXIMAL_STEPS {
+        let next = constrained(&factor, &(g - &proximity * &p), a, b)?;
+        // What the step leaves of the slope, a velocity.
+        let left = (&proximity * (&next - &p)).amax();
+        p = next;
+        if left <= 1e-14 * g.amax() {
+            return Some(p);
+        }
+    }
+    None
+}
+
+fn factorize(h: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    let factor = Cholesky::new(h.clone())?;
+    let lower = factor.l_dirty();
+    let regular = (0..h.nrows()).all(|i| lower[(i, i)].powi(2) >= REGULAR * h[(i, i)]);
+    regular.then_some(factor)
+}
+
+/// With the dual, `min 1/2 y^T G y + y^T (b + a h^-1 g)` over `y >= 0`, `G = a h^-1 a^T`.
+fn constrained(
+    factor: &Cholesky<f64, Dyn>,
+    g: &DVector<f64>,
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let free = -factor.solve(g);
+    let slack = b - a * &free;
+    if slack.min() >= 0.0 {
+        return Some(free);
+    }
+    let spread = factor.solve(&a.transpose());
+    let y = active_set::minimize(&(a * &spread), &slack)?;
+    Some(free - spread * y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A random program of friction: `h` regular or of rank one, `p = 0` feasible, the set bounded by
+    /// a box.
+    fn programs() -> impl Strategy<Value = (DMatrix<f64>, DVector<f64>, DMatrix<f64>, DVector<f64>)>
+    {
+        (1..4_usize, 0..8_usize, any::<bool>()).prop_flat_map(|(contacts, extra, regular)| {
+            let n = 2 * contacts;
+            let numbers = |count: usize| prop::collection::vec(-1.0..1.0_f64, count);
+            (
+                numbers(n * n),
+                numbers(n),
+                numbers(extra * n),
+                prop::collection::vec(0.0..1.0_f64, extra),
+            )
+                .prop_map(move |(root, g, rows, bounds)| {
+                    let root = DMatrix::from_vec(n, n, root);
+                    let h = if regular {
+                        &root * root.transpose() + DMatrix::identity(n, n) * 0.05
+                    } else {
+                        // As masses are: no tangent that hardly moves.
+                        let rank_one = root.column(0).map(|x| x + 0.3_f64.copysign(x));
+                        &rank_one * rank_one.transpose()
+                    };
+                    let mut a = DMatrix::zeros(2 * n + extra, n);
+                    let mut b = DVector::from_element(2 * n + extra, 0.5);
+                    for i in 0..n {
+                        a[(2 * i, i)] = 1.0;
+                        a[(2 * i + 1, i)] = -1.0;
+                    }
+                    for i in 0..extra {
+                        a.row_mut(2 * n + i).copy_from_slice(&rows[i * n..(i + 1) * n]);
+                        b[2 * n + i] = bounds[i];
+                    }
+                    (h, DVector::from_vec(g), a, b)
+                })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn active_set_meets_the_interior_point((h, g, a, b) in programs()) {
+            let Some(fast) = least_energy(&h, &g, &a, &b) else {
+                prop_assert!(factorize(&h).is_none());
+                return Ok(());
+            };
+            let slow = program::solve(&h, &g, &a, &b).expect("feasible and bounded");
+            let rounding = if factorize(&h).is_some() { 1e-12 } else { 1e-16 / PROXIMITY };
+            prop_assert!((&a * &fast - &b).max() < 100.0 * rounding);
+            let cost = |p: &DVector<f64>| 0.5 * p.dot(&(&h * p)) + g.dot(p);
+            prop_assert!((cost(&fast) - cost(&slow)).abs() < 1e-7);
+            prop_assert!(factorize(&h).is_none() || (&fast - &slow).norm() < 1e-4, "{fast} {slow}");
+        }
+    }
+}

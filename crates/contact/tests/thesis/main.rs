@@ -1,0 +1,12 @@
+//! The thesis's own method: rigid bodies, Alg. 6, chains and Alg. 7.
+#![expect(clippy::print_stdout, reason = "figures of what is printed wrong")]
+
+mod chain;
+mod chain_defects;
+mod chains;
+mod common;
+mod harmonize;
+mod projection;
+mod projection_defects;
+mod projection_oracle;
+mod rigid;
