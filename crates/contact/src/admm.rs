@@ -97,8 +97,8 @@ impl Admm {
         Self {
             tolerance,
             relaxation: 1.6,
-            weight: 1.0,
-            memory: 6,
+            weight: 4.0,
+            memory: 12,
             points: Points::default(),
             anderson: Anderson::default(),
         }

@@ -47,6 +47,26 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
             summary.gravitational_energy
         ),
     ];
+    if let Some(contact) = &summary.contact {
+        let (listed, active) = (contact.listed, contact.active);
+        let (parts, lists) = (contact.parts, contact.lists);
+        let (solves, iterations) = (contact.solves, contact.iterations);
+        lines.push(format!(
+            "  contacts    at most {active} of {listed} listed bore something; {parts} parts of \
+             steps, {lists} lists, {solves} solves, {iterations} iterations"
+        ));
+        lines.push(format!(
+            "  errors      Coulomb residual {:.1e}, normal velocity {:.1e} m/s, slip {:.1e} m/s, \
+             penetration {:.1e} m, all at most",
+            contact.residual, contact.normal_error, contact.slip_error, contact.depth
+        ));
+        if contact.unresolved > 0 {
+            lines.push(format!(
+                "  unresolved  {} parts of steps missed the tolerances of `contact`",
+                contact.unresolved
+            ));
+        }
+    }
     if summary.missed > 0 {
         lines.push(format!("  tolerance   missed {} times by the smallest step", summary.missed));
     }

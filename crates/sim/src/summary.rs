@@ -1,13 +1,13 @@
 use crate::folder::{RunFolder, SUMMARY};
 use crate::storage::write_atomically;
-use crate::{Plan, Scene, SimError, StepReport, World};
+use crate::{ContactReport, Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 /// What the steps of a run have cost so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Statistics {
     /// Newton iterations, over all steps and fibres.
     pub iterations: u64,
@@ -19,6 +19,9 @@ pub struct Statistics {
     pub halvings: u64,
     /// How often a step missed its tolerance although it was the smallest.
     pub missed: u64,
+    /// What the contacts were and cost.
+    #[serde(default)]
+    pub contact: ContactReport,
 }
 
 impl Statistics {
@@ -29,6 +32,7 @@ impl Statistics {
         self.worst_iterations = self.worst_iterations.max(report.worst_iterations as u64);
         self.halvings += report.halvings as u64;
         self.missed += report.missed as u64;
+        self.contact.add(&report.contact);
     }
 
     /// Mean number of iterations in a step of a fibre.
@@ -86,6 +90,9 @@ pub struct Summary {
     pub halvings: u64,
     /// How often a step missed its tolerance although it was the smallest.
     pub missed: u64,
+    /// What the contacts were and cost, if the scene has any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactReport>,
     /// Kinetic energy of all fibres, J.
     pub kinetic_energy: f64,
     /// Elastic energy of all fibres, J.
@@ -120,6 +127,7 @@ impl Summary {
             worst_iterations: statistics.worst_iterations,
             halvings: statistics.halvings,
             missed: statistics.missed,
+            contact: scene.contact.is_some().then_some(statistics.contact),
             kinetic_energy: energy.kinetic,
             elastic_energy: energy.elastic,
             gravitational_energy: energy.gravitational,

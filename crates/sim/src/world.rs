@@ -1,4 +1,4 @@
-use crate::contact::Remembered;
+use crate::contact::Memory;
 use crate::group::Group;
 use crate::{SimError, scene::Environment};
 use rapunzel_fiber::Assembly;
@@ -13,9 +13,8 @@ pub struct World {
     /// Group and lane of every fibre.
     lanes: Vec<(usize, usize)>,
     clock: Clock,
-    /// Contacts of the last step, and its length.
-    pub(crate) contacts: Vec<Remembered>,
-    pub(crate) contact_dt: Option<f64>,
+    /// What fibres touched in the last step.
+    pub(crate) contacts: Memory,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -33,6 +32,7 @@ struct Clock {
 pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
+    contacts: Memory,
 }
 
 impl World {
@@ -45,8 +45,7 @@ impl World {
             }
         }
         let clock = Clock::default();
-        let (contacts, contact_dt) = (Vec::new(), None);
-        Self { environment, assembly, groups, lanes, clock, contacts, contact_dt }
+        Self { environment, assembly, groups, lanes, clock, contacts: Memory::default() }
     }
 
     /// Time, s.
@@ -106,7 +105,8 @@ impl World {
             group.batch.save(&mut numbers);
             numbers
         };
-        Snapshot { clock: self.clock, groups: self.groups.iter().map(numbers).collect() }
+        let groups = self.groups.iter().map(numbers).collect();
+        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone() }
     }
 
     /// Goes back to a snapshot of this world.
@@ -123,6 +123,7 @@ impl World {
             group.batch.restore(numbers).map_err(error)?;
         }
         self.clock = snapshot.clock;
+        self.contacts = snapshot.contacts.clone();
         Ok(())
     }
 

@@ -5,9 +5,15 @@ use rapunzel_contact::{Body, ContactError};
 use rapunzel_rod_dynamic::{ImpulseResponse, Point, StaggeredBatch};
 
 /// The fibres of a group, whose step has been predicted, with the points at which they touch.
-pub(crate) struct Fibers<'a> {
-    pub(crate) batch: &'a mut StaggeredBatch,
-    pub(crate) points: &'a [Point],
+pub(super) struct Fibers<'a> {
+    batch: &'a mut StaggeredBatch,
+    points: &'a [Point],
+}
+
+impl<'a> Fibers<'a> {
+    pub(super) fn new(batch: &'a mut StaggeredBatch, points: &'a [Point]) -> Self {
+        Self { batch, points }
+    }
 }
 
 impl Body for Fibers<'_> {

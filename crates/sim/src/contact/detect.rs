@@ -158,24 +158,35 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         (fiber_number(fiber), segment - fiber_number(first))
     });
     let [(fiber, s), (partner, t)] = numbers;
-    let (segments, fractions, normal) = (contact.pair, contact.fractions, *contact.normal);
-    let touch = |fiber, partner, segments, fractions, normal: Vector3<f64>, segment: u32| {
+    let axis = |segment: u32| {
         let capsule = end.get(segment as usize);
-        Touch {
-            fiber,
-            partner: Partner::Fiber(partner),
-            segments,
-            fractions,
-            normal,
-            axis: capsule.end - capsule.start,
-            gap: contact.gap,
-            drive: Vector3::zeros(),
-            impulse: Vector3::zeros(),
-        }
+        capsule.end - capsule.start
+    };
+    let [own, other] = contact.pair.map(axis);
+    let touch = Touch {
+        fiber,
+        partner: Partner::Fiber(partner),
+        segments: [s, t],
+        fractions: contact.fractions,
+        normal: -*contact.normal,
+        axis: own,
+        other_axis: other,
+        gap: contact.gap,
+        drive: Vector3::zeros(),
+        impulse: Vector3::zeros(),
     };
     if (fiber, s) <= (partner, t) {
-        touch(fiber, partner, [s, t], fractions, -normal, segments[0])
-    } else {
-        touch(partner, fiber, [t, s], [fractions[1], fractions[0]], normal, segments[1])
+        return touch;
+    }
+    let [u, v] = contact.fractions;
+    Touch {
+        fiber: partner,
+        partner: Partner::Fiber(fiber),
+        segments: [t, s],
+        fractions: [v, u],
+        normal: *contact.normal,
+        axis: other,
+        other_axis: own,
+        ..touch
     }
 }

@@ -2,16 +2,44 @@
 
 use super::touch::{Partner, Touch};
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The contacts of the last part of a step.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Memory {
+    /// Those that bore something, by pair and place.
+    pub(crate) bearing: Vec<Remembered>,
+    /// Length of the part, s; `None` before the first.
+    pub(crate) dt: Option<f64>,
+}
 
 /// A contact that bore something.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Remembered {
-    pub(crate) fiber: u32,
-    pub(crate) partner: Partner,
-    /// Where along the fibres, in segments from the root.
-    pub(crate) at: [f64; 2],
+    fiber: u32,
+    partner: Partner,
+    segments: [u32; 2],
+    fractions: [f64; 2],
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
+}
+
+impl Remembered {
+    /// As a touch of which no more is known.
+    pub(crate) fn touch(&self) -> Touch {
+        Touch {
+            fiber: self.fiber,
+            partner: self.partner,
+            segments: self.segments,
+            fractions: self.fractions,
+            normal: Vector3::zeros(),
+            axis: Vector3::zeros(),
+            other_axis: Vector3::zeros(),
+            gap: 0.0,
+            drive: Vector3::zeros(),
+            impulse: self.impulse,
+        }
+    }
 }
 
 /// How far a contact may have moved to be the same, in segments.
@@ -31,7 +59,8 @@ pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
             touch.impulse = Vector3::zeros();
             let [s, t] = touch.at();
             for (k, one) in known.iter().enumerate() {
-                let distance = (one.at[0] - s).abs().max((one.at[1] - t).abs());
+                let [u, v] = one.touch().at();
+                let distance = (u - s).abs().max((v - t).abs());
                 if distance < REACH {
                     matches.push((distance, i, k));
                 }
@@ -56,7 +85,8 @@ pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
         .map(|touch| Remembered {
             fiber: touch.fiber,
             partner: touch.partner,
-            at: touch.at(),
+            segments: touch.segments,
+            fractions: touch.fractions,
             impulse: touch.impulse,
         })
         .collect()

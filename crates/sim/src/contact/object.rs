@@ -88,6 +88,7 @@ impl Object {
                     fractions: [contact.fraction, 0.0],
                     normal: contact.normal,
                     axis: end - start,
+                    other_axis: Vector3::zeros(),
                     gap: contact.gap,
                     drive: (place - was) / dt,
                     impulse: Vector3::zeros(),

@@ -1,8 +1,9 @@
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 /// What a fibre touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum Partner {
     /// A fibre, perhaps itself.
     Fiber(u32),
@@ -23,6 +24,8 @@ pub(crate) struct Touch {
     pub(crate) normal: Vector3<f64>,
     /// Along the fibre, from root to tip, world; not of unit length.
     pub(crate) axis: Vector3<f64>,
+    /// The same of the partner; zero for an object.
+    pub(crate) other_axis: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
     /// Mean velocity of the partner's surface over the step if it is an object, m/s, world.
@@ -37,11 +40,24 @@ impl Touch {
         [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
     }
 
+    /// Angle from the fibre's axis to its partner's about the normal, rad.
+    pub(crate) fn turn(&self) -> f64 {
+        let across = self.normal.cross(&self.axis);
+        self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
+    }
+
     /// By pair, then by place.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let ([s, t], [u, v]) = (self.at(), other.at());
         let pairs = (self.fiber, self.partner).cmp(&(other.fiber, other.partner));
         pairs.then(s.total_cmp(&u)).then(t.total_cmp(&v))
+    }
+
+    /// Whether two are of one pair, and not far from each other.
+    pub(crate) fn near(&self, other: &Self) -> bool {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        (self.fiber, self.partner) == (other.fiber, other.partner)
+            && (s - u).abs().max((t - v).abs()) < 0.5
     }
 
     /// Whether two are the same place, named by two segments that share a node.

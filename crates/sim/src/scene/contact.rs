@@ -2,7 +2,8 @@ use super::check::{Allowed, Check};
 use super::Motion;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapunzel_collision::field::{Ball, DistanceField, HalfSpace};
-use rapunzel_contact::LimitCurve;
+use crate::contact::{Partner, Touch};
+use rapunzel_contact::{ContactError, LimitCurve};
 use serde::{Deserialize, Serialize};
 
 /// What fibres do where they touch; left out, they pass through everything.
@@ -39,12 +40,21 @@ fn iterations() -> usize {
     400
 }
 
-/// Coefficients of friction.
+/// Coefficients of friction of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Friction {
     /// The same in all directions.
     Isotropic(f64),
+    /// By what the fibre's scales do: a fibre that moves root first goes with them.
+    Cuticle {
+        /// With the scales.
+        with: f64,
+        /// Against them.
+        against: f64,
+        /// Across the fibre.
+        across: f64,
+    },
 }
 
 /// Something that fibres lie on or bump into.
@@ -92,14 +102,31 @@ impl ContactSettings {
 
 impl Friction {
     fn check(&self, check: &mut Check) {
-        match self {
-            Self::Isotropic(mu) => check.number("", *mu, Allowed::Within(0.0, 100.0), ""),
+        let mut one = |field: &str, mu: f64| {
+            check.number(field, mu, Allowed::Within(0.0, 100.0), "");
+        };
+        match *self {
+            Self::Isotropic(mu) => one("", mu),
+            Self::Cuticle { with, against, across } => {
+                one("with", with);
+                one("against", against);
+                one("across", across);
+            }
         }
     }
 
-    pub(crate) fn limit_curve(&self) -> LimitCurve {
+    /// The limit curve of a touch. Of two fibres that touch, both have this friction, each by its
+    /// own axis; an object has none of its own.
+    pub(crate) fn of(&self, touch: &Touch) -> Result<LimitCurve, ContactError> {
         match *self {
-            Self::Isotropic(mu) => LimitCurve::Circle { mu },
+            Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+            Self::Cuticle { with, against, across } => {
+                let curve = LimitCurve::cuticle(with, against, across);
+                match touch.partner {
+                    Partner::Object(_) => Ok(curve),
+                    Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
+                }
+            }
         }
     }
 }

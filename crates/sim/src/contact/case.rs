@@ -1,0 +1,148 @@
+//! The contacts of a step as the solver takes them.
+
+use super::body::Fibers;
+use super::touch::{Partner, Touch};
+use crate::World;
+use nalgebra::{Matrix3, Vector3};
+use rapunzel_contact::{Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, report};
+use rapunzel_rod_dynamic::Point;
+use rayon::prelude::*;
+
+/// All contacts between the points of all groups, in the order of the touches they are made of.
+pub(super) struct Case {
+    contacts: Vec<Contact>,
+    /// By group.
+    points: Vec<Vec<Point>>,
+    /// Impulses, N s, in the frames of the contacts.
+    impulses: Vec<Vector3<f64>>,
+    /// The mass (kg) with which errors of impulses and of velocities are compared.
+    mass: f64,
+}
+
+impl Case {
+    /// The contacts of a step of `dt` seconds, whose gaps are those where all nodes have the given
+    /// mean velocities. `curve` tells the limit curve of a touch.
+    pub(super) fn new(
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+        curve: impl Fn(&Touch) -> Result<LimitCurve, ContactError> + Sync,
+    ) -> Result<Self, ContactError> {
+        let mut points: Vec<Vec<Point>> = vec![Vec::new(); world.groups.len()];
+        let mut add = |fiber: u32, segment: u32, fraction: f64| {
+            let (group, lane) = world.lane(fiber as usize);
+            #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
+            points[group].push(Point { fiber: lane as u32, segment, fraction });
+            (group, points[group].len() - 1)
+        };
+        let places: Vec<_> = touches
+            .iter()
+            .map(|touch| {
+                let [s, t] = touch.segments;
+                let first = add(touch.fiber, s, touch.fractions[0]);
+                let second = match touch.partner {
+                    Partner::Fiber(fiber) => Some(add(fiber, t, touch.fractions[1])),
+                    Partner::Object(_) => None,
+                };
+                (first, second)
+            })
+            .collect();
+        let mut starts = vec![0];
+        for group in &points {
+            starts.push(starts[starts.len() - 1] + group.len());
+        }
+        let index = |(group, point): (usize, usize)| starts[group] + point;
+        let velocities = world.at_points(&points, mean);
+        let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
+            let frame = frame(&touch.normal, &touch.axis);
+            let mut contact = Contact {
+                first: index(*first),
+                second: second.map(index),
+                frame,
+                bias: frame.tr_mul(&-touch.drive),
+                friction: curve(touch)?,
+                adhesion: 0.0,
+                compliance: 0.0,
+            };
+            // At the velocities that led to this gap, the gap is what may still close.
+            contact.bias.x = 0.0;
+            contact.bias.x = touch.gap / dt - contact.relative(&velocities).x;
+            Ok(contact)
+        };
+        let contacts: Vec<_> =
+            touches.par_iter().zip(&places).map(contact).collect::<Result<_, _>>()?;
+        let impulses =
+            touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
+        let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
+        Ok(Self { contacts, points, impulses, mass: masses.fold(f64::INFINITY, f64::min) })
+    }
+
+    pub(super) fn contacts(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// Number of contacts that bear something.
+    pub(super) fn active(&self) -> usize {
+        self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
+    }
+
+    /// Solves for the impulses, with the rods as they are linearised.
+    pub(super) fn solve(
+        &mut self,
+        world: &mut World,
+        solver: &mut Admm,
+    ) -> Result<Report, ContactError> {
+        let velocities = world.at_points(&self.points, &world.linear_velocities());
+        let groups = world.groups.iter_mut().zip(&self.points);
+        let mut fibers: Vec<Fibers> = groups
+            .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
+            .collect();
+        let mut bodies: Vec<&mut dyn Body> =
+            fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
+        solver.solve(&mut bodies, &self.contacts, &velocities, &mut self.impulses)
+    }
+
+    /// How well the law holds where all nodes have the given mean velocities.
+    pub(super) fn certificate(&self, world: &World, mean: &[Vector3<f64>]) -> Report {
+        let velocities = self.relative(world, mean);
+        report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
+    }
+
+    /// Gives the impulses back to the touches.
+    pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
+        for ((touch, contact), impulse) in
+            touches.iter_mut().zip(&self.contacts).zip(&self.impulses)
+        {
+            touch.impulse = contact.frame * impulse;
+        }
+    }
+
+    /// Gives the touches the gaps along their normals where all nodes have the given velocities.
+    pub(super) fn give_gaps(
+        &self,
+        world: &World,
+        mean: &[Vector3<f64>],
+        dt: f64,
+        touches: &mut [Touch],
+    ) {
+        for (touch, velocity) in touches.iter_mut().zip(self.relative(world, mean)) {
+            touch.gap = dt * velocity.x;
+        }
+    }
+
+    fn relative(&self, world: &World, mean: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let velocities = world.at_points(&self.points, mean);
+        self.contacts.iter().map(|contact| contact.relative(&velocities)).collect()
+    }
+}
+
+/// The frame of a contact: normal, along the fibre from root to tip, across it.
+fn frame(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Matrix3<f64> {
+    let along = axis - normal * normal.dot(axis);
+    let other = || normal.cross(&Vector3::ith(normal.iamin(), 1.0));
+    let along = along.try_normalize(1e-6 * axis.norm()).unwrap_or_else(|| other().normalize());
+    // Once more, for what rounding left along the normal.
+    let along = (along - normal * normal.dot(&along)).normalize();
+    Matrix3::from_columns(&[*normal, along, normal.cross(&along)])
+}

@@ -1,0 +1,133 @@
+//! Arrays over all nodes of a world, and what groups make of their parts of them.
+
+use super::touch::{Partner, Touch};
+use crate::World;
+use crate::group::Group;
+use nalgebra::{Point3, Vector3};
+use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch, StepError};
+use rayon::prelude::*;
+
+impl World {
+    /// Positions of all nodes, in the order of the assembly.
+    pub(super) fn positions(&self) -> Vec<Point3<f64>> {
+        let layout = self.assembly().layout();
+        let mut positions = Vec::with_capacity(layout.nodes());
+        for fiber in 0..layout.fibers() {
+            let (group, lane) = self.lane(fiber);
+            let nodes = layout.node_range(fiber).len();
+            positions.extend((0..nodes).map(|node| self.groups[group].batch.node(lane, node).0));
+        }
+        positions
+    }
+
+    /// Mean velocities of all nodes over the step as it has been solved so far.
+    pub(super) fn mean_velocities(&self) -> Vec<Vector3<f64>> {
+        self.of_nodes(StaggeredBatch::mean_velocities)
+    }
+
+    /// The same with the increments of the last linearisation.
+    pub(super) fn linear_velocities(&self) -> Vec<Vector3<f64>> {
+        self.of_nodes(StaggeredBatch::linear_velocities)
+    }
+
+    fn of_nodes(
+        &self,
+        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError>,
+    ) -> Vec<Vector3<f64>> {
+        let layout = self.assembly().layout();
+        let mut all = vec![Vector3::zeros(); layout.nodes()];
+        let mut own = Vec::new();
+        for group in &self.groups {
+            let Some(batch) = group.batch.as_coupled() else { continue };
+            own.resize(batch.nodes(), Vector3::zeros());
+            let done = read(batch, &mut own);
+            debug_assert!(done.is_ok(), "there is one for each node");
+            let mut rest = &own[..];
+            for &fiber in &group.fibers {
+                let range = layout.node_range(fiber);
+                let (head, tail) = rest.split_at(range.len());
+                all[range].copy_from_slice(head);
+                rest = tail;
+            }
+        }
+        all
+    }
+
+    /// Values at points of the groups, interpolated from those of all nodes.
+    pub(super) fn at_points(
+        &self,
+        points: &[Vec<Point>],
+        nodes: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let layout = self.assembly().layout();
+        let mut values = Vec::new();
+        for (group, points) in self.groups.iter().zip(points) {
+            values.extend(points.iter().map(|point| {
+                let fiber = group.fibers[point.fiber as usize];
+                let node = layout.node_range(fiber).start + point.segment as usize;
+                nodes[node].lerp(&nodes[node + 1], point.fraction)
+            }));
+        }
+        values
+    }
+
+    /// The impulses of touches on all nodes, N s.
+    pub(super) fn impulses<'a>(
+        &self,
+        touches: impl IntoIterator<Item = &'a Touch>,
+    ) -> Vec<Vector3<f64>> {
+        let layout = self.assembly().layout();
+        let mut all = vec![Vector3::zeros(); layout.nodes()];
+        let mut add = |fiber: u32, segment: u32, fraction: f64, impulse: Vector3<f64>| {
+            let node = layout.node_range(fiber as usize).start + segment as usize;
+            all[node] += impulse * (1.0 - fraction);
+            all[node + 1] += impulse * fraction;
+        };
+        for touch in touches {
+            let ([s, t], [u, v]) = (touch.segments, touch.fractions);
+            add(touch.fiber, s, u, touch.impulse);
+            if let Partner::Fiber(partner) = touch.partner {
+                add(partner, t, v, -touch.impulse);
+            }
+        }
+        all
+    }
+
+    /// Lets every group do something, in parallel. Of several errors the first group's is told.
+    pub(super) fn for_groups<T: Send>(
+        &mut self,
+        act: impl Fn(&mut Group) -> Result<T, StepError> + Sync,
+    ) -> Result<Vec<T>, StepError> {
+        let results: Vec<_> = self.groups.par_iter_mut().map(|group| act(group)).collect();
+        results.into_iter().collect()
+    }
+
+    /// The same, each with its part of the impulses on all nodes.
+    pub(super) fn with_impulses<T: Send>(
+        &mut self,
+        impulses: &[Vector3<f64>],
+        act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync,
+    ) -> Result<Vec<T>, StepError> {
+        let ranges: Vec<_> = (0..self.assembly().layout().fibers())
+            .map(|fiber| self.assembly().layout().node_range(fiber))
+            .collect();
+        self.for_groups(|group| {
+            let own: Vec<_> = group
+                .fibers
+                .iter()
+                .flat_map(|&fiber| impulses[ranges[fiber].clone()].iter().copied())
+                .collect();
+            act(group, &own)
+        })
+    }
+
+    /// Makes the step that has been solved the state of all groups.
+    pub(super) fn accept(&mut self) {
+        self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::accept);
+    }
+
+    /// Takes all groups back to before the step.
+    pub(super) fn abandon(&mut self) {
+        self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::abandon);
+    }
+}

@@ -1,0 +1,45 @@
+use serde::{Deserialize, Serialize};
+
+/// What the contacts of a step, or of a run, were and cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ContactReport {
+    /// Contacts in the list, at most.
+    pub listed: usize,
+    /// Contacts that bore something, at most.
+    pub active: usize,
+    /// Iterations of the contact solver.
+    pub iterations: usize,
+    /// Solves of all contacts: iterations of Newton's method.
+    pub solves: usize,
+    /// Lists of contacts.
+    pub lists: usize,
+    /// Parts of steps.
+    pub parts: usize,
+    /// Parts that were taken although they missed a tolerance, for want of shorter ones.
+    pub unresolved: usize,
+    /// Largest Coulomb residual, relative to all impulses.
+    pub residual: f64,
+    /// Largest error of a normal velocity, m/s.
+    pub normal_error: f64,
+    /// Largest slip that the friction does not allow, m/s.
+    pub slip_error: f64,
+    /// Deepest penetration that a step left, m.
+    pub depth: f64,
+}
+
+impl ContactReport {
+    /// Adds another part or step: what it cost is summed, of the rest the largest stays.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.listed = self.listed.max(other.listed);
+        self.active = self.active.max(other.active);
+        self.iterations += other.iterations;
+        self.solves += other.solves;
+        self.lists += other.lists;
+        self.parts += other.parts;
+        self.unresolved += other.unresolved;
+        self.residual = self.residual.max(other.residual);
+        self.normal_error = self.normal_error.max(other.normal_error);
+        self.slip_error = self.slip_error.max(other.slip_error);
+        self.depth = self.depth.max(other.depth);
+    }
+}
