@@ -1,8 +1,8 @@
 //! The alternating direction method of multipliers, as Douglas-Rachford splitting on the velocities
-//! of the points.
+//! of the sides of all contacts.
 //!
 //! One half of an iteration solves every contact by itself, the other every body by itself, so both
-//! are parallel and the result does not depend on who computes what. A point `i` has a metric `R_i`,
+//! are parallel and the result does not depend on who computes what. A side `i` has a metric `R_i`,
 //! a multiple of the identity, so that a contact alone is solved in closed form. With `h` the state,
 //!
 //! ```text
@@ -20,6 +20,7 @@ use crate::solver::check;
 use crate::{Body, Contact, ContactError, Report, Solver, report};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// When a solver stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,12 +37,8 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// For single bodies and tests: to a relative residual of 1e-12.
-    pub const EXACT: Self = Self {
-        residual: 1e-12,
-        normal: f64::INFINITY,
-        slip: f64::INFINITY,
-        iterations: 20_000,
-    };
+    pub const EXACT: Self =
+        Self { residual: 1e-12, normal: f64::INFINITY, slip: f64::INFINITY, iterations: 20_000 };
 
     fn reached(&self, found: &Report) -> bool {
         found.residual <= self.residual
@@ -62,36 +59,40 @@ pub struct Admm {
     pub weight: f64,
     /// How many steps the acceleration remembers; 0 for none.
     pub memory: usize,
-    points: Points,
+    sides: Sides,
     anderson: Anderson,
 }
 
-/// What the iteration knows of the points, in the order of the bodies.
+/// What the iteration knows of the sides of contacts, sorted by point, and of the points, in the
+/// order of the bodies.
 #[derive(Debug, Clone, Default)]
-struct Points {
-    /// Contact of each point, or `u32::MAX`, and the sign of its impulse.
-    contact: Vec<(u32, f64)>,
-    /// Metric, kg.
+struct Sides {
+    /// Where the sides at each point start; one more than there are points.
+    starts: Vec<usize>,
+    /// Contact of each side, and the sign of its impulse there.
+    contact: Vec<(usize, f64)>,
+    /// Sides of each contact.
+    of_contact: Vec<[Option<usize>; 2]>,
+    /// Metric of every side, kg.
     metric: Vec<f64>,
-    /// Impulses that act in the given velocities, world.
-    given: Vec<Vector3<f64>>,
-    /// State, velocities, impulses to respond to, and responses, world.
+    /// State of every side, and what an iteration adds to it.
     h: Vec<Vector3<f64>>,
+    step: Vec<Vector3<f64>>,
+    /// Impulses that act in the given velocities, by point.
+    given: Vec<Vector3<f64>>,
+    /// Velocities, impulses to respond to, and responses, by point.
     v: Vec<Vector3<f64>>,
     asked: Vec<Vector3<f64>>,
     answer: Vec<Vector3<f64>>,
-    /// What an iteration adds to the state.
-    step: Vec<Vector3<f64>>,
 }
 
 /// Iterations between two looks at the tolerance.
 const LOOK: usize = 5;
 /// Contacts that one task takes.
 const CHUNK: usize = 1024;
-const NONE: u32 = u32::MAX;
 
 impl Admm {
-    /// The solver with its usual relaxation and weight.
+    /// The solver with its usual relaxation, weight and memory.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
         Self {
@@ -99,7 +100,7 @@ impl Admm {
             relaxation: 1.6,
             weight: 4.0,
             memory: 12,
-            points: Points::default(),
+            sides: Sides::default(),
             anderson: Anderson::default(),
         }
     }
@@ -117,60 +118,45 @@ impl Solver for Admm {
         if contacts.is_empty() {
             return Ok(Report { converged: true, ..Report::default() });
         }
-        let mut iterations = 0;
-        self.points.prepare(bodies, contacts, velocities, impulses, self.weight)?;
         self.anderson.reset(self.memory);
-        let points = &self.points;
-        let responses: Vec<f64> = contacts
-            .iter()
-            .map(|c| 1.0 / points.metric[c.first] + c.second.map_or(0.0, |b| 1.0 / points.metric[b]))
-            .collect();
+        let sides = &mut self.sides;
+        sides.prepare(bodies, contacts, velocities, impulses, self.weight)?;
+        let responses = sides.responses();
         let weights: Vec<f64> = responses.iter().map(|w| 1.0 / w).collect();
         // Impulses on the first points, world.
-        let mut world: Vec<Vector3<f64>> = vec![Vector3::zeros(); contacts.len()];
-        loop {
-            let h = &self.points.h;
-            impulses
-                .par_chunks_mut(CHUNK)
-                .zip(world.par_chunks_mut(CHUNK))
-                .zip(contacts.par_chunks(CHUNK).zip(responses.par_chunks(CHUNK)))
-                .for_each(|((impulses, world), (contacts, responses))| {
-                    for (i, contact) in contacts.iter().enumerate() {
-                        let q = contact.relative(h);
-                        impulses[i] = free_solve(contact, &q, responses[i]);
-                        world[i] = contact.frame * impulses[i];
-                    }
-                });
-            let points = &mut self.points;
-            points.respond(bodies, velocities, &world, self.relaxation);
+        let mut world = vec![Vector3::zeros(); contacts.len()];
+        for iteration in 1.. {
+            sides.obey(contacts, &responses, impulses, &mut world);
+            sides.respond(bodies, velocities, &world, self.relaxation);
             if self.memory > 0 {
-                self.anderson.next(&points.metric, &points.step, &mut points.h);
+                self.anderson.next(&sides.metric, &sides.step, &mut sides.h);
             } else {
-                points.h.iter_mut().zip(&points.step).for_each(|(h, step)| *h += step);
+                sides.h.iter_mut().zip(&sides.step).for_each(|(h, step)| *h += step);
             }
-            iterations += 1;
-            let last = iterations >= self.tolerance.iterations;
-            if iterations.is_multiple_of(LOOK) || last {
-                let near = points.error(contacts, &responses, impulses, self.relaxation);
-                if last || self.tolerance.reached(&near) {
-                    points.truth(bodies, velocities, &world);
-                    let velocities: Vec<_> = contacts
-                        .iter()
-                        .zip(&*impulses)
-                        .map(|(c, r)| c.relative(&points.v) + r * c.compliance)
-                        .collect();
-                    let found = report(contacts, &velocities, impulses, &weights);
-                    let converged = self.tolerance.reached(&found);
-                    if converged || last {
-                        return Ok(Report { iterations, converged, ..found });
-                    }
+            let last = iteration >= self.tolerance.iterations;
+            if !iteration.is_multiple_of(LOOK) && !last {
+                continue;
+            }
+            let near = sides.error(contacts, &responses, impulses, self.relaxation);
+            if last || self.tolerance.reached(&near) {
+                sides.truth(bodies, velocities, &world);
+                let velocities: Vec<_> = contacts
+                    .iter()
+                    .zip(&*impulses)
+                    .map(|(c, r)| c.relative(&sides.v) + r * c.compliance)
+                    .collect();
+                let found = report(contacts, &velocities, impulses, &weights);
+                let converged = self.tolerance.reached(&found);
+                if converged || last {
+                    return Ok(Report { iterations: iteration, converged, ..found });
                 }
             }
         }
+        Ok(Report::default())
     }
 }
 
-impl Points {
+impl Sides {
     /// Chooses the metric and starts at the given impulses.
     fn prepare(
         &mut self,
@@ -180,50 +166,180 @@ impl Points {
         impulses: &[Vector3<f64>],
         weight: f64,
     ) -> Result<(), ContactError> {
-        let count = velocities.len();
-        let zero = Vector3::zeros();
-        let Self { given, h, asked, answer, step, .. } = self;
-        for array in [given, h, asked, answer, step] {
+        let points = velocities.len();
+        self.sort(contacts, points);
+        for array in [&mut self.given, &mut self.asked, &mut self.answer] {
             array.clear();
-            array.resize(count, zero);
+            array.resize(points, Vector3::zeros());
         }
         self.v.clear();
         self.v.extend_from_slice(velocities);
-        self.contact.clear();
-        self.contact.resize(count, (NONE, 0.0));
-        for ((contact, impulse), i) in contacts.iter().zip(impulses).zip(0..) {
-            let impulse = contact.frame * impulse;
-            self.contact[contact.first] = (i, 1.0);
-            self.given[contact.first] = impulse;
-            if let Some(second) = contact.second {
-                self.contact[second] = (i, -1.0);
-                self.given[second] = -impulse;
-            }
+        let on_side =
+            |&(contact, sign): &(usize, f64)| contacts[contact].frame * impulses[contact] * sign;
+        for point in 0..points {
+            let sides = &self.contact[self.starts[point]..self.starts[point + 1]];
+            self.given[point] = sides.iter().map(on_side).sum();
         }
-        self.metric.clear();
-        self.metric.resize(count, 0.0);
-        let parts = split(&mut self.metric, bodies);
-        let contact = split(&mut self.contact, bodies);
+        let mut inertia = vec![0.0; points];
+        let parts = split(&mut inertia, bodies);
+        let ranges = ranges(bodies);
+        let starts = &self.starts;
         bodies
             .par_iter_mut()
             .zip(parts)
-            .zip(contact)
-            .map(|((body, metric), contact)| {
-                body.own_traces(metric);
-                for (metric, (contact, _)) in metric.iter_mut().zip(contact) {
+            .zip(ranges)
+            .map(|((body, inertia), range)| {
+                body.own_traces(inertia);
+                let mut weights = vec![0.0; inertia.len()];
+                for ((inertia, all), point) in inertia.iter_mut().zip(&mut weights).zip(range) {
                     // A point that nothing moves has no inertia to compare with.
-                    let inertia = if *metric > 0.0 { 3.0 / *metric } else { 1.0 };
-                    *metric = if *contact == NONE { 0.0 } else { weight * inertia };
+                    *inertia = weight * if *inertia > 0.0 { 3.0 / *inertia } else { 1.0 };
+                    *all = *inertia * (starts[point + 1] - starts[point]) as f64;
                 }
-                body.set_weights(metric)
+                body.set_weights(&weights)
             })
             .collect::<Result<(), _>>()?;
-        for i in 0..count {
-            if self.metric[i] > 0.0 {
-                self.h[i] = velocities[i] - self.given[i] / self.metric[i];
+        self.metric.clear();
+        self.h.clear();
+        for point in 0..points {
+            for side in &self.contact[self.starts[point]..self.starts[point + 1]] {
+                self.metric.push(inertia[point]);
+                self.h.push(velocities[point] - on_side(side) / inertia[point]);
             }
         }
+        self.step.clear();
+        self.step.resize(self.h.len(), Vector3::zeros());
         Ok(())
+    }
+
+    /// Sorts the sides of all contacts by their points.
+    fn sort(&mut self, contacts: &[Contact], points: usize) {
+        self.starts.clear();
+        self.starts.resize(points + 1, 0);
+        let sides = |c: &Contact| [Some((c.first, 1.0)), c.second.map(|point| (point, -1.0))];
+        for (point, _) in contacts.iter().flat_map(sides).flatten() {
+            self.starts[point + 1] += 1;
+        }
+        for point in 0..points {
+            self.starts[point + 1] += self.starts[point];
+        }
+        let mut next = self.starts.clone();
+        self.contact.clear();
+        self.contact.resize(self.starts[points], (0, 0.0));
+        self.of_contact.clear();
+        for (i, contact) in contacts.iter().enumerate() {
+            self.of_contact.push(sides(contact).map(|side| {
+                side.map(|(point, sign)| {
+                    let at = next[point];
+                    self.contact[at] = (i, sign);
+                    next[point] += 1;
+                    at
+                })
+            }));
+        }
+    }
+
+    /// Answer of each contact to its own impulse in the metric, 1/kg.
+    fn responses(&self) -> Vec<f64> {
+        let one = |side: &Option<usize>| side.map_or(0.0, |side| 1.0 / self.metric[side]);
+        self.of_contact.iter().map(|[first, second]| one(first) + one(second)).collect()
+    }
+
+    /// Solves every contact by itself, where the sides have the velocities `h` without it.
+    fn obey(
+        &self,
+        contacts: &[Contact],
+        responses: &[f64],
+        impulses: &mut [Vector3<f64>],
+        world: &mut [Vector3<f64>],
+    ) {
+        let velocity = |side: &Option<usize>| side.map_or_else(Vector3::zeros, |side| self.h[side]);
+        let solve = |(contact, [first, second]): (&Contact, &[Option<usize>; 2]),
+                     response: &f64| {
+            let q = contact.frame.tr_mul(&(velocity(first) - velocity(second))) + contact.bias;
+            free_solve(contact, &q, *response)
+        };
+        impulses
+            .par_chunks_mut(CHUNK)
+            .zip(world.par_chunks_mut(CHUNK))
+            .zip(contacts.par_chunks(CHUNK).zip(self.of_contact.par_chunks(CHUNK)))
+            .zip(responses.par_chunks(CHUNK))
+            .for_each(|(((impulses, world), (contacts, sides)), responses)| {
+                for (i, one) in contacts.iter().zip(sides).enumerate() {
+                    impulses[i] = solve(one, &responses[i]);
+                    world[i] = one.0.frame * impulses[i];
+                }
+            });
+    }
+
+    /// Lets the bodies move as near to `2 z - h` as they can, and finds the step to the next state.
+    fn respond(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        base: &[Vector3<f64>],
+        impulses: &[Vector3<f64>],
+        relaxation: f64,
+    ) {
+        let ranges = ranges(bodies);
+        let Self { starts, contact, metric, h, step, given, v, asked, answer, .. } = self;
+        let (starts, contact, metric, h) = (&*starts, &*contact, &*metric, &*h);
+        let (v, asked, answer) = (split(v, bodies), split(asked, bodies), split(answer, bodies));
+        let mut rest = &mut step[..];
+        let steps: Vec<_> = ranges
+            .iter()
+            .map(|range| {
+                let count = starts[range.end] - starts[range.start];
+                let (head, tail) = std::mem::take(&mut rest).split_at_mut(count);
+                rest = tail;
+                head
+            })
+            .collect();
+        let impulse = |side: usize| impulses[contact[side].0] * contact[side].1;
+        bodies
+            .par_iter_mut()
+            .zip(ranges)
+            .zip(steps.into_par_iter().zip(v))
+            .zip(asked.into_par_iter().zip(answer))
+            .for_each(|(((body, range), (step, v)), (asked, answer))| {
+                for (point, asked) in range.clone().zip(&mut *asked) {
+                    *asked = -given[point];
+                    for side in starts[point]..starts[point + 1] {
+                        *asked += (h[side] - base[point]) * metric[side] + impulse(side) * 2.0;
+                    }
+                }
+                body.weighted_respond(asked, answer);
+                let first = starts[range.start];
+                for ((point, v), answer) in range.zip(v).zip(answer) {
+                    *v = base[point] + *answer;
+                    for side in starts[point]..starts[point + 1] {
+                        let z = h[side] + impulse(side) / metric[side];
+                        step[side - first] = (*v - z) * relaxation;
+                    }
+                }
+            });
+    }
+
+    /// The velocities that the impulses really cause.
+    fn truth(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        base: &[Vector3<f64>],
+        impulses: &[Vector3<f64>],
+    ) {
+        for (point, asked) in self.asked.iter_mut().enumerate() {
+            *asked = -self.given[point];
+            for (contact, sign) in &self.contact[self.starts[point]..self.starts[point + 1]] {
+                *asked += impulses[*contact] * *sign;
+            }
+        }
+        let (asked, v) = (split(&mut self.asked, bodies), split(&mut self.v, bodies));
+        bodies
+            .par_iter_mut()
+            .zip(asked.into_par_iter().zip(v))
+            .for_each(|(body, (asked, v))| body.respond(asked, v));
+        for (v, base) in self.v.iter_mut().zip(base) {
+            *v += base;
+        }
     }
 
     /// How far what the contacts want is from what the bodies do.
@@ -236,19 +352,15 @@ impl Points {
     ) -> Report {
         let (mut wrong, mut all) = (0.0, 0.0);
         let mut found = Report::default();
-        for ((contact, response), r) in contacts.iter().zip(responses).zip(impulses) {
-            let mut off = self.step[contact.first];
-            if let Some(second) = contact.second {
-                off -= self.step[second];
-            }
-            let mut off = contact.frame.tr_mul(&off) / relaxation;
+        let step = |side: Option<usize>| side.map_or_else(Vector3::zeros, |side| self.step[side]);
+        for (i, (contact, r)) in contacts.iter().zip(impulses).enumerate() {
+            let [first, second] = self.of_contact[i];
+            let mut off = contact.frame.tr_mul(&(step(first) - step(second))) / relaxation;
             if r.x <= -contact.adhesion {
                 // Nothing holds it: only what closes the gap is wrong.
-                off.y = 0.0;
-                off.z = 0.0;
-                off.x = contact.relative(&self.v).x.min(0.0);
+                off = Vector3::new(contact.relative(&self.v).x.min(0.0), 0.0, 0.0);
             }
-            wrong += off.norm_squared() / (response * response);
+            wrong += off.norm_squared() / (responses[i] * responses[i]);
             all += r.norm_squared();
             found.normal_error = found.normal_error.max(off.x.abs());
             found.slip_error = found.slip_error.max(off.yz().norm());
@@ -258,82 +370,20 @@ impl Points {
         }
         found
     }
-
-    /// The velocities that the impulses really cause.
-    fn truth(
-        &mut self,
-        bodies: &mut [&mut dyn Body],
-        base: &[Vector3<f64>],
-        impulses: &[Vector3<f64>],
-    ) {
-        for (i, (contact, sign)) in self.contact.iter().enumerate() {
-            let acts = if *contact == NONE {
-                Vector3::zeros()
-            } else {
-                impulses[*contact as usize] * *sign
-            };
-            self.asked[i] = acts - self.given[i];
-        }
-        let asked = split(&mut self.asked, bodies);
-        let v = split(&mut self.v, bodies);
-        bodies
-            .par_iter_mut()
-            .zip(asked.into_par_iter().zip(v))
-            .for_each(|(body, (asked, v))| body.respond(asked, v));
-        for (v, base) in self.v.iter_mut().zip(base) {
-            *v += base;
-        }
-    }
-
-    /// Lets the bodies move as near to `2 z - h` as they can, and finds the step to the next state.
-    fn respond(
-        &mut self,
-        bodies: &mut [&mut dyn Body],
-        base: &[Vector3<f64>],
-        impulses: &[Vector3<f64>],
-        relaxation: f64,
-    ) {
-        let Self { contact, metric, given, h, v, asked, answer, step } = self;
-        let (step, v) = (split(step, bodies), split(v, bodies));
-        let (asked, answer) = (split(asked, bodies), split(answer, bodies));
-        let mut start = 0;
-        let ranges: Vec<_> = bodies
-            .iter()
-            .map(|body| {
-                let range = start..start + body.points();
-                start = range.end;
-                range
-            })
-            .collect();
-        bodies
-            .par_iter_mut()
-            .zip(ranges)
-            .zip(step.into_par_iter().zip(v))
-            .zip(asked.into_par_iter().zip(answer))
-            .for_each(|(((body, range), (step, v)), (asked, answer))| {
-                let h = &h[range.clone()];
-                let (contact, metric) = (&contact[range.clone()], &metric[range.clone()]);
-                let (given, base) = (&given[range.clone()], &base[range]);
-                let impulse = |i: usize| {
-                    let (contact, sign) = contact[i];
-                    if contact == NONE { Vector3::zeros() } else { impulses[contact as usize] * sign }
-                };
-                for i in 0..h.len() {
-                    asked[i] = (h[i] - base[i]) * metric[i] + impulse(i) * 2.0 - given[i];
-                }
-                body.weighted_respond(asked, answer);
-                for i in 0..h.len() {
-                    v[i] = base[i] + answer[i];
-                    if metric[i] > 0.0 {
-                        let z = h[i] + impulse(i) / metric[i];
-                        step[i] = (v[i] - z) * relaxation;
-                    }
-                }
-            });
-    }
 }
 
-/// Cuts an array of points into those of each body.
+/// The points of each body.
+fn ranges(bodies: &[&mut dyn Body]) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let range = |body: &&mut dyn Body| {
+        let range = start..start + body.points();
+        start = range.end;
+        range
+    };
+    bodies.iter().map(range).collect()
+}
+
+/// Cuts an array over all points into those of each body.
 fn split<'a, T>(mut array: &'a mut [T], bodies: &[&mut dyn Body]) -> Vec<&'a mut [T]> {
     let cut = |body: &&mut dyn Body| {
         let (head, tail) = std::mem::take(&mut array).split_at_mut(body.points());

@@ -44,10 +44,8 @@ pub(crate) fn check(
     impulses: &[Vector3<f64>],
 ) -> Result<(), ContactError> {
     let points = bodies.iter().map(|body| body.points()).sum();
-    let lengths = [
-        ("velocities", points, velocities.len()),
-        ("impulses", contacts.len(), impulses.len()),
-    ];
+    let lengths =
+        [("velocities", points, velocities.len()), ("impulses", contacts.len(), impulses.len())];
     for (what, expected, found) in lengths {
         if expected != found {
             return Err(ContactError::Length { what, expected, found });

@@ -18,7 +18,20 @@ struct Start {
     rod: Rod,
     /// `None` for the natural shape, in which integrators start.
     state: Option<RodState>,
+    velocity: Vector3<f64>,
     conditions: Arc<BundleConditions>,
+}
+
+impl Start {
+    /// The state to start in, if it is not that in which an integrator starts by itself.
+    fn moving(&self, natural: impl FnOnce() -> RodState) -> Option<RodState> {
+        if self.velocity == Vector3::zeros() {
+            return self.state.clone();
+        }
+        let mut state = self.state.clone().unwrap_or_else(natural);
+        state.velocities.fill(self.velocity);
+        Some(state)
+    }
 }
 
 impl Scene {
@@ -42,6 +55,7 @@ impl Scene {
             starts.extend(fibers.into_iter().map(|fiber| Start {
                 bundle: i,
                 state: (bundle.initial == Initial::Straight).then(|| straight(&fiber)),
+                velocity: Vector3::from(bundle.velocity),
                 rod: Rod { fiber, damping_time: bundle.damping_time },
                 conditions: Arc::clone(&conditions),
             }));
@@ -205,8 +219,8 @@ fn side_by_side(
     starts: &[&Start],
 ) -> Result<Box<dyn Batch>, RodError> {
     for (lane, start) in starts.iter().enumerate() {
-        if let Some(state) = &start.state {
-            batch.set_state(lane, state)?;
+        if let Some(state) = start.moving(|| batch.state(lane)) {
+            batch.set_state(lane, &state)?;
         }
     }
     Ok(Box::new(batch))
@@ -219,8 +233,8 @@ fn started<I: RodIntegrator>(
 ) -> Result<Vec<I>, RodError> {
     let one = |start: &&Start| {
         let mut integrator = new(start.rod.clone())?;
-        if let Some(state) = &start.state {
-            integrator.set_state(state)?;
+        if let Some(state) = start.moving(|| integrator.state()) {
+            integrator.set_state(&state)?;
         }
         Ok(integrator)
     };

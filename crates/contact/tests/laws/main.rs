@@ -6,6 +6,7 @@
 mod common;
 
 mod adhesion;
+mod admm;
 mod between;
 mod curves;
 mod impacts;

@@ -31,6 +31,9 @@ pub struct Bundle {
     /// Shape at the start.
     #[serde(default)]
     pub initial: Initial,
+    /// Velocity of all of it at the start, m/s.
+    #[serde(default)]
+    pub velocity: [f64; 3],
     /// Where the bundle starts.
     #[serde(default)]
     pub root: Pose,
@@ -255,7 +258,12 @@ impl Bundle {
         check.within("root", |c| self.root.check(c));
         check.within("arrangement", |c| self.arrangement.check(c));
         check.within("motion", |c| self.motion.check(c));
+        check.vector("velocity", &self.velocity, "m/s");
         check.within("root_joint", |c| self.root_joint.check(c));
+        if self.root_joint == Joint::Free && self.motion != Motion::Fixed {
+            let message = "moves the root, but root_joint lets it move freely; leave one out";
+            check.refuse("motion", message.into());
+        }
         check.within("tip", |c| self.tip.check(c));
         check.each("point_forces", &self.point_forces, |c, force| {
             c.number("at", force.at, Allowed::Within(0.0, 1.0), "");

@@ -63,6 +63,8 @@ pub enum Joint {
         #[serde(default)]
         moment: Load,
     },
+    /// Move and turn freely: nothing holds the end. Only for roots that do not move by themselves.
+    Free,
 }
 
 /// A force or a moment over time.
@@ -195,6 +197,7 @@ impl Joint {
                 let position = Point3::from(pose.translation.vector);
                 rod::End::Pinned { position, moment: moment.at(t) }
             }
+            Self::Free => rod::End::FREE,
         }
     }
 
@@ -223,6 +226,9 @@ impl Tip {
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::Positive, "s");
                 check.within("joint", |c| joint.check(c));
+                if *joint == Joint::Free {
+                    check.refuse("joint", "is Free, but drives nothing; make the tip Free".into());
+                }
                 check.number("twist", *twist, Allowed::Finite, "degrees");
                 if *joint != Joint::Clamped && *twist != 0.0 {
                     let message = format!(

@@ -1,0 +1,119 @@
+//! The solver for many contacts against the law itself and against the reference.
+use crate::common::{Dense, Random, circle, contact, resolve};
+use nalgebra::{Matrix3, Vector3};
+use rapunzel_contact::{Admm, Contact, Solver, Tolerance, Violation};
+
+/// Rigid bodies that touch each other and the ground at random points, with all kinds of curves.
+/// Several contacts may be at one point.
+fn heap(random: &mut Random, most: f64) -> (Vec<Dense>, Vec<Contact>) {
+    let (count, per_body) = (8, 3);
+    let bodies: Vec<_> = (0..count)
+        .map(|_| {
+            let offsets: Vec<_> = (0..per_body).map(|_| random.vector()).collect();
+            let inertia = Matrix3::from_diagonal(&Vector3::new(0.4, 0.7, 0.5));
+            let mut body = Dense::rigid(0.5 + random.unit(), &inertia, &offsets);
+            let velocity = [random.vector(), random.vector()];
+            for (i, x) in velocity.iter().flatten().enumerate() {
+                body.velocity[i] = *x;
+            }
+            body
+        })
+        .collect();
+    let contacts = (0..14)
+        .map(|k| {
+            let first = random.below(count * per_body);
+            let other = random.below(count * per_body + 6);
+            let apart = other < count * per_body && other / per_body != first / per_body;
+            let curve = random.curve(k, most);
+            let mut c = contact(first, apart.then_some(other), &random.direction(), curve);
+            c.adhesion = if k % 4 == 0 { 0.1 * random.unit() } else { 0.0 };
+            c.compliance = if k % 3 == 0 { 0.01 } else { 0.0 };
+            c.bias = 0.1 * random.vector();
+            c
+        })
+        .collect();
+    (bodies, contacts)
+}
+
+fn worst(bodies: &[Dense], contacts: &[Contact], impulses: &[Vector3<f64>]) -> f64 {
+    let velocities: Vec<_> = bodies.iter().flat_map(Dense::velocities).collect();
+    let violation = |(c, r): (&Contact, &Vector3<f64>)| {
+        let u = c.relative(&velocities) + r * c.compliance;
+        let found = Violation::new(c, &u, r, 1.0);
+        found.normal.max(found.slip)
+    };
+    contacts.iter().zip(impulses).map(violation).fold(0.0, f64::max)
+}
+
+/// What it calls solved obeys the law, as found with the bodies' velocities afterwards; and it
+/// solves nearly all.
+#[test]
+fn answers_obey_the_law() {
+    let mut random = Random(30);
+    let (mut solved, mut iterations) = (0, 0);
+    for _ in 0..200 {
+        let (mut bodies, contacts) = heap(&mut random, 0.8);
+        let mut impulses = vec![Vector3::zeros(); contacts.len()];
+        let tolerance = Tolerance { residual: 1e-10, iterations: 5000, ..Tolerance::EXACT };
+        let mut solver = Admm::new(tolerance);
+        let found = resolve(&mut bodies, &contacts, &mut impulses, &mut solver);
+        if found.converged {
+            (solved, iterations) = (solved + 1, iterations + found.iterations);
+            let size: f64 = impulses.iter().map(Vector3::norm).sum::<f64>() + 1.0;
+            let wrong = worst(&bodies, &contacts, &impulses);
+            assert!(wrong < 1e-8 * size, "{wrong} {found:?}");
+        }
+    }
+    println!("{solved} of 200 solved, {} iterations in the mean", iterations / solved.max(1));
+    assert!(solved >= 195, "{solved}");
+}
+
+/// One contact alone: the same as the exact local solution, which knows of no iteration.
+#[test]
+fn one_contact_is_solved_exactly() {
+    let mut random = Random(31);
+    for k in 0..100 {
+        let (bodies, mut contacts) = heap(&mut random, 1.0);
+        contacts.truncate(1);
+        contacts[0].friction = random.curve(k, 1.0);
+        let solve = |solver: &mut dyn Solver| {
+            let (mut bodies, mut impulses) = (bodies.clone(), vec![Vector3::zeros()]);
+            let found = resolve(&mut bodies, &contacts, &mut impulses, solver);
+            assert!(found.converged, "{k}: {found:?}");
+            impulses[0]
+        };
+        let admm = solve(&mut Admm::new(Tolerance { residual: 1e-11, ..Tolerance::EXACT }));
+        let exact = solve(&mut crate::common::exact());
+        assert!((admm - exact).norm() < 1e-9 * (1.0 + exact.norm()), "{k}: {admm} {exact}");
+    }
+}
+
+/// A warm start at the solution is recognized at the first look; memory and weight change the way
+/// but not the answer; nothing touches: nothing happens.
+#[test]
+fn starts_and_settings_do_not_matter() {
+    let ball = Dense::sphere(2.0, 0.1, &[-Vector3::z()]);
+    let floor = contact(0, None, &Vector3::z(), circle(0.3));
+    let solve = |settings: &dyn Fn(&mut Admm), start: Vector3<f64>| {
+        let mut ball = ball.clone();
+        ball.velocity.copy_from_slice(&[0.3, 0.1, -1.0, 0.0, 2.0, 0.0]);
+        let mut solver = Admm::new(Tolerance { residual: 1e-12, ..Tolerance::EXACT });
+        settings(&mut solver);
+        let mut impulses = vec![start];
+        let found = resolve(&mut [ball], std::slice::from_ref(&floor), &mut impulses, &mut solver);
+        assert!(found.converged, "{found:?}");
+        (impulses[0], found.iterations)
+    };
+    let (plain, _) = solve(&|_| {}, Vector3::zeros());
+    assert!((plain.x - 2.0).abs() < 1e-11, "{plain}");
+    for (memory, weight, relaxation) in [(0, 1.0, 1.0), (5, 0.3, 1.6), (12, 20.0, 1.9)] {
+        let settings = |solver: &mut Admm| {
+            (solver.memory, solver.weight, solver.relaxation) = (memory, weight, relaxation);
+        };
+        let (other, _) = solve(&settings, Vector3::zeros());
+        assert!((other - plain).norm() < 1e-9, "{memory} {weight}: {other} {plain}");
+    }
+    let none: [Contact; 0] = [];
+    let found = resolve(&mut [ball.clone()], &none, &mut [], &mut Admm::new(Tolerance::EXACT));
+    assert!(found.converged && found.iterations == 0);
+}
