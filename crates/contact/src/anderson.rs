@@ -11,7 +11,7 @@ use rayon::prelude::*;
 const CHUNK: usize = 2048;
 /// Part of the largest entry that keeps the small system regular.
 const RIDGE: f64 = 1e-10;
-/// How much a residual may grow before the step is taken back.
+/// A step is taken back if the residual grows by more than this factor.
 const GROWTH: f64 = 1.0;
 
 /// The last steps of an iteration on many vectors.
@@ -53,7 +53,7 @@ impl Anderson {
     ) {
         let norm = dot(weights, residual, residual).sqrt();
         if let Some(before) = self.norm
-            && !(norm <= GROWTH * before)
+            && (norm > GROWTH * before || norm.is_nan())
         {
             // Back to where plain steps lead.
             state.copy_from_slice(&self.image);

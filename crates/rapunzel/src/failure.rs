@@ -27,6 +27,8 @@ const SCENE: u8 = 3;
 const FILE: u8 = 4;
 /// Interrupted by the user: 128 and the number of the signal, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
+/// Complete, but contacts missed their tolerances in some steps.
+pub(crate) const UNRESOLVED: u8 = 5;
 
 impl Failure {
     /// An error of the simulation of the scene in `scene`.
@@ -41,7 +43,11 @@ impl Failure {
                 ..
             } => FAILED,
             Self::Sim {
-                error: SimError::Scene { .. } | SimError::Fiber { .. } | SimError::Rod { .. },
+                error:
+                    SimError::Scene { .. }
+                    | SimError::Fiber { .. }
+                    | SimError::Rod { .. }
+                    | SimError::Overlap { .. },
                 ..
             } => SCENE,
             Self::Sim { .. } | Self::File(_) => FILE,

@@ -1,5 +1,5 @@
 use crate::arguments::RunOptions;
-use crate::failure::{Failure, INTERRUPTED};
+use crate::failure::{Failure, INTERRUPTED, UNRESOLVED};
 use crate::words::say;
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -60,8 +60,12 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         Ok(summary) => {
             tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
             tell(&summary, &path, wall, json)?;
-            let interrupted = summary.outcome == Outcome::Cancelled;
-            Ok(ExitCode::from(if interrupted { INTERRUPTED } else { 0 }))
+            let unresolved = summary.contact.is_some_and(|contact| contact.unresolved > 0);
+            Ok(ExitCode::from(match summary.outcome {
+                Outcome::Cancelled => INTERRUPTED,
+                _ if unresolved => UNRESOLVED,
+                _ => 0,
+            }))
         }
         Err(error) => {
             tracing::error!(wall_seconds = wall, %error, "end");

@@ -19,6 +19,7 @@ templates![
     "lock-pulled",
     "lock-falling",
     "lock-on-moving-root",
+    "contact/lock-on-ball",
     "static/hose-between-flanges",
     "static/tress-root",
     "static/follower-load",

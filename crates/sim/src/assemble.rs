@@ -1,7 +1,7 @@
 use crate::conditions::{BundleConditions, FiberConditions};
+use crate::contact::Touching;
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
-use crate::contact::Touching;
 use crate::{FreeFibers, SimError, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
@@ -214,10 +214,7 @@ fn batch(
 }
 
 /// Fibres in SIMD lanes, each at its start.
-fn side_by_side(
-    mut batch: StaggeredBatch,
-    starts: &[&Start],
-) -> Result<Box<dyn Batch>, RodError> {
+fn side_by_side(mut batch: StaggeredBatch, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
     for (lane, start) in starts.iter().enumerate() {
         if let Some(state) = start.moving(|| batch.state(lane)) {
             batch.set_state(lane, &state)?;

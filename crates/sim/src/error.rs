@@ -45,6 +45,21 @@ pub enum SimError {
         /// Which fibre and why.
         source: StepError,
     },
+    /// Fibres start inside each other or inside an object.
+    #[error(
+        "fibre {fiber} starts {depth:.2e} m deep in {other}, at its segment {segment}; move them \
+         apart, or leave `contact` out"
+    )]
+    Overlap {
+        /// Index of the fibre, over all bundles.
+        fiber: usize,
+        /// Where along it, from the root.
+        segment: usize,
+        /// What it is in.
+        other: String,
+        /// How deep, m.
+        depth: f64,
+    },
     /// Contacts could not be looked for.
     #[error("contacts cannot be found: {0}")]
     Collision(#[from] CollisionError),

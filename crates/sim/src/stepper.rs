@@ -22,7 +22,14 @@ pub struct StepReport {
 impl StepReport {
     /// The report of a single fibre.
     pub(crate) fn of_one(iterations: usize, halvings: usize, missed: usize) -> Self {
-        Self { fibers: 1, iterations, worst_iterations: iterations, halvings, missed, contact: ContactReport::default() }
+        Self {
+            fibers: 1,
+            iterations,
+            worst_iterations: iterations,
+            halvings,
+            missed,
+            contact: ContactReport::default(),
+        }
     }
 
     /// Counts the fibres of another report too.

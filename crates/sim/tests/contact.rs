@@ -82,10 +82,8 @@ fn no_hair_passes_through_another() {
     for (k, speed) in [0.3_f64, 1.0, 3.0, 10.0].into_iter().cycle().take(12).enumerate() {
         let angle = 0.3 + 0.2 * k as f64;
         let (sin, cos) = angle.sin_cos();
-        let target = hair(
-            20,
-            "root: (position: (-0.03, 0, 0), orientation: Along(direction: (1, 0, 0)))",
-        );
+        let target =
+            hair(20, "root: (position: (-0.03, 0, 0), orientation: Along(direction: (1, 0, 0)))");
         let shot = hair(
             20,
             &format!(
@@ -99,7 +97,13 @@ fn no_hair_passes_through_another() {
         let mut run = Run::new(&scene(&[target, shot], "", 0.3, 0.0, 1e-3));
         let mut touched = false;
         // Later the shot may slip off the free end.
-        let steps = if speed < 1.0 { 16 } else if speed < 3.0 { 5 } else { 2 };
+        let steps = if speed < 1.0 {
+            16
+        } else if speed < 3.0 {
+            5
+        } else {
+            2
+        };
         for _ in 0..steps {
             touched |= run.step().contact.active > 0;
             let (a, b) = (run.positions(0), run.positions(1));
@@ -145,15 +149,9 @@ fn free_hairs_that_collide_keep_their_momentum() {
 #[test]
 fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
     let alpha = 20.0_f64.to_radians();
-    let plane = format!(
-        "(shape: Plane(normal: ({:?}, 0.0, {:?})))",
-        alpha.sin(),
-        alpha.cos()
-    );
-    let (up, down) = (
-        Vector3::new(alpha.sin(), 0.0, alpha.cos()),
-        Vector3::new(alpha.cos(), 0.0, -alpha.sin()),
-    );
+    let plane = format!("(shape: Plane(normal: ({:?}, 0.0, {:?})))", alpha.sin(), alpha.cos());
+    let (up, down) =
+        (Vector3::new(alpha.sin(), 0.0, alpha.cos()), Vector3::new(alpha.cos(), 0.0, -alpha.sin()));
     let at = up * (0.5 * DIAMETER + 1e-7);
     let lying = hair(
         20,
@@ -164,7 +162,7 @@ fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
         ),
     );
     for mu in [0.5, 0.0, 0.2] {
-        let mut run = Run::new(&scene(&[lying.clone()], &plane, mu, -9.81, 1e-3));
+        let mut run = Run::new(&scene(std::slice::from_ref(&lying), &plane, mu, -9.81, 1e-3));
         let start = run.positions(0)[10];
         for _ in 0..100 {
             run.step();
@@ -209,13 +207,34 @@ fn a_tress_lands_on_a_ball() {
     }
 }
 
+/// What starts in something is refused, with what and where.
+#[test]
+fn overlaps_at_the_start_are_refused() {
+    let crossing = hair(
+        20,
+        "root: (position: (0.0101, -0.03, 0.00003), orientation: Along(direction: (0, 1, 0)))",
+    );
+    let lying = hair(20, "root: (orientation: Along(direction: (1, 0, 0)))");
+    let refused = |fibers: &[String], objects: &str| {
+        let scene = Scene::from_ron(&scene(fibers, objects, 0.3, 0.0, 1e-3)).expect("sound");
+        let world = scene.build().expect("a world");
+        scene.stepper_of(&world).err().expect("an overlap").to_string()
+    };
+    let message = refused(&[lying.clone(), crossing], "");
+    assert!(
+        message.starts_with("fibre 0 starts 4.00e-5 m deep in fibre 1, at its segment 3"),
+        "{message}"
+    );
+    let message = refused(&[lying], "(shape: Ball(radius: 0.01), position: (0.03, 0, 0.0))");
+    assert!(message.contains("deep in objects[0]"), "{message}");
+}
+
 /// The cuticle: a hair that is pulled down a slope root first stays where one that lies the other
 /// way round slides.
 #[test]
 fn scales_hold_one_way_only() {
     let alpha = 20.0_f64.to_radians();
-    let plane =
-        format!("(shape: Plane(normal: ({:?}, 0.0, {:?})))", alpha.sin(), alpha.cos());
+    let plane = format!("(shape: Plane(normal: ({:?}, 0.0, {:?})))", alpha.sin(), alpha.cos());
     let slid = |direction: f64| {
         let (cos, sin) = (direction * alpha.cos(), -direction * alpha.sin());
         let up = 0.5 * DIAMETER + 1e-7;

@@ -104,13 +104,27 @@ fn tables_hold_what_the_world_does() {
     assert_eq!(last.strands[0].velocities[8].as_slice(), &probes[40][1..]);
 }
 
+/// Also of fibres that lie on something: what touched is part of a checkpoint.
 #[test]
 fn interruptions_change_no_byte() {
+    for text in [SCENE.into(), touching()] {
+        interrupt(&Scene::from_ron(&text).expect("a sound scene"));
+    }
+}
+
+/// The scene with contacts, above a plane that the hairs reach.
+fn touching() -> String {
+    let floor = "objects: [(shape: Plane(normal: (0, 0, 1)), position: (0, 0, -0.046))], \
+                 contact: (friction: Isotropic(0.3)), stepper:";
+    SCENE.replace("stepper:", floor).replace("dt: 0.005", "dt: 0.001")
+}
+
+fn interrupt(scene: &Scene) {
     let [whole, parts] = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
-    run_until(&scene(), whole.path(), Existing::Refuse, u64::MAX).expect("runs");
+    run_until(scene, whole.path(), Existing::Refuse, u64::MAX).expect("runs");
     // At the start, within a frame, on a frame, on a checkpoint, and just before the end.
     for stop in [0, 1, 6, 8, 12, 23, 39] {
-        let summary = run_until(&scene(), parts.path(), Existing::Resume, stop).expect("runs");
+        let summary = run_until(scene, parts.path(), Existing::Resume, stop).expect("runs");
         assert_eq!((summary.outcome, summary.steps), (Outcome::Cancelled, stop));
     }
     // What a killed run may leave beyond its checkpoint.
@@ -120,7 +134,7 @@ fn interruptions_change_no_byte() {
     fs::write(parts.path().join("frames/frame-000010.vtp.partial"), "half").expect("writable");
     // The second time, the run is at its end already.
     for _ in 0..2 {
-        run_until(&scene(), parts.path(), Existing::Resume, u64::MAX).expect("runs");
+        run_until(scene, parts.path(), Existing::Resume, u64::MAX).expect("runs");
     }
     let (whole, parts) = (files(whole.path()), files(parts.path()));
     assert_eq!(whole.keys().collect::<Vec<_>>(), parts.keys().collect::<Vec<_>>());

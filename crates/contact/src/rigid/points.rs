@@ -26,7 +26,7 @@ impl RigidBody {
         mass.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.inertia());
         let levers = points.iter().map(|point| point - self.center()).collect();
         let factor = factorize(mass)?;
-        Ok(RigidPoints { levers, mass, weighted: factor.clone(), factor })
+        Ok(RigidPoints { levers, mass, weighted: factor, factor })
     }
 }
 

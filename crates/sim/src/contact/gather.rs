@@ -96,9 +96,9 @@ impl World {
     /// Lets every group do something, in parallel. Of several errors the first group's is told.
     pub(super) fn for_groups<T: Send>(
         &mut self,
-        act: impl Fn(&mut Group) -> Result<T, StepError> + Sync,
+        act: impl Fn(&mut Group) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
-        let results: Vec<_> = self.groups.par_iter_mut().map(|group| act(group)).collect();
+        let results: Vec<_> = self.groups.par_iter_mut().map(act).collect();
         results.into_iter().collect()
     }
 
@@ -106,7 +106,7 @@ impl World {
     pub(super) fn with_impulses<T: Send>(
         &mut self,
         impulses: &[Vector3<f64>],
-        act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync,
+        act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
         let ranges: Vec<_> = (0..self.assembly().layout().fibers())
             .map(|fiber| self.assembly().layout().node_range(fiber))

@@ -17,6 +17,8 @@ const MOST_LISTS: usize = 9;
 const SMALL_TURN: f64 = 1e-4;
 /// By how many radii the second list is wider than the first, at most.
 const WIDEST: f64 = 2.0;
+/// How deep in each other things may be at the start, in radii: steps push them apart.
+const OVERLAP: f64 = 0.2;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -84,7 +86,34 @@ impl Touching {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let detector = Detector::new(largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        Ok(Self { settings, objects, detector, solver, radii, radius })
+        let mut touching = Self { settings, objects, detector, solver, radii, radius };
+        touching.refuse_overlaps(world)?;
+        Ok(touching)
+    }
+
+    /// Refuses a world that starts deeper in itself than a step would leave it.
+    fn refuse_overlaps(&mut self, world: &World) -> Result<(), SimError> {
+        let start = world.positions();
+        let motion = Motion {
+            layout: world.assembly().layout(),
+            radii: &self.radii,
+            start: &start,
+            end: &start,
+            time: world.time(),
+            dt: 1.0,
+        };
+        let mut touches = Vec::new();
+        self.detector.touches(&motion, &self.objects, 0.0, &mut touches)?;
+        let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
+        match deepest {
+            Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
+                fiber: touch.fiber as usize,
+                segment: touch.segments[0] as usize,
+                other: touch.partner.to_string(),
+                depth: -touch.gap,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -93,7 +122,8 @@ impl Stepper for Touching {
     /// has come, which the report tells.
     fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
-        let mut report = StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
+        let mut report =
+            StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
         // In shortest parts, so that the last ends exactly.
         let whole = 1_u32 << MOST_HALVINGS;
         let (mut done, mut part) = (0, whole);
@@ -126,7 +156,13 @@ impl Stepper for Touching {
 impl Touching {
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
     /// as it comes.
-    fn take(&mut self, world: &mut World, time: f64, dt: f64, last: bool) -> Result<StepReport, Cut> {
+    fn take(
+        &mut self,
+        world: &mut World,
+        time: f64,
+        dt: f64,
+        last: bool,
+    ) -> Result<StepReport, Cut> {
         let start = world.positions();
         let report = StepReport::default();
         let mut part = Part { time, dt, start, mean: Vec::new(), touches: Vec::new(), report };
@@ -258,8 +294,7 @@ impl Touching {
         more: f64,
     ) -> Result<(), CollisionError> {
         part.mean = world.mean_velocities();
-        let end: Vec<_> =
-            part.start.iter().zip(&part.mean).map(|(x, v)| x + v * part.dt).collect();
+        let end: Vec<_> = part.start.iter().zip(&part.mean).map(|(x, v)| x + v * part.dt).collect();
         let motion = Motion {
             layout: world.assembly().layout(),
             radii: &self.radii,

@@ -1,6 +1,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
+use std::fmt;
 
 /// What a fibre touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -9,6 +10,15 @@ pub(crate) enum Partner {
     Fiber(u32),
     /// An object of the scene.
     Object(u32),
+}
+
+impl fmt::Display for Partner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fiber(fiber) => write!(f, "fibre {fiber}"),
+            Self::Object(object) => write!(f, "objects[{object}]"),
+        }
+    }
 }
 
 /// A place where a fibre touches something, or nearly does, at the end of a step.

@@ -1,8 +1,8 @@
-use super::check::{Allowed, Check};
 use super::Motion;
+use super::check::{Allowed, Check};
+use crate::contact::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapunzel_collision::field::{Ball, DistanceField, HalfSpace};
-use crate::contact::{Partner, Touch};
 use rapunzel_contact::{ContactError, LimitCurve};
 use serde::{Deserialize, Serialize};
 
