@@ -18,7 +18,7 @@ mod storage;
 mod summary;
 mod world;
 
-pub use contact::ContactReport;
+pub use contact::{Bearing, ContactReport, Partner};
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};
 pub use plan::Plan;

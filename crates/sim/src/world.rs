@@ -1,4 +1,4 @@
-use crate::contact::Memory;
+use crate::contact::{Bearing, Memory};
 use crate::group::Group;
 use crate::{SimError, scene::Environment};
 use rapunzel_fiber::Assembly;
@@ -95,6 +95,12 @@ impl World {
             }
         }
         sum
+    }
+
+    /// What fibres touched in the last part of a step, with what force: by fibre, then by partner
+    /// and place.
+    pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
+        self.contacts.bearings()
     }
 
     /// All numbers that determine what follows.

@@ -58,15 +58,16 @@ impl Detector {
         let margin = self.margin + more;
         contacts(&end, &near, margin, &mut self.contacts)?;
         touches.clear();
-        touches.extend(self.contacts.iter().map(|contact| fiber_touch(&end, contact)));
-        touches.extend(fast.iter().map(|contact| fiber_touch(&end, contact)));
+        let found = self.contacts.iter().chain(&fast).filter(|contact| !bends(&end, contact));
+        touches.extend(found.map(|contact| fiber_touch(&end, contact)));
         let fibers = motion.layout.fibers();
         let strand = |fiber: usize| {
             let mut found = Vec::new();
             for (index, object) in (0..).zip(objects) {
                 let strand = Strand {
                     fiber: fiber_number(fiber),
-                    nodes: &motion.end[motion.layout.node_range(fiber)],
+                    start: &motion.start[motion.layout.node_range(fiber)],
+                    end: &motion.end[motion.layout.node_range(fiber)],
                     radii: &motion.radii[motion.layout.segment_range(fiber)],
                 };
                 let span = [motion.time, motion.dt];
@@ -147,6 +148,31 @@ fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
     let offset = b1.at(t) - a1.at(s);
     let gap = offset.dot(&normal) - reach;
     Some(Contact { pair, fractions: [s, t], normal, gap })
+}
+
+/// Whether two places are so near along one fibre that not even the tightest bend, a half turn about
+/// its own radius, lets them touch: what is between them is too short, and only straight capsules
+/// overlap there.
+fn bends(end: &Capsules, contact: &Contact) -> bool {
+    let layout = end.layout();
+    let [first, second] = contact.pair.map(|segment| segment as usize);
+    if layout.segment_fibers()[first] != layout.segment_fibers()[second] {
+        return false;
+    }
+    let length = |segment: usize| {
+        let capsule = end.get(segment);
+        (capsule.end - capsule.start).norm()
+    };
+    let [s, t] = contact.fractions;
+    let reach = 0.5 * std::f64::consts::PI * (end.radii()[first] + end.radii()[second]);
+    let mut between = (1.0 - s) * length(first) + t * length(second);
+    for segment in first + 1..second {
+        between += length(segment);
+        if between > reach {
+            return false;
+        }
+    }
+    between < reach
 }
 
 /// The touch of two fibres; the one with the smaller number comes first.

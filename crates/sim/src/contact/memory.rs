@@ -24,6 +24,33 @@ pub(crate) struct Remembered {
     pub(crate) impulse: Vector3<f64>,
 }
 
+/// A contact that bore something in the last part of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// Index of the fibre.
+    pub fiber: usize,
+    /// What it touches.
+    pub partner: Partner,
+    /// Where along the fibre, and along the partner if that is a fibre too: in segments from the
+    /// root.
+    pub at: [f64; 2],
+    /// Mean force on the fibre over that part, N, world.
+    pub force: Vector3<f64>,
+}
+
+impl Memory {
+    /// The contacts that bore something.
+    pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
+        let dt = self.dt.unwrap_or(1.0);
+        self.bearing.iter().map(move |one| Bearing {
+            fiber: one.fiber as usize,
+            partner: one.partner,
+            at: one.touch().at(),
+            force: one.impulse / dt,
+        })
+    }
+}
+
 impl Remembered {
     /// As a touch of which no more is known.
     pub(crate) fn touch(&self) -> Touch {

@@ -27,8 +27,10 @@ mod report;
 mod stepper;
 mod touch;
 
+pub use memory::Bearing;
 pub(crate) use memory::Memory;
 pub(crate) use object::Object;
 pub use report::ContactReport;
 pub(crate) use stepper::Touching;
-pub(crate) use touch::{Partner, Touch};
+pub use touch::Partner;
+pub(crate) use touch::Touch;

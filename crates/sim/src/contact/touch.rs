@@ -5,7 +5,7 @@ use std::fmt;
 
 /// What a fibre touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum Partner {
+pub enum Partner {
     /// A fibre, perhaps itself.
     Fiber(u32),
     /// An object of the scene.

@@ -2,7 +2,8 @@ use super::Motion;
 use super::check::{Allowed, Check};
 use crate::contact::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
-use rapunzel_collision::field::{Ball, DistanceField, HalfSpace};
+use rapunzel_collision::Capsule;
+use rapunzel_collision::field::{Ball, Cuboid, DistanceField, HalfSpace};
 use rapunzel_contact::{ContactError, LimitCurve};
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +89,18 @@ pub enum ObjectShape {
         /// Its radius, m.
         radius: f64,
     },
+    /// A round bar with round ends, along its z axis, the origin in the middle.
+    Capsule {
+        /// Distance of the centers of its ends, m.
+        length: f64,
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// A box along its axes, the origin in the middle.
+    Cuboid {
+        /// Lengths of its sides, m.
+        sides: [f64; 3],
+    },
 }
 
 impl ContactSettings {
@@ -139,6 +152,15 @@ impl Object {
         check.within("shape", |c| match &self.shape {
             ObjectShape::Plane { normal } => c.direction("normal", normal),
             ObjectShape::Ball { radius } => c.number("radius", *radius, Allowed::Positive, "m"),
+            ObjectShape::Capsule { length, radius } => {
+                c.number("length", *length, Allowed::NonNegative, "m");
+                c.number("radius", *radius, Allowed::Positive, "m");
+            }
+            ObjectShape::Cuboid { sides } => {
+                for (i, side) in sides.iter().enumerate() {
+                    c.number(&format!("sides[{i}]"), *side, Allowed::Positive, "m");
+                }
+            }
         });
     }
 }
@@ -154,6 +176,11 @@ impl Object {
             ObjectShape::Ball { radius } => {
                 Box::new(Ball { center: Point3::origin(), radius: *radius })
             }
+            ObjectShape::Capsule { length, radius } => {
+                let end = Point3::new(0.0, 0.0, 0.5 * length);
+                Box::new(Capsule { start: -end, end, radius: *radius })
+            }
+            ObjectShape::Cuboid { sides } => Box::new(Cuboid { half: 0.5 * Vector3::from(*sides) }),
         };
         let [x, y, z] = self.turn.map(f64::to_radians);
         let start = Isometry3::from_parts(
