@@ -99,7 +99,6 @@ fn errors(case: &Crossed, segments: usize) -> [f64; 4] {
 fn a_fiber_across_a_bar() {
     for case in cases() {
         let [force, place, slope, shape] = errors(&case, 50);
-        println!("{}: {force:.1e} {place:.1e} {slope:.1e} {shape:.1e}", case.name);
         // The bar meets a chain of straight segments of 0.02: its height is off by h^2 kappa / 8,
         // and the force is across one segment.
         assert!(force.abs() < 5e-3 && shape < 3e-4, "{}: {force} {shape}", case.name);
