@@ -3,6 +3,7 @@
 mod climate;
 mod error;
 mod hair;
+pub mod lab;
 pub mod law;
 pub mod moduli;
 pub mod surface;
