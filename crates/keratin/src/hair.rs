@@ -292,7 +292,11 @@ mod tests {
         };
         for humidity in [0.0, 0.2, 0.5, 0.9, 1.0] {
             let climate = Climate::new(humidity, 23.0).expect("a climate");
-            assert_relative_eq!(keratin(&climate), keratin(&Climate::STANDARD), max_relative = 1e-14);
+            assert_relative_eq!(
+                keratin(&climate),
+                keratin(&Climate::STANDARD),
+                max_relative = 1e-14
+            );
         }
     }
 

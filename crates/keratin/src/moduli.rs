@@ -59,12 +59,7 @@ static ANCHORS: LazyLock<Anchors> = LazyLock::new(|| {
     Anchors {
         regain,
         steepness: [stretching, (dry / torsion.modulus).ln() / regain[0]],
-        warmth: [
-            [20.0, 0.0],
-            [25.0, 0.0],
-            [40.0, (warm / wet).ln()],
-            [90.0, (hot / wet).ln()],
-        ],
+        warmth: [[20.0, 0.0], [25.0, 0.0], [40.0, (warm / wet).ln()], [90.0, (hot / wet).ln()]],
         thin: mean(|row| row.e_thin),
         thick: mean(|row| row.e_thick),
     }
@@ -199,7 +194,8 @@ impl Hair {
         let mut curve = Curve::of("shear modulus", TORSION, (1, Standing::Assumed));
         if let Some(index) = self.treatment.row() {
             let row = &tables().torsion.rows[index];
-            let wider = self.section(&Climate::WET).area() / self.section(&Climate::STANDARD).area();
+            let wider =
+                self.section(&Climate::WET).area() / self.section(&Climate::STANDARD).area();
             curve.at_standard = GIGA * row.g;
             curve.drop = wider * wider / row.rigidity_ratio;
             curve.sources = vec![tables().torsion.row_source(index)];
@@ -289,18 +285,17 @@ pub fn oscillating_moduli() -> [Quantity; 2] {
 ///
 /// # Errors
 /// [`KeratinError::Outside`] beyond, unless marked.
-pub fn sound(
-    humidity: Humidity,
-    outside: crate::Outside,
-) -> Result<[Quantity; 2], KeratinError> {
+pub fn sound(humidity: Humidity, outside: crate::Outside) -> Result<[Quantity; 2], KeratinError> {
     let [damp, moist] = [&tables().sound.rows[0], &tables().sound.rows[1]];
     let range = [damp.rh / 100.0, moist.rh / 100.0];
     let h = humidity.fraction();
     let inside = if range.contains(&h) { Standing::Measured } else { Standing::Interpolated };
     let standing = outside.judge("speed of sound", "humidity", h, range, inside)?;
-    let at = |h: f64| water::value_at(&Climate { humidity: self::humidity(h), ..Climate::STANDARD });
+    let at =
+        |h: f64| water::value_at(&Climate { humidity: self::humidity(h), ..Climate::STANDARD });
     let part = (at(h) - at(range[0])) / (at(range[1]) - at(range[0]));
-    let between = |from: f64, to: f64| if h == range[1] { to } else { from * (to / from).powf(part) };
+    let between =
+        |from: f64, to: f64| if h == range[1] { to } else { from * (to / from).powf(part) };
     let sources = [0, 1].map(|row| tables().sound.row_source(row));
     Ok([1e3 * between(damp.v_s, moist.v_s), GIGA * between(damp.e, moist.e)]
         .map(|value| Quantity::new(value, standing, &sources)))

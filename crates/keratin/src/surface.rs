@@ -85,9 +85,8 @@ pub fn friction(
         Wetness::Wet if shifted => None,
         Wetness::Wet => row.mu_s_wet,
     };
-    let stick = stick.map_or(quantity(slip.value, Standing::Assumed), |mu| {
-        quantity(mu, Standing::Measured)
-    });
+    let stick = stick
+        .map_or(quantity(slip.value, Standing::Assumed), |mu| quantity(mu, Standing::Measured));
     Ok(Friction { stick, slip })
 }
 
@@ -110,8 +109,7 @@ const RESISTANCE_EXPONENT: f64 = 15.8;
 pub fn resistance(climate: &Climate, outside: Outside) -> Result<Quantity, KeratinError> {
     let ([low, high], measured) = range("resistance_85rh");
     let (factor, by_temperature) = number("resistance_factor_per_10k");
-    let reference =
-        Climate { humidity: Humidity::new(0.85)?, ..Climate::STANDARD };
+    let reference = Climate { humidity: Humidity::new(0.85)?, ..Climate::STANDARD };
     let content = |climate: &Climate| water::content(water::value_at(climate));
     let h = climate.humidity.fraction();
     let warmer = climate.temperature.celsius() - Temperature::ROOM.celsius();

@@ -28,8 +28,10 @@ fn history() -> impl Strategy<Value = Vec<(f64, f64)>> {
 /// Integral from 0 to t by Gauss and Legendre's rule of four points on panels that grow from both
 /// ends, as functions of time do here.
 fn integral(t: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const NODES: [[f64; 2]; 2] =
-        [[0.339_981_043_584_856_3, 0.652_145_154_862_546_1], [0.861_136_311_594_052_6, 0.347_854_845_137_453_9]];
+    const NODES: [[f64; 2]; 2] = [
+        [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+        [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
+    ];
     let mut cuts = vec![0.0];
     cuts.extend((0..400).map(|i| 0.5 * t * 10_f64.powf(-8.0 + f64::from(i) / 50.0)));
     let ends: Vec<f64> = cuts.iter().rev().map(|c| t - c).collect();
@@ -210,7 +212,8 @@ fn kelvin_and_voigt_creep() {
     for _ in 0..count {
         let start = memory[0];
         let there = law.response(&memory, &start, dt);
-        let strain = start + there.tangent.diagonal().map(|x| 1.0 / x).component_mul(&(moment - there.moment));
+        let strain = start
+            + there.tangent.diagonal().map(|x| 1.0 / x).component_mul(&(moment - there.moment));
         law.commit(&mut memory, &strain, dt);
     }
     let expected = 0.5 * (1.0 - (-2.0_f64).exp());
@@ -234,7 +237,11 @@ fn wool_relaxes_along_a_line_and_stiffens_with_age() {
         let class = |minutes: f64| wool.at_age(60.0 * minutes).at(t);
         assert_relative_eq!(class(100.0) - class(10.0), 0.3e9, max_relative = 1e-9);
         assert_relative_eq!(class(1000.0) - class(100.0), 0.3e9, max_relative = 1e-9);
-        assert_relative_eq!(class(31.622_776_601_683_79) - class(10.0), 0.15e9, max_relative = 1e-9);
+        assert_relative_eq!(
+            class(31.622_776_601_683_79) - class(10.0),
+            0.15e9,
+            max_relative = 1e-9
+        );
         assert_relative_eq!(class(1.0), class(10.0), max_relative = 1e-15);
     }
     // The modified superposition is Boltzmann's once the material is aged, and less before.
@@ -271,7 +278,8 @@ fn tension_has_three_regions() {
 #[test]
 fn breuers_force_falls_with_humidity_once_the_constants_are_exchanged() {
     let hair = Breuer::hair(Temperature::new(200.0).expect("a temperature"));
-    let force = |law: &Breuer, h| law.force(Temperature::ROOM, Humidity::new(h).expect("a humidity"));
+    let force =
+        |law: &Breuer, h| law.force(Temperature::ROOM, Humidity::new(h).expect("a humidity"));
     assert!(force(&hair, 0.0) > force(&hair, 0.5) && force(&hair, 0.5) > force(&hair, 1.0));
     let [k2, k1] = hair.binding;
     let printed = Breuer { binding: [k1, k2], ..hair };

@@ -96,7 +96,8 @@ impl WaterWave {
         positive("length (m)", length)?;
         let part = length / segments.max(1) as f64;
         let down = rapunzel_fiber::generate::root_pose(Point3::origin(), &-Vector3::z())?;
-        let straight = Fiber::new(down, vec![part; segments], vec![hair.node(&climate)?; segments + 1])?;
+        let straight =
+            Fiber::new(down, vec![part; segments], vec![hair.node(&climate)?; segments + 1])?;
         let wound = self.mandrel.bend(straight)?;
         let set = self.set(hair, climate)?;
         let kappa = set * wound.nodes()[0].natural_curvature;

@@ -67,9 +67,9 @@ impl Creep {
             return 0.0;
         }
         let start = self.glassy + t * self.fluidity;
-        self.elements.iter().fold(start, |j, [compliance, time]| {
-            j - compliance * (-t / time).exp_m1()
-        })
+        self.elements
+            .iter()
+            .fold(start, |j, [compliance, time]| j - compliance * (-t / time).exp_m1())
     }
 
     /// Boltzmann's superposition (2.1): the strain at `t` after stress increments at given times,

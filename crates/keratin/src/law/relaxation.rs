@@ -61,7 +61,8 @@ impl Relaxation {
     ) -> Result<Self, KeratinError> {
         const IN_A_DECADE: f64 = 4.0;
         positive("loss per decade", per_decade)?;
-        let [first, last] = [positive("first time (s)", times[0])?, positive("last time (s)", times[1])?];
+        let [first, last] =
+            [positive("first time (s)", times[0])?, positive("last time (s)", times[1])?];
         let mut branches = Vec::new();
         let mut time = first;
         while time <= last * (1.0 + 1e-9) {

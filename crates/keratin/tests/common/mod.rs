@@ -1,6 +1,6 @@
 //! Fibres at rest, as every instrument needs them.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties};
 
@@ -26,9 +26,4 @@ pub(crate) fn at_rest(fiber: &Fiber, force: Vector3<f64>, weight: f64) -> Equili
 /// The center line at `count` + 1 equal distances.
 pub(crate) fn center_line(found: &Equilibrium, length: f64, count: u32) -> Vec<Point3<f64>> {
     (0..=count).map(|i| found.at(length * f64::from(i) / f64::from(count)).position).collect()
-}
-
-/// The pose at the origin with its tangent along `direction`.
-pub(crate) fn root(direction: Vector3<f64>) -> Isometry3<f64> {
-    rapunzel_fiber::generate::root_pose(Point3::origin(), &direction).expect("a direction")
 }
