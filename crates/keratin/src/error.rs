@@ -99,10 +99,11 @@ pub(crate) fn named<T: Copy>(
     name: &str,
     choices: impl Iterator<Item = (&'static str, T)> + Clone,
 ) -> Result<T, KeratinError> {
-    let asked = name.trim().to_lowercase();
-    if let Some((_, value)) = choices.clone().find(|(n, _)| n.to_lowercase() == asked) {
+    let asked = name.trim();
+    if let Some((_, value)) = choices.clone().find(|(n, _)| n.eq_ignore_ascii_case(asked)) {
         return Ok(value);
     }
+    let asked = asked.to_lowercase();
     let mut nearest: Vec<_> =
         choices.map(|(n, _)| (distance(&asked, &n.to_lowercase()), n)).collect();
     nearest.sort_unstable();

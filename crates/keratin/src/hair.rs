@@ -6,6 +6,7 @@ use crate::tables::{number, range, tables};
 use crate::{KeratinError, water};
 use rapunzel_fiber::Section;
 use std::str::FromStr;
+use std::sync::LazyLock;
 
 /// Micrometres in metres.
 const MICRO: f64 = 1e-6;
@@ -272,9 +273,9 @@ impl Hair {
 
 /// By which factors hair is thicker and longer than at 65 % humidity.
 fn swelling_from_standard(climate: &Climate) -> [f64; 2] {
+    static STANDARD: LazyLock<[f64; 2]> = LazyLock::new(|| water::swelling(&Climate::STANDARD));
     let [wide, long] = water::swelling(climate);
-    let [wide0, long0] = water::swelling(&Climate::STANDARD);
-    [wide / wide0, long / long0]
+    [wide / STANDARD[0], long / STANDARD[1]]
 }
 
 #[cfg(test)]

@@ -18,14 +18,17 @@ const FIRST_LAYER: f64 = 10.0;
 /// Most additional regain on the desorption branch.
 const HYSTERESIS: f64 = 0.02;
 
-/// The isotherm's free numbers.
+/// The isotherm's free numbers, and the swelling at saturation.
 struct Isotherm {
     monolayer: f64,
     multilayer: f64,
+    saturation: f64,
+    swelling: [f64; 2],
 }
 
 static ISOTHERM: LazyLock<Isotherm> = LazyLock::new(|| {
-    let (saturated, ordinary) = (saturation(), number("moisture_content_normal").0 / 100.0);
+    let part = |key| number(key).0 / 100.0;
+    let (saturated, ordinary) = (part("water_at_saturation"), part("moisture_content_normal"));
     // R(1) / R(0.65) rises with k.
     let ratio = |k: f64| shape(1.0, k) / shape(Humidity::STANDARD.fraction(), k);
     let (mut low, mut high) = (0.0_f64, 1.0_f64);
@@ -37,7 +40,12 @@ static ISOTHERM: LazyLock<Isotherm> = LazyLock::new(|| {
             high = middle;
         }
     }
-    Isotherm { monolayer: saturated / shape(1.0, high), multilayer: high }
+    Isotherm {
+        monolayer: saturated / shape(1.0, high),
+        multilayer: high,
+        saturation: saturated,
+        swelling: ["diameter_swelling_max", "length_swelling_100rh"].map(part),
+    }
 });
 
 fn shape(activity: f64, k: f64) -> f64 {
@@ -47,7 +55,7 @@ fn shape(activity: f64, k: f64) -> f64 {
 
 /// Regain at saturation.
 pub(crate) fn saturation() -> f64 {
-    number("water_at_saturation").0 / 100.0
+    ISOTHERM.saturation
 }
 
 /// The regain (2.7): mass of water over that of dry hair, a fraction. Below it is `R`.
@@ -90,10 +98,7 @@ pub fn content(regain: f64) -> f64 {
 #[must_use]
 pub fn swelling(climate: &Climate) -> [f64; 2] {
     let part = value_at(climate) / saturation();
-    [
-        1.0 + part * number("diameter_swelling_max").0 / 100.0,
-        1.0 + part * number("length_swelling_100rh").0 / 100.0,
-    ]
+    ISOTHERM.swelling.map(|most| 1.0 + part * most)
 }
 
 #[cfg(test)]

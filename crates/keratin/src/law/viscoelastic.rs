@@ -7,8 +7,11 @@ use rapunzel_fiber::{Response, SectionLaw};
 /// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean over
 /// them, which is also the share of a strain that grew meanwhile.
 fn decay(x: f64) -> (f64, f64) {
-    let mean = if x < 1e-5 { 1.0 - 0.5 * x } else { -(-x).exp_m1() / x };
-    ((-x).exp(), mean)
+    let left = (-x).exp();
+    // Below the limit, the next term of the series is below the last digit; above it, three are lost.
+    let mean =
+        if x < 1e-3 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) } else { (1.0 - left) / x };
+    (left, mean)
 }
 
 /// What a step did.
@@ -79,7 +82,7 @@ impl Strand {
             let x = dt / b.time;
             let (left, mean) = decay(x);
             // q' = G e' - q / tau: the mean of q, times the rise, is the work.
-            let lag = if x < 1e-5 { 0.5 - x / 6.0 } else { (1.0 - mean) / x };
+            let lag = if x < 1e-3 { 0.5 - x * (1.0 / 6.0 - x / 24.0) } else { (1.0 - mean) / x };
             work += (*q * mean + b.modulus * rise * lag) * rise;
             *q = *q * left + b.modulus * rise * mean;
         }
