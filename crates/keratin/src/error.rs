@@ -107,6 +107,7 @@ pub(crate) fn named<T: Copy>(
     let mut nearest: Vec<_> =
         choices.map(|(n, _)| (distance(&asked, &n.to_lowercase()), n)).collect();
     nearest.sort_unstable();
+    nearest.dedup();
     let nearest = nearest.into_iter().take(2).map(|(_, n)| n).collect();
     Err(KeratinError::Unknown { what, name: name.to_owned(), nearest })
 }

@@ -54,23 +54,21 @@ pub fn friction(
     wetness: Wetness,
 ) -> Result<Friction, KeratinError> {
     let rows = &tables().friction.rows;
-    let pair = named("pair of partners", pair, rows.iter().map(|r| (r.pair, r.pair)))?;
-    let treatment = match treatment {
-        "" => "",
-        name => named("treatment", name, rows.iter().map(|r| (r.treatment, r.treatment)))?,
-    };
     let missing = || KeratinError::NotMeasured {
         quantity: "coefficient of friction",
         of: format!("{wetness:?} {pair} {treatment} {}", direction.name()),
     };
-    let row = rows
-        .iter()
-        .find(|r| {
-            r.pair == pair
-                && r.treatment == treatment
-                && usize::from(r.direction) == direction as usize + 1
-        })
-        .ok_or_else(missing)?;
+    let asked = |r: &&FrictionRow| {
+        usize::from(r.direction) == direction as usize + 1
+            && r.pair.eq_ignore_ascii_case(pair)
+            && r.treatment.eq_ignore_ascii_case(treatment)
+    };
+    let Some(row) = rows.iter().find(asked) else {
+        // Misspelt, or not measured?
+        named("pair of partners", pair, rows.iter().map(|r| (r.pair, ())))?;
+        named("treatment", treatment, rows.iter().map(|r| (r.treatment, ())))?;
+        return Err(missing());
+    };
     let source = Source { place: "2.11", line: row.line, study: tables().friction.source };
     let quantity = |value, standing| Quantity::new(value, standing, &[source]);
     let shifted = is_shifted(row);

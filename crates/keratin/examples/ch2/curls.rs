@@ -43,7 +43,7 @@ pub(crate) fn retention() -> Fallible<Figure> {
             "correlation of index and modulus",
             correlation(&over_modulus),
             "",
-            Criterion::AtLeast(0.9),
+            Criterion::AtLeast(0.95),
             "linear",
         ),
     ];

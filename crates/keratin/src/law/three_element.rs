@@ -11,6 +11,9 @@ const DRY: f64 = 417.15;
 const AT_TRANSITION: f64 = 100.0;
 /// Degrees that change a relaxation time tenfold: assumed.
 const PER_DECADE: f64 = 10.0;
+/// How many decades the times of the component of `T_c^l` are from that at the transition: wool's are
+/// evenly distributed over 0.1 to 1000 minutes (thesis, line 562).
+const SPREAD: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 /// Most decades from the time at the transition: beyond, solid is solid and fluid is fluid.
 const MOST_DECADES: f64 = 12.0;
 /// Relaxation time of the helices, s: assumed.
@@ -45,7 +48,8 @@ pub fn transitions(climate: &Climate) -> [Temperature; 2] {
 /// The thesis draws the first as a dashpot and the second as a spring, which are there below their
 /// temperatures and gone above. Here both are Maxwell elements whose relaxation time changes tenfold
 /// for every 10 K, 100 s at the transition (assumed): so each is the spring of a solid far below and
-/// nothing far above, and remembers, when it becomes solid, the shape in which it did.
+/// nothing far above, and remembers, when it becomes solid, the shape in which it did. The first is five
+/// elements in equal parts, each ten times slower than the one before: four decades, as in wool.
 ///
 /// Moduli are those in bending: what is lost from 65 % to 100 % humidity belongs to the first; of the
 /// rest, 1.2 parts to the spring and 0.2 to the helices, as line 699 divides it.
@@ -67,23 +71,24 @@ impl ThreeElement {
         let wet = hair.bending_modulus(&Climate::WET)?.value;
         let [fibrils, matrix] = ["microfibril_modulus", "matrix_modulus"].map(|key| number(key).0);
         let spring = wet * fibrils / (fibrils + matrix);
-        let branches = [glassy - wet, spring, wet - spring]
-            .map(|modulus| Branch { modulus, time: HELICES })
-            .to_vec();
-        let mut hair = Self { strand: Strand::of(0.0, branches), climate };
+        let soft = SPREAD.map(|_| (glassy - wet) / SPREAD.len() as f64);
+        let moduli = soft.into_iter().chain([spring, wet - spring]);
+        let branches = moduli.map(|modulus| Branch { modulus, time: HELICES });
+        let mut hair = Self { strand: Strand::of(0.0, branches.collect()), climate };
         hair.enter(climate);
         Ok(hair)
     }
 
     /// Brings the hair into another climate, at once through all of it.
     pub fn enter(&mut self, climate: Climate) {
-        let component = |transition: Temperature| {
+        let time = |transition: Temperature, spread: f64| {
             let above = climate.temperature.celsius() - transition.celsius();
             let decades = (-above / PER_DECADE).clamp(-MOST_DECADES, MOST_DECADES);
-            AT_TRANSITION * 10_f64.powf(decades)
+            AT_TRANSITION * 10_f64.powf(decades + spread)
         };
-        let [low, high] = transitions(&climate).map(component);
-        self.strand.set_times([low, high, HELICES]);
+        let [low, high] = transitions(&climate);
+        let soft = SPREAD.iter().map(|spread| time(low, *spread));
+        self.strand.set_times(soft.chain([time(high, 0.0), HELICES]));
         self.climate = climate;
     }
 

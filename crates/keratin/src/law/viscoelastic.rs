@@ -168,6 +168,10 @@ impl SectionLaw for Viscoelastic {
         for (q, b) in memory[1..].iter_mut().zip(self.relaxation.branches()) {
             let (left, mean) = decay(dt / b.time);
             *q = left * *q + b.modulus * mean * rise;
+            // What fades for ever would end in denormal numbers, which are slow.
+            if q.amax() < f64::MIN_POSITIVE {
+                q.fill(0.0);
+            }
         }
         memory[0] = *strain;
     }
