@@ -27,6 +27,14 @@ pub enum KeratinError {
         /// The value that was given.
         value: f64,
     },
+    /// A part of something that is none.
+    #[error("{quantity} is {value}, but must lie in [0, 1]")]
+    Part {
+        /// Which quantity.
+        quantity: &'static str,
+        /// The value that was given.
+        value: f64,
+    },
     /// A name that no type, treatment or product has.
     #[error("there is no {what} \"{name}\"; did you mean {}?", nearest.join(" or "))]
     Unknown {

@@ -1,7 +1,7 @@
 //! A hair: its type or own diameters, its treatment, its section in a climate.
 
 use crate::climate::{Climate, Humidity, Outside, Quantity, Standing};
-use crate::error::{named, positive};
+use crate::error::{named, not_negative, positive};
 use crate::tables::{number, range, tables};
 use crate::{KeratinError, water};
 use rapunzel_fiber::Section;
@@ -120,15 +120,18 @@ names! {
 impl Growth {
     /// The kind of hair at an age in years, by table 2.1: which of the two that adults have, thinning
     /// decides and not age.
-    #[must_use]
-    pub fn at_age(years: f64) -> Self {
-        if years < 1.0 {
+    ///
+    /// # Errors
+    /// [`KeratinError::Negative`] for an age that is.
+    pub fn at_age(years: f64) -> Result<Self, KeratinError> {
+        let years = not_negative("age (a)", years)?;
+        Ok(if years < 1.0 {
             Self::Lanugo
         } else if years < 13.0 {
             Self::Child
         } else {
             Self::Adult
-        }
+        })
     }
 
     /// Greatest mean length (m) and diameter (m), table 2.1.
@@ -309,6 +312,8 @@ mod tests {
         let error = "Chineze".parse::<HairType>().expect_err("misspelt").to_string();
         assert!(error.contains("did you mean Chinese"), "{error}");
         assert_eq!("bleached".parse(), Ok(Treatment::Bleached));
+        assert!(Growth::at_age(-1.0).is_err() && Growth::at_age(f64::NAN).is_err());
+        assert_eq!(Growth::at_age(12.5), Ok(Growth::Child));
         assert!(follicle_density(Sex::Male, 70.0, Outside::Refuse).is_err());
         let marked = follicle_density(Sex::Male, 70.0, Outside::Mark).expect("marked");
         assert_eq!(marked.standing, Standing::Extrapolated);

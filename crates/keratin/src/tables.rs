@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 /// Where a number comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source {
-    /// The table, as "table 2.9", or the key of the fact.
+    /// The number of the table, as "2.9", or the key of the fact.
     pub place: &'static str,
     /// Line of the thesis's plain text.
     pub line: u32,

@@ -61,6 +61,7 @@ impl Relaxation {
     ) -> Result<Self, KeratinError> {
         const IN_A_DECADE: f64 = 4.0;
         positive("loss per decade", per_decade)?;
+        not_negative("time of the modulus (s)", t_ref)?;
         let [first, last] =
             [positive("first time (s)", times[0])?, positive("last time (s)", times[1])?];
         let mut branches = Vec::new();

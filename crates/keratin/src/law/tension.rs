@@ -31,12 +31,12 @@ impl Tension {
     /// Limits are those of the thesis: 2 % and 30 % more (line 472), 50 % at break (line 664).
     ///
     /// # Errors
-    /// [`KeratinError::NotPositive`] for the modulus, [`KeratinError::Outside`] for the recovery.
+    /// [`KeratinError::NotPositive`] for the modulus, [`KeratinError::Part`] for the recovery.
     pub fn new(modulus: f64, recovery: f64) -> Result<Self, KeratinError> {
         positive("Young's modulus (Pa)", modulus)?;
         if !(0.0..=1.0).contains(&recovery) {
-            let (quantity, of) = ("stress on the way back", "its part of that on the way up");
-            return Err(KeratinError::Outside { quantity, of, value: recovery, range: [0.0, 1.0] });
+            let quantity = "stress on the way back, in parts of that on the way up,";
+            return Err(KeratinError::Part { quantity, value: recovery });
         }
         let hooke = number("hookean_limit_strain").0 / 100.0;
         let yields = number("yield_region_strain").0 / 100.0;

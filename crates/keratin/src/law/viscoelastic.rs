@@ -74,7 +74,7 @@ impl Strand {
         0.5 * (self.equilibrium * self.strain * self.strain + of_branches)
     }
 
-    /// Moves to `strain` within `dt` seconds (0: at once).
+    /// Moves to `strain`, which is finite, within `dt` seconds (0: at once).
     pub fn strain_to(&mut self, strain: f64, dt: f64) -> Step {
         let rise = strain - self.strain;
         let mut work = self.equilibrium * (self.strain + 0.5 * rise) * rise;
