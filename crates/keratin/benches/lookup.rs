@@ -29,7 +29,7 @@ fn lookup(c: &mut Criterion) {
     step(&mut group, "linear_step", &LinearLaw { stiffness }, &strain);
     let branches = [0.1, 1.0, 10.0].map(|time| Branch { modulus: 0.2, time }).to_vec();
     let relaxation = Relaxation::new(0.4, branches).expect("a model");
-    let law = Viscoelastic::new(stiffness, relaxation, 1e-3).expect("a law");
+    let law = Viscoelastic::new(stiffness, &relaxation, 1e-3).expect("a law");
     step(&mut group, "viscoelastic_step", &law, &strain);
     group.finish();
 }

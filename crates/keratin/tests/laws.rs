@@ -112,7 +112,7 @@ proptest! {
         g in relaxation(), history in history(), tau in 0.0..1.0_f64, turn in 0.0..TAU,
     ) {
         let stiffness = Vector3::new(1.0, 2.0, 0.7);
-        let law = Viscoelastic::new(stiffness, g, tau).expect("a law");
+        let law = Viscoelastic::new(stiffness, &g, tau).expect("a law");
         let mut memory = vec![Vector3::zeros(); law.memory()];
         let (mut last, mut moment, mut scale) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         for (i, (dt, size)) in history.into_iter().enumerate() {
@@ -323,6 +323,30 @@ fn a_water_wave_holds_when_dry_and_is_lost_when_it_is_damp() {
     dry.bend_to(1.0, 1.0);
     dry.bend_to(1.0, 4200.0);
     assert!(dry.release(0.0) < 0.15, "{}", dry.strain());
+}
+
+#[test]
+fn a_section_and_a_strand_of_the_same_hair_agree_in_any_climate() {
+    let hair = Hair::of(HairType::Chinese);
+    let stiffness = hair.stiffness(&Climate::STANDARD).expect("measured");
+    let whole = hair.bending_modulus(&Climate::STANDARD).expect("measured").value;
+    let mut strand = ThreeElement::new(&hair, Climate::STANDARD).expect("a hair");
+    let mut memory = vec![Vector3::zeros(); 8];
+    for (humidity, strain, dt) in
+        [(1.0, 1.0, 10.0), (1.0, 1.0, 600.0), (0.4, 0.7, 50.0), (0.9, 0.2, 1e4)]
+    {
+        let climate = Climate::new(humidity, 23.0).expect("a climate");
+        let law = ThreeElement::section(&hair, &climate).expect("a law");
+        assert_eq!(law.memory(), memory.len());
+        strand.enter(climate);
+        let stress = strand.bend_to(strain, dt).stress;
+        let bent = strain * Vector3::new(1.0, -1.0, 0.5);
+        let moment = law.response(&memory, &bent, dt).moment.component_div(&stiffness);
+        law.commit(&mut memory, &bent, dt);
+        assert_relative_eq!(moment.x, stress / whole, max_relative = 1e-12);
+        assert_relative_eq!(moment.y, -stress / whole, max_relative = 1e-12);
+        assert_relative_eq!(moment.z, 0.5 * stress / whole, max_relative = 1e-12);
+    }
 }
 
 #[test]

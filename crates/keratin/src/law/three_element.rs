@@ -1,4 +1,4 @@
-use super::{Branch, Strand};
+use super::{Branch, Strand, Viscoelastic};
 use crate::climate::{Climate, Temperature};
 use crate::hair::Hair;
 use crate::tables::number;
@@ -67,28 +67,25 @@ impl ThreeElement {
     /// # Errors
     /// None in fact: the moduli are asked for where they are measured.
     pub fn new(hair: &Hair, climate: Climate) -> Result<Self, KeratinError> {
-        let glassy = hair.bending_modulus(&Climate::STANDARD)?.value;
-        let wet = hair.bending_modulus(&Climate::WET)?.value;
-        let [fibrils, matrix] = ["microfibril_modulus", "matrix_modulus"].map(|key| number(key).0);
-        let spring = wet * fibrils / (fibrils + matrix);
-        let soft = SPREAD.map(|_| (glassy - wet) / SPREAD.len() as f64);
-        let moduli = soft.into_iter().chain([spring, wet - spring]);
-        let branches = moduli.map(|modulus| Branch { modulus, time: HELICES });
-        let mut hair = Self { strand: Strand::of(0.0, branches.collect()), climate };
-        hair.enter(climate);
-        Ok(hair)
+        Ok(Self { strand: Strand::of(0.0, elements(hair, &climate)?), climate })
+    }
+
+    /// The law of a hair's section in a climate, for a rod: stiffnesses as at 65 % humidity, all three
+    /// with the parts that bending has. What sections remember stays valid when the law is replaced by
+    /// that of another climate.
+    ///
+    /// # Errors
+    /// None in fact, as for [`ThreeElement::new`].
+    pub fn section(hair: &Hair, climate: &Climate) -> Result<Viscoelastic, KeratinError> {
+        let mut parts = elements(hair, climate)?;
+        let whole = hair.bending_modulus(&Climate::STANDARD)?.value;
+        parts.iter_mut().for_each(|element| element.modulus /= whole);
+        Ok(Viscoelastic::of(hair.stiffness(&Climate::STANDARD)?, parts))
     }
 
     /// Brings the hair into another climate, at once through all of it.
     pub fn enter(&mut self, climate: Climate) {
-        let time = |transition: Temperature, spread: f64| {
-            let above = climate.temperature.celsius() - transition.celsius();
-            let decades = (-above / PER_DECADE).clamp(-MOST_DECADES, MOST_DECADES);
-            AT_TRANSITION * 10_f64.powf(decades + spread)
-        };
-        let [low, high] = transitions(&climate);
-        let soft = SPREAD.iter().map(|spread| time(low, *spread));
-        self.strand.set_times(soft.chain([time(high, 0.0), HELICES]));
+        self.strand.set_times(times(&climate));
         self.climate = climate;
     }
 
@@ -145,4 +142,26 @@ impl ThreeElement {
         wave.release(0.0);
         Ok(wave)
     }
+}
+
+/// The elements, in a fixed order: those that are soft above `T_c^l`, that above `T_c^h`, the helices.
+fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<Branch>, KeratinError> {
+    let glassy = hair.bending_modulus(&Climate::STANDARD)?.value;
+    let wet = hair.bending_modulus(&Climate::WET)?.value;
+    let [fibrils, matrix] = ["microfibril_modulus", "matrix_modulus"].map(|key| number(key).0);
+    let spring = wet * fibrils / (fibrils + matrix);
+    let soft = SPREAD.map(|_| (glassy - wet) / SPREAD.len() as f64);
+    let moduli = soft.into_iter().chain([spring, wet - spring]);
+    Ok(moduli.zip(times(climate)).map(|(modulus, time)| Branch { modulus, time }).collect())
+}
+
+/// The relaxation times of the elements, s.
+fn times(climate: &Climate) -> impl Iterator<Item = f64> {
+    let celsius = climate.temperature.celsius();
+    let time = move |transition: Temperature, spread: f64| {
+        let below = (transition.celsius() - celsius) / PER_DECADE;
+        AT_TRANSITION * 10_f64.powf(below.clamp(-MOST_DECADES, MOST_DECADES) + spread)
+    };
+    let [low, high] = transitions(climate);
+    SPREAD.into_iter().map(move |spread| time(low, spread)).chain([time(high, 0.0), HELICES])
 }

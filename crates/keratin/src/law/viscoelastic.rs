@@ -110,7 +110,8 @@ impl Strand {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viscoelastic {
     stiffness: Vector3<f64>,
-    relaxation: Relaxation,
+    equilibrium: f64,
+    branches: Vec<Branch>,
     damping_time: f64,
 }
 
@@ -122,14 +123,20 @@ impl Viscoelastic {
     /// Refuses stiffnesses that are not positive and a negative time.
     pub fn new(
         stiffness: Vector3<f64>,
-        relaxation: Relaxation,
+        relaxation: &Relaxation,
         damping_time: f64,
     ) -> Result<Self, KeratinError> {
         for k in stiffness.iter() {
             positive("stiffness (N m^2)", *k)?;
         }
         not_negative("damping time (s)", damping_time)?;
-        Ok(Self { stiffness, relaxation, damping_time })
+        let (equilibrium, branches) = (relaxation.equilibrium(), relaxation.branches().to_vec());
+        Ok(Self { stiffness, equilibrium, branches, damping_time })
+    }
+
+    /// A section of these elements alone, in parts of `K` and in this order.
+    pub(super) fn of(stiffness: Vector3<f64>, branches: Vec<Branch>) -> Self {
+        Self { stiffness, equilibrium: 0.0, branches, damping_time: 0.0 }
     }
 
     /// Kelvin and Voigt's section: `m = K (E + tau dE/dt)`.
@@ -137,22 +144,22 @@ impl Viscoelastic {
     /// # Errors
     /// As [`Viscoelastic::new`].
     pub fn kelvin_voigt(stiffness: Vector3<f64>, tau: f64) -> Result<Self, KeratinError> {
-        Self::new(stiffness, Relaxation::new(1.0, Vec::new())?, tau)
+        Self::new(stiffness, &Relaxation::new(1.0, Vec::new())?, tau)
     }
 }
 
 impl SectionLaw for Viscoelastic {
     /// The strain at the last commit, then the stress of each element, in parts of `K`.
     fn memory(&self) -> usize {
-        1 + self.relaxation.branches().len()
+        1 + self.branches.len()
     }
 
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response {
         let rise = strain - memory[0];
         let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
-        let mut stress = self.relaxation.equilibrium() * strain + damping * rise;
-        let mut tangent = self.relaxation.equilibrium() + damping;
-        for (q, b) in memory[1..].iter().zip(self.relaxation.branches()) {
+        let mut stress = self.equilibrium * strain + damping * rise;
+        let mut tangent = self.equilibrium + damping;
+        for (q, b) in memory[1..].iter().zip(&self.branches) {
             let (left, mean) = decay(dt / b.time);
             stress += left * q + b.modulus * mean * rise;
             tangent += b.modulus * mean;
@@ -165,7 +172,7 @@ impl SectionLaw for Viscoelastic {
 
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) {
         let rise = strain - memory[0];
-        for (q, b) in memory[1..].iter_mut().zip(self.relaxation.branches()) {
+        for (q, b) in memory[1..].iter_mut().zip(&self.branches) {
             let (left, mean) = decay(dt / b.time);
             *q = left * *q + b.modulus * mean * rise;
             // What fades for ever would end in denormal numbers, which are slow.
@@ -178,8 +185,8 @@ impl SectionLaw for Viscoelastic {
 
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
         let square = |v: &Vector3<f64>| self.stiffness.component_mul(v).dot(v);
-        let springs = memory[1..].iter().zip(self.relaxation.branches());
+        let springs = memory[1..].iter().zip(&self.branches);
         let of_branches: f64 = springs.map(|(q, b)| square(q) / b.modulus).sum();
-        0.5 * (self.relaxation.equilibrium() * square(strain) + of_branches)
+        0.5 * (self.equilibrium * square(strain) + of_branches)
     }
 }
