@@ -1,0 +1,89 @@
+use nalgebra::{Matrix3, Vector3};
+
+/// The constitutive law of a cross section: the moment that a history of strains causes.
+///
+/// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. What a law
+/// remembers is a number of vectors for each section, which the caller keeps, zero in the natural
+/// state. An implicit scheme asks for responses at trial strains and commits the one that it takes.
+///
+/// A passive law gives no work back that was not done on it: the moment at the end of a step times the
+/// rise of the strain is at least the rise of the stored energy.
+pub trait SectionLaw: Send + Sync {
+    /// How many vectors a section remembers.
+    fn memory(&self) -> usize;
+
+    /// The moment after `dt` seconds in which the strain ran straight from that at the last commit
+    /// to `strain`, and its derivative by `strain`.
+    ///
+    /// # Panics
+    /// If `memory` has another length than [`SectionLaw::memory`].
+    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response;
+
+    /// Takes the step to `strain`.
+    ///
+    /// # Panics
+    /// As [`SectionLaw::response`].
+    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
+
+    /// The energy per length that a section stores at `strain`, J/m, after the step to it.
+    ///
+    /// # Panics
+    /// As [`SectionLaw::response`].
+    fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64;
+}
+
+/// The answer of a section to a strain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Moment, N m, material frame.
+    pub moment: Vector3<f64>,
+    /// Its derivative by the strain, N m^2.
+    pub tangent: Matrix3<f64>,
+}
+
+/// The linearly elastic section: `m = K (kappa - kappa0)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearLaw {
+    /// Bending stiffness about d1 and d2 and torsional stiffness, N m^2.
+    pub stiffness: Vector3<f64>,
+}
+
+impl SectionLaw for LinearLaw {
+    fn memory(&self) -> usize {
+        0
+    }
+
+    fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> Response {
+        Response {
+            moment: self.stiffness.component_mul(strain),
+            tangent: Matrix3::from_diagonal(&self.stiffness),
+        }
+    }
+
+    fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) {}
+
+    fn stored_energy(&self, _: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
+        0.5 * self.stiffness.component_mul(strain).dot(strain)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moment_is_the_derivative_of_the_energy() {
+        let law = LinearLaw { stiffness: Vector3::new(1.0, 2.0, 3.0) };
+        let strain = Vector3::new(0.3, -0.2, 0.5);
+        let Response { moment, tangent } = law.response(&[], &strain, 0.1);
+        assert_eq!(law.memory(), 0);
+        for i in 0..3 {
+            let mut moved = strain;
+            moved[i] += 1e-6;
+            let slope = (law.stored_energy(&[], &moved) - law.stored_energy(&[], &strain)) / 1e-6;
+            // Of a quadratic function, off by half of the second derivative times the step.
+            assert!((slope - moment[i]).abs() < 2e-6, "{slope} {}", moment[i]);
+            assert_eq!(tangent[(i, i)], law.stiffness[i]);
+        }
+    }
+}

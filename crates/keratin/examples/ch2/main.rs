@@ -1,0 +1,41 @@
+//! Draws what chapter 2 of the thesis says of hair, from the parametric model and from instruments on
+//! simulated hairs: curves over humidity, temperature and treatment (figures 2.3 to 2.17).
+//!
+//! Run it with a folder, and numbers of figures if not all are wanted. Each figure is an SVG with its
+//! numbers as CSV; the table compares what the thesis says with our numbers. The thesis's curves are
+//! not digitized, so only what it says in words and in tables is compared.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod curls;
+#[path = "../../../sim/examples/repro/drawing.rs"]
+mod drawing;
+#[path = "../../../sim/examples/repro/program.rs"]
+mod program;
+#[path = "../../../sim/examples/repro/report.rs"]
+mod report;
+#[path = "../../../sim/examples/repro/svg.rs"]
+mod svg;
+mod sweeps;
+
+use program::Entry;
+use report::Figure;
+use std::process::ExitCode;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+type Draw = fn() -> Fallible<Figure>;
+
+const FIGURES: [Entry<Draw>; 7] = [
+    Entry { number: "2.3", title: "Stress over strain", draw: sweeps::tension },
+    Entry { number: "2.11", title: "Water and swelling", draw: sweeps::water },
+    Entry { number: "2.12", title: "Curl retention over humidity", draw: curls::retention },
+    Entry { number: "2.14", title: "Young's modulus over temperature", draw: sweeps::warmth },
+    Entry { number: "2.16", title: "Moduli over humidity", draw: sweeps::moduli },
+    Entry { number: "2.17", title: "Torsion after treatments", draw: sweeps::torsion },
+    Entry { number: "2.4.10", title: "Electric resistance", draw: sweeps::resistance },
+];
+
+fn main() -> ExitCode {
+    program::main(&FIGURES, std::env::args().skip(1), |draw| draw())
+}

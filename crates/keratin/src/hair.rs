@@ -1,0 +1,321 @@
+//! A hair: its type or own diameters, its treatment, its section in a climate.
+
+use crate::climate::{Climate, Humidity, Outside, Quantity, Standing};
+use crate::error::{named, not_negative, positive};
+use crate::tables::{number, range, tables};
+use crate::{KeratinError, water};
+use rapunzel_fiber::Section;
+use std::str::FromStr;
+use std::sync::LazyLock;
+
+/// Micrometres in metres.
+const MICRO: f64 = 1e-6;
+
+/// Declares a list of names that are read from text, with the nearest names when misspelt.
+macro_rules! names {
+    ($(#[$meta:meta])* $name:ident, $what:literal { $($(#[$doc:meta])* $variant:ident = $text:literal,)* }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $name { $($(#[$doc])* $variant,)* }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// The name, as in the tables.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $text,)* }
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = KeratinError;
+
+            fn from_str(name: &str) -> Result<Self, KeratinError> {
+                named($what, name, Self::ALL.iter().map(|x| (x.name(), *x)))
+            }
+        }
+    };
+}
+pub(crate) use names;
+
+names! {
+    /// The types of hair of table 2.2. The first four are from one study, the others from another:
+    /// do not compare across.
+    HairType, "type of hair" {
+        /// Swift 1995.
+        WestEuropean = "West European",
+        /// Swift 1995.
+        Chinese = "Chinese",
+        /// Swift 1995.
+        Indian = "Indian",
+        /// Swift 1995.
+        African = "African",
+        /// Robbins 2002.
+        Caucasian = "Caucasian",
+        /// Robbins 2002.
+        Mongolian = "Mongolian",
+        /// Robbins 2002.
+        Ethiopian = "Ethiopian",
+    }
+}
+
+names! {
+    /// The treatments of table 2.10, and none, for which table 2.9 is taken.
+    Treatment, "treatment" {
+        /// Not stated: table 2.9, G = 0.89 GPa.
+        None = "none",
+        /// The untreated hair of table 2.10, G = 1.02 GPa: another study.
+        Untreated = "untreated",
+        /// Bleached.
+        Bleached = "bleached",
+        /// Dyed blond.
+        DyedBlond = "dyed blond",
+        /// Dyed black.
+        DyedBlack = "dyed black",
+        /// Permanently waved.
+        Permed = "permed",
+        /// Chemically straightened.
+        Relaxed = "relaxed",
+    }
+}
+
+names! {
+    /// Which Young's modulus is at the base.
+    Thickness, "class of diameter" {
+        /// Any: 3.89 GPa in tension, table 2.9.
+        Any = "any",
+        /// Below 70 um: the mean of table 2.6, 4.59 GPa at 45 % humidity.
+        Thin = "thin",
+        /// Above 80 um: the mean of table 2.6, 2.20 GPa at 45 % humidity.
+        Thick = "thick",
+    }
+}
+
+names! {
+    /// The kinds of hair of table 2.1.
+    Growth, "kind of hair" {
+        /// Before birth.
+        Lanugo = "lanugo",
+        /// At 1 to 12 years.
+        Child = "child",
+        /// Beyond.
+        Adult = "adult",
+        /// What a thinning scalp bears.
+        Vellus = "vellus",
+    }
+}
+
+names! {
+    /// The sexes of table 2.4.
+    Sex, "sex" {
+        /// Female.
+        Female = "female",
+        /// Male.
+        Male = "male",
+    }
+}
+
+impl Growth {
+    /// The kind of hair at an age in years, by table 2.1: which of the two that adults have, thinning
+    /// decides and not age.
+    ///
+    /// # Errors
+    /// [`KeratinError::Negative`] for an age that is.
+    pub fn at_age(years: f64) -> Result<Self, KeratinError> {
+        let years = not_negative("age (a)", years)?;
+        Ok(if years < 1.0 {
+            Self::Lanugo
+        } else if years < 13.0 {
+            Self::Child
+        } else {
+            Self::Adult
+        })
+    }
+
+    /// Greatest mean length (m) and diameter (m), table 2.1.
+    #[must_use]
+    pub fn size(self) -> [Quantity; 2] {
+        let table = &tables().growth;
+        let source = table.row_source(self as usize);
+        let row = &table.rows[self as usize];
+        [row.l_max * 1e-2, row.r_max * MICRO]
+            .map(|value| Quantity::new(value, Standing::Measured, &[source]))
+    }
+}
+
+/// Hairs per area of scalp, 1/m^2, table 2.4.
+///
+/// # Errors
+/// [`KeratinError::Outside`] for an age that is not in 16 to 55 years, unless marked.
+pub fn follicle_density(sex: Sex, years: f64, outside: Outside) -> Result<Quantity, KeratinError> {
+    let range = [16.0, 55.0];
+    let standing = outside.judge("hair density", "age (a)", years, range, Standing::Measured)?;
+    let index = usize::from(years >= 30.0);
+    let row = &tables().follicles.rows[index];
+    let value = if sex == Sex::Female { row.female } else { row.male };
+    Ok(Quantity::new(value * 1e4, standing, &[tables().follicles.row_source(index)]))
+}
+
+/// A hair of given type, class and treatment.
+///
+/// All that depends on the climate is asked for with one: [`Hair::section`], [`Hair::density`] here,
+/// moduli in [`crate::moduli`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hair {
+    /// Diameters at 65 % humidity, m.
+    diameters: [f64; 2],
+    kind: Option<HairType>,
+    pub(crate) thickness: Thickness,
+    pub(crate) treatment: Treatment,
+    pub(crate) outside: Outside,
+}
+
+impl Hair {
+    /// A hair of a type of table 2.2, untreated, of any thickness; values where nobody measured are
+    /// refused.
+    #[must_use]
+    pub fn of(kind: HairType) -> Self {
+        let row = &tables().diameters.rows[kind as usize];
+        Self {
+            diameters: [row.d_max * MICRO, row.d_min * MICRO],
+            kind: Some(kind),
+            thickness: Thickness::Any,
+            treatment: Treatment::None,
+            outside: Outside::Refuse,
+        }
+    }
+
+    /// A hair of own diameters, m, at 65 % humidity.
+    ///
+    /// # Errors
+    /// [`KeratinError::NotPositive`] for a diameter that is not.
+    pub fn with_diameters(largest: f64, smallest: f64) -> Result<Self, KeratinError> {
+        let largest = positive("largest diameter (m)", largest)?;
+        let smallest = positive("smallest diameter (m)", smallest)?;
+        let diameters = [largest.max(smallest), largest.min(smallest)];
+        Ok(Self { diameters, kind: None, ..Self::of(HairType::WestEuropean) })
+    }
+
+    /// The same hair, treated.
+    #[must_use]
+    pub fn treated(self, treatment: Treatment) -> Self {
+        Self { treatment, ..self }
+    }
+
+    /// The same hair with the modulus of a class of diameters.
+    #[must_use]
+    pub fn of_thickness(self, thickness: Thickness) -> Self {
+        Self { thickness, ..self }
+    }
+
+    /// The same hair, of which values may, or may not, be asked for where nobody measured.
+    #[must_use]
+    pub fn outside(self, outside: Outside) -> Self {
+        Self { outside, ..self }
+    }
+
+    /// Largest and smallest diameter, m. Those of table 2.2 are taken to hold at 65 % humidity, which
+    /// the thesis does not say; from there hair swells as [`water::swelling`] has it.
+    #[must_use]
+    pub fn diameters(&self, climate: &Climate) -> [Quantity; 2] {
+        let standard = climate.humidity == Humidity::STANDARD;
+        let standing = if standard { Standing::Measured } else { Standing::Assumed };
+        let (_, swelling) = number("diameter_swelling_max");
+        let mut sources = Vec::new();
+        sources.extend(self.kind.map(|kind| tables().diameters.row_source(kind as usize)));
+        sources.extend((!standard).then_some(swelling));
+        let factor = swelling_from_standard(climate)[0];
+        self.diameters.map(|d| Quantity { value: d * factor, standing, sources: sources.clone() })
+    }
+
+    /// The cross section: an ellipse with its long axis along d1.
+    #[must_use]
+    pub fn section(&self, climate: &Climate) -> Section {
+        let half = 0.5 * swelling_from_standard(climate)[0];
+        Section::Ellipse { a: half * self.diameters[0], b: half * self.diameters[1] }
+    }
+
+    /// By which factor the hair is longer than at 65 % humidity.
+    #[must_use]
+    pub fn elongation(&self, climate: &Climate) -> f64 {
+        swelling_from_standard(climate)[1]
+    }
+
+    /// Mass density, kg/m^3: 1300 at 65 % humidity; elsewhere by the water that is taken up and the
+    /// volume that it fills.
+    #[must_use]
+    pub fn density(&self, climate: &Climate) -> Quantity {
+        let (at_standard, source) = number("density");
+        let mass = (1.0 + water::value_at(climate)) / (1.0 + water::value_at(&Climate::STANDARD));
+        let [wide, long] = swelling_from_standard(climate);
+        let standard = climate.humidity == Humidity::STANDARD;
+        let standing = if standard { Standing::Measured } else { Standing::Assumed };
+        let (_, saturation) = number("water_at_saturation");
+        let sources = if standard { vec![source] } else { vec![source, saturation] };
+        Quantity { value: 1e3 * at_standard * mass / (wide * wide * long), standing, sources }
+    }
+
+    /// Mass per length, kg/m, of the swollen hair with its water.
+    #[must_use]
+    pub fn linear_density(&self, climate: &Climate) -> f64 {
+        self.density(climate).value * self.section(climate).area()
+    }
+
+    /// Whether the diameters lie in the range that Vernall saw, lines 350 and 352.
+    #[must_use]
+    pub fn is_of_usual_size(&self) -> bool {
+        let seen = ["major_diameter_observed_range", "minor_diameter_observed_range"];
+        self.diameters.iter().zip(seen).all(|(d, key)| {
+            let ([low, high], _) = range(key);
+            (low * MICRO..=high * MICRO).contains(d)
+        })
+    }
+}
+
+/// By which factors hair is thicker and longer than at 65 % humidity.
+fn swelling_from_standard(climate: &Climate) -> [f64; 2] {
+    static STANDARD: LazyLock<[f64; 2]> = LazyLock::new(|| water::swelling(&Climate::STANDARD));
+    let [wide, long] = water::swelling(climate);
+    [wide / STANDARD[0], long / STANDARD[1]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn mass_of_dry_keratin_is_kept() {
+        // Mass per rest length over 1 + R: the same keratin at any humidity.
+        let hair = Hair::of(HairType::Chinese);
+        let keratin = |climate: &Climate| {
+            hair.linear_density(climate) * hair.elongation(climate)
+                / (1.0 + water::value_at(climate))
+        };
+        for humidity in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            let climate = Climate::new(humidity, 23.0).expect("a climate");
+            assert_relative_eq!(
+                keratin(&climate),
+                keratin(&Climate::STANDARD),
+                max_relative = 1e-14
+            );
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused_and_names_are_suggested() {
+        for d in [0.0, -80e-6, f64::NAN] {
+            assert!(Hair::with_diameters(80e-6, d).is_err(), "{d}");
+        }
+        let error = "Chineze".parse::<HairType>().expect_err("misspelt").to_string();
+        assert!(error.contains("did you mean Chinese"), "{error}");
+        assert_eq!("bleached".parse(), Ok(Treatment::Bleached));
+        assert!(Growth::at_age(-1.0).is_err() && Growth::at_age(f64::NAN).is_err());
+        assert_eq!(Growth::at_age(12.5), Ok(Growth::Child));
+        assert!(follicle_density(Sex::Male, 70.0, Outside::Refuse).is_err());
+        let marked = follicle_density(Sex::Male, 70.0, Outside::Mark).expect("marked");
+        assert_eq!(marked.standing, Standing::Extrapolated);
+    }
+}

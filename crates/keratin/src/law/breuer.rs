@@ -1,0 +1,50 @@
+use crate::climate::{Humidity, Temperature};
+use crate::tables::number;
+
+/// The gas constant, J / (mol K).
+const GAS_CONSTANT: f64 = 8.314_462_618;
+
+/// Breuer's equation (2.10): the force at equilibrium of a stretched network that melts,
+/// `f = dH/dL (1 - T / T_S) + R T / dL ln((1 + K1 a) / (1 + K2 a))`.
+///
+/// The thesis gives `dH` and `dL` per gram and the `K` per mole; here all is per gram, with the molar
+/// mass of a residue. It gives no melting temperature. `K1` and `K2` are probably exchanged in print:
+/// with them as printed the force rises with humidity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Breuer {
+    /// `dH`, J/kg.
+    pub enthalpy: f64,
+    /// `dL`, m/kg.
+    pub length: f64,
+    /// `T_S` of dry hair.
+    pub melting: Temperature,
+    /// `K1`, of water at a crystalline residue, and `K2`, at an amorphous one.
+    pub binding: [f64; 2],
+    /// Mean molar mass of a residue, kg/mol.
+    pub residue: f64,
+}
+
+impl Breuer {
+    /// The numbers of line 695, with the binding constants exchanged, for hair that melts dry at the
+    /// given temperature; 0.11 kg/mol for a residue.
+    #[must_use]
+    pub fn hair(melting: Temperature) -> Self {
+        Self {
+            enthalpy: 1e3 * number("melt_enthalpy").0,
+            length: 10.0 * number("melt_length_change").0,
+            melting,
+            binding: [number("k2_amorphous").0, number("k1_crystalline").0],
+            residue: 0.11,
+        }
+    }
+
+    /// The force, N, at a temperature and in air of a humidity, which is the activity of the water.
+    #[must_use]
+    pub fn force(&self, temperature: Temperature, humidity: Humidity) -> f64 {
+        let (t, a) = (temperature.kelvin(), humidity.fraction());
+        let [k1, k2] = self.binding;
+        let melting = self.enthalpy / self.length * (1.0 - t / self.melting.kelvin());
+        let mixing = GAS_CONSTANT / self.residue * t / self.length;
+        melting + mixing * ((1.0 + k1 * a) / (1.0 + k2 * a)).ln()
+    }
+}

@@ -1,0 +1,192 @@
+use super::{Branch, Relaxation};
+use crate::KeratinError;
+use crate::error::{not_negative, positive};
+use nalgebra::{Matrix3, Vector3};
+use rapunzel_fiber::{Response, SectionLaw};
+
+/// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean over
+/// them, which is also the share of a strain that grew meanwhile.
+fn decay(x: f64) -> (f64, f64) {
+    let left = (-x).exp();
+    // Below the limit, the next term of the series is below the last digit; above it, three are lost.
+    let mean =
+        if x < 1e-3 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) } else { (1.0 - left) / x };
+    (left, mean)
+}
+
+/// What a step did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Stress at its end.
+    pub stress: f64,
+    /// Work done over it, per volume: the integral of stress by strain.
+    pub work: f64,
+}
+
+/// A generalized Maxwell model in one dimension: its strain and the stresses of its elements.
+///
+/// Steps in which the strain runs straight are exact for any length. It is passive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strand {
+    equilibrium: f64,
+    branches: Vec<Branch>,
+    strain: f64,
+    stresses: Vec<f64>,
+}
+
+impl Strand {
+    /// An unstrained strand.
+    #[must_use]
+    pub fn new(law: &Relaxation) -> Self {
+        Self::of(law.equilibrium(), law.branches().to_vec())
+    }
+
+    /// An unstrained strand of these elements, in this order.
+    pub(super) fn of(equilibrium: f64, branches: Vec<Branch>) -> Self {
+        let stresses = vec![0.0; branches.len()];
+        Self { equilibrium, branches, strain: 0.0, stresses }
+    }
+
+    /// Goes on with other relaxation times: strains and stresses stay.
+    pub(super) fn set_times(&mut self, times: impl IntoIterator<Item = f64>) {
+        for (branch, time) in self.branches.iter_mut().zip(times) {
+            branch.time = time;
+        }
+    }
+
+    /// The strain.
+    #[must_use]
+    pub fn strain(&self) -> f64 {
+        self.strain
+    }
+
+    /// The stress.
+    #[must_use]
+    pub fn stress(&self) -> f64 {
+        self.equilibrium * self.strain + self.stresses.iter().sum::<f64>()
+    }
+
+    /// The energy per volume that the springs store.
+    #[must_use]
+    pub fn stored_energy(&self) -> f64 {
+        let springs = self.stresses.iter().zip(&self.branches);
+        let of_branches: f64 = springs.map(|(q, b)| q * q / b.modulus).sum();
+        0.5 * (self.equilibrium * self.strain * self.strain + of_branches)
+    }
+
+    /// Moves to `strain`, which is finite, within `dt` seconds (0: at once).
+    pub fn strain_to(&mut self, strain: f64, dt: f64) -> Step {
+        let rise = strain - self.strain;
+        let mut work = self.equilibrium * (self.strain + 0.5 * rise) * rise;
+        for (q, b) in self.stresses.iter_mut().zip(&self.branches) {
+            let x = dt / b.time;
+            let (left, mean) = decay(x);
+            // q' = G e' - q / tau: the mean of q, times the rise, is the work.
+            let lag = if x < 1e-3 { 0.5 - x * (1.0 / 6.0 - x / 24.0) } else { (1.0 - mean) / x };
+            work += (*q * mean + b.modulus * rise * lag) * rise;
+            *q = *q * left + b.modulus * rise * mean;
+        }
+        self.strain = strain;
+        Step { stress: self.stress(), work }
+    }
+
+    /// Creeps straight for `dt` seconds to the strain at which it has the given stress. The stress
+    /// between is not that one: for a constant stress, take short steps.
+    pub fn stress_to(&mut self, stress: f64, dt: f64) -> Step {
+        let (mut stiffness, mut rest) = (self.equilibrium, self.equilibrium * self.strain);
+        for (q, b) in self.stresses.iter().zip(&self.branches) {
+            let (left, mean) = decay(dt / b.time);
+            rest += q * left;
+            stiffness += b.modulus * mean;
+        }
+        self.strain_to(self.strain + (stress - rest) / stiffness, dt)
+    }
+}
+
+/// The law of a viscoelastic section: `K` times a relaxation function in parts of `K`, and Kelvin and
+/// Voigt's damping beside it, `m = K (G * dE + tau dE/dt)`.
+///
+/// It is passive. A step costs one exponential per Maxwell element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Viscoelastic {
+    stiffness: Vector3<f64>,
+    equilibrium: f64,
+    branches: Vec<Branch>,
+    damping_time: f64,
+}
+
+impl Viscoelastic {
+    /// A section of stiffness `K` (N m^2, as in [`rapunzel_fiber::NodeProperties`]) that relaxes as
+    /// `relaxation` says in parts of `K`, with the retardation time `damping_time`, s (0: none).
+    ///
+    /// # Errors
+    /// Refuses stiffnesses that are not positive and a negative time.
+    pub fn new(
+        stiffness: Vector3<f64>,
+        relaxation: &Relaxation,
+        damping_time: f64,
+    ) -> Result<Self, KeratinError> {
+        for k in stiffness.iter() {
+            positive("stiffness (N m^2)", *k)?;
+        }
+        not_negative("damping time (s)", damping_time)?;
+        let (equilibrium, branches) = (relaxation.equilibrium(), relaxation.branches().to_vec());
+        Ok(Self { stiffness, equilibrium, branches, damping_time })
+    }
+
+    /// A section of these elements alone, in parts of `K` and in this order.
+    pub(super) fn of(stiffness: Vector3<f64>, branches: Vec<Branch>) -> Self {
+        Self { stiffness, equilibrium: 0.0, branches, damping_time: 0.0 }
+    }
+
+    /// Kelvin and Voigt's section: `m = K (E + tau dE/dt)`.
+    ///
+    /// # Errors
+    /// As [`Viscoelastic::new`].
+    pub fn kelvin_voigt(stiffness: Vector3<f64>, tau: f64) -> Result<Self, KeratinError> {
+        Self::new(stiffness, &Relaxation::new(1.0, Vec::new())?, tau)
+    }
+}
+
+impl SectionLaw for Viscoelastic {
+    /// The strain at the last commit, then the stress of each element, in parts of `K`.
+    fn memory(&self) -> usize {
+        1 + self.branches.len()
+    }
+
+    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response {
+        let rise = strain - memory[0];
+        let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
+        let mut stress = self.equilibrium * strain + damping * rise;
+        let mut tangent = self.equilibrium + damping;
+        for (q, b) in memory[1..].iter().zip(&self.branches) {
+            let (left, mean) = decay(dt / b.time);
+            stress += left * q + b.modulus * mean * rise;
+            tangent += b.modulus * mean;
+        }
+        Response {
+            moment: self.stiffness.component_mul(&stress),
+            tangent: Matrix3::from_diagonal(&(tangent * self.stiffness)),
+        }
+    }
+
+    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) {
+        let rise = strain - memory[0];
+        for (q, b) in memory[1..].iter_mut().zip(&self.branches) {
+            let (left, mean) = decay(dt / b.time);
+            *q = left * *q + b.modulus * mean * rise;
+            // What fades for ever would end in denormal numbers, which are slow.
+            if q.amax() < f64::MIN_POSITIVE {
+                q.fill(0.0);
+            }
+        }
+        memory[0] = *strain;
+    }
+
+    fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
+        let square = |v: &Vector3<f64>| self.stiffness.component_mul(v).dot(v);
+        let springs = memory[1..].iter().zip(&self.branches);
+        let of_branches: f64 = springs.map(|(q, b)| square(q) / b.modulus).sum();
+        0.5 * (self.equilibrium * square(strain) + of_branches)
+    }
+}

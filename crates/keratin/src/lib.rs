@@ -1,0 +1,18 @@
+#![doc = include_str!("../README.md")]
+
+mod climate;
+mod error;
+mod hair;
+pub mod lab;
+pub mod law;
+pub mod moduli;
+pub mod surface;
+pub mod tables;
+pub mod water;
+
+#[doc = include_str!("../data/inconsistencies.md")]
+pub mod inconsistencies {}
+
+pub use climate::{Branch, Climate, Humidity, Outside, Quantity, Standing, Temperature};
+pub use error::KeratinError;
+pub use hair::{Growth, Hair, HairType, Sex, Thickness, Treatment, follicle_density};
