@@ -10,7 +10,8 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 3] = [
+const CHAPTERS: [Chapter; 4] = [
+    Chapter { name: "ch2", package: "rapunzel-keratin", example: "ch2" },
     Chapter { name: "ch3-static", package: "rapunzel-rod-static", example: "ch3" },
     Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
     Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
