@@ -45,8 +45,7 @@ impl Ball {
         }
         let angle = |i: usize| TAU * i as f64 / count as f64;
         let around = |i| center + Vector2::new(angle(i).cos(), angle(i).sin()) * self.radius;
-        let positions: Vec<_> =
-            std::iter::once(center).chain((0..count).map(around)).collect();
+        let positions: Vec<_> = std::iter::once(center).chain((0..count).map(around)).collect();
         let edges: Vec<_> = (0..count).map(|i| [1 + i, 1 + (i + 1) % count]).collect();
         self.build(&positions, &edges, edges.clone())
     }
@@ -91,8 +90,7 @@ impl Ball {
         let masses = vec![self.element.mass; positions.len()];
         let mut system = System::new(positions, &masses, &springs)?;
         system.set_drag(self.element.drag)?;
-        let enclosure =
-            Enclosure::new(&system, facets, edges.len()..springs.len(), self.tau)?;
+        let enclosure = Enclosure::new(&system, facets, edges.len()..springs.len(), self.tau)?;
         Ok((system, enclosure))
     }
 }

@@ -100,7 +100,10 @@ impl Chain {
                 pull(&mut system.positions, weights, s, &(old[s] * lambda));
             }
         }
-        Err(SpringError::NotConverged { what: "a chain with segments of the right length", steps: worst })
+        Err(SpringError::NotConverged {
+            what: "a chain with segments of the right length",
+            steps: worst,
+        })
     }
 }
 
@@ -140,8 +143,7 @@ fn edges<const D: usize>(x: &Columns<D>) -> Vec<SVector<f64, D>> {
 
 /// Inverse masses, zero where a component is driven.
 fn inverse_masses<const D: usize>(system: &System<D>) -> Columns<D> {
-    let mut weights =
-        Columns(std::array::from_fn(|_| system.inverse_masses.clone()));
+    let mut weights = Columns(std::array::from_fn(|_| system.inverse_masses.clone()));
     for &(node, guides) in &system.supports.guided {
         for axis in (0..D).filter(|&axis| guides[axis] == Guide::Driven) {
             weights.0[axis][node] = 0.0;

@@ -65,6 +65,7 @@ impl<const D: usize> Columns<D> {
     }
 
     /// Adds `factor * other`.
+    #[inline(always)]
     pub(crate) fn add_scaled(&mut self, factor: f64, other: &Self) {
         for (to, from) in self.0.iter_mut().zip(&other.0) {
             for (to, from) in to.iter_mut().zip(from) {
@@ -73,32 +74,25 @@ impl<const D: usize> Columns<D> {
         }
     }
 
-    /// Multiplies by `factor` and adds `other`.
-    pub(crate) fn scale_add(&mut self, factor: f64, other: &Self) {
-        for (to, from) in self.0.iter_mut().zip(&other.0) {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = factor * *to + from;
-            }
+    /// The sum of all products of components, in a fixed order: partial sums, so that it runs in
+    /// lanes.
+    #[inline(always)]
+    pub(crate) fn dot(&self, other: &Self) -> f64 {
+        let mut sum = 0.0;
+        for axis in 0..D {
+            sum += summed(&self.0[axis], &other.0[axis], |a, b| a * b);
         }
+        sum
     }
 
-    /// The sum of all products of components, in a fixed order: eight partial sums, so that it runs
-    /// in lanes.
-    pub(crate) fn dot(&self, other: &Self) -> f64 {
-        let mut sums = [0.0; 8];
-        for (a, b) in self.0.iter().zip(&other.0) {
-            let (a, a_rest) = a.as_chunks::<8>();
-            let (b, b_rest) = b.as_chunks::<8>();
-            for (a, b) in a.iter().zip(b) {
-                for lane in 0..8 {
-                    sums[lane] += a[lane] * b[lane];
-                }
-            }
-            for (lane, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
-                sums[lane] += a * b;
-            }
+    /// The sum of all squares of components times `weights`.
+    #[inline(always)]
+    pub(crate) fn dot_weighted(&self, weights: &Self) -> f64 {
+        let mut sum = 0.0;
+        for axis in 0..D {
+            sum += summed(&self.0[axis], &weights.0[axis], |a, w| a * a * w);
         }
-        sums.iter().sum()
+        sum
     }
 
     /// Largest size of a component.
@@ -110,4 +104,20 @@ impl<const D: usize> Columns<D> {
     pub(crate) fn first_not_finite(&self) -> Option<usize> {
         (0..self.len()).find(|&i| self.0.iter().any(|column| !column[i].is_finite()))
     }
+}
+
+#[inline(always)]
+fn summed(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut sums = [0.0; 16];
+    let (a, a_rest) = a.as_chunks::<16>();
+    let (b, b_rest) = b.as_chunks::<16>();
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..16 {
+            sums[lane] += term(a[lane], b[lane]);
+        }
+    }
+    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+        *sum += term(*a, *b);
+    }
+    sums.iter().sum()
 }

@@ -57,7 +57,10 @@ impl Contacts {
             return Err(SpringError::Parameter { what, value, allowed: "between 0 and 1" });
         }
         let mutual = if mutual {
-            crate::error::positive("the radius of nodes that touch each other (m)", surface.radius)?;
+            crate::error::positive(
+                "the radius of nodes that touch each other (m)",
+                surface.radius,
+            )?;
             Some(Mutual::new(system, surface.radius)?)
         } else {
             None
@@ -70,7 +73,10 @@ impl Contacts {
     ///
     /// # Errors
     /// [`SpringError::Collision`] if positions are not finite.
-    pub fn resolve<const D: usize>(&mut self, system: &mut System<D>) -> Result<usize, SpringError> {
+    pub fn resolve<const D: usize>(
+        &mut self,
+        system: &mut System<D>,
+    ) -> Result<usize, SpringError> {
         let mut count = 0;
         if let Some(mutual) = &mut self.mutual {
             count += mutual.resolve(system, &self.surface)?;
@@ -79,7 +85,9 @@ impl Contacts {
             for node in 0..system.nodes() {
                 let Sample { value, gradient } = obstacle.sample(&in_space(system, node));
                 let gap = value - self.surface.radius;
-                let normal = SVector::<f64, D>::from_fn(|axis, _| gradient.get(axis).copied().unwrap_or(0.0));
+                let normal = SVector::<f64, D>::from_fn(|axis, _| {
+                    gradient.get(axis).copied().unwrap_or(0.0)
+                });
                 if gap < 0.0 && normal.norm_squared() > 0.0 && yields(system, node) {
                     let normal = normal.normalize();
                     let velocity = system.velocities.get(node);

@@ -19,7 +19,7 @@ impl Default for ImplicitEuler {
 }
 
 /// Largest relative residual of the linear equations: Newton's method contracts by it.
-const LINEAR: f64 = 1e-3;
+const LINEAR: f64 = 1e-2;
 
 impl ImplicitEuler {
     /// Moves the system by one step of `dt` seconds and returns the iterations of Newton's method.
@@ -53,7 +53,7 @@ impl ImplicitEuler {
             tolerance: self.tolerance * system.size(),
             linear: LINEAR,
             caution: 0.0,
-            most: 100,
+            most: 300,
         };
         let (positions, iterations) = energies.least(start, &search)?;
         let mut velocities = positions.clone();

@@ -10,6 +10,7 @@ mod element;
 mod enclosure;
 mod error;
 mod force;
+mod gradients;
 mod implicit;
 mod lattice;
 mod leapfrog;

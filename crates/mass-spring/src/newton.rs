@@ -1,8 +1,8 @@
 //! The least of an energy: what a step of the implicit integrator and an equilibrium both are.
 
+use crate::gradients::solve;
 use crate::tangent::Tangent;
 use crate::{Columns, SpringError, System};
-use nalgebra::SMatrix;
 
 /// `inertia |x - target|^2 / 2` in the metric of the masses, plus the energy of springs, bends,
 /// gravity and loads, plus `damping mu (d . change)^2 / 2` for every damper, where `d` is its
@@ -28,9 +28,6 @@ pub(crate) struct Search {
     /// Most steps.
     pub(crate) most: usize,
 }
-
-/// Most iterations of the conjugate gradients.
-const MOST_LINEAR: usize = 20_000;
 
 impl<const D: usize> Energies<'_, D> {
     fn value(&self, x: &Columns<D>) -> f64 {
@@ -93,20 +90,22 @@ impl<const D: usize> Energies<'_, D> {
         mut x: Columns<D>,
         search: &Search,
     ) -> Result<(Columns<D>, usize), SpringError> {
+        let stiffest = self.system.stiffest();
         let mut caution = search.caution;
         let mut steps = Vec::new();
         let mut value = self.value(&x);
         for _ in 0..search.most {
             let forces = self.forces(&x);
-            let tangent =
-                |convex| Tangent::new(self.system, &x, self.inertia + caution, self.damping, convex);
+            let tangent = |convex| {
+                Tangent::new(self.system, &x, self.inertia + caution, self.damping, convex)
+            };
             let mut step = solve(&tangent(false), &forces, search.linear);
             if step.is_none() {
                 step = solve(&tangent(true), &forces, search.linear);
             }
             let Some(step) = step else {
                 // Even the convex part is singular: it needs inertia.
-                caution = (10.0 * caution).max(search.caution).max(1e-6 * self.stiffest());
+                caution = (10.0 * caution).max(1e-6 * stiffest);
                 continue;
             };
             let slope = -forces.dot(&step);
@@ -129,25 +128,20 @@ impl<const D: usize> Energies<'_, D> {
                 if size <= search.tolerance {
                     return Ok((x, steps.len()));
                 }
-                caution = (10.0 * caution).max(1e-6 * self.stiffest());
+                caution = (10.0 * caution).max(1e-6 * stiffest);
                 continue;
             };
             (x, value) = (next, next_value);
             if fraction == 1.0 {
-                if size <= search.tolerance && caution <= 1e-9 * search.caution {
+                if size <= search.tolerance && caution <= 1e-3 * self.inertia + 1e-11 * stiffest {
                     return Ok((x, steps.len()));
                 }
-                caution = if caution > 1e-12 * search.caution { 0.1 * caution } else { 0.0 };
+                caution = if caution > 1e-13 * stiffest { 0.1 * caution } else { 0.0 };
             } else {
                 caution *= 4.0;
             }
         }
         Err(SpringError::NotConverged { what: search.what, steps })
-    }
-
-    /// Largest stiffness by mass, 1/s^2.
-    fn stiffest(&self) -> f64 {
-        self.system.stiffest()
     }
 }
 
@@ -159,55 +153,5 @@ impl<const D: usize> System<D> {
             nodes.map(|node| k * self.inverse_masses[node]).into_iter().fold(0.0, f64::max)
         };
         springs.map(ratio).fold(f64::MIN_POSITIVE, f64::max)
-    }
-}
-
-/// Conjugate gradients within what the supports allow, preconditioned by the blocks on the
-/// diagonal; `None` if the matrix turns out not to be positive definite.
-fn solve<const D: usize>(
-    tangent: &Tangent<D>,
-    forces: &Columns<D>,
-    tolerance: f64,
-) -> Option<Columns<D>> {
-    let supports = &tangent.system().supports;
-    let inverses = tangent.inverse_diagonal();
-    let mut residual = forces.clone();
-    let mut x = Columns::zeros(forces.len());
-    let mut preconditioned = Columns::zeros(forces.len());
-    let mut image = Columns::zeros(forces.len());
-    precondition(&inverses, &residual, &mut preconditioned);
-    supports.project(&mut preconditioned);
-    let mut direction = preconditioned.clone();
-    let mut product = residual.dot(&preconditioned);
-    let enough = product * tolerance * tolerance;
-    for _ in 0..MOST_LINEAR {
-        if product <= enough || product <= f64::MIN_POSITIVE {
-            break;
-        }
-        tangent.apply(&direction, &mut image);
-        supports.project(&mut image);
-        let curvature = direction.dot(&image);
-        if !(curvature > 0.0) {
-            return None;
-        }
-        let along = product / curvature;
-        x.add_scaled(along, &direction);
-        residual.add_scaled(-along, &image);
-        precondition(&inverses, &residual, &mut preconditioned);
-        supports.project(&mut preconditioned);
-        let next = residual.dot(&preconditioned);
-        direction.scale_add(next / product, &preconditioned);
-        product = next;
-    }
-    Some(x)
-}
-
-fn precondition<const D: usize>(
-    inverses: &[SMatrix<f64, D, D>],
-    from: &Columns<D>,
-    to: &mut Columns<D>,
-) {
-    for (node, inverse) in inverses.iter().enumerate() {
-        to.set(node, &(inverse * from.get(node)));
     }
 }

@@ -43,7 +43,11 @@ impl Rope {
         positive("the length of the direction of a rope", direction.norm())?;
         if self.nodes < 2 {
             let expected = "at least two".to_owned();
-            return Err(SpringError::Count { what: "nodes of a rope", found: self.nodes, expected });
+            return Err(SpringError::Count {
+                what: "nodes of a rope",
+                found: self.nodes,
+                expected,
+            });
         }
         let way = direction.normalize() * self.spacing;
         let positions: Vec<_> = (0..self.nodes).map(|k| start + way * k as f64).collect();

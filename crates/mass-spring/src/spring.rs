@@ -34,9 +34,8 @@ impl Spring {
         if i == j {
             return Err(SpringError::Loop { spring, node: i });
         }
-        let refuse = |what, value, allowed| {
-            Err(SpringError::Spring { spring, what, value, allowed })
-        };
+        let refuse =
+            |what, value, allowed| Err(SpringError::Spring { spring, what, value, allowed });
         let finite = "zero or positive, and finite";
         if !(self.rest_length > 0.0 && self.rest_length.is_finite()) {
             return refuse("the rest length", self.rest_length, "positive and finite (m)");
@@ -164,8 +163,9 @@ mod tests {
     fn a_net_is_made_of_long_runs() {
         let columns = 5;
         let spring = |i, j| Spring::new([i, j], 1.0, 1.0);
-        let mut springs: Vec<_> =
-            (0..3).flat_map(|r| (0..4).map(move |c| spring(r * columns + c, r * columns + c + 1))).collect();
+        let mut springs: Vec<_> = (0..3)
+            .flat_map(|r| (0..4).map(move |c| spring(r * columns + c, r * columns + c + 1)))
+            .collect();
         springs.extend((0..10).map(|i| spring(i, i + columns)));
         let runs = Springs::new(&springs).runs;
         // Vertical springs of all rows follow each other without a gap.

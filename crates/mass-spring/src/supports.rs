@@ -82,11 +82,7 @@ impl<const D: usize> Supports<D> {
     }
 
     /// The same for components that have been multiplied by a weight for every node.
-    pub(crate) fn project_weighted(
-        &self,
-        columns: &mut Columns<D>,
-        weight: impl Fn(usize) -> f64,
-    ) {
+    pub(crate) fn project_weighted(&self, columns: &mut Columns<D>, weight: impl Fn(usize) -> f64) {
         for (node, guides) in &self.guided {
             for axis in 0..D {
                 if guides[axis] == Guide::Driven {

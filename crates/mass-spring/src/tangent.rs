@@ -65,6 +65,12 @@ impl<'a, const D: usize> Tangent<'a, D> {
     /// `y = A z`.
     pub(crate) fn apply(&self, z: &Columns<D>, y: &mut Columns<D>) {
         Arch::new().dispatch(Apply { tangent: self, z, y });
+    }
+
+    /// The same from within a loop in SIMD lanes.
+    #[inline(always)]
+    pub(crate) fn apply_inline(&self, z: &Columns<D>, y: &mut Columns<D>) {
+        self.apply_springs(z, y);
         for (bend, blocks) in self.system.bends.iter().zip(&self.bends) {
             let [a, b, c] = bend.nodes;
             let edges = [z.get(b) - z.get(a), z.get(c) - z.get(b)];
@@ -73,6 +79,23 @@ impl<'a, const D: usize> Tangent<'a, D> {
             y.add(a, &-first);
             y.add(b, &(first - second));
             y.add(c, &second);
+        }
+    }
+
+    #[inline(always)]
+    fn apply_springs(&self, z: &Columns<D>, y: &mut Columns<D>) {
+        for axis in 0..D {
+            let masses = self.system.masses.iter();
+            for ((to, from), mass) in y.0[axis].iter_mut().zip(&z.0[axis]).zip(masses) {
+                *to = self.inertia * mass * from;
+            }
+        }
+        for run in &self.system.springs.runs {
+            for done in (0..run.count).step_by(CHUNK) {
+                let count = CHUNK.min(run.count - done);
+                let (first, i, j) = (run.first + done, run.i + done, run.j + done);
+                apply_chunk(self, &Run { first, count, i, j, ..*run }, z, y);
+            }
         }
     }
 
@@ -111,54 +134,26 @@ impl<'a, const D: usize> Tangent<'a, D> {
         SMatrix::from_diagonal_element(self.isotropic[s]) + w * w.transpose()
     }
 
-    /// Inverses of the blocks on the diagonal, for a preconditioner.
-    pub(crate) fn inverse_diagonal(&self) -> Vec<SMatrix<f64, D, D>> {
-        let mut diagonal = vec![SMatrix::<f64, D, D>::zeros(); self.system.nodes()];
-        for (block, mass) in diagonal.iter_mut().zip(&self.system.masses) {
-            block.fill_diagonal(self.inertia * mass);
-        }
-        for (s, nodes) in self.system.springs.nodes.iter().enumerate() {
-            let block = self.spring_block(s);
-            nodes.iter().for_each(|&node| diagonal[node] += block);
-        }
-        for (bend, blocks) in self.system.bends.iter().zip(&self.bends) {
-            let [a, b, c] = bend.nodes;
-            let mixed = blocks[1] + blocks[1].transpose();
-            diagonal[a] += blocks[0];
-            diagonal[b] += blocks[0] + blocks[2] - mixed;
-            diagonal[c] += blocks[2];
-        }
-        diagonal.into_iter().map(inverse).collect()
-    }
-}
-
-/// The inverse of a positive definite block; of one that is not, that of its trace.
-fn inverse<const D: usize>(block: SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-    let mut rest = block;
-    let mut result = SMatrix::<f64, D, D>::identity();
-    // Gauss and Jordan; a positive definite matrix needs no pivots.
-    let scale = block.trace() / D as f64;
-    for k in 0..D {
-        let pivot = rest[(k, k)];
-        if !(pivot > 1e-12 * scale) {
-            let size = scale.abs();
-            let size = if size > 0.0 { 1.0 / size } else { 1.0 };
-            return SMatrix::from_diagonal_element(size);
-        }
-        for column in 0..D {
-            rest[(k, column)] /= pivot;
-            result[(k, column)] /= pivot;
-        }
-        for row in (0..D).filter(|&row| row != k) {
-            let factor = rest[(row, k)];
-            for column in 0..D {
-                let (a, b) = (rest[(k, column)], result[(k, column)]);
-                rest[(row, column)] -= factor * a;
-                result[(row, column)] -= factor * b;
+    /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is not
+    /// positive, of its size.
+    pub(crate) fn inverse_diagonal(&self) -> Columns<D> {
+        let mut diagonal = Columns::zeros(self.system.nodes());
+        self.blocks(|row, column, block| {
+            if row == column {
+                diagonal.add(row, &block.diagonal());
             }
+        });
+        // Nodes that are tied have one preconditioner, or it would pull them apart.
+        let supports = &self.system.supports;
+        for tie in &supports.ties {
+            let column = &mut diagonal.0[tie.axis];
+            let mean = tie.nodes.iter().map(|&n| column[n]).sum::<f64>() / tie.nodes.len() as f64;
+            tie.nodes.iter().for_each(|&node| column[node] = mean);
         }
+        let inverse = |x: f64| if x == 0.0 { 1.0 } else { 1.0 / x.abs() };
+        diagonal.0.iter_mut().flatten().for_each(|x| *x = inverse(*x));
+        diagonal
     }
-    result
 }
 
 struct Apply<'a, const D: usize> {
@@ -172,20 +167,7 @@ impl<const D: usize> WithSimd for Apply<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { tangent, z, y } = self;
-        for axis in 0..D {
-            let masses = tangent.system.masses.iter();
-            for ((to, from), mass) in y.0[axis].iter_mut().zip(&z.0[axis]).zip(masses) {
-                *to = tangent.inertia * mass * from;
-            }
-        }
-        for run in &tangent.system.springs.runs {
-            for done in (0..run.count).step_by(CHUNK) {
-                let count = CHUNK.min(run.count - done);
-                let (first, i, j) = (run.first + done, run.i + done, run.j + done);
-                apply_chunk(tangent, &Run { first, count, i, j, ..*run }, z, y);
-            }
-        }
+        self.tangent.apply_inline(self.z, self.y);
     }
 }
 

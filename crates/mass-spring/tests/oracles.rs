@@ -61,7 +61,7 @@ fn hanging_rope(case: &Case) {
     let found = system.stability_limit();
     assert!((found / limit - 1.0).abs() < 1e-6, "{name}: limit {found}, not {limit}");
     // Without a step at a multiple of the limit itself, this is the number of sub-steps.
-    let substeps = case.dt_limit_60Hz_substeps.expect("a count");
+    let substeps = case.substeps.expect("a count");
     let step = |n: usize| 1.0 / 60.0 / n as f64;
     assert!(step(substeps) < found && (substeps == 1 || step(substeps - 1) >= found), "{name}");
 
@@ -116,7 +116,8 @@ fn stretched_net(case: &Case) {
     let name = &case.name;
     let [rows, columns] = case.nodes.expect("a size");
     let place = Place::free(rows, columns).expect("a size");
-    let mut net = Lattice { place, spacing: 1.0, element: element(case), cells: Cells::Rectangular };
+    let mut net =
+        Lattice { place, spacing: 1.0, element: element(case), cells: Cells::Rectangular };
     let letters: Vec<String> = (0..rows)
         .map(|row| {
             let rim = |column| row == 0 || row + 1 == rows || column == 0 || column + 1 == columns;
@@ -168,7 +169,11 @@ fn beam(case: &Case) {
     let guided = case.right_x.is_some();
     let letters: Vec<String> = (0..rows)
         .map(|row| {
-            let last = if guided { "v" } else { ["2", "r", "3"][usize::from(row > 0) + usize::from(row + 1 == rows)] };
+            let last = if guided {
+                "v"
+            } else {
+                ["2", "r", "3"][usize::from(row > 0) + usize::from(row + 1 == rows)]
+            };
             let middle = ["t", "m", "b"][usize::from(row > 0) + usize::from(row + 1 == rows)];
             format!("f{}{last}", middle.repeat(columns - 2))
         })
@@ -193,8 +198,7 @@ fn beam(case: &Case) {
     for (shape, square) in modes.shapes.column_iter().zip(&modes.squares) {
         displacement += shape * (shape.dot(&weights) / square);
     }
-    let expected: Vec<f64> =
-        case.linear_displacement.iter().flatten().flatten().copied().collect();
+    let expected: Vec<f64> = case.linear_displacement.iter().flatten().flatten().copied().collect();
     let wrong = difference(displacement.as_slice(), &expected);
     assert!(wrong < 1e-9, "{name}: linear displacement by {wrong}");
     let node = |row, column| lattice.node(row, column);
@@ -209,7 +213,10 @@ fn beam(case: &Case) {
     if let Some(right) = case.right_x {
         assert!((mean(&moved).x - right).abs() < 1e-9 * scale, "{name}");
         let middle = moved(node(rows / 2, columns / 2)).y;
-        assert!((middle - case.mid_deflection.expect("one")).abs() < 1e-9 * scale, "{name}: {middle}");
+        assert!(
+            (middle - case.mid_deflection.expect("one")).abs() < 1e-9 * scale,
+            "{name}: {middle}"
+        );
     }
 
     if let Some(expected) = &case.nonlinear_positions {

@@ -29,7 +29,8 @@ pub struct Case {
     pub longitudinal_omega: Option<Vec<f64>>,
     pub transverse_omega: Option<Vec<f64>>,
     pub leapfrog_dt_limit: Option<f64>,
-    pub dt_limit_60Hz_substeps: Option<usize>,
+    #[serde(rename = "dt_limit_60Hz_substeps")]
+    pub substeps: Option<usize>,
     pub span: Option<f64>,
     pub horizontal_tension: Option<f64>,
     pub spring_lengths: Option<Vec<f64>>,
@@ -85,8 +86,8 @@ pub fn cases() -> Vec<Case> {
     let path = folder.join("f_mass_spring.json");
     let text = std::fs::read_to_string(&path)
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let oracle: Oracle = serde_json::from_str(&text)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let oracle: Oracle =
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     assert!(!oracle.cases.is_empty());
     oracle.cases
 }
@@ -101,6 +102,8 @@ pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
 /// Largest distance of nodes from where they should be.
 pub fn distance(system: &System<2>, expected: &[[f64; 2]]) -> f64 {
     assert_eq!(system.nodes(), expected.len());
-    let away = |(node, e): (usize, &[f64; 2])| (system.position(node).coords - nalgebra::Vector2::from(*e)).norm();
+    let away = |(node, e): (usize, &[f64; 2])| {
+        (system.position(node).coords - nalgebra::Vector2::from(*e)).norm()
+    };
     expected.iter().enumerate().map(away).fold(0.0, f64::max)
 }
