@@ -150,13 +150,23 @@ impl Mutual {
         self.positions.clear();
         self.positions.extend((0..system.nodes()).flat_map(|node| [in_space(system, node); 2]));
         self.candidates.update(&Capsules::new(&self.layout, &self.positions, &self.radii)?)?;
+        // Which nodes touch is settled before any moves, and they come in order, so that the result
+        // does not depend on when the list of candidates was made.
+        let gap = |system: &System<D>, [i, j]: [usize; 2]| {
+            (system.positions.get(j) - system.positions.get(i)).norm() - 2.0 * surface.radius
+        };
+        let pairs = self.candidates.pairs().iter().map(|pair| pair.map(|node| node as usize));
+        let mut touching: Vec<_> = pairs
+            .map(|[i, j]| [i.min(j), i.max(j)])
+            .filter(|&pair| gap(system, pair) < 0.0 && !self.connected.contains(&pair))
+            .collect();
+        touching.sort_unstable();
         let mut count = 0;
-        for pair in self.candidates.pairs() {
-            let [i, j] = pair.map(|node| node as usize);
+        for [i, j] in touching {
             let apart = system.positions.get(j) - system.positions.get(i);
             let distance = apart.norm();
-            let gap = distance - 2.0 * surface.radius;
-            if gap >= 0.0 || distance == 0.0 || self.connected.contains(&[i.min(j), i.max(j)]) {
+            let gap = (distance - 2.0 * surface.radius).min(0.0);
+            if distance == 0.0 {
                 continue;
             }
             let weight =

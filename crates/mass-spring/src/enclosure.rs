@@ -82,7 +82,8 @@ impl<const D: usize> Enclosure<D> {
         self.rest_measure
     }
 
-    /// Lets the controller change the radial springs once: as often as the system is stepped.
+    /// Lets the controller change the radial springs once: once per frame in the text. It is stable
+    /// where the body's breathing decays faster than at the rate of `tau` per time between two calls.
     ///
     /// # Errors
     /// [`SpringError::Parameter`] if a rest length would vanish: the body is inflated or crushed

@@ -138,7 +138,7 @@ impl<const D: usize> Energies<'_, D> {
                 }
                 caution = if caution > 1e-13 * stiffest { 0.1 * caution } else { 0.0 };
             } else {
-                caution *= 4.0;
+                caution = (4.0 * caution).max(1e-4 * stiffest);
             }
         }
         Err(SpringError::NotConverged { what: search.what, steps })

@@ -13,19 +13,21 @@ const CHUNK: usize = 128;
 /// written down: only what each spring gives to it.
 ///
 /// That of a spring is `a I + w w^T` for its two nodes and the opposite between them, with
-/// `w = sqrt(b) d` along the spring: `a = k (1 - l0/l)`, `b = k l0/l + damping * mu`. A spring in
-/// compression has `a < 0`; the convex form takes zero instead.
+/// `w = sqrt(b) d` along the spring: `a = k (1 - l0/l)`, `b = k l0/l`. A spring in compression has
+/// `a < 0`; the convex form takes zero instead.
 pub(crate) struct Tangent<'a, const D: usize> {
     system: &'a System<D>,
     inertia: f64,
     isotropic: Vec<f64>,
     axial: Columns<D>,
+    /// Dampers have `w` of their own, along the springs as they are in the system; empty without.
+    dampers: Columns<D>,
     /// Joints with the three blocks of their second derivatives.
     bends: Vec<[SMatrix<f64, D, D>; 3]>,
 }
 
 impl<'a, const D: usize> Tangent<'a, D> {
-    /// At positions `x`; dampers act along the springs as they are at `dampers`.
+    /// At positions `x`.
     pub(crate) fn new(
         system: &'a System<D>,
         x: &Columns<D>,
@@ -39,6 +41,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
             inertia,
             isotropic: vec![0.0; springs.len()],
             axial: Columns::zeros(springs.len()),
+            dampers: Columns::zeros(0),
             bends: system.bends.iter().map(|bend| bend.hessian(x, convex)).collect(),
         };
         for (s, &[i, j]) in springs.nodes.iter().enumerate() {
@@ -51,8 +54,16 @@ impl<'a, const D: usize> Tangent<'a, D> {
                 (isotropic, along) = (0.0, k);
             }
             tangent.isotropic[s] = isotropic;
-            let along = along + damping * springs.damping[s];
             tangent.axial.set(s, &(apart * (along.sqrt() / length)));
+        }
+        if springs.damped && damping > 0.0 {
+            tangent.dampers = Columns::zeros(springs.len());
+            for (s, &[i, j]) in springs.nodes.iter().enumerate() {
+                let apart = system.positions.get(j) - system.positions.get(i);
+                let length = (apart.norm_squared() + TINY).sqrt();
+                let root = (damping * springs.damping[s]).sqrt();
+                tangent.dampers.set(s, &(apart * (root / length)));
+            }
         }
         tangent
     }
@@ -71,6 +82,13 @@ impl<'a, const D: usize> Tangent<'a, D> {
     #[inline(always)]
     pub(crate) fn apply_inline(&self, z: &Columns<D>, y: &mut Columns<D>) {
         self.apply_springs(z, y);
+        for s in 0..self.dampers.len() {
+            let [i, j] = self.system.springs.nodes[s];
+            let w = self.dampers.get(s);
+            let change = w * w.dot(&(z.get(j) - z.get(i)));
+            y.add(i, &-change);
+            y.add(j, &change);
+        }
         for (bend, blocks) in self.system.bends.iter().zip(&self.bends) {
             let [a, b, c] = bend.nodes;
             let edges = [z.get(b) - z.get(a), z.get(c) - z.get(b)];
@@ -131,7 +149,12 @@ impl<'a, const D: usize> Tangent<'a, D> {
 
     fn spring_block(&self, s: usize) -> SMatrix<f64, D, D> {
         let w = self.axial.get(s);
-        SMatrix::from_diagonal_element(self.isotropic[s]) + w * w.transpose()
+        let elastic = SMatrix::from_diagonal_element(self.isotropic[s]) + w * w.transpose();
+        if self.dampers.is_empty() {
+            return elastic;
+        }
+        let w = self.dampers.get(s);
+        elastic + w * w.transpose()
     }
 
     /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is not

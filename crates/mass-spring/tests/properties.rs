@@ -27,7 +27,9 @@ fn systems() -> impl Strategy<Value = System<3>> {
                     let nodes = [i, (i + away) % count];
                     Spring { damping, ..Spring::new(nodes, stiffness, length) }
                 };
-            let springs: Vec<_> = springs.iter().map(spring).collect();
+            let mut springs: Vec<_> = springs.iter().map(spring).collect();
+            // A bend needs segments that keep their length.
+            springs.extend([[0, 1], [1, 2]].map(|nodes| Spring::new(nodes, 50.0, 1.0)));
             let bends = vec![Bend { nodes: [0, 1, 2], stiffness: 3.0 }];
             let mut system = System::new(&positions, &masses, &springs)
                 .and_then(|system| system.with_bends(bends))
