@@ -187,6 +187,21 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
+    /// Goes back to saved positions (world), m, and velocities (world), m/s, also those of supports.
+    ///
+    /// # Errors
+    /// [`SpringError::Count`], [`SpringError::NotFinite`].
+    pub fn set_state(
+        &mut self,
+        positions: &Columns<D>,
+        velocities: &Columns<D>,
+    ) -> Result<(), SpringError> {
+        self.check("velocity", velocities)?;
+        self.set_positions(positions)?;
+        self.velocities = velocities.clone();
+        Ok(())
+    }
+
     fn check(&self, what: &'static str, columns: &Columns<D>) -> Result<(), SpringError> {
         if columns.len() != self.nodes() {
             let expected = format!("one for each of the {} nodes", self.nodes());
@@ -254,8 +269,14 @@ impl<const D: usize> System<D> {
         self.set_rest_lengths([(s, length)])
     }
 
-    /// Sets the rest lengths of several springs, m.
-    pub(crate) fn set_rest_lengths(
+    /// Sets the rest lengths of several springs, m, each given by its index.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] for the first one that is not positive and finite.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
+    pub fn set_rest_lengths(
         &mut self,
         lengths: impl IntoIterator<Item = (usize, f64)>,
     ) -> Result<(), SpringError> {
@@ -264,6 +285,19 @@ impl<const D: usize> System<D> {
             self.springs.rest_length[s] = length;
         }
         self.springs.refresh();
+        Ok(())
+    }
+
+    /// Sets the yield strain of all springs.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if it is not positive.
+    pub fn set_yield_strain(&mut self, strain: f64) -> Result<(), SpringError> {
+        if !(strain > 0.0) {
+            let (what, allowed) = ("the yield strain", "positive; infinite for never");
+            return Err(SpringError::Parameter { what, value: strain, allowed });
+        }
+        self.springs.yield_strain.fill(strain);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, StepperSettings};
-use crate::{SimError, World};
+use crate::{Plan, SimError, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError};
@@ -62,7 +62,16 @@ impl Scene {
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
             .collect::<Result<_, SimError>>()?;
-        Ok(World::new(self.environment.clone(), assembly, groups))
+        let mut world = World::new(self.environment.clone(), assembly, groups);
+        if let Some(springs) = &self.mass_spring {
+            let refused = |source| SimError::MassSpring { time: 0.0, source };
+            let springs = mass_spring::build(springs).map_err(refused)?;
+            if let Some(warning) = springs.warning(Plan::new(self).dt) {
+                tracing::warn!("{warning}");
+            }
+            world.springs = Some(springs);
+        }
+        Ok(world)
     }
 
     fn conditions(&self, bundle: &Bundle) -> Result<BundleConditions, RodError> {

@@ -1,6 +1,7 @@
 use crate::export::ExportError;
 use crate::scene::Problem;
 use rapunzel_fiber::FiberError;
+use rapunzel_mass_spring::SpringError;
 use rapunzel_rod_dynamic::{RodError, StepError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,14 @@ pub enum SimError {
         time: f64,
         /// Which fibre and why.
         source: StepError,
+    },
+    /// A mass-spring system cannot be built, restored or moved.
+    #[error("mass_spring, t = {time} s: {source}")]
+    MassSpring {
+        /// Start of the step, s.
+        time: f64,
+        /// What is wrong, and where.
+        source: SpringError,
     },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]

@@ -8,6 +8,7 @@ pub mod export;
 mod folder;
 mod group;
 mod observers;
+mod mass_spring;
 mod plan;
 mod run;
 pub mod scene;
@@ -18,6 +19,7 @@ mod world;
 
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};
+pub use mass_spring::MassSprings;
 pub use plan::Plan;
 pub use run::{Control, Progress, run};
 pub use scene::Scene;
