@@ -54,9 +54,15 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
                 return None;
             }
             let along = product / curvature;
-            x.add_scaled(along, &direction);
-            residual.add_scaled(-along, &image);
-            let next = residual.dot_weighted(&inverse);
+            let mut next = 0.0;
+            for axis in 0..D {
+                next += advance_column(
+                    along,
+                    [&direction.0[axis], &image.0[axis], &inverse.0[axis]],
+                    &mut x.0[axis],
+                    &mut residual.0[axis],
+                );
+            }
             turn = next / product;
             product = next;
         }
@@ -72,4 +78,38 @@ fn turn_column(direction: &mut [f64], turn: f64, residual: &[f64], inverse: &[f6
     for n in 0..count {
         direction[n] = turn * direction[n] + inverse[n] * residual[n];
     }
+}
+
+/// `x += along * direction`, `residual -= along * image`, and the sum of `inverse * residual^2`, in a
+/// fixed order.
+#[inline(always)]
+fn advance_column(
+    along: f64,
+    [direction, image, inverse]: [&[f64]; 3],
+    x: &mut [f64],
+    residual: &mut [f64],
+) -> f64 {
+    const LANES: usize = 16;
+    let count = x.len();
+    let (direction, image) = (&direction[..count], &image[..count]);
+    let (inverse, residual) = (&inverse[..count], &mut residual[..count]);
+    let mut sums = [0.0; LANES];
+    let whole = count - count % LANES;
+    for start in (0..whole).step_by(LANES) {
+        let part = start..start + LANES;
+        let (x, residual) = (&mut x[part.clone()], &mut residual[part.clone()]);
+        let (direction, image) = (&direction[part.clone()], &image[part.clone()]);
+        let inverse = &inverse[part];
+        for lane in 0..LANES {
+            x[lane] += along * direction[lane];
+            residual[lane] -= along * image[lane];
+            sums[lane] += residual[lane] * residual[lane] * inverse[lane];
+        }
+    }
+    for (sum, n) in sums.iter_mut().zip(whole..count) {
+        x[n] += along * direction[n];
+        residual[n] -= along * image[n];
+        *sum += residual[n] * residual[n] * inverse[n];
+    }
+    sums.iter().sum()
 }

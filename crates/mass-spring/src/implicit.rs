@@ -19,7 +19,7 @@ impl Default for ImplicitEuler {
 }
 
 /// Largest relative residual of the linear equations: Newton's method contracts by it.
-const LINEAR: f64 = 1e-2;
+const LINEAR: f64 = 3e-2;
 
 impl ImplicitEuler {
     /// Moves the system by one step of `dt` seconds and returns the iterations of Newton's method.

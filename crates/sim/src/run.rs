@@ -2,7 +2,10 @@ use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Table};
 use crate::storage::write_atomically;
-use crate::{FreeFibers, MassSprings, Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
+use crate::{
+    FreeFibers, MassSprings, Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World,
+    mass_spring,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 

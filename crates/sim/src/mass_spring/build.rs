@@ -3,8 +3,8 @@ use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
 use nalgebra::{Point, Point3, SVector, UnitVector3, Vector3};
 use rapunzel_collision::field::{self, DistanceField, HalfSpace};
 use rapunzel_mass_spring::{
-    self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError,
-    Surface, System,
+    self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError, Surface,
+    System,
 };
 
 /// The system of a scene at its start.

@@ -4,6 +4,6 @@ mod build;
 mod motion;
 mod strands;
 
-pub use motion::MassSprings;
 pub(crate) use build::{build, measured};
+pub use motion::MassSprings;
 pub(crate) use motion::{Measured, Springs};

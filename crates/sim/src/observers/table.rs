@@ -1,6 +1,6 @@
 use super::Observer;
-use crate::scene::{Node, Probe, Quantity};
 use crate::mass_spring::Measured;
+use crate::scene::{Node, Probe, Quantity};
 use crate::{SimError, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
