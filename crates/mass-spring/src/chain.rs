@@ -67,8 +67,8 @@ impl Chain {
             system.time += dt;
             kick(system, 0.5 * dt);
             turn(system, &weights, &mut rates);
-            let wrong = system.positions.first_not_finite();
-            if let Some(node) = wrong.or_else(|| system.velocities.first_not_finite()) {
+            let wrong = system.positions.first_beyond();
+            if let Some(node) = wrong.or_else(|| system.velocities.first_beyond()) {
                 return Err(SpringError::BlownUp { step, node });
             }
         }

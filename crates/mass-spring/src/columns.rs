@@ -5,6 +5,9 @@ use nalgebra::SVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns<const D: usize>(pub(crate) [Vec<f64>; D]);
 
+/// `2^400`: numbers of this size have no finite squares soon, and no meaning in a simulation.
+pub(crate) const BEYOND: f64 = f64::from_bits((1023 + 400) << 52);
+
 impl<const D: usize> Default for Columns<D> {
     fn default() -> Self {
         Self::zeros(0)
@@ -98,6 +101,12 @@ impl<const D: usize> Columns<D> {
     /// Largest size of a component.
     pub(crate) fn largest(&self) -> f64 {
         self.0.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+    }
+
+    /// The first vector with a component beyond [`BEYOND`].
+    pub(crate) fn first_beyond(&self) -> Option<usize> {
+        let sound = |column: &Vec<f64>, i: usize| column[i].abs() < BEYOND;
+        (0..self.len()).find(|&i| !self.0.iter().all(|column| sound(column, i)))
     }
 
     /// The first vector that is not finite.

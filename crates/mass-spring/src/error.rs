@@ -116,7 +116,7 @@ pub enum SpringError {
     },
     /// The numbers of a run have grown beyond all bounds.
     #[error(
-        "node {node} left the finite numbers in step {step}; use a step below the stability limit, \
+        "node {node} left all bounds in step {step}: the run has blown up; use a step below the stability limit, \
          an implicit integrator, or softer springs"
     )]
     BlownUp {

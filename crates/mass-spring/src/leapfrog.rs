@@ -1,3 +1,4 @@
+use crate::columns::BEYOND;
 use crate::force::add_run;
 use crate::supports::Guide;
 use crate::{Columns, SpringError, System};
@@ -90,8 +91,8 @@ impl<const D: usize> WithSimd for Advance<'_, D> {
             let sound = one_step(system, forces, &kick);
             system.time += dt;
             if !sound {
-                let velocities = system.velocities.first_not_finite();
-                let node = velocities.or_else(|| system.positions.first_not_finite()).unwrap_or(0);
+                let velocities = system.velocities.first_beyond();
+                let node = velocities.or_else(|| system.positions.first_beyond()).unwrap_or(0);
                 return Err(SpringError::BlownUp { step, node });
             }
         }
@@ -99,7 +100,7 @@ impl<const D: usize> WithSimd for Advance<'_, D> {
     }
 }
 
-/// Whether the numbers are still finite.
+/// Whether the numbers are still sound.
 #[inline(always)]
 fn one_step<const D: usize>(
     system: &mut System<D>,
@@ -156,7 +157,8 @@ fn move_free<const D: usize>(
     bits >> 63 == 0
 }
 
-/// Moves one component of neighbors; the highest bit of the result is set if it is not finite.
+/// Moves one component of neighbors; the highest bit of the result is set if it is beyond all
+/// bounds.
 #[inline(always)]
 fn move_column<const D: usize>(
     x: &mut [f64],
@@ -167,6 +169,7 @@ fn move_column<const D: usize>(
     common: f64,
 ) -> u64 {
     const EXPONENT: u64 = 0x7ff << 52;
+    const CARRY: u64 = (1 << 63) - (BEYOND.to_bits() & EXPONENT);
     let count = x.len();
     let (v, forces, inverse_masses) =
         (&mut v[..count], &mut forces[..count], &inverse_masses[..count]);
@@ -177,8 +180,8 @@ fn move_column<const D: usize>(
         v[n] = velocity;
         x[n] += kick.drift * velocity;
         forces[n] = 0.0;
-        // Adding one to an exponent of all ones carries into the sign.
-        bits |= (velocity.to_bits() & EXPONENT) + (1 << 52);
+        // The exponent of what is too large, infinite or not a number carries into the sign.
+        bits |= (velocity.to_bits() & EXPONENT) + CARRY;
     }
     bits
 }

@@ -59,7 +59,7 @@ pub fn runge_kutta<const D: usize>(
             at_x.add_scaled(next * dt, &velocity);
             at_v.add_scaled(next * dt, &a);
         }
-        if let Some(node) = new_x.first_not_finite().or_else(|| new_v.first_not_finite()) {
+        if let Some(node) = new_x.first_beyond().or_else(|| new_v.first_beyond()) {
             return Err(SpringError::BlownUp { step, node });
         }
         (system.positions, system.velocities) = (new_x, new_v);
