@@ -173,7 +173,8 @@ fn solve<const D: usize>(
             pivot -= below * above[s - 1];
             excess[s] -= below * excess[s - 1];
         }
-        if !(pivot.abs() > 1e-14 * new[s].norm() * old[s].norm() * weights.largest()) {
+        let least = 1e-14 * new[s].norm() * old[s].norm() * weights.largest();
+        if pivot.is_nan() || pivot.abs() <= least {
             return None;
         }
         if s + 1 < count {

@@ -50,7 +50,7 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
             tangent.apply_inline(&direction, &mut image);
             supports.project(&mut image);
             let curvature = direction.dot(&image);
-            if !(curvature > 0.0) {
+            if curvature.is_nan() || curvature <= 0.0 {
                 return None;
             }
             let along = product / curvature;

@@ -46,7 +46,7 @@ impl Spring {
         if !(self.damping >= 0.0 && self.damping.is_finite()) {
             return refuse("the damping", self.damping, finite);
         }
-        if !(self.yield_strain > 0.0) {
+        if self.yield_strain.is_nan() || self.yield_strain <= 0.0 {
             return refuse("the yield strain", self.yield_strain, "positive; infinite for never");
         }
         Ok(())

@@ -35,7 +35,7 @@ pub(crate) struct Supports<const D: usize> {
 
 impl<const D: usize> Supports<D> {
     pub(crate) fn none(nodes: usize) -> Self {
-        Self { nodes, free: vec![0..nodes], ..Self::default() }
+        Self { nodes, free: std::iter::once(0..nodes).collect(), ..Self::default() }
     }
 
     pub(crate) fn drive(&mut self, node: usize, axes: Range<usize>) {

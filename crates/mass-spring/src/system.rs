@@ -293,7 +293,7 @@ impl<const D: usize> System<D> {
     /// # Errors
     /// [`SpringError::Parameter`] if it is not positive.
     pub fn set_yield_strain(&mut self, strain: f64) -> Result<(), SpringError> {
-        if !(strain > 0.0) {
+        if strain.is_nan() || strain <= 0.0 {
             let (what, allowed) = ("the yield strain", "positive; infinite for never");
             return Err(SpringError::Parameter { what, value: strain, allowed });
         }
