@@ -27,7 +27,7 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
     let scene = read(path)?;
     let world = scene.build().map_err(Failure::of(path))?;
     let plan = Plan::new(&scene);
-    let (fibers, nodes) = (world.assembly().fibers().len(), world.assembly().layout().nodes());
+    let (fibers, nodes) = (world.assembly().fibers().len(), world.nodes());
     if json {
         let object = serde_json::json!({
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,

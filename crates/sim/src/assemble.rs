@@ -2,7 +2,7 @@ use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::Touching;
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
-use crate::{FreeFibers, SimError, Stepper, World};
+use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError};
@@ -78,7 +78,16 @@ impl Scene {
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
             .collect::<Result<_, SimError>>()?;
-        Ok(World::new(self.environment.clone(), assembly, groups))
+        let mut world = World::new(self.environment.clone(), assembly, groups);
+        if let Some(springs) = &self.mass_spring {
+            let refused = |source| SimError::MassSpring { time: 0.0, source };
+            let springs = mass_spring::build(springs).map_err(refused)?;
+            if let Some(warning) = springs.warning(Plan::new(self).dt) {
+                tracing::warn!("{warning}");
+            }
+            world.springs = Some(springs);
+        }
+        Ok(world)
     }
 
     /// What moves the world of this scene.
@@ -86,6 +95,9 @@ impl Scene {
     /// # Errors
     /// [`SimError::Collision`] if its fibres cannot be searched for contacts.
     pub fn stepper_of(&self, world: &World) -> Result<Box<dyn Stepper>, SimError> {
+        if self.mass_spring.is_some() {
+            return Ok(Box::new(MassSprings));
+        }
         Ok(match &self.contact {
             None => Box::new(FreeFibers),
             Some(settings) => {

@@ -3,6 +3,7 @@ use crate::scene::Problem;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_fiber::FiberError;
+use rapunzel_mass_spring::SpringError;
 use rapunzel_rod_dynamic::{RodError, StepError};
 use rapunzel_rod_static::StaticError;
 use std::io;
@@ -79,6 +80,14 @@ pub enum SimError {
         shortest: f64,
         /// The longest, m.
         longest: f64,
+    },
+    /// A mass-spring system cannot be built, restored or moved.
+    #[error("mass_spring, t = {time} s: {source}")]
+    MassSpring {
+        /// Start of the step, s.
+        time: f64,
+        /// What is wrong, and where.
+        source: SpringError,
     },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]

@@ -2,7 +2,9 @@ use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Table};
 use crate::storage::write_atomically;
-use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World};
+use crate::{
+    Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -177,7 +179,9 @@ fn observers(
     let every = plan.steps_per_record;
     let interval = plan.dt * plan.steps_per_frame as f64;
     let frames = FrameWriter::open(folder, &output.formats, plan.steps_per_frame, interval)?;
-    let energies = Table::open(&folder.file(ENERGIES), vec![Column::Energies], every)?;
+    let enclosed = scene.mass_spring.as_ref().and_then(mass_spring::measured);
+    let columns = [Column::Energies].into_iter().chain(enclosed.map(Column::Enclosed)).collect();
+    let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
     if !output.probes.is_empty() {
         let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();

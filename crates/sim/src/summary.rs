@@ -117,7 +117,7 @@ impl Summary {
             scene: scene.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             fibers: world.assembly().fibers().len(),
-            nodes: world.assembly().layout().nodes(),
+            nodes: world.nodes(),
             dt: plan.dt,
             steps: world.steps(),
             planned_steps: plan.steps,

@@ -1,6 +1,8 @@
 use crate::contact::{Bearing, Memory};
 use crate::group::Group;
+use crate::mass_spring::Springs;
 use crate::{SimError, scene::Environment};
+use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, RodError, RodState};
 use serde::{Deserialize, Serialize};
@@ -15,6 +17,8 @@ pub struct World {
     clock: Clock,
     /// What fibres touched in the last step.
     pub(crate) contacts: Memory,
+    /// In place of fibres.
+    pub(crate) springs: Option<Box<dyn Springs>>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -33,6 +37,7 @@ pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
     contacts: Memory,
+    springs: Vec<f64>,
 }
 
 impl World {
@@ -45,7 +50,8 @@ impl World {
             }
         }
         let clock = Clock::default();
-        Self { environment, assembly, groups, lanes, clock, contacts: Memory::default() }
+        let contacts = Memory::default();
+        Self { environment, assembly, groups, lanes, clock, contacts, springs: None }
     }
 
     /// Time, s.
@@ -71,6 +77,27 @@ impl World {
         self.lanes[fiber]
     }
 
+    /// Number of nodes of all fibres, or of the mass-spring system.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.springs.as_ref().map_or_else(|| self.assembly.layout().nodes(), |s| s.nodes())
+    }
+
+    /// Position and velocity (world) of a node of a fibre, or of the mass-spring system.
+    pub(crate) fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
+        if let Some(springs) = &self.springs {
+            return springs.node(node.unwrap_or(springs.nodes() - 1));
+        }
+        let state = self.state(fiber);
+        let node = node.unwrap_or(state.positions.len() - 1);
+        (state.positions[node], state.velocities[node])
+    }
+
+    /// Gravity now, m/s^2.
+    pub(crate) fn gravity(&self) -> Vector3<f64> {
+        self.environment.gravity_at(self.time())
+    }
+
     /// Where fibre `i` is and how it moves. Allocates; costs one pass over its nodes.
     ///
     /// # Panics
@@ -84,7 +111,10 @@ impl World {
     /// Energy of all fibres, J, in the gravity of the instant. Costs one pass over all nodes.
     #[must_use]
     pub fn energy(&self) -> Energy {
-        let gravity = self.environment.gravity_at(self.time());
+        let gravity = self.gravity();
+        if let Some(springs) = &self.springs {
+            return springs.energy(&gravity);
+        }
         let mut sum = Energy::default();
         for group in &self.groups {
             for lane in 0..group.fibers.len() {
@@ -112,7 +142,8 @@ impl World {
             numbers
         };
         let groups = self.groups.iter().map(numbers).collect();
-        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone() }
+        let springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
+        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone(), springs }
     }
 
     /// Goes back to a snapshot of this world.
@@ -127,6 +158,12 @@ impl World {
         }
         for (group, numbers) in self.groups.iter_mut().zip(&snapshot.groups) {
             group.batch.restore(numbers).map_err(error)?;
+        }
+        if let Some(springs) = &mut self.springs
+            && !springs.restore(&snapshot.springs)
+        {
+            let (expected, found) = (springs.save().len(), snapshot.springs.len());
+            return Err(error(RodError::Length { what: "springs", expected, found }));
         }
         self.clock = snapshot.clock;
         self.contacts = snapshot.contacts.clone();

@@ -137,6 +137,9 @@ fn frame(world: &World, index: usize) -> Frame {
             forces: state.forces,
         }
     };
-    let strands = (0..world.assembly().fibers().len()).map(strand).collect();
+    let strands = match &world.springs {
+        Some(springs) => springs.strands(),
+        None => (0..world.assembly().fibers().len()).map(strand).collect(),
+    };
     Frame { index, time: world.time(), strands }
 }

@@ -1,4 +1,5 @@
 use super::Observer;
+use crate::mass_spring::Measured;
 use crate::scene::{Node, Probe, Quantity};
 use crate::{SimError, World};
 use std::fs::File;
@@ -27,6 +28,8 @@ pub(crate) struct Table {
 pub(crate) enum Column {
     /// Kinetic, elastic, gravitational energy and their sum.
     Energies,
+    /// Area or volume that a ring or ball encloses, now and at rest.
+    Enclosed(Measured),
     /// What a probe reads.
     Probe(Probe),
 }
@@ -113,6 +116,9 @@ impl Column {
     fn names(&self) -> String {
         match self {
             Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
+            Self::Enclosed(Measured { what, unit }) => {
+                format!(",{what} ({unit}),{what} at rest ({unit})")
+            }
             Self::Probe(Probe { fiber, node, quantity }) => {
                 let node = match node {
                     Node::Tip => "tip".to_owned(),
@@ -134,15 +140,19 @@ impl Column {
                 let energy = world.energy();
                 vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
             }
+            Self::Enclosed(_) => {
+                let enclosed = world.springs.as_ref().and_then(|springs| springs.enclosed());
+                enclosed.into_iter().flatten().collect()
+            }
             Self::Probe(probe) => {
-                let state = world.state(probe.fiber);
                 let node = match probe.node {
-                    Node::Tip => state.positions.len() - 1,
-                    Node::At { index } => index,
+                    Node::Tip => None,
+                    Node::At { index } => Some(index),
                 };
+                let (position, velocity) = world.node(probe.fiber, node);
                 let value = match probe.quantity {
-                    Quantity::Position => state.positions[node].coords,
-                    Quantity::Velocity => state.velocities[node],
+                    Quantity::Position => position.coords,
+                    Quantity::Velocity => velocity,
                 };
                 value.iter().copied().collect()
             }

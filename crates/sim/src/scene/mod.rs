@@ -8,6 +8,7 @@ mod check;
 mod contact;
 mod fibers;
 mod locate;
+mod mass_spring;
 mod motion;
 mod output;
 mod read;
@@ -17,6 +18,10 @@ mod tip;
 pub use check::{Place, Problem};
 pub use contact::{ContactSettings, Friction, Object, ObjectShape};
 pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
+pub use mass_spring::{
+    Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Obstacle,
+    Shape as BodyShape,
+};
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use output::{Format, Node, Output, Probe, Quantity};
@@ -50,6 +55,7 @@ pub struct Scene {
     /// Simulated time, s.
     pub duration: f64,
     /// The fibres.
+    #[serde(default)]
     pub fibers: Vec<Bundle>,
     /// What fibres lie on and bump into; needs `contact`.
     #[serde(default)]
@@ -57,6 +63,9 @@ pub struct Scene {
     /// What fibres do where they touch; left out, they pass through each other.
     #[serde(default)]
     pub contact: Option<ContactSettings>,
+    /// A mass-spring system in their place.
+    #[serde(default)]
+    pub mass_spring: Option<MassSpring>,
     /// What acts on all fibres.
     #[serde(default)]
     pub environment: Environment,
@@ -133,14 +142,7 @@ impl Environment {
         }
         check.number("gravity_ramp", self.gravity_ramp, Allowed::NonNegative, "s");
         check.number("viscosity", self.viscosity, Allowed::NonNegative, "Pa s");
-        check.within("wind", |c| match &self.wind {
-            Wind::Steady { velocity } => c.vector("velocity", velocity, "m/s"),
-            Wind::Gusts { velocity, gust, period } => {
-                c.vector("velocity", velocity, "m/s");
-                c.vector("gust", gust, "m/s");
-                c.number("period", *period, Allowed::Positive, "s");
-            }
-        });
+        check.within("wind", |c| self.wind.check(c));
         if self.viscosity == 0.0 && self.wind != Wind::default() {
             let message = "is 0, but wind acts through the viscosity; air has 1.8e-5 (Pa s)";
             check.refuse("viscosity", message.into());
@@ -149,6 +151,17 @@ impl Environment {
 }
 
 impl Wind {
+    fn check(&self, check: &mut Check) {
+        match self {
+            Self::Steady { velocity } => check.vector("velocity", velocity, "m/s"),
+            Self::Gusts { velocity, gust, period } => {
+                check.vector("velocity", velocity, "m/s");
+                check.vector("gust", gust, "m/s");
+                check.number("period", *period, Allowed::Positive, "s");
+            }
+        }
+    }
+
     /// Velocity at time `t` (s), m/s.
     #[must_use]
     pub fn at(&self, t: f64) -> Vector3<f64> {
@@ -165,6 +178,9 @@ impl Wind {
 impl Scene {
     /// Number of segments of fibre `fiber`, counted over all bundles.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
+        if let Some(springs) = &self.mass_spring {
+            return (fiber == 0).then(|| springs.nodes().saturating_sub(1));
+        }
         for bundle in &self.fibers {
             let count = bundle.arrangement.fibers();
             if fiber < count {
@@ -175,6 +191,28 @@ impl Scene {
         None
     }
 
+    /// What belongs to fibres has no meaning beside a mass-spring system.
+    fn check_only_springs(&self, check: &mut Check) {
+        let refuse = |check: &mut Check, field: &str| {
+            check.refuse(field, "is for fibres, but the scene has a mass_spring system".into());
+        };
+        if !self.fibers.is_empty() {
+            refuse(check, "fibers");
+        }
+        if self.environment.viscosity != 0.0 {
+            refuse(check, "environment.viscosity");
+        }
+        if self.stepper.method.is_some() {
+            refuse(check, "stepper.method");
+        }
+        if self.stepper.tolerance.is_some() {
+            refuse(check, "stepper.tolerance");
+        }
+        if self.contact.is_some() {
+            refuse(check, "contact");
+        }
+    }
+
     /// Notes everything that makes no sense: numbers out of range, directions without length,
     /// roots that jump, probes of fibres that do not exist.
     fn check(&self, check: &mut Check) {
@@ -183,7 +221,10 @@ impl Scene {
             check.refuse("format", message);
         }
         check.number("duration", self.duration, Allowed::Within(1e-9, 1e6), "s");
-        if self.fibers.is_empty() {
+        if let Some(springs) = &self.mass_spring {
+            check.within("mass_spring", |c| springs.check(c));
+            self.check_only_springs(check);
+        } else if self.fibers.is_empty() {
             check.refuse("fibers", "is empty, but a scene needs at least one".into());
         }
         check.each("fibers", &self.fibers, |c, bundle| bundle.check(c));

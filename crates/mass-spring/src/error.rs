@@ -1,0 +1,171 @@
+use rapunzel_collision::CollisionError;
+use thiserror::Error;
+
+/// What can be wrong with a mass-spring system, or with a step of it.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SpringError {
+    /// A parameter out of its range.
+    #[error("{what} is {value:?}, but must be {allowed}")]
+    Parameter {
+        /// Which parameter.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that make sense.
+        allowed: &'static str,
+    },
+    /// A number of things out of its range.
+    #[error("{what}: {found}, but there must be {expected}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: String,
+    },
+    /// A mass that is not positive and finite.
+    #[error("the mass of node {node} is {mass:?} kg, but must be positive and finite")]
+    Mass {
+        /// The node.
+        node: usize,
+        /// Its mass, kg.
+        mass: f64,
+    },
+    /// A position or velocity that is not finite.
+    #[error("the {what} of node {node} is not finite; give finite numbers")]
+    NotFinite {
+        /// Position or velocity.
+        what: &'static str,
+        /// The node.
+        node: usize,
+    },
+    /// A node that does not exist.
+    #[error("{what} {index} names node {node}, but the nodes are numbered 0 to {}", nodes - 1)]
+    MissingNode {
+        /// What names it.
+        what: &'static str,
+        /// The number of that thing.
+        index: usize,
+        /// The node that it names.
+        node: usize,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// A spring between a node and itself.
+    #[error("spring {spring} has both ends at node {node}; connect two different nodes")]
+    Loop {
+        /// Index of the spring.
+        spring: usize,
+        /// The node.
+        node: usize,
+    },
+    /// A number of a spring out of its range.
+    #[error("spring {spring}: {what} is {value:?}, but must be {allowed}")]
+    Spring {
+        /// Index of the spring.
+        spring: usize,
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that make sense.
+        allowed: &'static str,
+    },
+    /// A place matrix whose rows differ in length, or that is smaller than 2 x 2.
+    #[error(
+        "the place matrix has {found} letters in row {row}, but needs {expected} in every row and \
+         at least two rows"
+    )]
+    PlaceShape {
+        /// The row, from 0.
+        row: usize,
+        /// Letters in it.
+        found: usize,
+        /// Letters in the first row, at least two.
+        expected: usize,
+    },
+    /// A letter that means nothing.
+    #[error(
+        "the place matrix has '{letter}' in row {row}, column {column}; the letters are \
+         f m t b l r 1 2 3 4 h v"
+    )]
+    PlaceLetter {
+        /// The row, from 0.
+        row: usize,
+        /// The column, from 0.
+        column: usize,
+        /// The letter.
+        letter: char,
+    },
+    /// A letter that asks for a neighbor that is not there or does not want it.
+    #[error(
+        "the place matrix has '{letter}' in row {row}, column {column}, which needs a neighbor \
+         {side} that pulls back; choose letters that agree"
+    )]
+    PlaceNeighbor {
+        /// The row, from 0.
+        row: usize,
+        /// The column, from 0.
+        column: usize,
+        /// The letter.
+        letter: char,
+        /// On which side.
+        side: &'static str,
+    },
+    /// The numbers of a run have grown beyond all bounds.
+    #[error(
+        "node {node} left all bounds in step {step}: the run has blown up; use a step below the stability limit, \
+         an implicit integrator, or softer springs"
+    )]
+    BlownUp {
+        /// The step of the call, from 1.
+        step: usize,
+        /// The first such node.
+        node: usize,
+    },
+    /// Newton's method did not converge.
+    #[error(
+        "{what} was not found in {} iterations; the steps of Newton's method were [{}] m. \
+         Use a smaller time step or start closer",
+        steps.len(),
+        brief(steps)
+    )]
+    NotConverged {
+        /// What was sought.
+        what: &'static str,
+        /// Largest component of every step of Newton's method, m.
+        steps: Vec<f64>,
+    },
+    /// A search for contacts refused its input.
+    #[error("contacts: {0}")]
+    Collision(#[from] CollisionError),
+}
+
+/// The last few of many numbers.
+fn brief(steps: &[f64]) -> String {
+    let shown = &steps[steps.len().saturating_sub(5)..];
+    let dots = if shown.len() < steps.len() { "..., " } else { "" };
+    dots.to_owned() + &shown.iter().map(|s| format!("{s:.2e}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Refuses a parameter that is not positive and finite.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), SpringError> {
+    let allowed = "positive and finite";
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(SpringError::Parameter { what, value, allowed })
+    }
+}
+
+/// Refuses a parameter that is negative or not finite.
+pub(crate) fn non_negative(what: &'static str, value: f64) -> Result<(), SpringError> {
+    let allowed = "zero or positive, and finite";
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(SpringError::Parameter { what, value, allowed })
+    }
+}

@@ -1,0 +1,107 @@
+//! Spring forces over runs of springs: loops without branches over arrays, for the widest vectors
+//! that the processor has.
+
+use crate::Columns;
+use crate::spring::{Run, Springs};
+use nalgebra::SVector;
+
+/// Springs taken at a time; what belongs to them stays in the first cache.
+const CHUNK: usize = 128;
+/// Runs shorter than this go spring by spring.
+const SHORT: usize = 4;
+/// Added to a squared length, so that a spring of no length has no force instead of none defined.
+pub(crate) const TINY: f64 = 1e-200;
+
+/// Adds the forces of the springs of a run to those on their nodes.
+#[inline(always)]
+pub(crate) fn add_run<const D: usize>(
+    springs: &Springs,
+    run: &Run,
+    x: &Columns<D>,
+    v: &Columns<D>,
+    forces: &mut Columns<D>,
+) {
+    if run.count < SHORT {
+        for s in run.first..run.first + run.count {
+            let [i, j] = springs.nodes[s];
+            let force = force(springs, s, &(x.get(j) - x.get(i)), &(v.get(j) - v.get(i)));
+            forces.add(i, &force);
+            forces.add(j, &-force);
+        }
+        return;
+    }
+    for done in (0..run.count).step_by(CHUNK) {
+        let count = CHUNK.min(run.count - done);
+        let part = Run { first: run.first + done, count, i: run.i + done, j: run.j + done, ..*run };
+        match (springs.damped, run.uniform) {
+            (false, true) => add_chunk::<D, false, true>(springs, &part, x, v, forces),
+            (false, false) => add_chunk::<D, false, false>(springs, &part, x, v, forces),
+            (true, true) => add_chunk::<D, true, true>(springs, &part, x, v, forces),
+            (true, false) => add_chunk::<D, true, false>(springs, &part, x, v, forces),
+        }
+    }
+}
+
+/// The force of a spring on its first node, from the differences of the positions and velocities of
+/// its nodes.
+#[inline(always)]
+pub(crate) fn force<const D: usize>(
+    springs: &Springs,
+    s: usize,
+    apart: &SVector<f64, D>,
+    parting: &SVector<f64, D>,
+) -> SVector<f64, D> {
+    let squared = apart.norm_squared() + TINY;
+    let elastic = springs.stiffness[s] * (1.0 - springs.rest_length[s] / squared.sqrt());
+    apart * (elastic + springs.damping[s] * parting.dot(apart) / squared)
+}
+
+#[inline(always)]
+fn add_chunk<const D: usize, const DAMPED: bool, const UNIFORM: bool>(
+    springs: &Springs,
+    &Run { first, count, i, j, .. }: &Run,
+    x: &Columns<D>,
+    v: &Columns<D>,
+    forces: &mut Columns<D>,
+) {
+    let count = count.min(CHUNK);
+    let mut apart = [[0.0; CHUNK]; D];
+    let mut squared = [TINY; CHUNK];
+    let mut parting = [0.0; CHUNK];
+    for axis in 0..D {
+        let [a, b] = [i, j].map(|node| &x.0[axis][node..node + count]);
+        let [va, vb] = [i, j].map(|node| &v.0[axis][node..node + count]);
+        let apart = &mut apart[axis];
+        for s in 0..count {
+            let d = b[s] - a[s];
+            apart[s] = d;
+            squared[s] += d * d;
+            if DAMPED {
+                parting[s] += d * (vb[s] - va[s]);
+            }
+        }
+    }
+    let stiffness = &springs.stiffness[first..first + count];
+    let rest_length = &springs.rest_length[first..first + count];
+    let damping = &springs.damping[first..first + count];
+    let mut factor = [0.0; CHUNK];
+    for s in 0..count {
+        let of = if UNIFORM { 0 } else { s };
+        factor[s] = stiffness[of] * (1.0 - rest_length[of] / squared[s].sqrt());
+        if DAMPED {
+            factor[s] += damping[of] * parting[s] / squared[s];
+        }
+    }
+    for axis in 0..D {
+        let apart = &mut apart[axis];
+        let to = &mut forces.0[axis][i..i + count];
+        for s in 0..count {
+            apart[s] *= factor[s];
+            to[s] += apart[s];
+        }
+        let to = &mut forces.0[axis][j..j + count];
+        for s in 0..count {
+            to[s] -= apart[s];
+        }
+    }
+}

@@ -1,0 +1,47 @@
+#![doc = include_str!("../README.md")]
+
+mod ball;
+mod bend;
+mod body;
+mod chain;
+mod columns;
+mod contact;
+mod element;
+mod enclosure;
+mod error;
+mod force;
+mod gradients;
+mod implicit;
+mod lattice;
+mod leapfrog;
+mod linear;
+mod newton;
+mod place;
+mod plastic;
+mod rope;
+mod runge_kutta;
+mod spring;
+mod supports;
+mod system;
+mod tangent;
+mod wind;
+
+pub use ball::Ball;
+pub use bend::Bend;
+pub use body::Body;
+pub use chain::Chain;
+pub use columns::Columns;
+pub use contact::{Contacts, Surface};
+pub use element::Element;
+pub use enclosure::Enclosure;
+pub use error::SpringError;
+pub use implicit::ImplicitEuler;
+pub use lattice::{Cells, Lattice};
+pub use leapfrog::Leapfrog;
+pub use linear::{Linearized, Modes, StepTooLong};
+pub use place::Place;
+pub use rope::Rope;
+pub use runge_kutta::runge_kutta;
+pub use spring::Spring;
+pub use system::{Energy, System};
+pub use wind::Wind;

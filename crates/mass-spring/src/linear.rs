@@ -1,0 +1,221 @@
+use crate::supports::Guide;
+use crate::tangent::Tangent;
+use crate::{Columns, SpringError, System};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::fmt;
+
+/// Small motions about a state: `M s'' + D s' + K s = F`, as the third text has them.
+///
+/// Row and column `D node + axis`. The diagonal of K is the sum of its row over the neighbors, not
+/// negligible as the text says (errata, section 9), and K holds for small displacements only.
+#[derive(Debug, Clone)]
+pub struct Linearized {
+    /// The diagonal of M, kg.
+    pub masses: DVector<f64>,
+    /// D: dampers and drag, N s/m.
+    pub damping: DMatrix<f64>,
+    /// K: second derivatives of the energy, N/m.
+    pub stiffness: DMatrix<f64>,
+    /// Columns are the free motions, orthonormal in the metric of M.
+    free: DMatrix<f64>,
+}
+
+/// Free oscillations without damping.
+#[derive(Debug, Clone)]
+pub struct Modes {
+    /// Squares of the angular frequencies, 1/s^2, rising; negative where the state is unstable.
+    pub squares: Vec<f64>,
+    /// A column for each: displacements, with M-norm 1.
+    pub shapes: DMatrix<f64>,
+}
+
+impl Modes {
+    /// Angular frequencies, 1/s, rising; zero where the state is not stable.
+    #[must_use]
+    pub fn angular_frequencies(&self) -> Vec<f64> {
+        self.squares.iter().map(|square| square.max(0.0).sqrt()).collect()
+    }
+}
+
+/// Most components for which matrices are written down.
+const MOST_COMPONENTS: usize = 6000;
+
+impl<const D: usize> System<D> {
+    /// The matrices of small motions about the present state. They are dense: for systems of up to
+    /// 6000 components.
+    ///
+    /// # Errors
+    /// [`SpringError::Count`] for larger ones.
+    pub fn linearized(&self) -> Result<Linearized, SpringError> {
+        let count = D * self.nodes();
+        if count > MOST_COMPONENTS {
+            let expected = format!("at most {MOST_COMPONENTS}, because the matrices are dense");
+            return Err(SpringError::Count { what: "components", found: count, expected });
+        }
+        let assembled = |tangent: &Tangent<D>| {
+            let mut matrix = DMatrix::zeros(count, count);
+            tangent.blocks(|row, column, block| {
+                let mut part = matrix.fixed_view_mut::<D, D>(D * row, D * column);
+                part += block;
+            });
+            matrix
+        };
+        let stiffness = assembled(&Tangent::new(self, &self.positions, 0.0, 0.0, false));
+        // Dampers are what a unit of damping adds.
+        let damping = assembled(&Tangent::new(self, &self.positions, self.drag, 1.0, false))
+            - assembled(&Tangent::new(self, &self.positions, 0.0, 0.0, false));
+        let masses = DVector::from_fn(count, |row, _| self.masses[row / D]);
+        Ok(Linearized { masses, damping, stiffness, free: self.free_motions(count) })
+    }
+
+    fn free_motions(&self, count: usize) -> DMatrix<f64> {
+        let mut columns: Vec<Vec<(usize, f64)>> = Vec::new();
+        for row in 0..count {
+            let (node, axis) = (row / D, row % D);
+            if self.supports.guide(node, axis) == Guide::Free {
+                columns.push(vec![(row, 1.0 / self.masses[node].sqrt())]);
+            }
+        }
+        for tie in &self.supports.ties {
+            let first = tie.nodes.first().map(|&node| self.supports.guide(node, tie.axis));
+            if first.is_some_and(|guide| guide != Guide::Driven) {
+                let mass: f64 = tie.nodes.iter().map(|&node| self.masses[node]).sum();
+                let row = |&node: &usize| (D * node + tie.axis, 1.0 / mass.sqrt());
+                columns.push(tie.nodes.iter().map(row).collect());
+            }
+        }
+        let mut free = DMatrix::zeros(count, columns.len());
+        for (column, entries) in columns.iter().enumerate() {
+            entries.iter().for_each(|&(row, value)| free[(row, column)] = value);
+        }
+        free
+    }
+
+    /// The largest time step for which the leapfrog is stable, s: `2 / omega_max` without dampers
+    /// and `4 / (c + sqrt(c^2 + 4 omega_max^2))` with them, where `c` is the largest rate of decay
+    /// that they cause; infinite without springs.
+    ///
+    /// `omega_max` is that of the present state, found by Lanczos's method without matrices, to a
+    /// part in 1e6; springs that stretch later may raise it up to `sqrt(2)` times.
+    #[must_use]
+    pub fn stability_limit(&self) -> f64 {
+        let elastic = Tangent::new(self, &self.positions, 0.0, 0.0, false);
+        let square = self.largest_eigenvalue(|z, y| elastic.apply(z, y)).max(0.0);
+        let decay = if self.springs.damped {
+            let both = Tangent::new(self, &self.positions, 0.0, 1.0, false);
+            let mut only_elastic = Columns::zeros(self.nodes());
+            self.largest_eigenvalue(|z, y| {
+                both.apply(z, y);
+                elastic.apply(z, &mut only_elastic);
+                y.add_scaled(-1.0, &only_elastic);
+            })
+        } else {
+            0.0
+        };
+        4.0 / (decay + (decay * decay + 4.0 * square).sqrt())
+    }
+
+    /// Says that a step is above the limit, if it is.
+    #[must_use]
+    pub fn warn_of_step(&self, dt: f64) -> Option<StepTooLong> {
+        let limit = self.stability_limit();
+        // A step at the limit itself grows without bound, if slowly.
+        (dt >= limit).then_some(StepTooLong { dt, limit })
+    }
+
+    /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses.
+    fn largest_eigenvalue(&self, mut apply: impl FnMut(&Columns<D>, &mut Columns<D>)) -> f64 {
+        let nodes = self.nodes();
+        // Of no symmetry, so that no mode is left out.
+        let seed = |axis: usize, node: usize| ((node * D + axis) as f64 * 1.618_034).fract() - 0.5;
+        let mut vector =
+            Columns(std::array::from_fn(|axis| (0..nodes).map(|n| seed(axis, n)).collect()));
+        let roots: Vec<f64> = self.inverse_masses.iter().map(|m| m.sqrt()).collect();
+        let project =
+            |c: &mut Columns<D>| self.supports.project_weighted(c, |node| 1.0 / roots[node]);
+        project(&mut vector);
+        let scaled = |columns: &mut Columns<D>| {
+            for column in &mut columns.0 {
+                column.iter_mut().zip(&roots).for_each(|(x, root)| *x *= root);
+            }
+        };
+        let norm = vector.dot(&vector).sqrt();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        vector.0.iter_mut().flatten().for_each(|x| *x /= norm);
+        let mut before = Columns::zeros(nodes);
+        let mut image = Columns::zeros(nodes);
+        let (mut diagonal, mut beside) = (Vec::<f64>::new(), Vec::<f64>::new());
+        let mut largest = 0.0;
+        for iteration in 1..=300 {
+            let mut scaled_vector = vector.clone();
+            scaled(&mut scaled_vector);
+            apply(&scaled_vector, &mut image);
+            scaled(&mut image);
+            project(&mut image);
+            let along = image.dot(&vector);
+            image.add_scaled(-along, &vector);
+            if let Some(&last) = beside.last() {
+                image.add_scaled(-last, &before);
+            }
+            diagonal.push(along);
+            let rest = image.dot(&image).sqrt();
+            if iteration % 20 == 0 || rest <= 1e-12 * along.abs() {
+                let value = largest_of_tridiagonal(&diagonal, &beside);
+                if value - largest <= 1e-7 * value || rest <= 1e-12 * along.abs() {
+                    return value;
+                }
+                largest = value;
+            }
+            beside.push(rest);
+            before = vector;
+            vector = image.clone();
+            vector.0.iter_mut().flatten().for_each(|x| *x /= rest);
+        }
+        largest
+    }
+}
+
+fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
+    let n = diagonal.len();
+    let matrix = DMatrix::from_fn(n, n, |row, column| match row.abs_diff(column) {
+        0 => diagonal[row],
+        1 => beside[row.min(column)],
+        _ => 0.0,
+    });
+    matrix.symmetric_eigenvalues().max()
+}
+
+impl Linearized {
+    /// The modes within what the supports allow; costs the eigenvalues of a dense matrix.
+    #[must_use]
+    pub fn modes(&self) -> Modes {
+        let reduced = self.free.transpose() * &self.stiffness * &self.free;
+        let eigen = SymmetricEigen::new(reduced);
+        let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let shapes = &self.free * eigen.eigenvectors.select_columns(&order);
+        Modes { squares: order.iter().map(|&k| eigen.eigenvalues[k]).collect(), shapes }
+    }
+}
+
+/// A warning: the leapfrog will not be stable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepTooLong {
+    /// The step, s.
+    pub dt: f64,
+    /// The limit, s.
+    pub limit: f64,
+}
+
+impl fmt::Display for StepTooLong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { dt, limit } = self;
+        write!(
+            f,
+            "the time step of {dt:e} s is not below the stability limit of {limit:e} s: the \
+             leapfrog will blow up; take smaller steps or the implicit integrator"
+        )
+    }
+}

@@ -1,0 +1,157 @@
+//! The least of an energy: what a step of the implicit integrator and an equilibrium both are.
+
+use crate::gradients::solve;
+use crate::tangent::Tangent;
+use crate::{Columns, SpringError, System};
+
+/// `inertia |x - target|^2 / 2` in the metric of the masses, plus the energy of springs, bends,
+/// gravity and loads, plus `damping mu (d . change)^2 / 2` for every damper, where `d` is its
+/// direction at the start and `change` that of the distance of its nodes since.
+pub(crate) struct Energies<'a, const D: usize> {
+    pub(crate) system: &'a System<D>,
+    pub(crate) inertia: f64,
+    pub(crate) target: Columns<D>,
+    /// The inverse of the time step, or zero.
+    pub(crate) damping: f64,
+}
+
+/// How the least is sought.
+pub(crate) struct Search {
+    /// What is sought, for the message.
+    pub(crate) what: &'static str,
+    /// Ends when a step moves nothing by more than this, m.
+    pub(crate) tolerance: f64,
+    /// Largest relative residual of the linear equations.
+    pub(crate) linear: f64,
+    /// Additional inertia to begin with, 1/s^2; it goes as the least comes near.
+    pub(crate) caution: f64,
+    /// Most steps.
+    pub(crate) most: usize,
+}
+
+impl<const D: usize> Energies<'_, D> {
+    fn value(&self, x: &Columns<D>) -> f64 {
+        let system = self.system;
+        let mut sum = system.elastic_energy(x);
+        let mut away = x.clone();
+        away.add_scaled(-1.0, &self.target);
+        for axis in 0..D {
+            for (node, &mass) in system.masses.iter().enumerate() {
+                let (a, g) = (away.0[axis][node], system.gravity[axis]);
+                sum += mass * (0.5 * self.inertia * a * a - g * x.0[axis][node]);
+            }
+        }
+        sum -= system.loads.iter().map(|(&node, f)| f.dot(&x.get(node))).sum::<f64>();
+        self.dampers(x, |_, stiffness, stretch| sum += 0.5 * stiffness * stretch * stretch);
+        sum
+    }
+
+    /// The forces, whose sum is zero where the energy is least.
+    fn forces(&self, x: &Columns<D>) -> Columns<D> {
+        let system = self.system;
+        let mut forces = system.internal_forces(x, &Columns::zeros(system.nodes()));
+        for axis in 0..D {
+            for (node, &mass) in system.masses.iter().enumerate() {
+                let away = self.target.0[axis][node] - x.0[axis][node];
+                forces.0[axis][node] += mass * (self.inertia * away + system.gravity[axis]);
+            }
+        }
+        system.loads.iter().for_each(|(&node, load)| forces.add(node, load));
+        self.dampers(x, |s, stiffness, stretch| {
+            let [i, j] = system.springs.nodes[s];
+            let d = system.positions.get(j) - system.positions.get(i);
+            let force = d * (stiffness * stretch / d.norm().max(f64::MIN_POSITIVE));
+            forces.add(i, &force);
+            forces.add(j, &-force);
+        });
+        system.supports.project(&mut forces);
+        forces
+    }
+
+    /// Every damper with its constant times the damping, and how much longer it is than it was.
+    fn dampers(&self, x: &Columns<D>, mut visit: impl FnMut(usize, f64, f64)) {
+        let springs = &self.system.springs;
+        if !springs.damped || self.damping == 0.0 {
+            return;
+        }
+        let start = &self.system.positions;
+        for (s, &[i, j]) in springs.nodes.iter().enumerate() {
+            let before = start.get(j) - start.get(i);
+            let change = x.get(j) - x.get(i) - before;
+            let along = change.dot(&before) / before.norm().max(f64::MIN_POSITIVE);
+            visit(s, self.damping * springs.damping[s], along);
+        }
+    }
+
+    /// The positions of least energy near `x`, by Newton's method with a line search, and the number
+    /// of its steps. Where the matrix is not positive definite, its convex part takes its place.
+    pub(crate) fn least(
+        &self,
+        mut x: Columns<D>,
+        search: &Search,
+    ) -> Result<(Columns<D>, usize), SpringError> {
+        let stiffest = self.system.stiffest();
+        let mut caution = search.caution;
+        let mut steps = Vec::new();
+        let mut value = self.value(&x);
+        for _ in 0..search.most {
+            let forces = self.forces(&x);
+            let tangent = |convex| {
+                Tangent::new(self.system, &x, self.inertia + caution, self.damping, convex)
+            };
+            let mut step = solve(&tangent(false), &forces, search.linear);
+            if step.is_none() {
+                step = solve(&tangent(true), &forces, search.linear);
+            }
+            let Some(step) = step else {
+                // Even the convex part is singular: it needs inertia.
+                caution = (10.0 * caution).max(1e-6 * stiffest);
+                continue;
+            };
+            let slope = -forces.dot(&step);
+            let (mut fraction, mut best) = (1.0, None);
+            while best.is_none() && fraction > 1e-6 {
+                let mut next = x.clone();
+                next.add_scaled(fraction, &step);
+                let next_value = self.value(&next);
+                // Where it is flat, rounding hides the descent.
+                let flat = 1e-13 * value.abs();
+                if next_value <= value + 1e-4 * fraction * slope + flat {
+                    best = Some((next, next_value));
+                } else {
+                    fraction *= 0.5;
+                }
+            }
+            let size = step.largest();
+            steps.push(size);
+            let Some((next, next_value)) = best else {
+                if size <= search.tolerance {
+                    return Ok((x, steps.len()));
+                }
+                caution = (10.0 * caution).max(1e-6 * stiffest);
+                continue;
+            };
+            (x, value) = (next, next_value);
+            if fraction == 1.0 {
+                if size <= search.tolerance && caution <= 1e-3 * self.inertia + 1e-11 * stiffest {
+                    return Ok((x, steps.len()));
+                }
+                caution = if caution > 1e-13 * stiffest { 0.1 * caution } else { 0.0 };
+            } else {
+                caution = (4.0 * caution).max(1e-4 * stiffest);
+            }
+        }
+        Err(SpringError::NotConverged { what: search.what, steps })
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Largest stiffness of a spring by the mass of a node, 1/s^2.
+    pub(crate) fn stiffest(&self) -> f64 {
+        let springs = self.springs.nodes.iter().zip(&self.springs.stiffness);
+        let ratio = |(nodes, k): (&[usize; 2], &f64)| {
+            nodes.map(|node| k * self.inverse_masses[node]).into_iter().fold(0.0, f64::max)
+        };
+        springs.map(ratio).fold(f64::MIN_POSITIVE, f64::max)
+    }
+}

@@ -1,0 +1,134 @@
+use crate::Columns;
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// What moves a component of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Guide {
+    /// Its forces.
+    Free,
+    /// Its velocity is given, and no force changes it.
+    Driven,
+    /// Its forces together with those of all of a tie, by number.
+    Tied(usize),
+}
+
+/// Nodes that move together along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tie {
+    pub(crate) axis: usize,
+    pub(crate) nodes: BTreeSet<usize>,
+}
+
+/// Which components of which nodes do not move freely.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Supports<const D: usize> {
+    /// Node and axis, as asked for.
+    driven: BTreeSet<(usize, usize)>,
+    pub(crate) ties: Vec<Tie>,
+    /// All nodes with a component that is not free, in order.
+    pub(crate) guided: Vec<(usize, [Guide; D])>,
+    /// The nodes between.
+    pub(crate) free: Vec<Range<usize>>,
+    nodes: usize,
+}
+
+impl<const D: usize> Supports<D> {
+    pub(crate) fn none(nodes: usize) -> Self {
+        Self { nodes, free: std::iter::once(0..nodes).collect(), ..Self::default() }
+    }
+
+    pub(crate) fn drive(&mut self, node: usize, axes: Range<usize>) {
+        self.driven.extend(axes.map(|axis| (node, axis)));
+        self.refresh();
+    }
+
+    /// Frees a node, but not from its ties.
+    pub(crate) fn release(&mut self, node: usize) {
+        self.driven.retain(|&(n, _)| n != node);
+        self.refresh();
+    }
+
+    /// Ties that share a node along the same axis become one.
+    pub(crate) fn tie(&mut self, axis: usize, nodes: BTreeSet<usize>) {
+        let mut tie = Tie { axis, nodes };
+        self.ties.retain(|other| {
+            let apart = other.axis != axis || other.nodes.is_disjoint(&tie.nodes);
+            if !apart {
+                tie.nodes.extend(&other.nodes);
+            }
+            apart
+        });
+        self.ties.push(tie);
+        self.refresh();
+    }
+
+    /// All nodes that move as `node` does along `axis`, itself among them.
+    pub(crate) fn partners(&self, node: usize, axis: usize) -> Vec<usize> {
+        let tie = self.ties.iter().find(|tie| tie.axis == axis && tie.nodes.contains(&node));
+        tie.map_or(vec![node], |tie| tie.nodes.iter().copied().collect())
+    }
+
+    /// What moves component `axis` of `node`.
+    pub(crate) fn guide(&self, node: usize, axis: usize) -> Guide {
+        let found = self.guided.binary_search_by_key(&node, |(node, _)| *node);
+        found.map_or(Guide::Free, |k| self.guided[k].1[axis])
+    }
+
+    /// The projection onto what the supports allow: zero where a component is driven, the mean over
+    /// the nodes of a tie.
+    pub(crate) fn project(&self, columns: &mut Columns<D>) {
+        self.project_weighted(columns, |_| 1.0);
+    }
+
+    /// The same for components that have been multiplied by a weight for every node.
+    pub(crate) fn project_weighted(&self, columns: &mut Columns<D>, weight: impl Fn(usize) -> f64) {
+        for (node, guides) in &self.guided {
+            for axis in 0..D {
+                if guides[axis] == Guide::Driven {
+                    columns.0[axis][*node] = 0.0;
+                }
+            }
+        }
+        for tie in &self.ties {
+            let column = &mut columns.0[tie.axis];
+            let sum: f64 = tie.nodes.iter().map(|&node| weight(node) * column[node]).sum();
+            let total: f64 = tie.nodes.iter().map(|&node| weight(node).powi(2)).sum();
+            tie.nodes.iter().for_each(|&node| column[node] = weight(node) * sum / total);
+        }
+    }
+
+    /// Whether the velocity of a component has been given.
+    pub(crate) fn driven(&self, node: usize, axis: usize) -> bool {
+        self.driven.contains(&(node, axis))
+    }
+
+    fn refresh(&mut self) {
+        let mut nodes: BTreeSet<usize> = self.driven.iter().map(|(node, _)| *node).collect();
+        nodes.extend(self.ties.iter().flat_map(|tie| &tie.nodes));
+        self.guided = nodes
+            .iter()
+            .map(|&node| (node, std::array::from_fn(|axis| self.find(node, axis))))
+            .collect();
+        self.free.clear();
+        let mut start = 0;
+        for &node in nodes.iter().chain([&self.nodes]) {
+            if node > start {
+                self.free.push(start..node);
+            }
+            start = node + 1;
+        }
+    }
+
+    fn find(&self, node: usize, axis: usize) -> Guide {
+        let tied = self.ties.iter().position(|t| t.axis == axis && t.nodes.contains(&node));
+        // A tie with one driven node is driven as a whole.
+        match tied {
+            Some(tie) if !self.ties[tie].nodes.iter().any(|&n| self.driven(n, axis)) => {
+                Guide::Tied(tie)
+            }
+            None if !self.driven(node, axis) => Guide::Free,
+            _ => Guide::Driven,
+        }
+    }
+}

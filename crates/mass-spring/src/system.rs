@@ -1,0 +1,464 @@
+use crate::error::{non_negative, positive};
+use crate::force::{self, add_run};
+use crate::spring::Springs;
+use crate::supports::Supports;
+use crate::{Bend, Columns, Spring, SpringError, Wind};
+use nalgebra::{Point, SVector};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Point masses in `D` dimensions, the springs between them, and what acts on them.
+///
+/// Positions, velocities and forces are in the world frame. The equation of motion is
+/// `m a = springs + bends + loads + m g - m gamma (v - u)`, with the drag rate `gamma` and the wind
+/// `u`.
+#[derive(Debug, Clone)]
+pub struct System<const D: usize> {
+    pub(crate) time: f64,
+    pub(crate) positions: Columns<D>,
+    pub(crate) velocities: Columns<D>,
+    pub(crate) masses: Vec<f64>,
+    pub(crate) inverse_masses: Vec<f64>,
+    pub(crate) springs: Springs,
+    pub(crate) bends: Vec<Bend>,
+    pub(crate) supports: Supports<D>,
+    pub(crate) gravity: SVector<f64, D>,
+    pub(crate) drag: f64,
+    pub(crate) wind: Wind<D>,
+    pub(crate) loads: BTreeMap<usize, SVector<f64, D>>,
+}
+
+/// Energy of a system, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of springs and bends.
+    pub elastic: f64,
+    /// In gravity, zero at the world's origin.
+    pub gravitational: f64,
+    /// In the loads, zero at the world's origin.
+    pub load: f64,
+}
+
+impl Energy {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravitational + self.load
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Nodes at rest at `positions` (m) with `masses` (kg), connected by `springs`; nothing else
+    /// acts.
+    ///
+    /// # Errors
+    /// [`SpringError`] names the first node or spring with numbers that make no sense.
+    pub fn new(
+        positions: &[Point<f64, D>],
+        masses: &[f64],
+        springs: &[Spring],
+    ) -> Result<Self, SpringError> {
+        let nodes = positions.len();
+        if masses.len() != nodes || nodes == 0 {
+            let expected = format!("one for each of the {nodes} nodes, and at least one node");
+            return Err(SpringError::Count { what: "masses", found: masses.len(), expected });
+        }
+        for (node, &mass) in masses.iter().enumerate() {
+            if !(mass > 0.0 && mass.is_finite() && (1.0 / mass).is_finite()) {
+                return Err(SpringError::Mass { node, mass });
+            }
+        }
+        springs.iter().enumerate().try_for_each(|(s, spring)| spring.check(s, nodes))?;
+        let mut system = Self {
+            time: 0.0,
+            positions: Columns::zeros(nodes),
+            velocities: Columns::zeros(nodes),
+            masses: masses.to_vec(),
+            inverse_masses: masses.iter().map(|m| 1.0 / m).collect(),
+            springs: Springs::new(springs),
+            bends: Vec::new(),
+            supports: Supports::none(nodes),
+            gravity: SVector::zeros(),
+            drag: 0.0,
+            wind: Wind::default(),
+            loads: BTreeMap::new(),
+        };
+        let coordinates: Vec<_> = positions.iter().map(|p| p.coords).collect();
+        system.set_positions(&Columns::of(&coordinates))?;
+        Ok(system)
+    }
+
+    /// The same with bends; an empty list takes them away.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`], [`SpringError::Parameter`].
+    pub fn with_bends(mut self, bends: Vec<Bend>) -> Result<Self, SpringError> {
+        bends.iter().enumerate().try_for_each(|(b, bend)| bend.check(b, self.nodes()))?;
+        self.bends = bends;
+        Ok(self)
+    }
+
+    /// Number of nodes, at least one.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.masses.len()
+    }
+
+    /// Number of springs.
+    #[must_use]
+    pub fn springs(&self) -> usize {
+        self.springs.len()
+    }
+
+    /// Spring `s` as it is now.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
+    #[must_use]
+    pub fn spring(&self, s: usize) -> Spring {
+        self.springs.get(s)
+    }
+
+    /// Masses of the nodes, kg.
+    #[must_use]
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Sets the time, on which the wind depends, s.
+    pub fn set_time(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// Position of `node` (world), m.
+    ///
+    /// # Panics
+    /// If there is no such node, as indexing does; so does [`velocity`](Self::velocity).
+    #[must_use]
+    pub fn position(&self, node: usize) -> Point<f64, D> {
+        self.positions.get(node).into()
+    }
+
+    /// Velocity of `node` (world), m/s.
+    #[must_use]
+    pub fn velocity(&self, node: usize) -> SVector<f64, D> {
+        self.velocities.get(node)
+    }
+
+    /// Positions of all nodes (world), m.
+    #[must_use]
+    pub fn positions(&self) -> &Columns<D> {
+        &self.positions
+    }
+
+    /// Velocities of all nodes (world), m/s.
+    #[must_use]
+    pub fn velocities(&self) -> &Columns<D> {
+        &self.velocities
+    }
+
+    /// Puts all nodes somewhere else (world), m.
+    ///
+    /// # Errors
+    /// [`SpringError::Count`], [`SpringError::NotFinite`].
+    pub fn set_positions(&mut self, positions: &Columns<D>) -> Result<(), SpringError> {
+        self.check("position", positions)?;
+        self.positions = positions.clone();
+        Ok(())
+    }
+
+    /// Gives all nodes velocities (world), m/s; those of supports are kept.
+    ///
+    /// # Errors
+    /// [`SpringError::Count`], [`SpringError::NotFinite`].
+    pub fn set_velocities(&mut self, velocities: &Columns<D>) -> Result<(), SpringError> {
+        self.check("velocity", velocities)?;
+        let mut change = velocities.clone();
+        change.add_scaled(-1.0, &self.velocities);
+        self.supports.project(&mut change);
+        self.velocities.add_scaled(1.0, &change);
+        Ok(())
+    }
+
+    /// Goes back to saved positions (world), m, and velocities (world), m/s, also those of supports.
+    ///
+    /// # Errors
+    /// [`SpringError::Count`], [`SpringError::NotFinite`].
+    pub fn set_state(
+        &mut self,
+        positions: &Columns<D>,
+        velocities: &Columns<D>,
+    ) -> Result<(), SpringError> {
+        self.check("velocity", velocities)?;
+        self.set_positions(positions)?;
+        self.velocities = velocities.clone();
+        Ok(())
+    }
+
+    fn check(&self, what: &'static str, columns: &Columns<D>) -> Result<(), SpringError> {
+        if columns.len() != self.nodes() {
+            let expected = format!("one for each of the {} nodes", self.nodes());
+            return Err(SpringError::Count { what, found: columns.len(), expected });
+        }
+        match columns.first_not_finite() {
+            Some(node) => Err(SpringError::NotFinite { what, node }),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets the acceleration of free fall (world), m/s^2.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if it is not finite.
+    pub fn set_gravity(&mut self, gravity: SVector<f64, D>) -> Result<(), SpringError> {
+        finite("gravity (m/s^2)", &gravity)?;
+        self.gravity = gravity;
+        Ok(())
+    }
+
+    /// Sets the drag rate gamma, 1/s: Stokes's drag for a unit of mass; a free oscillation decays
+    /// as `exp(-gamma t / 2)`.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if it is negative or not finite.
+    pub fn set_drag(&mut self, rate: f64) -> Result<(), SpringError> {
+        non_negative("the drag rate (1/s)", rate)?;
+        self.drag = rate;
+        Ok(())
+    }
+
+    /// Sets the wind, which acts through the drag.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if a number is not finite or the period not positive.
+    pub fn set_wind(&mut self, wind: Wind<D>) -> Result<(), SpringError> {
+        finite("the wind (m/s)", &wind.steady)?;
+        finite("the pulse of the wind (m/s)", &wind.pulse)?;
+        positive("the period of the wind (s)", wind.period)?;
+        self.wind = wind;
+        Ok(())
+    }
+
+    /// Sets the force of the load on `node` (world), N; zero takes it away.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`], [`SpringError::Parameter`].
+    pub fn set_load(&mut self, node: usize, force: SVector<f64, D>) -> Result<(), SpringError> {
+        self.known("load", node)?;
+        finite("a load (N)", &force)?;
+        self.loads.insert(node, force);
+        self.loads.retain(|_, force| force.norm_squared() > 0.0);
+        Ok(())
+    }
+
+    /// Sets the rest length of spring `s`, m.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if it is not positive and finite.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
+    pub fn set_rest_length(&mut self, s: usize, length: f64) -> Result<(), SpringError> {
+        self.set_rest_lengths([(s, length)])
+    }
+
+    /// Sets the rest lengths of several springs, m, each given by its index.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] for the first one that is not positive and finite.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
+    pub fn set_rest_lengths(
+        &mut self,
+        lengths: impl IntoIterator<Item = (usize, f64)>,
+    ) -> Result<(), SpringError> {
+        for (s, length) in lengths {
+            positive("a rest length (m)", length)?;
+            self.springs.rest_length[s] = length;
+        }
+        self.springs.refresh();
+        Ok(())
+    }
+
+    /// Sets the yield strain of all springs.
+    ///
+    /// # Errors
+    /// [`SpringError::Parameter`] if it is not positive.
+    pub fn set_yield_strain(&mut self, strain: f64) -> Result<(), SpringError> {
+        if strain.is_nan() || strain <= 0.0 {
+            let (what, allowed) = ("the yield strain", "positive; infinite for never");
+            return Err(SpringError::Parameter { what, value: strain, allowed });
+        }
+        self.springs.yield_strain.fill(strain);
+        Ok(())
+    }
+
+    /// Fixes `node` where it is.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`]; so do the others.
+    pub fn pin(&mut self, node: usize) -> Result<(), SpringError> {
+        self.hold(node, SVector::zeros())
+    }
+
+    /// Moves `node` at a velocity (world), m/s, whatever pulls at it: what a mouse does. Nodes that
+    /// are tied to it follow.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
+    pub fn hold(&mut self, node: usize, velocity: SVector<f64, D>) -> Result<(), SpringError> {
+        (0..D).try_for_each(|axis| self.hold_axis(node, axis, velocity[axis]))
+    }
+
+    /// Moves `node` at a velocity along one axis, m/s; along the others it stays free.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
+    ///
+    /// # Panics
+    /// If there is no such axis, as indexing does.
+    pub fn hold_axis(
+        &mut self,
+        node: usize,
+        axis: usize,
+        velocity: f64,
+    ) -> Result<(), SpringError> {
+        self.known("support", node)?;
+        finite("the velocity of a held node (m/s)", &SVector::<f64, 1>::new(velocity))?;
+        self.supports.drive(node, axis..axis + 1);
+        for partner in self.supports.partners(node, axis) {
+            self.velocities.0[axis][partner] = velocity;
+        }
+        Ok(())
+    }
+
+    /// Lets go of `node`, which keeps its velocity and its ties.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`].
+    pub fn release(&mut self, node: usize) -> Result<(), SpringError> {
+        self.known("support", node)?;
+        self.supports.release(node);
+        Ok(())
+    }
+
+    /// Lets nodes move along `axis` only together: a clamp that slides. They keep their offsets and
+    /// take their mean velocity, by mass.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`].
+    ///
+    /// # Panics
+    /// If there is no such axis, as indexing does.
+    pub fn tie(&mut self, nodes: &[usize], axis: usize) -> Result<(), SpringError> {
+        nodes.iter().try_for_each(|&node| self.known("tie", node))?;
+        let Some(&first) = nodes.first() else { return Ok(()) };
+        self.supports.tie(axis, nodes.iter().copied().collect::<BTreeSet<_>>());
+        let all = self.supports.partners(first, axis);
+        let column = &mut self.velocities.0[axis];
+        let driven = all.iter().find(|&&node| self.supports.driven(node, axis));
+        let velocity = driven.map_or_else(
+            || {
+                let mass: f64 = all.iter().map(|&node| self.masses[node]).sum();
+                all.iter().map(|&node| self.masses[node] * column[node]).sum::<f64>() / mass
+            },
+            |&node| column[node],
+        );
+        all.iter().for_each(|&node| column[node] = velocity);
+        Ok(())
+    }
+
+    /// Fixes `node` relative to another one: both move as one body without rotation.
+    ///
+    /// # Errors
+    /// [`SpringError::MissingNode`].
+    pub fn pin_to(&mut self, node: usize, other: usize) -> Result<(), SpringError> {
+        (0..D).try_for_each(|axis| self.tie(&[node, other], axis))
+    }
+
+    fn known(&self, what: &'static str, node: usize) -> Result<(), SpringError> {
+        let nodes = self.nodes();
+        if node < nodes {
+            Ok(())
+        } else {
+            Err(SpringError::MissingNode { what, index: node, node, nodes })
+        }
+    }
+
+    /// Energy, J; costs a pass over springs and nodes.
+    #[must_use]
+    pub fn energy(&self) -> Energy {
+        let (x, v) = (&self.positions, &self.velocities);
+        let mut energy = Energy { elastic: self.elastic_energy(x), ..Energy::default() };
+        for (node, mass) in self.masses.iter().enumerate() {
+            energy.kinetic += 0.5 * mass * v.get(node).norm_squared();
+            energy.gravitational -= mass * self.gravity.dot(&x.get(node));
+        }
+        energy.load = -self.loads.iter().map(|(&node, f)| f.dot(&x.get(node))).sum::<f64>();
+        energy
+    }
+
+    /// Energy of springs and bends at other positions, J.
+    pub(crate) fn elastic_energy(&self, x: &Columns<D>) -> f64 {
+        let spring = |s: usize| {
+            let [i, j] = self.springs.nodes[s];
+            let length = (x.get(j) - x.get(i)).norm();
+            0.5 * self.springs.stiffness[s] * (length - self.springs.rest_length[s]).powi(2)
+        };
+        let springs: f64 = (0..self.springs()).map(spring).sum();
+        springs + self.bends.iter().map(|bend| bend.energy(x)).sum::<f64>()
+    }
+
+    /// Total momentum (world), kg m/s.
+    #[must_use]
+    pub fn momentum(&self) -> SVector<f64, D> {
+        let masses = self.masses.iter().enumerate();
+        masses.map(|(node, &mass)| self.velocities.get(node) * mass).sum()
+    }
+
+    /// Forces of springs and bends at given positions (m) and velocities (m/s), N (world).
+    ///
+    /// # Panics
+    /// If there is not one of each for every node.
+    #[must_use]
+    pub fn internal_forces(&self, x: &Columns<D>, v: &Columns<D>) -> Columns<D> {
+        let mut forces = Columns::zeros(self.nodes());
+        for run in &self.springs.runs {
+            add_run(&self.springs, run, x, v, &mut forces);
+        }
+        self.bends.iter().for_each(|bend| bend.add_forces(x, &mut forces));
+        forces
+    }
+
+    /// Force of spring `s` on its first node now (world), N.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
+    #[must_use]
+    pub fn spring_force(&self, s: usize) -> SVector<f64, D> {
+        let [i, j] = self.springs.nodes[s];
+        let apart = self.positions.get(j) - self.positions.get(i);
+        let parting = self.velocities.get(j) - self.velocities.get(i);
+        force::force(&self.springs, s, &apart, &parting)
+    }
+
+    /// Mean rest length of the springs, m: the size of things.
+    pub(crate) fn size(&self) -> f64 {
+        self.springs.rest_length.iter().sum::<f64>() / self.springs().max(1) as f64
+    }
+}
+
+fn finite<const N: usize>(what: &'static str, vector: &SVector<f64, N>) -> Result<(), SpringError> {
+    match vector.iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(SpringError::Parameter { what, value, allowed: "finite" }),
+        None => Ok(()),
+    }
+}

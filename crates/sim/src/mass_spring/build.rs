@@ -1,0 +1,140 @@
+use super::motion::{Measured, Moving, Springs};
+use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
+use nalgebra::{Point, Point3, SVector, UnitVector3, Vector3};
+use rapunzel_collision::field::{self, DistanceField, HalfSpace};
+use rapunzel_mass_spring::{
+    self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError, Surface,
+    System,
+};
+
+/// The system of a scene at its start.
+pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn Springs>, SpringError> {
+    let element = scene.element();
+    match &scene.model {
+        Model::Rope { nodes, spacing, direction, bending_stiffness, inextensible } => {
+            let rope = Rope {
+                nodes: *nodes,
+                spacing: *spacing,
+                element,
+                bending_stiffness: *bending_stiffness,
+                rigid: *inextensible,
+            };
+            let system = rope.build(Point3::from(scene.position), Vector3::from(*direction))?;
+            moving(scene, system, None)
+        }
+        Model::Net { place, spacing, triangular } => {
+            let place = match place {
+                NodePlaces::Line { rows, columns } => Place::line(*rows, *columns),
+                NodePlaces::Flag { rows, columns } => Place::flag(*rows, *columns),
+                NodePlaces::Flying { rows, columns } => Place::free(*rows, *columns),
+                NodePlaces::Matrix { rows } => {
+                    Place::new(&rows.iter().map(String::as_str).collect::<Vec<_>>())
+                }
+            }?;
+            let cells = if *triangular { Cells::Triangular } else { Cells::Rectangular };
+            let net = Lattice { place, spacing: *spacing, element, cells };
+            moving::<3>(scene, net.build(Point3::from(scene.position))?, None)
+        }
+        Model::Body { shape, spacing } => {
+            let corner = Point::from(flat::<2>(&scene.position));
+            let system = shape.body().lattice(*spacing, element)?.build(corner)?;
+            moving(scene, system, None)
+        }
+        Model::Ring { count, radius, tau } => {
+            let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
+            let (system, area) = ball.ring(flat::<2>(&scene.position).into(), *count)?;
+            moving(scene, system, Some(area))
+        }
+        Model::Ball { radius, fineness, tau } => {
+            let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
+            let (system, volume) = ball.sphere(scene.position.into(), *fineness)?;
+            moving(scene, system, Some(volume))
+        }
+    }
+}
+
+/// A vector of the world in the space of a system: all of it, or x and z.
+pub(crate) fn flat<const D: usize>(vector: &[f64; 3]) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| if axis + 1 == D { vector[2] } else { vector[axis] })
+}
+
+/// The other way.
+pub(crate) fn spatial<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64> {
+    let mut result = Vector3::zeros();
+    for axis in 0..D {
+        result[if axis + 1 == D { 2 } else { axis }] = vector[axis];
+    }
+    result
+}
+
+fn moving<const D: usize>(
+    scene: &MassSpring,
+    mut system: System<D>,
+    enclosure: Option<Enclosure<D>>,
+) -> Result<Box<dyn Springs>, SpringError>
+where
+    Moving<D>: Springs,
+{
+    if let Some(strain) = scene.yield_strain {
+        system.set_yield_strain(strain)?;
+    }
+    system.set_wind(wind(&scene.wind))?;
+    for load in &scene.loads {
+        system.set_load(load.node, flat(&load.force))?;
+    }
+    for hold in &scene.holds {
+        // Only to find out whether there is such a node.
+        system.clone().pin(hold.node)?;
+    }
+    let contacts = match &scene.contacts {
+        Some(contacts) => Some(touching(contacts, &system)?),
+        None => None,
+    };
+    let chain = matches!(scene.model, Model::Rope { inextensible: true, .. });
+    Ok(Box::new(Moving::new(scene, system, enclosure, contacts, chain)))
+}
+
+fn wind<const D: usize>(wind: &Wind) -> spring::Wind<D> {
+    match wind {
+        Wind::Steady { velocity } => spring::Wind::steady(flat(velocity)),
+        Wind::Gusts { velocity, gust, period } => {
+            spring::Wind { steady: flat(velocity), pulse: flat(gust), period: *period }
+        }
+    }
+}
+
+fn touching<const D: usize>(
+    contacts: &NodeContacts,
+    system: &System<D>,
+) -> Result<Contacts, SpringError> {
+    // In the plane, the crate has the world's z as its y.
+    let seen = |point: &[f64; 3]| {
+        let inner: SVector<f64, D> = flat(point);
+        Point3::from(Vector3::from_fn(|axis, _| inner.get(axis).copied().unwrap_or(0.0)))
+    };
+    let mut obstacles: Vec<Box<dyn DistanceField + Send>> = Vec::new();
+    if let Some(height) = contacts.ground {
+        let normal = UnitVector3::new_normalize(seen(&[0.0, 0.0, 1.0]).coords);
+        obstacles.push(Box::new(HalfSpace { point: seen(&[0.0, 0.0, height]), normal }));
+    }
+    for ball in &contacts.balls {
+        let center = seen(&ball.center);
+        obstacles.push(Box::new(field::Ball { center, radius: ball.radius }));
+    }
+    let NodeContacts { radius, restitution, friction, mutual, .. } = *contacts;
+    Contacts::new(system, Surface { radius, restitution, friction }, obstacles, mutual)
+}
+
+/// What encloses something, by its name and unit.
+pub(crate) fn measured(scene: &MassSpring) -> Option<Measured> {
+    match scene.model {
+        Model::Ring { .. } => Some(Measured { what: "area", unit: "m^2" }),
+        Model::Ball { .. } => Some(Measured { what: "volume", unit: "m^3" }),
+        _ => None,
+    }
+}
+
+/// A point of a system in the world.
+pub(crate) fn in_world<const D: usize>(point: &Point<f64, D>) -> Point3<f64> {
+    spatial(&point.coords).into()
+}

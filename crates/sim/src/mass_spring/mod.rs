@@ -1,0 +1,9 @@
+//! Mass-spring systems in a world: one that moves in place of fibres.
+
+mod build;
+mod motion;
+mod strands;
+
+pub(crate) use build::{build, measured};
+pub use motion::MassSprings;
+pub(crate) use motion::{Measured, Springs};

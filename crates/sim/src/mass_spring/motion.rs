@@ -1,0 +1,227 @@
+use super::build::{flat, in_world, spatial};
+use super::strands::{Polyline, polylines, strand};
+use crate::export::Strand;
+use crate::scene::{Hold, Integrator, MassSpring};
+use crate::{SimError, StepReport, Stepper, World};
+use nalgebra::{Point3, SVector, Vector3};
+use rapunzel_mass_spring::{
+    Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, SpringError, StepTooLong, System,
+    runge_kutta,
+};
+use rapunzel_rod_dynamic::Energy;
+
+/// Moves the mass-spring system of a world.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MassSprings;
+
+impl Stepper for MassSprings {
+    /// # Errors
+    /// [`SimError::MassSpring`] with the time, and which node or why.
+    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
+        let (time, gravity) = (world.time(), world.gravity());
+        let mut report = StepReport::default();
+        if let Some(springs) = &mut world.springs {
+            let iterations = springs
+                .step(time, dt, &gravity)
+                .map_err(|source| SimError::MassSpring { time, source })?;
+            report = StepReport::of_one(iterations, 0, 0);
+        }
+        world.advance_clock(dt);
+        Ok(report)
+    }
+}
+
+/// What is enclosed by a ring or ball.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Measured {
+    pub(crate) what: &'static str,
+    pub(crate) unit: &'static str,
+}
+
+/// A mass-spring system of any dimension in the world.
+pub(crate) trait Springs: Send + Sync {
+    /// Moves it by `dt` from `time` on and returns the iterations of Newton's method.
+    fn step(&mut self, time: f64, dt: f64, gravity: &Vector3<f64>) -> Result<usize, SpringError>;
+    /// Number of nodes.
+    fn nodes(&self) -> usize;
+    /// Position and velocity of a node (world).
+    fn node(&self, node: usize) -> (Point3<f64>, Vector3<f64>);
+    /// Energy in a gravity.
+    fn energy(&self, gravity: &Vector3<f64>) -> Energy;
+    /// Its springs as lines.
+    fn strands(&self) -> Vec<Strand>;
+    /// Area or volume now and at rest.
+    fn enclosed(&self) -> Option<[f64; 2]>;
+    /// All numbers that change.
+    fn save(&self) -> Vec<f64>;
+    /// Goes back to saved numbers; false if they are those of another system.
+    fn restore(&mut self, numbers: &[f64]) -> bool;
+    /// Whether steps of `dt` are too long for the integrator.
+    fn warning(&self, dt: f64) -> Option<StepTooLong>;
+}
+
+/// What is needed to move a system.
+pub(crate) struct Moving<const D: usize> {
+    system: System<D>,
+    method: Method<D>,
+    substeps: usize,
+    holds: Vec<Hold>,
+    contacts: Option<Contacts>,
+    enclosure: Option<Enclosure<D>>,
+    yields: bool,
+    lines: Vec<Polyline>,
+    /// With which lines are drawn, m.
+    radius: f64,
+}
+
+enum Method<const D: usize> {
+    Chain(Chain),
+    Leapfrog(Leapfrog<D>),
+    RungeKutta,
+    ImplicitEuler(ImplicitEuler),
+}
+
+/// Lines without contacts are drawn with this part of the mean rest length as their radius.
+const DRAWN: f64 = 0.03;
+
+impl<const D: usize> Moving<D> {
+    pub(crate) fn new(
+        scene: &MassSpring,
+        system: System<D>,
+        enclosure: Option<Enclosure<D>>,
+        contacts: Option<Contacts>,
+        chain: bool,
+    ) -> Self {
+        let method = match scene.integrator {
+            _ if chain => Method::Chain(Chain::new()),
+            Integrator::Leapfrog => Method::Leapfrog(Leapfrog::new()),
+            Integrator::RungeKutta => Method::RungeKutta,
+            Integrator::ImplicitEuler => Method::ImplicitEuler(ImplicitEuler::default()),
+        };
+        let springs = system.springs();
+        let mean = (0..springs).map(|s| system.spring(s).rest_length).sum::<f64>() / springs as f64;
+        let lines = polylines((0..springs).map(|s| system.spring(s).nodes));
+        Self {
+            system,
+            method,
+            substeps: scene.substeps,
+            holds: scene.holds.clone(),
+            contacts,
+            enclosure,
+            yields: scene.yield_strain.is_some(),
+            lines,
+            radius: DRAWN * mean,
+        }
+    }
+
+    /// Takes, moves and lets go of nodes as it is time to; doing so again changes nothing.
+    fn apply_holds(&mut self, time: f64) -> Result<(), SpringError> {
+        for hold in self.holds.iter().filter(|hold| time >= hold.from) {
+            if time < hold.until {
+                self.system.hold(hold.node, flat(&hold.velocity))?;
+            } else if hold.release {
+                self.system.release(hold.node)?;
+            } else {
+                self.system.pin(hold.node)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<const D: usize> Springs for Moving<D>
+where
+    Enclosure<D>: Send + Sync,
+{
+    fn step(&mut self, time: f64, dt: f64, gravity: &Vector3<f64>) -> Result<usize, SpringError> {
+        self.apply_holds(time)?;
+        self.system.set_time(time);
+        self.system.set_gravity(flat(&(*gravity).into()))?;
+        let dt = dt / self.substeps as f64;
+        // Contacts and yielding come after every sub-step; without them all go through at once.
+        let together = self.contacts.is_none() && !self.yields;
+        let (rounds, steps) = if together { (1, self.substeps) } else { (self.substeps, 1) };
+        let mut iterations = 0;
+        for _ in 0..rounds {
+            let system = &mut self.system;
+            match &mut self.method {
+                Method::Chain(chain) => chain.advance(system, dt, steps)?,
+                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps)?,
+                Method::RungeKutta => runge_kutta(system, dt, steps)?,
+                Method::ImplicitEuler(euler) => {
+                    for _ in 0..steps {
+                        iterations += euler.step(system, dt)?;
+                    }
+                }
+            }
+            if let Some(contacts) = &mut self.contacts {
+                contacts.resolve(system)?;
+            }
+            if self.yields {
+                system.give_way();
+            }
+        }
+        if let Some(enclosure) = &self.enclosure {
+            enclosure.control(&mut self.system)?;
+        }
+        Ok(iterations)
+    }
+
+    fn nodes(&self) -> usize {
+        self.system.nodes()
+    }
+
+    fn node(&self, node: usize) -> (Point3<f64>, Vector3<f64>) {
+        (in_world(&self.system.position(node)), spatial(&self.system.velocity(node)))
+    }
+
+    fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        let energy = self.system.energy();
+        let weight = |node| self.system.masses()[node] * gravity.dot(&self.node(node).0.coords);
+        Energy {
+            kinetic: energy.kinetic,
+            elastic: energy.elastic,
+            gravitational: -(0..self.nodes()).map(weight).sum::<f64>(),
+        }
+    }
+
+    fn strands(&self) -> Vec<Strand> {
+        let force = |s| spatial(&self.system.spring_force(s));
+        self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
+    }
+
+    fn enclosed(&self) -> Option<[f64; 2]> {
+        self.enclosure.as_ref().map(|e| [e.measure(&self.system), e.rest_measure()])
+    }
+
+    fn save(&self) -> Vec<f64> {
+        let (x, v) = (self.system.positions(), self.system.velocities());
+        let nodes = (0..self.nodes()).flat_map(|n| [x.get(n), v.get(n)]);
+        let mut numbers: Vec<f64> = nodes.flat_map(|vector| vector.data.0[0]).collect();
+        numbers.extend((0..self.system.springs()).map(|s| self.system.spring(s).rest_length));
+        numbers
+    }
+
+    fn restore(&mut self, numbers: &[f64]) -> bool {
+        let (nodes, springs) = (self.nodes(), self.system.springs());
+        if numbers.len() != 2 * D * nodes + springs {
+            return false;
+        }
+        let (vectors, lengths) = numbers.split_at(2 * D * nodes);
+        let (mut x, mut v) = (Columns::zeros(nodes), Columns::zeros(nodes));
+        for (node, both) in vectors.chunks_exact(2 * D).enumerate() {
+            x.set(node, &SVector::from_column_slice(&both[..D]));
+            v.set(node, &SVector::from_column_slice(&both[D..]));
+        }
+        let restored = self.system.set_state(&x, &v).is_ok();
+        restored && self.system.set_rest_lengths(lengths.iter().copied().enumerate()).is_ok()
+    }
+
+    fn warning(&self, dt: f64) -> Option<StepTooLong> {
+        match self.method {
+            Method::Leapfrog(_) => self.system.warn_of_step(dt / self.substeps as f64),
+            // Stable for any step, or up to sqrt(2) times as long; a chain has no stiff springs.
+            _ => None,
+        }
+    }
+}
