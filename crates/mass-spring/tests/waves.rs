@@ -60,11 +60,7 @@ fn waves_run_at_the_speed_of_the_theory() {
         let mut system = pulse(speed, direction, false);
         let (start, _) = crest(&system, &direction);
         let time = 150.0 * spacing / speed;
-        let dt = 0.1 / omega0();
-        let steps = time / dt;
-        Leapfrog::new()
-            .advance(&mut system, time / steps.ceil(), (steps.ceil()) as usize)
-            .expect("stable");
+        Leapfrog::new().advance(&mut system, time / 5000.0, 5000).expect("stable");
         let (end, height) = crest(&system, &direction);
         let found = (end - start) / time;
         assert!((found / speed - 1.0).abs() < 0.01, "{found} m/s instead of {speed}");
@@ -80,9 +76,7 @@ fn a_wave_comes_back_inverted_from_a_fixed_end_and_upright_from_a_free_one() {
         let mut system = pulse(speed, Vector2::y(), free);
         // 300 nodes to the end, and half of that back.
         let time = 450.0 * spacing / speed;
-        let dt = 0.1 / omega0();
-        let steps = (time / dt).ceil();
-        Leapfrog::new().advance(&mut system, time / steps, steps as usize).expect("stable");
+        Leapfrog::new().advance(&mut system, time / 8000.0, 8000).expect("stable");
         let (place, height) = crest(&system, &Vector2::y());
         let expected = 250.0 * spacing;
         assert!((place - expected).abs() < 0.01 * 450.0 * spacing, "free {free}: at {place} m");
