@@ -1,0 +1,16 @@
+//! Electrostatics.
+
+mod barnes_hut;
+mod error;
+mod harmonics;
+mod method;
+mod multipole;
+mod quadrature;
+pub mod units;
+
+pub use barnes_hut::BarnesHut;
+pub use error::ElectrostaticsError;
+pub use harmonics::MAX_ORDER;
+pub use method::{Direct, Fields, Method};
+pub use multipole::{Accuracy, Certificate, Multipole, Plan};
+pub use units::COULOMB_CONSTANT;

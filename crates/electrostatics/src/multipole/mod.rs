@@ -1,0 +1,9 @@
+//! The fast multipole method.
+
+pub(crate) mod engine;
+pub(crate) mod near;
+mod points;
+mod solver;
+pub(crate) mod tree;
+
+pub use solver::{Accuracy, Certificate, Multipole, Plan};
