@@ -58,7 +58,7 @@ impl Method for BarnesHut {
         let walk = Walk { tree: &tree, gradients: &gradients, cloud: &cloud, places: &places };
         let sums: Vec<_> =
             (0..targets.len()).into_par_iter().map(|k| walk.sum(*self, k, &targets[k])).collect();
-        Ok(Fields::new(&sums, 0..))
+        Ok(Fields::new(1.0, &sums, 0..))
     }
 }
 

@@ -16,15 +16,15 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// From sums of `q/r` and their gradients, in the order `order`.
-    pub(crate) fn new(sums: &[[f64; 4]], order: impl Iterator<Item = usize>) -> Self {
+    /// From sums of `q/r` and their gradients, in units of the charge `unit` and the order `order`.
+    pub(crate) fn new(unit: f64, sums: &[[f64; 4]], order: impl Iterator<Item = usize>) -> Self {
         let mut fields = Self {
             potentials: vec![0.0; sums.len()],
             fields: vec![Vector3::zeros(); sums.len()],
         };
         for (i, [potential, x, y, z]) in order.zip(sums) {
-            fields.potentials[i] = COULOMB_CONSTANT * potential;
-            fields.fields[i] = -COULOMB_CONSTANT * Vector3::new(*x, *y, *z);
+            fields.potentials[i] = COULOMB_CONSTANT * unit * potential;
+            fields.fields[i] = -COULOMB_CONSTANT * unit * Vector3::new(*x, *y, *z);
         }
         fields
     }
@@ -68,7 +68,7 @@ impl Method for Direct {
         let mut cloud = Cloud::default();
         sources.iter().zip(charges).for_each(|(x, q)| cloud.push((*x).into(), *q));
         let sums = direct_sums(&cloud, &places(targets.iter()));
-        Ok(Fields::new(&sums, 0..))
+        Ok(Fields::new(1.0, &sums, 0..))
     }
 }
 

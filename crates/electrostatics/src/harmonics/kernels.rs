@@ -14,28 +14,30 @@ pub(crate) fn regular<S: Simd>(
     [x, y, z]: [S::f64s; 3],
     out: &mut [S::f64s],
 ) {
-    let mul = |a, b| simd.mul_f64s(a, b);
-    let splat = |a| simd.splat_f64s(a);
-    let r2 = simd.mul_add_e_f64s(x, x, simd.mul_add_e_f64s(y, y, mul(z, z)));
-    let [mut cosine, mut sine] = [splat(1.0), splat(0.0)];
+    let r2 = simd.mul_add_e_f64s(y, y, simd.mul_f64s(z, z));
+    let r2 = simd.mul_add_e_f64s(x, x, r2);
+    let zero = simd.splat_f64s(0.0);
+    let [mut cosine, mut sine] = [simd.splat_f64s(1.0), zero];
     for (m, (steps, diagonal)) in tables.steps.iter().zip(&tables.diagonal).enumerate() {
         if m > order {
             return;
         }
         if m > 0 {
-            let (c, s, scale) = (cosine, sine, splat(*diagonal));
-            let [x, y] = [mul(x, scale), mul(y, scale)];
-            cosine = simd.sub_f64s(mul(c, x), mul(s, y));
-            sine = simd.mul_add_e_f64s(c, y, mul(s, x));
+            let (c, s, scale) = (cosine, sine, simd.splat_f64s(*diagonal));
+            let [x, y] = [simd.mul_f64s(x, scale), simd.mul_f64s(y, scale)];
+            cosine = simd.sub_f64s(simd.mul_f64s(c, x), simd.mul_f64s(s, y));
+            sine = simd.mul_add_e_f64s(c, y, simd.mul_f64s(s, x));
         }
-        let zero = splat(0.0);
         let [mut last, mut now] = [[zero; 2], [cosine, sine]];
         for (n, step) in steps[..=order - m].iter().enumerate() {
             if n > 0 {
-                let up = mul(splat(step.z_factor), z);
-                let down = mul(splat(-step.r_factor), r2);
-                let next = |k: usize| simd.mul_add_e_f64s(up, now[k], mul(down, last[k]));
-                [last, now] = [now, [next(0), next(1)]];
+                let up = simd.mul_f64s(simd.splat_f64s(step.z_factor), z);
+                let down = simd.mul_f64s(simd.splat_f64s(-step.r_factor), r2);
+                let mut next = now;
+                for k in 0..2 {
+                    next[k] = simd.mul_add_e_f64s(up, now[k], simd.mul_f64s(down, last[k]));
+                }
+                [last, now] = [now, next];
             }
             // For m = 0 both places are one, and the cosine is written last.
             out[step.places[1]] = now[1];

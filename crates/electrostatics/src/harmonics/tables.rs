@@ -3,6 +3,7 @@
 use super::MAX_ORDER;
 use crate::quadrature::gauss_legendre;
 use std::f64::consts::{PI, SQRT_2};
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Rows of a matrix that are multiplied at once.
@@ -28,13 +29,19 @@ pub(crate) const fn index(n: usize, m: usize) -> [usize; 2] {
     }
 }
 
-/// Begin and end of the four runs of degree `n`, and which run each becomes when y and z are
-/// exchanged.
-pub(super) fn runs(n: usize) -> [([usize; 2], usize); 4] {
+/// The four runs of degree `n`, and which run each becomes when y and z are exchanged.
+fn runs(n: usize) -> [(Range<usize>, usize); 4] {
     let (evens, odds) = (n / 2 + 1, n.div_ceil(2));
     let ends = [0, evens, evens + odds, evens + 2 * odds, 2 * n + 1].map(|k| n * n + k);
     let partner = if n.is_multiple_of(2) { [0, 1, 3, 2] } else { [1, 0, 2, 3] };
-    [0, 1, 2, 3].map(|k| ([ends[k], ends[k + 1]], partner[k]))
+    [0, 1, 2, 3].map(|k| (ends[k]..ends[k + 1], partner[k]))
+}
+
+/// What the exchange of y and z makes of one run.
+pub(super) struct Swap {
+    pub(super) from: Range<usize>,
+    pub(super) to: Range<usize>,
+    pub(super) matrix: Matrix,
 }
 
 /// A matrix in blocks of eight rows, column by column.
@@ -76,8 +83,8 @@ pub(crate) struct Tables {
     pub(super) diagonal: Vec<f64>,
     /// `steps[m][n - m]`.
     pub(super) steps: Vec<Vec<Step>>,
-    /// The exchange of y and z: for each degree the matrix of each run that results.
-    pub(super) swaps: Vec<[Matrix; 4]>,
+    /// The exchange of y and z, for each degree.
+    pub(super) swaps: Vec<[Swap; 4]>,
     /// `far[m]` takes a multipole along z to a local expansion: rows n - m, columns l - m.
     pub(super) far: Vec<Matrix>,
     /// `shifts[m][n - m][l - m]` moves a multipole along z, its transpose a local expansion.
@@ -148,7 +155,7 @@ fn diagonal(m: usize) -> f64 {
 
 /// The matrices of the exchange of y and z, as integrals over the sphere of the product of one
 /// harmonic and another exchanged. All of those are even in x, y and z: an octant is enough.
-fn swaps(tables: &Tables) -> Vec<[Matrix; 4]> {
+fn swaps(tables: &Tables) -> Vec<[Swap; 4]> {
     let azimuths = MAX_ORDER / 2 + 1;
     let mut samples = Vec::new();
     for [z, weight] in gauss_legendre(2 * azimuths).into_iter().filter(|[z, _]| *z > 0.0) {
@@ -166,14 +173,15 @@ fn swaps(tables: &Tables) -> Vec<[Matrix; 4]> {
     }
     let matrices = |n: usize| {
         let runs = runs(n);
-        runs.map(|([first, end], partner)| {
-            let start = runs[partner].0[0];
-            Matrix::new(end - first, end - first, |row, column| {
+        runs.clone().map(|(to, partner)| {
+            let from = runs[partner].0.clone();
+            let matrix = Matrix::new(to.len(), from.len(), |row, column| {
                 let term = |(w, y, swapped): &(f64, Vec<f64>, Vec<f64>)| {
-                    w * swapped[first + row] * y[start + column]
+                    w * swapped[to.start + row] * y[from.start + column]
                 };
                 (2 * n + 1) as f64 * samples.iter().map(term).sum::<f64>()
-            })
+            });
+            Swap { from, to, matrix }
         })
     };
     (0..=MAX_ORDER).map(matrices).collect()

@@ -5,7 +5,7 @@
 //! z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the plain
 //! double sum takes `p^4`.
 
-use super::tables::{Matrix, ROWS, Tables, count, runs};
+use super::tables::{Matrix, ROWS, Swap, Tables, count};
 use super::MAX_ORDER;
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
@@ -144,9 +144,14 @@ fn load<S: Simd>(a: &mut [S::f64s], shifts: &[Shift]) {
     let size = a.len();
     let lanes: &mut [f64] = pulp::bytemuck::cast_slice_mut(a);
     if shifts.len() == 8 && S::F64_LANES == 8 {
-        let rows: [&[f64]; 8] = std::array::from_fn(|k| &shifts[k].coefficients[..size]);
+        let mut rows = [&shifts[0].coefficients[..size]; 8];
+        for (row, shift) in rows.iter_mut().zip(shifts) {
+            *row = &shift.coefficients[..size];
+        }
         for (i, lane) in lanes.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-            *lane = rows.map(|row| row[i]);
+            for k in 0..8 {
+                lane[k] = rows[k][i];
+            }
         }
         return;
     }
@@ -156,6 +161,11 @@ fn load<S: Simd>(a: &mut [S::f64s], shifts: &[Shift]) {
             lane[k] = *c;
         }
     }
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(values: &[f64; LANES]) -> S::f64s {
+    S::as_simd_f64s(values).0[0]
 }
 
 /// The rotation that takes the offsets onto the z axis, and lengths along it.
@@ -170,29 +180,27 @@ struct Turn<S: Simd> {
 impl<S: Simd> Turn<S> {
     #[inline(always)]
     fn new(simd: S, shifts: &[Shift]) -> Self {
-        // Rows: cosine and sine of the azimuth, of the polar angle, distance, both scales.
-        let mut rows = [[1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0]; LANES];
-        for (row, shift) in rows.iter_mut().zip(shifts) {
+        // Cosine and sine of the azimuth, of the polar angle, distance, both scales.
+        let mut rows = [1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0].map(|x| [x; LANES]);
+        for (lane, shift) in shifts.iter().enumerate() {
             let [x, y, z] = shift.offset.into();
-            let (flat, distance) = (x.hypot(y), shift.offset.norm());
+            let flat = (x * x + y * y).sqrt();
+            let distance = (flat * flat + z * z).sqrt();
             if flat > 0.0 {
-                row[..2].copy_from_slice(&[x / flat, y / flat]);
+                [rows[0][lane], rows[1][lane]] = [x / flat, y / flat];
             }
             if distance > 0.0 {
-                row[2..4].copy_from_slice(&[z / distance, flat / distance]);
+                [rows[2][lane], rows[3][lane]] = [z / distance, flat / distance];
             }
-            row[4..].copy_from_slice(&[distance, shift.scales[0], shift.scales[1]]);
+            [rows[4][lane], rows[5][lane], rows[6][lane]] =
+                [distance, shift.scales[0], shift.scales[1]];
         }
-        let lane = |k: usize| {
-            let values: [f64; LANES] = std::array::from_fn(|lane| rows[lane][k]);
-            S::as_simd_f64s(&values).0[0]
-        };
         Self {
             simd,
-            azimuth: [lane(0), lane(1)],
-            polar: [lane(2), lane(3)],
-            distance: lane(4),
-            scales: [lane(5), lane(6)],
+            azimuth: [lanes::<S>(&rows[0]), lanes::<S>(&rows[1])],
+            polar: [lanes::<S>(&rows[2]), lanes::<S>(&rows[3])],
+            distance: lanes::<S>(&rows[4]),
+            scales: [lanes::<S>(&rows[5]), lanes::<S>(&rows[6])],
         }
     }
 
@@ -216,38 +224,37 @@ impl<S: Simd> Turn<S> {
 
     #[inline(always)]
     fn minus(&self, [cosine, sine]: [S::f64s; 2]) -> [S::f64s; 2] {
-        [cosine, self.simd.neg_f64s(sine)]
+        [cosine, self.simd.sub_f64s(self.simd.splat_f64s(0.0), sine)]
     }
 
     /// Reduces the azimuth by the angle with this cosine and sine.
     #[inline(always)]
     fn about_z(&self, tables: &Tables, order: usize, angle: [S::f64s; 2], a: &mut [S::f64s]) {
-        let simd = self.simd;
-        let times = |[c, s]: [S::f64s; 2], [x, y]: [S::f64s; 2]| {
-            let cosine = simd.mul_add_e_f64s(c, x, simd.mul_f64s(s, y));
-            [cosine, simd.sub_f64s(simd.mul_f64s(c, y), simd.mul_f64s(s, x))]
-        };
-        let mut multiple = self.minus(angle);
+        let mut multiple = angle;
         for (m, steps) in tables.steps[..=order].iter().enumerate().skip(1) {
-            let [c, s] = [multiple[0], simd.neg_f64s(multiple[1])];
             for step in &steps[..=order - m] {
                 let [i, j] = step.places;
-                [a[i], a[j]] = times([c, s], [a[i], a[j]]);
+                [a[i], a[j]] = turned(self.simd, multiple, [a[i], a[j]]);
             }
-            multiple = times(angle, multiple);
+            multiple = self.minus(turned(self.simd, angle, self.minus(multiple)));
         }
     }
+}
+
+/// The vector `[x, y]` turned back by the angle with this cosine and sine.
+#[inline(always)]
+fn turned<S: Simd>(simd: S, [c, s]: [S::f64s; 2], [x, y]: [S::f64s; 2]) -> [S::f64s; 2] {
+    let cosine = simd.mul_add_e_f64s(c, x, simd.mul_f64s(s, y));
+    [cosine, simd.negate_mul_add_e_f64s(s, x, simd.mul_f64s(c, y))]
 }
 
 /// Exchanges y and z.
 #[inline(always)]
 fn swap<S: Simd>(simd: S, tables: &Tables, order: usize, a: &[S::f64s], b: &mut [S::f64s]) {
     b[0] = a[0];
-    for (n, matrices) in tables.swaps[..=order].iter().enumerate().skip(1) {
-        let runs = runs(n);
-        for (([first, end], partner), matrix) in runs.into_iter().zip(matrices) {
-            let [start, stop] = runs[partner].0;
-            product(simd, matrix, &a[start..stop], &mut b[first..end]);
+    for swaps in &tables.swaps[1..=order] {
+        for Swap { from, to, matrix } in swaps {
+            product(simd, matrix, &a[from.clone()], &mut b[to.clone()]);
         }
     }
 }
@@ -264,27 +271,24 @@ fn along_axis<S: Simd>(
     b: &mut [S::f64s],
 ) {
     let [from, to] = turn.scales;
-    let div = |x, y| simd.div_f64s(x, y);
+    let one = simd.splat_f64s(1.0);
     // Factors per degree before and after, and the length of the shift.
     let (before, after, step) = match kind {
         // The charges move backward as the center moves forward.
         Kind::Multipole => {
-            (div(from, to), simd.splat_f64s(1.0), simd.neg_f64s(div(turn.distance, to)))
+            let step = simd.div_f64s(turn.distance, simd.mul_f64s(to, simd.splat_f64s(-1.0)));
+            (simd.div_f64s(from, to), one, step)
         }
-        Kind::Far => (div(from, turn.distance), div(to, turn.distance), turn.distance),
-        Kind::Local => (simd.splat_f64s(1.0), div(to, from), div(turn.distance, from)),
-    };
-    let powers = |base: S::f64s, first: S::f64s| {
-        let mut powers = [first; MAX_ORDER + 1];
-        for n in 1..=p.max(q) {
-            powers[n] = simd.mul_f64s(powers[n - 1], base);
+        Kind::Far => {
+            let inverse = simd.div_f64s(one, turn.distance);
+            (simd.mul_f64s(from, inverse), simd.mul_f64s(to, inverse), inverse)
         }
-        powers
+        Kind::Local => (one, simd.div_f64s(to, from), simd.div_f64s(turn.distance, from)),
     };
-    let one = simd.splat_f64s(1.0);
-    let before = powers(before, one);
-    let after = powers(after, if kind == Kind::Far { div(one, step) } else { one });
-    let steps = if kind == Kind::Far { [one; MAX_ORDER + 1] } else { powers(step, one) };
+    let far = kind == Kind::Far;
+    let before = powers(simd, before, one, p);
+    let after = powers(simd, after, if far { step } else { one }, q);
+    let steps = if far { before } else { powers(simd, step, one, p.max(q)) };
     let mut x = [simd.splat_f64s(0.0); MAX_ORDER + 1];
     let mut y = x;
     for m in 0..=q {
@@ -304,6 +308,16 @@ fn along_axis<S: Simd>(
         }
     }
     a[..count(q)].copy_from_slice(&b[..count(q)]);
+}
+
+/// `first` times the powers of `base` up to `last`.
+#[inline(always)]
+fn powers<S: Simd>(simd: S, base: S::f64s, first: S::f64s, last: usize) -> [S::f64s; MAX_ORDER + 1] {
+    let mut powers = [first; MAX_ORDER + 1];
+    for n in 1..=last {
+        powers[n] = simd.mul_f64s(powers[n - 1], base);
+    }
+    powers
 }
 
 /// The shift of a multipole, or of a local expansion, whose matrix is the transpose.

@@ -135,10 +135,10 @@ impl<R> Pairs<'_, R> {
                 buffer[d].fill(places[d][first]);
                 buffer[d][..out.len()].copy_from_slice(&places[d][first..first + out.len()]);
             }
-            let [x, y, z] = [0, 1, 2].map(|d| {
-                let (lanes, _) = S::as_simd_f64s(&buffer[d]);
-                [lanes[0], lanes[1]]
-            });
+            let x = S::as_simd_f64s(&buffer[0]).0;
+            let y = S::as_simd_f64s(&buffer[1]).0;
+            let z = S::as_simd_f64s(&buffer[2]).0;
+            let places = [[x[0], y[0], z[0]], [x[1], y[1], z[1]]];
             let mut sums = [[simd.splat_f64s(0.0); 4]; 2];
             for range in ranges {
                 let [xs, ys, zs, qs] = [
@@ -148,17 +148,23 @@ impl<R> Pairs<'_, R> {
                     &sources.charge[range.clone()],
                 ];
                 for (((sx, sy), sz), q) in xs.iter().zip(ys).zip(zs).zip(qs) {
-                    let source = [sx, sy, sz, q].map(|v| simd.splat_f64s(*v));
+                    let source = [
+                        simd.splat_f64s(*sx),
+                        simd.splat_f64s(*sy),
+                        simd.splat_f64s(*sz),
+                        simd.splat_f64s(*q),
+                    ];
                     for k in 0..2 {
-                        let d = [x[k], y[k], z[k]];
-                        pair(simd, root, d, source, &mut sums[k]);
+                        pair(simd, root, places[k], source, &mut sums[k]);
                     }
                 }
             }
             for (k, out) in out.chunks_mut(S::F64_LANES).enumerate() {
                 for (c, sum) in sums[k].iter().enumerate() {
                     let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
-                    out.iter_mut().zip(lanes).for_each(|(out, lane)| out[c] += lane);
+                    for (out, lane) in out.iter_mut().zip(lanes) {
+                    out[c] += lane;
+                }
                 }
             }
         }

@@ -77,12 +77,14 @@ fn places<S: Simd>(
     range: Range<usize>,
 ) -> [S::f64s; 3] {
     let inverse = simd.splat_f64s(1.0 / cell.scale());
-    [0, 1, 2].map(|d| {
+    let mut out = [inverse; 3];
+    for d in 0..3 {
         let mut lanes = [cell.center[d]; LANES];
         lanes[..range.len()].copy_from_slice(&places[d][range.clone()]);
-        let x = S::as_simd_f64s(&lanes).0[0];
-        simd.mul_f64s(simd.sub_f64s(x, simd.splat_f64s(cell.center[d])), inverse)
-    })
+        let offset = simd.sub_f64s(S::as_simd_f64s(&lanes).0[0], simd.splat_f64s(cell.center[d]));
+        out[d] = simd.mul_f64s(offset, inverse);
+    }
+    out
 }
 
 /// Adds to `out` the potential and its gradient at the points `range` (L2P).
@@ -129,7 +131,9 @@ impl WithSimd for Local<'_> {
             }
             for (c, sum) in sums.iter().enumerate() {
                 let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
-                out.iter_mut().zip(lanes).for_each(|(out, lane)| out[c] += lane);
+                for (out, lane) in out.iter_mut().zip(lanes) {
+                    out[c] += lane;
+                }
             }
         }
     }

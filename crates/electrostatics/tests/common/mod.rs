@@ -6,28 +6,28 @@ use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
 
 /// Uniform in `[0, 1)`.
-pub fn unit(random: &mut Pcg64Mcg) -> f64 {
+pub(crate) fn unit(random: &mut Pcg64Mcg) -> f64 {
     (random.next_u64() >> 11) as f64 * (-53f64).exp2()
 }
 
 /// Roughly normal, of unit variance.
-pub fn normal(random: &mut Pcg64Mcg) -> f64 {
+pub(crate) fn normal(random: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| unit(random)).sum::<f64>() - 6.0
 }
 
 /// A generator from a seed.
-pub fn random(seed: u64) -> Pcg64Mcg {
+pub(crate) fn random(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::new(u128::from(seed) * 2 + 1)
 }
 
 /// `count` points uniform in the unit cube.
-pub fn cube(count: usize, seed: u64) -> Vec<Point3<f64>> {
+pub(crate) fn cube(count: usize, seed: u64) -> Vec<Point3<f64>> {
     let mut r = random(seed);
     (0..count).map(|_| Point3::new(unit(&mut r), unit(&mut r), unit(&mut r))).collect()
 }
 
 /// `count` points uniform on the unit sphere.
-pub fn sphere(count: usize, seed: u64) -> Vec<Point3<f64>> {
+pub(crate) fn sphere(count: usize, seed: u64) -> Vec<Point3<f64>> {
     let mut r = random(seed);
     let mut point = || Vector3::from_fn(|_, _| normal(&mut r)).normalize().into();
     (0..count).map(|_| point()).collect()
@@ -35,7 +35,7 @@ pub fn sphere(count: usize, seed: u64) -> Vec<Point3<f64>> {
 
 /// The tress of the research notes: `fibers` curved, nearly parallel fibres of 30 cm in an elliptic
 /// bundle of 200 a square centimeter, each with `nodes` equidistant nodes, m.
-pub fn hair(fibers: usize, nodes: usize, seed: u64) -> Vec<Vec<Point3<f64>>> {
+pub(crate) fn hair(fibers: usize, nodes: usize, seed: u64) -> Vec<Vec<Point3<f64>>> {
     let mut r = random(seed);
     let minor = (fibers as f64 / 200.0 / std::f64::consts::TAU).sqrt();
     let fiber = |k: usize| {
@@ -59,13 +59,13 @@ pub fn hair(fibers: usize, nodes: usize, seed: u64) -> Vec<Vec<Point3<f64>>> {
 }
 
 /// Charges of both signs, or all equal.
-pub fn charges(count: usize, mixed: bool, seed: u64) -> Vec<f64> {
+pub(crate) fn charges(count: usize, mixed: bool, seed: u64) -> Vec<f64> {
     let mut r = random(seed);
     (0..count).map(|_| if mixed { (unit(&mut r) - 0.5) * 1e-12 } else { 1e-12 }).collect()
 }
 
 /// Root of the sum of squared differences over that of squares.
-pub fn relative(actual: &[Vector3<f64>], exact: &[Vector3<f64>]) -> f64 {
+pub(crate) fn relative(actual: &[Vector3<f64>], exact: &[Vector3<f64>]) -> f64 {
     let errors: f64 = actual.iter().zip(exact).map(|(a, e)| (a - e).norm_squared()).sum();
     (errors / exact.iter().map(Vector3::norm_squared).sum::<f64>()).sqrt()
 }
