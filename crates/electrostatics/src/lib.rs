@@ -6,6 +6,7 @@ mod harmonics;
 mod method;
 mod multipole;
 mod quadrature;
+mod segments;
 pub mod units;
 
 pub use barnes_hut::BarnesHut;
@@ -13,4 +14,5 @@ pub use error::ElectrostaticsError;
 pub use harmonics::MAX_ORDER;
 pub use method::{Direct, Fields, Method};
 pub use multipole::{Accuracy, Certificate, Multipole, Plan};
+pub use segments::{ChargedFibers, Electrostatics};
 pub use units::COULOMB_CONSTANT;

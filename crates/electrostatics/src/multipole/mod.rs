@@ -3,7 +3,7 @@
 pub(crate) mod engine;
 pub(crate) mod near;
 mod points;
-mod solver;
+pub(crate) mod solver;
 pub(crate) mod tree;
 
 pub use solver::{Accuracy, Certificate, Multipole, Plan};

@@ -18,11 +18,6 @@ impl Cloud {
         self.charge.push(charge);
     }
 
-    pub(crate) fn clear(&mut self) {
-        self.x.iter_mut().for_each(Vec::clear);
-        self.charge.clear();
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.charge.len()
     }
