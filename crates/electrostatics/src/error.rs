@@ -66,10 +66,6 @@ pub enum ElectrostaticsError {
         /// How deep, m.
         depth: f64,
     },
-    /// A surface does not enclose a body.
-    #[error("the surface of the conductor cannot be used: {0}; give a closed mesh of triangles \
-             that wind counterclockwise as seen from outside")]
-    Surface(String),
 }
 
 /// Refuses positions that are no places.

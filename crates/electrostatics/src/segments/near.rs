@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::Range;
 
-/// Length that no two fibres are taken to be closer than, m: it keeps intersecting lines finite and
+/// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
 /// changes the force between touching hairs by 1e-10.
 const CLOSEST: f64 = 1e-9;
 
@@ -130,17 +130,16 @@ impl NullaryFnOnce for Add<'_> {
     fn call(self) {
         let Self { lines, i, near, loads } = self;
         let own = lines.broadcast(i);
+        let softening = [CLOSEST * CLOSEST; LANES];
         let mut sums = [[0.0; LANES]; 7];
         for range in near {
             for first in range.clone().step_by(LANES) {
                 let chunk = first..range.end.min(first + LANES);
                 let mut charge = [0.0; LANES];
-                let mut softening = [CLOSEST * CLOSEST; LANES];
                 for (k, j) in chunk.clone().enumerate() {
                     let same = lines.fiber[j] == lines.fiber[i];
                     let joint = same && lines.index[j].abs_diff(lines.index[i]) <= 1;
                     charge[k] = if joint { 0.0 } else { lines.charge[j] };
-                    softening[k] = if same { lines.softening[i] } else { CLOSEST * CLOSEST };
                     if joint && j == i {
                         lines.add_self(i, loads);
                     } else if joint {

@@ -3,7 +3,7 @@
 use super::near::{Lines, Loads, points};
 use crate::error::{check_charges, check_count, check_positions};
 use crate::multipole::engine::{Descent, Far, Leaf, Multipoles};
-use crate::multipole::near::Cloud;
+use crate::multipole::near::{Cloud, add_pairs};
 use crate::multipole::solver::{OPENING, check_accuracy, find_order, guess};
 use crate::multipole::tree::{Cell, Tree};
 use crate::quadrature::gauss_legendre;
@@ -21,9 +21,10 @@ const SAMPLES: usize = 48;
 
 /// Charged fibres: the straight segments between their nodes, each with its charge spread evenly.
 ///
-/// A fibre's own parts act on each other by the kernel `1/sqrt(r^2 + a^2)` with its radius a; for a
-/// ring this gives the self-force `lambda^2/R (ln(8R/a) - 1)` of a charged torus. Different fibres
-/// act as lines, which for round fibres that do not overlap is exact.
+/// A segment acts on itself and on its neighbors by the kernel `1/sqrt(r^2 + a^2)` with the radius a
+/// of the fibre; for a ring this gives the self-force `lambda^2/R (ln(8R/a) - 1)` of a charged torus,
+/// if segments are longer than ten radii. All others act as lines, which for round fibres that do
+/// not overlap is exact.
 #[derive(Debug, Clone)]
 pub struct ChargedFibers<'a> {
     /// How nodes and segments are numbered.
@@ -183,14 +184,16 @@ impl Sum<'_> {
             return Ok((out, Certificate { order: None, samples: 0, error: 0.0 }));
         }
         let samples: Vec<_> = (0..SAMPLES).map(|k| (2 * k + 1) * count / (2 * SAMPLES)).collect();
-        let mut exact = vec![[0.0; 7]; SAMPLES];
-        samples.iter().zip(&mut exact).for_each(|(&i, exact)| self.lines.add(i, &all, exact));
+        let mut exact = vec![[0.0; 7]; count];
+        let direct = Exact { sum: self, samples: &samples };
+        let coarse = Multipoles::new(self.tree, &self.cloud, self.rule.len(), 1);
+        self.descend(&direct, &coarse, 1, Some(&samples), &mut exact);
         let error = |out: &[Loads]| {
             let [mut errors, mut squares] = [0.0; 2];
-            for (sample, exact) in samples.iter().zip(&exact) {
+            for &sample in &samples {
                 for c in 1..7 {
-                    errors += (out[*sample][c] - exact[c]).powi(2);
-                    squares += exact[c].powi(2);
+                    errors += (out[sample][c] - exact[sample][c]).powi(2);
+                    squares += exact[sample][c].powi(2);
                 }
             }
             if errors > 0.0 { (errors / squares).sqrt() } else { 0.0 }
@@ -201,27 +204,45 @@ impl Sum<'_> {
             Accuracy::Tolerance(tolerance) => {
                 let error = |multipoles: &Multipoles, order| {
                     let mut out = vec![[0.0; 7]; count];
-                    self.descend(multipoles, order, Some(&samples), &mut out);
+                    self.descend(self, multipoles, order, Some(&samples), &mut out);
                     error(&out)
                 };
                 let found = find_order(guess(accuracy), tolerance, multipoles, error)?;
                 (found.0, found.1)
             }
         };
-        self.descend(&multipoles, order, None, &mut out);
+        self.descend(self, &multipoles, order, None, &mut out);
         let error = error(&out);
         Ok((out, Certificate { order: Some(order), samples: SAMPLES, error }))
     }
 
-    fn descend(
+    fn descend<L: Leaf<Out = Loads>>(
         &self,
+        leaf: &L,
         sources: &Multipoles,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [Loads],
     ) {
         let (targets, opening) = (self.tree, OPENING);
-        Descent { sources, targets, leaf: self, order, opening, direct: 0, samples }.run(out);
+        Descent { sources, targets, leaf, order, opening, direct: 0, samples }.run(out);
+    }
+}
+
+impl Sum<'_> {
+    /// Adds the loads of segment `i` in the potentials and gradients at its points.
+    fn add_far(&self, i: usize, potentials: &[[f64; 4]], out: &mut Loads) {
+        let charges = &self.cloud.charge[i * self.rule.len()..];
+        for (([x, _], charge), [potential, gradient @ ..]) in
+            self.rule.iter().zip(charges).zip(potentials)
+        {
+            out[0] += 0.5 * charge * potential;
+            for c in 0..3 {
+                let force = -charge * gradient[c];
+                out[1 + c] += 0.5 * (1.0 - x) * force;
+                out[4 + c] += 0.5 * (1.0 + x) * force;
+            }
+        }
     }
 }
 
@@ -229,23 +250,43 @@ impl Leaf for Sum<'_> {
     type Out = Loads;
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [Loads]) {
-        let per_body = self.rule.len();
-        let points = cell.bodies.start * per_body..cell.bodies.end * per_body;
-        let mut potentials = vec![[0.0; 4]; points.len()];
-        far.add(cell, &self.cloud.x, points.clone(), &mut potentials);
-        let charges = &self.cloud.charge[points];
-        for (k, (i, out)) in cell.bodies.clone().zip(out).enumerate() {
-            for (g, [x, _]) in self.rule.iter().enumerate() {
-                let point = k * per_body + g;
-                let [potential, gradient @ ..] = potentials[point];
-                out[0] += 0.5 * charges[point] * potential;
-                for c in 0..3 {
-                    let force = -charges[point] * gradient[c];
-                    out[1 + c] += 0.5 * (1.0 - x) * force;
-                    out[4 + c] += 0.5 * (1.0 + x) * force;
-                }
-            }
+        let points = self.rule.len();
+        let range = cell.bodies.start * points..cell.bodies.end * points;
+        let mut potentials = vec![[0.0; 4]; range.len()];
+        far.add(cell, &self.cloud.x, range, &mut potentials);
+        for ((i, out), potentials) in
+            cell.bodies.clone().zip(out).zip(potentials.chunks_exact(points))
+        {
+            self.add_far(i, potentials, out);
             self.lines.add(i, near, out);
+        }
+    }
+}
+
+/// The same near pairs, but without expansions, for some segments.
+struct Exact<'a> {
+    sum: &'a Sum<'a>,
+    samples: &'a [usize],
+}
+
+impl Leaf for Exact<'_> {
+    type Out = Loads;
+
+    fn receive(&self, cell: &Cell, _: &Far, near: &[Range<usize>], out: &mut [Loads]) {
+        let points = self.sum.rule.len();
+        let mut near: Vec<_> = near.to_vec();
+        near.sort_unstable_by_key(|range| range.start);
+        let starts = std::iter::once(0).chain(near.iter().map(|range| range.end));
+        let ends = near.iter().map(|range| range.start).chain([self.sum.tree.order.len()]);
+        let far: Vec<_> = starts.zip(ends).map(|(a, b)| a * points..b * points).collect();
+        for (i, out) in cell.bodies.clone().zip(out) {
+            if self.samples.binary_search(&i).is_ok() {
+                let mut potentials = vec![[0.0; 4]; points];
+                let (cloud, range) = (&self.sum.cloud, i * points..(i + 1) * points);
+                add_pairs(cloud, &far, &cloud.x, range, &mut potentials);
+                self.sum.add_far(i, &potentials, out);
+                self.sum.lines.add(i, &near, out);
+            }
         }
     }
 }
