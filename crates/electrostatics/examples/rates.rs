@@ -30,7 +30,9 @@ fn main() -> Result<(), ElectrostaticsError> {
     let (_, certificate) = plan.fields(&charges)?;
     let all = start.elapsed().as_secs_f64();
     let (n, again) = (points.len(), all - planned);
-    println!("{n} points: tree {planned:.2} s, repeat {again:.2} s, first {all:.2} s, {certificate:?}");
+    println!(
+        "{n} points: tree {planned:.2} s, repeat {again:.2} s, first {all:.2} s, {certificate:?}"
+    );
     Ok(())
 }
 
@@ -47,7 +49,11 @@ fn tress(points: usize, tolerance: f64) -> Result<(), ElectrostaticsError> {
         let fibers =
             ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points, accuracy };
         let result = fibers.forces(&nodes)?;
-        println!("{points} points: {:.3} s, {:?}", start.elapsed().as_secs_f64(), result.certificate);
+        println!(
+            "{points} points: {:.3} s, {:?}",
+            start.elapsed().as_secs_f64(),
+            result.certificate
+        );
         Ok(result.forces)
     };
     solve(points, tolerance)?;

@@ -75,7 +75,11 @@ pub(crate) fn check_positions<'a>(
 ) -> Result<(), ElectrostaticsError> {
     for (index, position) in positions.into_iter().enumerate() {
         if !position.iter().all(|x| x.abs() < 1e75) {
-            return Err(ElectrostaticsError::Position { what, index, position: (*position).into() });
+            return Err(ElectrostaticsError::Position {
+                what,
+                index,
+                position: (*position).into(),
+            });
         }
     }
     Ok(())

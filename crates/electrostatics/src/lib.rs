@@ -1,4 +1,4 @@
-//! Electrostatics.
+#![doc = include_str!("../README.md")]
 
 mod barnes_hut;
 mod error;

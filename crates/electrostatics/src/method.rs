@@ -18,10 +18,8 @@ pub struct Fields {
 impl Fields {
     /// From sums of `q/r` and their gradients, in units of the charge `unit` and the order `order`.
     pub(crate) fn new(unit: f64, sums: &[[f64; 4]], order: impl Iterator<Item = usize>) -> Self {
-        let mut fields = Self {
-            potentials: vec![0.0; sums.len()],
-            fields: vec![Vector3::zeros(); sums.len()],
-        };
+        let mut fields =
+            Self { potentials: vec![0.0; sums.len()], fields: vec![Vector3::zeros(); sums.len()] };
         for (i, [potential, x, y, z]) in order.zip(sums) {
             fields.potentials[i] = COULOMB_CONSTANT * unit * potential;
             fields.fields[i] = -COULOMB_CONSTANT * unit * Vector3::new(*x, *y, *z);

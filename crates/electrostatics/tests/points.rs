@@ -26,7 +26,10 @@ fn methods_converge_to_the_direct_sum() {
                 assert!(error < 0.3 * last[k], "method {k}, order {order}: {error}");
                 let potentials = fields.potentials.iter().zip(&exact.potentials);
                 let worst = potentials.map(|(a, e)| (a / e - 1.0).abs()).fold(0.0, f64::max);
-                assert!(worst < 3.0 * error, "potentials of one sign are smoother than fields: {worst}");
+                assert!(
+                    worst < 3.0 * error,
+                    "potentials of one sign are smoother than fields: {worst}"
+                );
                 last[k] = error;
             }
         }
@@ -55,7 +58,8 @@ fn sets(seed: u64) -> Vec<(&'static str, Vec<Point3<f64>>)> {
     coincident.extend_from_within(..);
     let line = |_: usize| Point3::new(0.0, 0.0, unit(&mut r));
     let line = (0..6000).map(line).collect();
-    let plane = cube(6000, seed + 3).into_iter().map(|x| Point3::new(x.x, 0.2 * x.y, 0.0)).collect();
+    let plane =
+        cube(6000, seed + 3).into_iter().map(|x| Point3::new(x.x, 0.2 * x.y, 0.0)).collect();
     vec![
         ("cube", cube(6000, seed)),
         ("sphere", sphere(6000, seed)),
@@ -80,12 +84,15 @@ fn tolerances_are_met_and_not_beaten() {
             for mixed in [false, true] {
                 let charges = charges(points.len(), mixed, seed + 10);
                 let plan = Plan::new(&points, &points, Accuracy::Tolerance(tolerance));
-                let (fields, certificate) = plan.and_then(|plan| plan.fields(&charges)).expect("met");
+                let (fields, certificate) =
+                    plan.and_then(|plan| plan.fields(&charges)).expect("met");
                 let exact = Direct.fields(&points, &charges, &points).expect("valid");
                 let error = relative(&fields.fields, &exact.fields);
                 let lazy = error < 0.1 * tolerance && certificate.order.is_some_and(|p| p > 1);
                 if error > tolerance || lazy {
-                    failures.push(format!("{name}, {mixed}, {tolerance:e}: {error:e}, {certificate:?}"));
+                    failures.push(format!(
+                        "{name}, {mixed}, {tolerance:e}: {error:e}, {certificate:?}"
+                    ));
                 }
             }
         }
@@ -117,8 +124,9 @@ fn fields_of_rings_and_lines_are_exact() {
     let k = COULOMB_CONSTANT;
     let (n, radius, q) = (4000, 0.07, 2e-13);
     let angle = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
-    let ring: Vec<_> =
-        (0..n).map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0)).collect();
+    let ring: Vec<_> = (0..n)
+        .map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0))
+        .collect();
     let charges = vec![q; n];
     let axis = [-0.2, -0.01, 0.03, 0.5].map(|z| Point3::new(0.0, 0.0, z));
     let fields = Direct.fields(&ring, &charges, &axis).expect("valid");
@@ -130,10 +138,15 @@ fn fields_of_rings_and_lines_are_exact() {
     let density = q * n as f64 / (std::f64::consts::TAU * radius);
     let euler = 0.577_215_664_901_532_9;
     let exact = k * density / radius * ((2.0 * n as f64 / std::f64::consts::PI).ln() + euler);
-    assert!((own.fields[17].norm() / exact - 1.0).abs() < 1e-8, "{}", own.fields[17].norm() / exact);
+    assert!(
+        (own.fields[17].norm() / exact - 1.0).abs() < 1e-8,
+        "{}",
+        own.fields[17].norm() / exact
+    );
 
     let h = 1.0 / 330.0;
-    let line: Vec<_> = (-200_000..=200_000).map(|i| Point3::new(0.0, 0.0, f64::from(i) * h)).collect();
+    let line: Vec<_> =
+        (-200_000..=200_000).map(|i| Point3::new(0.0, 0.0, f64::from(i) * h)).collect();
     let field = |d: f64| {
         let charges = vec![h; line.len()];
         Direct.fields(&line, &charges, &[Point3::new(d, 0.0, 0.0)]).expect("valid").fields[0].x

@@ -37,7 +37,9 @@ fn solve(
 }
 
 fn straight(x: f64, length: f64, segments: u32) -> Vec<Point3<f64>> {
-    (0..=segments).map(|i| Point3::new(x, 0.0, length * f64::from(i) / f64::from(segments))).collect()
+    (0..=segments)
+        .map(|i| Point3::new(x, 0.0, length * f64::from(i) / f64::from(segments)))
+        .collect()
 }
 
 /// T1, T2: the force between two parallel lines. T3: along them, as nodal loads. T14: the
@@ -67,8 +69,7 @@ fn parallel_lines_repel_by_the_closed_form() {
         }
         // Tip deflection times EI by the unit-load theorem: sum of f s^2 (3L - s)/6.
         let moment = |s: f64| s * s * (3.0 * length - s) / 6.0;
-        let loads: f64 =
-            forces.iter().enumerate().map(|(i, f)| f.x * moment(h * i as f64)).sum();
+        let loads: f64 = forces.iter().enumerate().map(|(i, f)| f.x * moment(h * i as f64)).sum();
         let steps = 100_000;
         let at = |k: i32| length * (f64::from(k) + 0.5) / f64::from(steps);
         let integral: f64 = (0..steps).map(|k| profile(at(k)) * moment(at(k))).sum();
@@ -87,8 +88,9 @@ fn a_torus_repels_itself() {
     let (radius, a, density) = (0.05, 50e-6, 1e-11);
     let n = 240;
     let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
-    let ring: Vec<_> =
-        (0..=n).map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0)).collect();
+    let ring: Vec<_> = (0..=n)
+        .map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0))
+        .collect();
     let result = solve(&[ring], density, a, 6, 1e-7).expect("valid");
     let h = radius * std::f64::consts::TAU / f64::from(n);
     let exact = COULOMB_CONSTANT * density * density / radius * ((8.0 * radius / a).ln() - 1.0);

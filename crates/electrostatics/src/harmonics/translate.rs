@@ -5,8 +5,8 @@
 //! z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the plain
 //! double sum takes `p^4`.
 
-use super::tables::{Matrix, ROWS, Swap, Tables, count};
 use super::MAX_ORDER;
+use super::tables::{Matrix, ROWS, Swap, Tables, count};
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -312,7 +312,12 @@ fn along_axis<S: Simd>(
 
 /// `first` times the powers of `base` up to `last`.
 #[inline(always)]
-fn powers<S: Simd>(simd: S, base: S::f64s, first: S::f64s, last: usize) -> [S::f64s; MAX_ORDER + 1] {
+fn powers<S: Simd>(
+    simd: S,
+    base: S::f64s,
+    first: S::f64s,
+    last: usize,
+) -> [S::f64s; MAX_ORDER + 1] {
     let mut powers = [first; MAX_ORDER + 1];
     for n in 1..=last {
         powers[n] = simd.mul_f64s(powers[n - 1], base);
@@ -391,8 +396,7 @@ mod tests {
             let x = (if outside { point / point.norm_squared() } else { point / scale }).into();
             regular(pulp::Scalar::new(), Tables::get(), order, x, &mut values);
             for n in 0..=order {
-                let factor =
-                    if outside { scale.powi(n as i32) / point.norm() } else { 1.0 };
+                let factor = if outside { scale.powi(n as i32) / point.norm() } else { 1.0 };
                 for k in n * n..count(n) {
                     sum[k] += factor * values[k];
                 }
@@ -407,10 +411,12 @@ mod tests {
     }
 
     fn directions() -> Vec<Vector3<f64>> {
-        let mut all: Vec<_> = (0..6).map(|k| {
-            let k = f64::from(k);
-            Vector3::new((3.0 * k).sin(), (5.0 * k).cos(), (7.0 * k + 1.0).sin()).normalize()
-        }).collect();
+        let mut all: Vec<_> = (0..6)
+            .map(|k| {
+                let k = f64::from(k);
+                Vector3::new((3.0 * k).sin(), (5.0 * k).cos(), (7.0 * k + 1.0).sin()).normalize()
+            })
+            .collect();
         all.extend([Vector3::x(), -Vector3::y(), Vector3::z(), -Vector3::z()]);
         all
     }
@@ -458,8 +464,7 @@ mod tests {
                     values.iter().zip(c).map(|(a, b)| a * b).sum()
                 };
                 for x in cloud(4) {
-                    let [old, new] =
-                        [at(x, 0.8, &local[..count(p)]), at(x - offset, 0.4, &full)];
+                    let [old, new] = [at(x, 0.8, &local[..count(p)]), at(x - offset, 0.4, &full)];
                     assert!((old - new).abs() < 1e-12, "order {p}: {old} against {new}");
                 }
                 for q in 0..=30 {
@@ -488,8 +493,7 @@ mod tests {
                 for n in 0..=q {
                     // |R_l(x)| <= 0.52^l, and the coefficient (n+l)!/(n! l!) bounds the matrix.
                     let term = |l: usize| {
-                        let binomial: f64 =
-                            (1..=n).map(|k| (l + k) as f64 / k as f64).product();
+                        let binomial: f64 = (1..=n).map(|k| (l + k) as f64 / k as f64).product();
                         binomial * 0.26f64.powi(l as i32) * 0.2f64.powi(n as i32)
                     };
                     let bound: f64 = 0.5 * 12.0 * (p + 1..p + 200).map(term).sum::<f64>();

@@ -47,7 +47,8 @@ impl ConductingSurface {
             })
             .collect();
         let factors = DMatrix::from_vec(count, count, columns).lu();
-        let unit = factors.solve(&DVector::repeat(count, 1.0)).unwrap_or_else(|| DVector::zeros(count));
+        let unit =
+            factors.solve(&DVector::repeat(count, 1.0)).unwrap_or_else(|| DVector::zeros(count));
         Ok(Self { centers, factors, unit })
     }
 

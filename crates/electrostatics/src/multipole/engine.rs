@@ -30,7 +30,8 @@ impl<'a> Multipoles<'a> {
         let mut moments = vec![0.0; size * tree.cells.len()];
         let mut below = 0..0;
         for level in tree.levels.windows(2).rev() {
-            let (above, deeper) = moments[size * level[0]..].split_at_mut(size * (level[1] - level[0]));
+            let (above, deeper) =
+                moments[size * level[0]..].split_at_mut(size * (level[1] - level[0]));
             let deeper = &deeper[..size * below.len()];
             let cells = &tree.cells[level[0]..level[1]];
             let scratch = || (points::work(order), Translator::new(order));

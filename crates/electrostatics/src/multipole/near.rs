@@ -158,8 +158,8 @@ impl<R> Pairs<'_, R> {
                 for (c, sum) in sums[k].iter().enumerate() {
                     let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
                     for (out, lane) in out.iter_mut().zip(lanes) {
-                    out[c] += lane;
-                }
+                        out[c] += lane;
+                    }
                 }
             }
         }

@@ -3,10 +3,10 @@
 use super::engine::{Descent, Far, Leaf, Multipoles};
 use super::near::{Cloud, add_pairs};
 use super::tree::{Cell, Tree};
+use crate::ElectrostaticsError;
 use crate::error::{check_charges, check_positions};
 use crate::harmonics::MAX_ORDER;
 use crate::method::{Fields, Method, direct_sums, places};
-use crate::ElectrostaticsError;
 use nalgebra::Point3;
 use std::ops::Range;
 

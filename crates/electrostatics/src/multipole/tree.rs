@@ -68,8 +68,7 @@ impl Tree {
             (0..count).into_par_iter().map(|i| (code(i), number(i))).collect();
         keys.par_sort_unstable();
         let (cells, levels) = split(&keys, capacity.max(1));
-        let mut tree =
-            Self { cells, levels, order: keys.into_iter().map(|(_, i)| i).collect() };
+        let mut tree = Self { cells, levels, order: keys.into_iter().map(|(_, i)| i).collect() };
         tree.fit(ends);
         tree
     }

@@ -1,108 +1,115 @@
-//! Point charges and straight charged lines, eight lines or eight points in the lanes.
+//! Point charges and straight charged lines, one pair in each lane.
 
-/// Lanes.
-pub(super) const LANES: usize = 8;
+use pulp::Simd;
 
-/// Eight numbers.
-pub(super) type Lanes = [f64; LANES];
-
-/// Eight vectors.
-pub(super) type Vectors = [Lanes; 3];
+/// Vectors, one in each lane.
+pub(super) type Vectors<S> = [<S as Simd>::f64s; 3];
 
 /// Lines from `start` along the unit vector `tangent`.
 #[derive(Clone, Copy)]
-pub(super) struct Line {
-    pub(super) start: Vectors,
-    pub(super) tangent: Vectors,
-    pub(super) length: Lanes,
+pub(super) struct Line<S: Simd> {
+    pub(super) start: Vectors<S>,
+    pub(super) tangent: Vectors<S>,
+    pub(super) length: S::f64s,
 }
 
 /// What the charges of a pair of a point and a line do for a product of charges of 1, with the
 /// kernel `1/sqrt(r^2 + softening)`.
-pub(super) struct Action {
+pub(super) struct Action<S: Simd> {
     /// Their energy.
-    pub(super) energy: Lanes,
+    pub(super) energy: S::f64s,
     /// The force on the point.
-    pub(super) point: Vectors,
+    pub(super) point: Vectors<S>,
     /// The part of the force on the line that its end takes; its start takes the rest.
-    pub(super) end: Vectors,
+    pub(super) end: Vectors<S>,
 }
 
-/// Eight pairs of points and lines, in closed form.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(simd: S, a: &Vectors<S>, b: &Vectors<S>) -> S::f64s {
+    let sum = simd.mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0]));
+    simd.mul_add_e_f64s(a[2], b[2], sum)
+}
+
+/// Pairs of points and lines, in closed form.
 ///
 /// With s the distance along the line from its start to the foot of the point, and p the
 /// perpendicular: the integrals over the line of `1/r`, `1/r^3`, `v/r^3` and `v^2/r^3`, where
 /// v is counted from the foot, are a logarithm L, `J0`, `J1` and `L - rho^2 J0`. `J0` is written
 /// so that it does not cancel beyond the ends.
 #[inline(always)]
-pub(super) fn act(point: &Vectors, line: &Line, softening: &Lanes) -> Action {
-    let zero = [0.0; LANES];
-    let mut out = Action { energy: zero, point: [zero; 3], end: [zero; 3] };
-    let mut ratio = zero;
-    let mut parts = [zero; 5];
-    let mut offsets = [zero; 3];
-    for k in 0..LANES {
-        let d = [0, 1, 2].map(
-            #[inline(always)]
-            |c| point[c][k] - line.start[c][k],
-        );
-        let t = [line.tangent[0][k], line.tangent[1][k], line.tangent[2][k]];
-        let length = line.length[k];
-        let s = d[0] * t[0] + d[1] * t[1] + d[2] * t[2];
-        let p = [d[0] - s * t[0], d[1] - s * t[1], d[2] - s * t[2]];
-        let rho2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + softening[k];
-        let e = s - length;
-        let [ra, rb] = [(s * s + rho2).sqrt(), (e * e + rho2).sqrt()];
-        let beyond = s * e > 0.0;
-        let numerator = if beyond { length * (s + e) } else { s * rb - e * ra };
-        let denominator = if beyond { s * rb + e * ra } else { rho2 };
-        let j0 = numerator / (denominator * (ra * rb));
-        let j1 = (rb - ra) / (ra * rb);
-        ratio[k] = (ra + rb + length) / (ra + rb - length);
-        parts[0][k] = j0;
-        parts[1][k] = j1;
-        parts[2][k] = s;
-        parts[3][k] = rho2;
-        for c in 0..3 {
-            offsets[c][k] = p[c];
-        }
+pub(super) fn act<S: Simd>(
+    simd: S,
+    point: &Vectors<S>,
+    line: &Line<S>,
+    softening: S::f64s,
+) -> Action<S> {
+    let (t, length, one) = (&line.tangent, line.length, simd.splat_f64s(1.0));
+    let mut p = *point;
+    for c in 0..3 {
+        p[c] = simd.sub_f64s(p[c], line.start[c]);
     }
-    ln(&mut ratio);
-    for k in 0..LANES {
-        let [j0, j1, s, rho2] = [parts[0][k], parts[1][k], parts[2][k], parts[3][k]];
-        let inverse = 1.0 / line.length[k];
-        out.energy[k] = ratio[k] * inverse;
-        let across = (j1 + s * j0) * inverse * inverse;
-        let along = (ratio[k] - rho2 * j0 + s * j1) * inverse * inverse;
-        for c in 0..3 {
-            let [p, t] = [offsets[c][k], line.tangent[c][k]];
-            out.point[c][k] = (p * j0 - t * j1) * inverse;
-            out.end[c][k] = t * along - p * across;
-        }
+    let s = dot(simd, &p, t);
+    for c in 0..3 {
+        p[c] = simd.negate_mul_add_e_f64s(s, t[c], p[c]);
     }
-    out
+    let rho2 = simd.add_f64s(dot(simd, &p, &p), softening);
+    let e = simd.sub_f64s(s, length);
+    let ra = simd.sqrt_f64s(simd.mul_add_e_f64s(s, s, rho2));
+    let rb = simd.sqrt_f64s(simd.mul_add_e_f64s(e, e, rho2));
+    let beyond = simd.greater_than_f64s(simd.mul_f64s(s, e), simd.splat_f64s(0.0));
+    let [cross, era] = [simd.mul_f64s(s, rb), simd.mul_f64s(e, ra)];
+    let outer = simd.mul_f64s(length, simd.add_f64s(s, e));
+    let numerator = simd.select_f64s(beyond, outer, simd.sub_f64s(cross, era));
+    let denominator = simd.select_f64s(beyond, simd.add_f64s(cross, era), rho2);
+    let rarb = simd.mul_f64s(ra, rb);
+    // One division for the inverses of ra rb and of the denominator.
+    let both = simd.div_f64s(one, simd.mul_f64s(denominator, rarb));
+    let j0 = simd.mul_f64s(numerator, both);
+    let j1 = simd.mul_f64s(simd.sub_f64s(rb, ra), simd.mul_f64s(both, denominator));
+    let sum = simd.add_f64s(ra, rb);
+    let log = ln(simd, simd.div_f64s(simd.add_f64s(sum, length), simd.sub_f64s(sum, length)));
+    let inverse = simd.div_f64s(one, length);
+    let square = simd.mul_f64s(inverse, inverse);
+    let across = simd.mul_f64s(simd.mul_add_e_f64s(s, j0, j1), square);
+    let along = simd.mul_add_e_f64s(s, j1, simd.negate_mul_add_e_f64s(rho2, j0, log));
+    let along = simd.mul_f64s(along, square);
+    let [j0, j1] = [simd.mul_f64s(j0, inverse), simd.mul_f64s(j1, inverse)];
+    let [mut force, mut end] = [p; 2];
+    for c in 0..3 {
+        force[c] = simd.negate_mul_add_e_f64s(t[c], j1, simd.mul_f64s(p[c], j0));
+        end[c] = simd.negate_mul_add_e_f64s(p[c], across, simd.mul_f64s(t[c], along));
+    }
+    Action { energy: simd.mul_f64s(log, inverse), point: force, end }
 }
 
 /// Natural logarithms of positive normal numbers, to some units in the last place.
 #[inline(always)]
-fn ln(x: &mut Lanes) {
+fn ln<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
     const MANTISSA: u64 = (1 << 52) - 1;
     const ONE: u64 = 1023 << 52;
+    const ROOT: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
     // 2^52 as bits: adding a small integer to these bits adds it to the number.
     const SHIFTED: u64 = 0x4330_0000_0000_0000;
-    for x in x {
-        // Mantissas above sqrt(2) are halved.
-        let bits = x.to_bits() + (ONE - std::f64::consts::FRAC_1_SQRT_2.to_bits());
-        let exponent = f64::from_bits((bits >> 52) | SHIFTED) - 4_503_599_627_370_496.0 - 1023.0;
-        let m = f64::from_bits((bits & MANTISSA) + std::f64::consts::FRAC_1_SQRT_2.to_bits());
-        let f = (m - 1.0) / (m + 1.0);
-        let w = f * f;
-        let mut sum = 1.0 / 21.0;
-        for n in (1..=9).rev() {
-            sum = sum * w + 1.0 / (2 * n + 1) as f64;
-        }
-        *x = exponent * std::f64::consts::LN_2 + 2.0 * f * (sum * w + 1.0);
+    let [mut exponents, mut mantissas] = [[0_u64; 8]; 2];
+    let bits: &[u64] = pulp::bytemuck::cast_slice(std::slice::from_ref(&x));
+    for ((x, exponent), mantissa) in bits.iter().zip(&mut exponents).zip(&mut mantissas) {
+        // Mantissas run from sqrt(1/2) to sqrt(2).
+        let bits = x + (ONE - ROOT);
+        *exponent = (bits >> 52) | SHIFTED;
+        *mantissa = (bits & MANTISSA) + ROOT;
     }
+    let exponent = S::as_simd_f64s(pulp::bytemuck::cast_slice(&exponents)).0[0];
+    let m = S::as_simd_f64s(pulp::bytemuck::cast_slice(&mantissas)).0[0];
+    let exponent = simd.sub_f64s(exponent, simd.splat_f64s(4_503_599_627_370_496.0 + 1023.0));
+    let one = simd.splat_f64s(1.0);
+    let f = simd.div_f64s(simd.sub_f64s(m, one), simd.add_f64s(m, one));
+    let w = simd.mul_f64s(f, f);
+    let mut sum = simd.splat_f64s(1.0 / 21.0);
+    for n in (0..=9).rev() {
+        sum = simd.mul_add_e_f64s(sum, w, simd.splat_f64s(1.0 / (2 * n + 1) as f64));
+    }
+    let fraction = simd.mul_f64s(simd.add_f64s(f, f), sum);
+    simd.mul_add_e_f64s(exponent, simd.splat_f64s(std::f64::consts::LN_2), fraction)
 }
 
 #[cfg(test)]
@@ -112,10 +119,9 @@ mod tests {
 
     #[test]
     fn logarithms_are_exact() {
-        let mut x: Lanes = [1.0, 1.0 + 1e-9, 0.7, 1.4142, 2.0, 1e-200, 3e17, 12.5];
-        let exact = x.map(f64::ln);
-        ln(&mut x);
-        for (x, exact) in x.iter().zip(exact) {
+        let x = [1.0, 1.0 + 1e-9, 0.7, 1.4142, 2.0, 1e-200, 3e17, 12.5];
+        for x in x {
+            let (exact, x) = (f64::ln(x), ln(pulp::Scalar::new(), x));
             assert!((x - exact).abs() <= 4e-16 * exact.abs().max(0.3), "{x} is not {exact}");
         }
     }
@@ -127,12 +133,9 @@ mod tests {
         let places = [[0.3, 0.2, 0.1], [0.0, 0.0, 1.7], [0.01, 0.0, -0.5], [0.0, 0.03, 0.5]];
         for x in places {
             for softening in [1e-3, 1e-12] {
-                let line = Line {
-                    start: [[0.0; 8]; 3],
-                    tangent: [[0.0; 8], [0.0; 8], [1.0; 8]],
-                    length: [1.25; 8],
-                };
-                let action = act(&x.map(|x| [x; 8]), &line, &[softening; 8]);
+                let simd = pulp::Scalar::new();
+                let line = Line { start: [0.0; 3], tangent: [0.0, 0.0, 1.0], length: 1.25 };
+                let action = act(simd, &x, &line, softening);
                 let mut sums = [0.0; 7];
                 for k in 0..2000 {
                     for [node, weight] in &rule {
@@ -147,9 +150,9 @@ mod tests {
                         }
                     }
                 }
-                let actual = [&[action.energy][..], &action.point, &action.end].concat();
+                let actual = [[action.energy].as_slice(), &action.point, &action.end].concat();
                 for (a, s) in actual.iter().zip(sums) {
-                    assert!((a[3] - s).abs() < 1e-9 * s.abs().max(0.1), "{x:?}: {} not {s}", a[3]);
+                    assert!((a - s).abs() < 1e-9 * s.abs().max(0.1), "{x:?}: {a} not {s}");
                 }
             }
         }

@@ -1,10 +1,13 @@
 //! The closed-form sums over pairs of segments that are near each other.
 
-use super::line::{Action, LANES, Lanes, Line, Vectors, act};
+use super::line::{Action, Line, Vectors, act};
 use crate::quadrature::gauss_legendre;
 use nalgebra::{Point3, Vector3};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
+
+/// Most lanes of any register.
+const LANES: usize = 8;
 
 /// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
 /// changes the force between touching hairs by 1e-10.
@@ -77,28 +80,33 @@ impl Lines {
     }
 
     #[inline(always)]
-    fn broadcast(&self, i: usize) -> Line {
-        let mut line = self.gather(i..i + 1);
+    fn broadcast<S: Simd>(&self, simd: S, i: usize) -> Line<S> {
+        let mut line = Line {
+            start: [simd.splat_f64s(0.0); 3],
+            tangent: [simd.splat_f64s(0.0); 3],
+            length: simd.splat_f64s(self.length[i]),
+        };
         for c in 0..3 {
-            line.start[c] = [line.start[c][0]; LANES];
-            line.tangent[c] = [line.tangent[c][0]; LANES];
+            line.start[c] = simd.splat_f64s(self.start[c][i]);
+            line.tangent[c] = simd.splat_f64s(self.tangent[c][i]);
         }
-        line.length = [line.length[0]; LANES];
         line
     }
 
-    /// At most eight lines; lanes without one hold a line that is far away in units of its length.
+    /// The lines of `range`, one in each lane; lanes without one hold a line of length 1 far away.
     #[inline(always)]
-    fn gather(&self, range: Range<usize>) -> Line {
-        let mut line =
-            Line { start: [[1e30; LANES]; 3], tangent: [[0.0; LANES]; 3], length: [1.0; LANES] };
-        let n = range.len();
-        for c in 0..3 {
-            line.start[c][..n].copy_from_slice(&self.start[c][range.clone()]);
-            line.tangent[c][..n].copy_from_slice(&self.tangent[c][range.clone()]);
+    fn gather<S: Simd>(&self, range: Range<usize>) -> Line<S> {
+        let start = |c: usize| -> &[f64] { &self.start[c][range.clone()] };
+        let tangent = |c: usize| -> &[f64] { &self.tangent[c][range.clone()] };
+        Line {
+            start: [pad::<S>(start(0), 1e30), pad::<S>(start(1), 1e30), pad::<S>(start(2), 1e30)],
+            tangent: [
+                pad::<S>(tangent(0), 0.0),
+                pad::<S>(tangent(1), 0.0),
+                pad::<S>(tangent(2), 0.0),
+            ],
+            length: pad::<S>(&self.length[range.clone()], 1.0),
         }
-        line.length[..n].copy_from_slice(&self.length[range]);
-        line
     }
 
     /// Energy and tension of a segment by itself: `q^2/L^2 (L asinh(L/a) - sqrt(L^2+a^2) + a)`.
@@ -123,18 +131,26 @@ struct Add<'a> {
     loads: &'a mut Loads,
 }
 
-impl NullaryFnOnce for Add<'_> {
+/// Values in the first lanes, `rest` in the others.
+#[inline(always)]
+fn pad<S: Simd>(values: &[f64], rest: f64) -> S::f64s {
+    let mut lanes = [rest; LANES];
+    lanes[..values.len()].copy_from_slice(values);
+    S::as_simd_f64s(&lanes).0[0]
+}
+
+impl WithSimd for Add<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { lines, i, near, loads } = self;
-        let own = lines.broadcast(i);
-        let softening = [CLOSEST * CLOSEST; LANES];
-        let mut sums = [[0.0; LANES]; 7];
+        let own = lines.broadcast(simd, i);
+        let softening = simd.splat_f64s(CLOSEST * CLOSEST);
+        let mut sums = [simd.splat_f64s(0.0); 7];
         for range in near {
-            for first in range.clone().step_by(LANES) {
-                let chunk = first..range.end.min(first + LANES);
+            for first in range.clone().step_by(S::F64_LANES) {
+                let chunk = first..range.end.min(first + S::F64_LANES);
                 let mut charge = [0.0; LANES];
                 for (k, j) in chunk.clone().enumerate() {
                     let same = lines.fiber[j] == lines.fiber[i];
@@ -143,93 +159,89 @@ impl NullaryFnOnce for Add<'_> {
                     if joint && j == i {
                         lines.add_self(i, loads);
                     } else if joint {
-                        joint_pair(lines, i, j, loads);
+                        let joint = Joint { lines, i, j };
+                        joint.add(simd, &own, &mut sums);
                     }
                 }
-                let line = lines.gather(chunk);
-                add_pairs([&own, &line], &lines.rule, &charge, &softening, &mut sums);
+                let line = lines.gather::<S>(chunk);
+                let charge = S::as_simd_f64s(&charge).0[0];
+                for node in &lines.rule {
+                    add_pair(simd, [&own, &line], *node, true, [charge, softening], &mut sums);
+                    add_pair(simd, [&own, &line], *node, false, [charge, softening], &mut sums);
+                }
             }
         }
         for (load, sum) in loads.iter_mut().zip(&sums) {
-            *load += lines.charge[i] * sum.iter().sum::<f64>();
+            *load += lines.charge[i] * simd.reduce_sum_f64s(*sum);
         }
     }
 }
 
-/// Segments `i` and `j` that share a node.
-#[inline(always)]
-fn joint_pair(lines: &Lines, i: usize, j: usize, loads: &mut Loads) {
-    let [own, other] = [lines.broadcast(i), lines.gather(j..j + 1)];
-    let mut charge = [0.0; LANES];
-    charge[0] = lines.charge[j];
-    // Where j follows i, the joint is the end of i and the start of j.
-    let follows = lines.index[j] > lines.index[i];
-    let turned = |[u, w]: &[f64; 2], turn: bool| [if turn { 1.0 - u } else { *u }, *w];
-    let softening = [lines.softening[i]; LANES];
-    let mut sums = [[0.0; LANES]; 7];
-    for node in &lines.joint_rule {
-        add_pair([&own, &other], turned(node, follows), true, &charge, &softening, &mut sums);
-        add_pair([&own, &other], turned(node, !follows), false, &charge, &softening, &mut sums);
-    }
-    for (load, sum) in loads.iter_mut().zip(&sums) {
-        *load += lines.charge[i] * sum.iter().sum::<f64>();
+/// Segments that share a node.
+struct Joint<'a> {
+    lines: &'a Lines,
+    i: usize,
+    j: usize,
+}
+
+impl Joint<'_> {
+    #[inline(always)]
+    fn add<S: Simd>(&self, simd: S, own: &Line<S>, sums: &mut [S::f64s; 7]) {
+        let Self { lines, i, j } = *self;
+        let other = lines.gather::<S>(j..j + 1);
+        let softening = simd.splat_f64s(lines.softening[i]);
+        let weights = [pad::<S>(&[lines.charge[j]], 0.0), softening];
+        // Where j follows i, the joint is the end of i and the start of j.
+        let follows = lines.index[j] > lines.index[i];
+        for [u, w] in &lines.joint_rule {
+            let [near_start, near_end] = [[*u, *w], [1.0 - *u, *w]];
+            let [mine, theirs] =
+                if follows { [near_end, near_start] } else { [near_start, near_end] };
+            add_pair(simd, [own, &other], mine, true, weights, sums);
+            add_pair(simd, [own, &other], theirs, false, weights, sums);
+        }
     }
 }
 
-/// Half of what the points of one segment do with the other lines, and half of what the points of
-/// those do with the one line.
+/// Half of what one point of the own segment (`mine`) does with the other lines, or one point on each
+/// of those with the own line. `weights` are the charges of the others and the softening.
 #[inline(always)]
-fn add_pairs(
-    lines: [&Line; 2],
-    rule: &[[f64; 2]],
-    charge: &Lanes,
-    softening: &Lanes,
-    sums: &mut [Lanes; 7],
-) {
-    for node in rule {
-        add_pair(lines, *node, true, charge, softening, sums);
-        add_pair(lines, *node, false, charge, softening, sums);
-    }
-}
-
-/// The share of one point: of the own segment (`mine`), or of each other one.
-#[inline(always)]
-fn add_pair(
-    [own, other]: [&Line; 2],
+fn add_pair<S: Simd>(
+    simd: S,
+    [own, other]: [&Line<S>; 2],
     [u, w]: [f64; 2],
     mine: bool,
-    charge: &Lanes,
-    softening: &Lanes,
-    sums: &mut [Lanes; 7],
+    [charge, softening]: [S::f64s; 2],
+    sums: &mut [S::f64s; 7],
 ) {
     let (from, line) = if mine { (own, other) } else { (other, own) };
-    let point = at(from, u);
-    let Action { energy, point, end } = act(&point, line, softening);
-    for k in 0..LANES {
-        let q = 0.5 * w * charge[k];
-        if mine {
-            sums[0][k] += q * energy[k];
-        }
+    let point = at(simd, from, u);
+    let Action { energy, point, end } = act(simd, &point, line, softening);
+    let q = simd.mul_f64s(simd.splat_f64s(0.5 * w), charge);
+    if mine {
+        sums[0] = simd.mul_add_e_f64s(q, energy, sums[0]);
+        let [before, after] =
+            [simd.mul_f64s(simd.splat_f64s(1.0 - u), q), simd.mul_f64s(simd.splat_f64s(u), q)];
         for c in 0..3 {
-            let (start, end) = if mine {
-                ((1.0 - u) * point[c][k], u * point[c][k])
-            } else {
-                (-point[c][k] - end[c][k], end[c][k])
-            };
-            sums[1 + c][k] += q * start;
-            sums[4 + c][k] += q * end;
+            sums[1 + c] = simd.mul_add_e_f64s(before, point[c], sums[1 + c]);
+            sums[4 + c] = simd.mul_add_e_f64s(after, point[c], sums[4 + c]);
+        }
+    } else {
+        for c in 0..3 {
+            let start = simd.add_f64s(point[c], end[c]);
+            sums[1 + c] = simd.negate_mul_add_e_f64s(q, start, sums[1 + c]);
+            sums[4 + c] = simd.mul_add_e_f64s(q, end[c], sums[4 + c]);
         }
     }
 }
 
 /// The points at the share `u` of the lines.
 #[inline(always)]
-fn at(line: &Line, u: f64) -> Vectors {
+fn at<S: Simd>(simd: S, line: &Line<S>, u: f64) -> Vectors<S> {
     let mut point = line.start;
+    let along = simd.mul_f64s(simd.splat_f64s(u), line.length);
     for c in 0..3 {
-        for k in 0..LANES {
-            point[c][k] += u * line.length[k] * line.tangent[c][k];
-        }
+        point[c] = simd.mul_add_e_f64s(along, line.tangent[c], point[c]);
     }
     point
 }
@@ -239,5 +251,6 @@ pub(super) fn points(
     rule: &[[f64; 2]],
     [start, end]: [Point3<f64>; 2],
 ) -> impl Iterator<Item = (Vector3<f64>, f64)> {
-    rule.iter().map(move |[x, w]| ((start.coords * (1.0 - x) + end.coords * (1.0 + x)) * 0.5, 0.5 * w))
+    rule.iter()
+        .map(move |[x, w]| ((start.coords * (1.0 - x) + end.coords * (1.0 + x)) * 0.5, 0.5 * w))
 }

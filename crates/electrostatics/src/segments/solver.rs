@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Segments in a leaf, from measured rates: a pair of segments takes as long as some 100 pairs of
 /// points.
-const CAPACITY: usize = 24;
+const CAPACITY: usize = 8;
 
 /// Segments whose forces are compared with the direct sum.
 const SAMPLES: usize = 48;
@@ -126,7 +126,8 @@ impl ChargedFibers<'_> {
             let [a, b] = self.layout.segment_nodes(segment);
             (positions[b] - positions[a]).norm()
         };
-        let mean = (0..self.layout.segments()).map(length).sum::<f64>() / self.layout.segments() as f64;
+        let mean =
+            (0..self.layout.segments()).map(length).sum::<f64>() / self.layout.segments() as f64;
         let step = 1e-5 * mean / largest;
         let moved = |step: f64| -> Result<_, ElectrostaticsError> {
             let moved: Vec<_> = positions.iter().zip(v).map(|(x, v)| x + step * v).collect();
@@ -170,10 +171,7 @@ struct Sum<'a> {
 }
 
 impl Sum<'_> {
-    fn run(
-        &self,
-        accuracy: Accuracy,
-    ) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
+    fn run(&self, accuracy: Accuracy) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
         let count = self.tree.order.len();
         let all = [0..count];
         let mut out = vec![[0.0; 7]; count];

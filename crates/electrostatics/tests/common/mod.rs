@@ -39,7 +39,8 @@ pub(crate) fn hair(fibers: usize, nodes: usize, seed: u64) -> Vec<Vec<Point3<f64
     let mut r = random(seed);
     let minor = (fibers as f64 / 200.0 / std::f64::consts::TAU).sqrt();
     let fiber = |k: usize| {
-        let (radius, angle) = (((k as f64 + 0.5) / fibers as f64).sqrt(), (k as f64 + 0.5) * 2.399_963);
+        let (radius, angle) =
+            (((k as f64 + 0.5) / fibers as f64).sqrt(), (k as f64 + 0.5) * 2.399_963);
         let x0 = 2.0 * minor * radius * angle.cos() + 0.01 * normal(&mut r);
         let y0 = minor * radius * angle.sin() + 0.01 * normal(&mut r);
         let phase = unit(&mut r) * std::f64::consts::TAU;
@@ -50,7 +51,8 @@ pub(crate) fn hair(fibers: usize, nodes: usize, seed: u64) -> Vec<Vec<Point3<f64
                 + 25.0 * (1.0 - (s / 25.0).cos())
                 + 0.03 * wave(6.0).sin()
                 + 0.01 * (wave(5.0) + phase).sin();
-            let y = y0 * (1.0 + 0.01 * s) + 0.05 * wave(8.0).sin() + 0.01 * (wave(5.0) + phase).cos();
+            let y =
+                y0 * (1.0 + 0.01 * s) + 0.05 * wave(8.0).sin() + 0.01 * (wave(5.0) + phase).cos();
             Point3::new(x, y, -25.0 * (s / 25.0).sin()) * 0.01
         };
         (0..nodes).map(node).collect()
