@@ -40,33 +40,33 @@ fn methods_converge_to_the_direct_sum() {
 /// Sets of some thousand points: ten kinds.
 fn sets(seed: u64) -> Vec<(&'static str, Vec<Point3<f64>>)> {
     let mut r = random(seed);
-    let clusters: Vec<_> = (0..6000)
+    let clusters: Vec<_> = (0..4000)
         .map(|k| {
             let center = Vector3::new((k % 7) as f64, (k % 11) as f64, (k % 5) as f64);
             let size = 0.3 / f64::from(1 + k % 13);
             Point3::from(center + size * Vector3::from_fn(|_, _| normal(&mut r)))
         })
         .collect();
-    let gauss = (0..6000).map(|_| Vector3::from_fn(|_, _| normal(&mut r)).into()).collect();
-    let powers: Vec<Point3<f64>> = (0..6000)
+    let gauss = (0..4000).map(|_| Vector3::from_fn(|_, _| normal(&mut r)).into()).collect();
+    let powers: Vec<Point3<f64>> = (0..4000)
         .map(|_| {
             let x = Vector3::from_fn(|_, _| normal(&mut r)).normalize();
             (x * 10f64.powf(-4.0 * unit(&mut r))).into()
         })
         .collect();
-    let mut coincident = cube(3000, seed + 1);
+    let mut coincident = cube(2000, seed + 1);
     coincident.extend_from_within(..);
     let line = |_: usize| Point3::new(0.0, 0.0, unit(&mut r));
-    let line = (0..6000).map(line).collect();
+    let line = (0..4000).map(line).collect();
     let plane =
-        cube(6000, seed + 3).into_iter().map(|x| Point3::new(x.x, 0.2 * x.y, 0.0)).collect();
+        cube(4000, seed + 3).into_iter().map(|x| Point3::new(x.x, 0.2 * x.y, 0.0)).collect();
     vec![
-        ("cube", cube(6000, seed)),
-        ("sphere", sphere(6000, seed)),
+        ("cube", cube(4000, seed)),
+        ("sphere", sphere(4000, seed)),
         ("line", line),
         ("plane", plane),
-        ("bundle", hair(60, 100, seed).concat()),
-        ("thick bundle", hair(400, 15, seed).concat()),
+        ("bundle", hair(40, 100, seed).concat()),
+        ("thick bundle", hair(270, 15, seed).concat()),
         ("clusters", clusters),
         ("gauss", gauss),
         ("powers", powers),

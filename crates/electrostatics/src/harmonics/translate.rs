@@ -396,7 +396,7 @@ mod tests {
             let x = (if outside { point / point.norm_squared() } else { point / scale }).into();
             regular(pulp::Scalar::new(), Tables::get(), order, x, &mut values);
             for n in 0..=order {
-                let factor = if outside { scale.powi(n as i32) / point.norm() } else { 1.0 };
+                let factor = if outside { scale.powf(n as f64) / point.norm() } else { 1.0 };
                 for k in n * n..count(n) {
                     sum[k] += factor * values[k];
                 }
@@ -494,7 +494,7 @@ mod tests {
                     // |R_l(x)| <= 0.52^l, and the coefficient (n+l)!/(n! l!) bounds the matrix.
                     let term = |l: usize| {
                         let binomial: f64 = (1..=n).map(|k| (l + k) as f64 / k as f64).product();
-                        binomial * 0.26f64.powi(l as i32) * 0.2f64.powi(n as i32)
+                        binomial * 0.26f64.powf(l as f64) * 0.2f64.powf(n as f64)
                     };
                     let bound: f64 = 0.5 * 12.0 * (p + 1..p + 200).map(term).sum::<f64>();
                     for k in n * n..count(n) {

@@ -204,7 +204,8 @@ impl Sum<'_> {
             for leaf in self.targets.cells.iter().filter(|cell| cell.is_leaf()) {
                 let bodies = leaf.bodies.clone();
                 let out = &mut out[bodies.clone()];
-                add_pairs(&self.cloud, &[bodies.clone()], self.places, bodies, out);
+                let own = std::slice::from_ref(&leaf.bodies);
+                add_pairs(&self.cloud, own, self.places, bodies, out);
             }
         } else {
             let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, 2);

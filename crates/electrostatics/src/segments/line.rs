@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn logarithms_are_exact() {
-        let x = [1.0, 1.0 + 1e-9, 0.7, 1.4142, 2.0, 1e-200, 3e17, 12.5];
+        let x = [1.0, 1.0 + 1e-9, 0.7, 1.414, 2.0, 1e-200, 3e17, 12.5];
         for x in x {
             let (exact, x) = (f64::ln(x), ln(pulp::Scalar::new(), x));
             assert!((x - exact).abs() <= 4e-16 * exact.abs().max(0.3), "{x} is not {exact}");

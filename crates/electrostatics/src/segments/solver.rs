@@ -173,11 +173,10 @@ struct Sum<'a> {
 impl Sum<'_> {
     fn run(&self, accuracy: Accuracy) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
         let count = self.tree.order.len();
-        let all = [0..count];
         let mut out = vec![[0.0; 7]; count];
         if count <= 4 * CAPACITY {
             for (i, out) in out.iter_mut().enumerate() {
-                self.lines.add(i, &all, out);
+                self.lines.add(i, std::slice::from_ref(&(0..count)), out);
             }
             return Ok((out, Certificate { order: None, samples: 0, error: 0.0 }));
         }
