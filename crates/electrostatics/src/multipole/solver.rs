@@ -295,7 +295,7 @@ impl Reference {
     /// is strong and a third as its square, because few targets may hold most of the sum of squares.
     fn new(sum: &Sum) -> Self {
         let targets = sum.places[0].len();
-        let wanted = (200_000_000 / sum.cloud.len().max(1)).clamp(64, 1024).min(targets);
+        let wanted = (100_000_000 / sum.cloud.len().max(1)).clamp(64, 2048).min(targets);
         let strengths = sum.strengths();
         let totals = strengths.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
         let share = |part: f64, total: f64| if total > 0.0 { part / total } else { 0.0 };
