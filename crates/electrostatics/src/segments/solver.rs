@@ -33,8 +33,9 @@ pub struct ChargedFibers<'a> {
     pub charges: &'a [f64],
     /// Radius of each fibre, m.
     pub radii: &'a [f64],
-    /// Points on each segment at which near pairs are integrated, 1 to 32; 4 where fibres are at
-    /// least a fifth of a segment apart.
+    /// Points on each segment at which near pairs are integrated, 1 to 32. On the thesis's tress,
+    /// whose segments of 3 mm come within 0.06 mm of each other, 4 leave an error of 1.3e-3 in the
+    /// forces and 8 leave 1.2e-4.
     pub points: usize,
     /// How exact the forces of distant segments must be.
     pub accuracy: Accuracy,
