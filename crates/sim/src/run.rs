@@ -2,9 +2,7 @@ use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Table};
 use crate::storage::write_atomically;
-use crate::{
-    Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring,
-};
+use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,0 +1,107 @@
+use thiserror::Error;
+
+/// What can be wrong with charges, where they are, or what is asked of them.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ElectrostaticsError {
+    /// A position is no place, or so far away that its square overflows.
+    #[error(
+        "{what} {index} is at ({}, {}, {}), but coordinates must be finite and below 1e75 m",
+        position[0], position[1], position[2]
+    )]
+    Position {
+        /// Source, target, node or vertex.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// The position that was given (world), m.
+        position: [f64; 3],
+    },
+    /// A charge is no number.
+    #[error("charge {index} is {charge} C, but charges must be finite")]
+    Charge {
+        /// Index of the source.
+        index: usize,
+        /// The charge that was given, C.
+        charge: f64,
+    },
+    /// Two arrays do not fit each other.
+    #[error("{what}: {given} were given, but {needed} are needed")]
+    Count {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        given: usize,
+        /// The length that it must have.
+        needed: usize,
+    },
+    /// A setting is outside of its range.
+    #[error("{what} is {value}, but must be {range}")]
+    Setting {
+        /// Which setting.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// The tolerance was not reached by the highest order.
+    #[error(
+        "the relative force error is {reached:e} with expansions of degree {order}, not \
+         {tolerance:e}; ask for less, or take the direct sum"
+    )]
+    OutOfReach {
+        /// What was asked for.
+        tolerance: f64,
+        /// What was reached at sampled targets.
+        reached: f64,
+        /// The highest degree that was tried.
+        order: usize,
+    },
+    /// A fibre is where only the conductor can be.
+    #[error("point {index} is inside of the conductor, {depth} m below its surface; move it out")]
+    Inside {
+        /// Index of the point.
+        index: usize,
+        /// How deep, m.
+        depth: f64,
+    },
+}
+
+/// Refuses positions that are no places.
+pub(crate) fn check_positions<'a>(
+    what: &'static str,
+    positions: impl IntoIterator<Item = &'a nalgebra::Point3<f64>>,
+) -> Result<(), ElectrostaticsError> {
+    for (index, position) in positions.into_iter().enumerate() {
+        if !position.iter().all(|x| x.abs() < 1e75) {
+            return Err(ElectrostaticsError::Position {
+                what,
+                index,
+                position: (*position).into(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses charges that are no numbers, or not as many as `needed`.
+pub(crate) fn check_charges(charges: &[f64], needed: usize) -> Result<(), ElectrostaticsError> {
+    check_count("charges", charges.len(), needed)?;
+    match charges.iter().position(|charge| !charge.is_finite()) {
+        Some(index) => Err(ElectrostaticsError::Charge { index, charge: charges[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses an array of the wrong length.
+pub(crate) fn check_count(
+    what: &'static str,
+    given: usize,
+    needed: usize,
+) -> Result<(), ElectrostaticsError> {
+    if given == needed {
+        return Ok(());
+    }
+    Err(ElectrostaticsError::Count { what, given, needed })
+}

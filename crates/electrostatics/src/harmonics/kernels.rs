@@ -1,0 +1,93 @@
+//! Values of the harmonics at points, and expansions that are the gradient of another.
+
+use super::tables::{Tables, count, index};
+use pulp::Simd;
+
+/// The values of all `R_nm` up to degree `order` at `point`, a point in each lane, into `out`.
+///
+/// Cost: 3 operations a harmonic.
+#[inline(always)]
+pub(crate) fn regular<S: Simd>(
+    simd: S,
+    tables: &Tables,
+    order: usize,
+    [x, y, z]: [S::f64s; 3],
+    out: &mut [S::f64s],
+) {
+    let r2 = simd.mul_add_e_f64s(y, y, simd.mul_f64s(z, z));
+    let r2 = simd.mul_add_e_f64s(x, x, r2);
+    let zero = simd.splat_f64s(0.0);
+    let [mut cosine, mut sine] = [simd.splat_f64s(1.0), zero];
+    for (m, (steps, diagonal)) in tables.steps.iter().zip(&tables.diagonal).enumerate() {
+        if m > order {
+            return;
+        }
+        if m > 0 {
+            let (c, s, scale) = (cosine, sine, simd.splat_f64s(*diagonal));
+            let [x, y] = [simd.mul_f64s(x, scale), simd.mul_f64s(y, scale)];
+            cosine = simd.sub_f64s(simd.mul_f64s(c, x), simd.mul_f64s(s, y));
+            sine = simd.mul_add_e_f64s(c, y, simd.mul_f64s(s, x));
+        }
+        let [mut last, mut now] = [[zero; 2], [cosine, sine]];
+        for (n, step) in steps[..=order - m].iter().enumerate() {
+            if n > 0 {
+                let up = simd.mul_f64s(simd.splat_f64s(step.z_factor), z);
+                let down = simd.mul_f64s(simd.splat_f64s(-step.r_factor), r2);
+                let mut next = now;
+                for k in 0..2 {
+                    next[k] = simd.mul_add_e_f64s(up, now[k], simd.mul_f64s(down, last[k]));
+                }
+                [last, now] = [now, next];
+            }
+            // For m = 0 both places are one, and the cosine is written last.
+            out[step.places[1]] = now[1];
+            out[step.places[0]] = now[0];
+        }
+    }
+}
+
+/// The local expansions of a potential and its three derivatives.
+#[derive(Debug, Default)]
+pub(crate) struct Gradient {
+    /// Coefficients, each with its derivatives by x, y and z.
+    pub(crate) terms: Vec<[f64; 4]>,
+}
+
+impl Gradient {
+    /// Takes `local` (degree up to `order`, radius `scale`) apart.
+    pub(crate) fn set(&mut self, tables: &Tables, order: usize, scale: f64, local: &[f64]) {
+        self.terms.clear();
+        self.terms.extend(local[..count(order)].iter().map(|&c| [c, 0.0, 0.0, 0.0]));
+        for n in 1..=order {
+            for m in 0..=n {
+                for (part, &place) in index(n, m)[..if m > 0 { 2 } else { 1 }].iter().enumerate() {
+                    let c = local[place] / scale * tables.norms[n][m];
+                    self.spread([n, m], part, c, tables);
+                }
+            }
+        }
+    }
+
+    /// Adds the derivatives of `c` times the unscaled harmonic `(n, m)`, its cosine (`part` 0) or
+    /// sine: `d/dz (n, m) = (n-1, m)`, and `d/dx`, `d/dy` are half the difference and half the sum
+    /// of `(n-1, m-1)` and `(n-1, m+1)`.
+    fn spread(&mut self, [n, m]: [usize; 2], part: usize, c: f64, tables: &Tables) {
+        let n = n - 1;
+        let mut add = |axis: usize, m: usize, part: usize, c: f64| {
+            if m <= n && (m > 0 || part == 0) {
+                self.terms[index(n, m)[part]][axis] += c / tables.norms[n][m];
+            }
+        };
+        add(3, m, part, c);
+        if m == 0 {
+            add(1, 1, 0, -c);
+            add(2, 1, 1, -c);
+            return;
+        }
+        let turned = if part == 0 { -0.5 } else { 0.5 } * c;
+        add(1, m - 1, part, 0.5 * c);
+        add(1, m + 1, part, -0.5 * c);
+        add(2, m + 1, 1 - part, turned);
+        add(2, m - 1, 1 - part, turned);
+    }
+}

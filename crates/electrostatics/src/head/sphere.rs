@@ -1,0 +1,60 @@
+//! A conducting sphere, by images.
+
+use super::Condition;
+use crate::error::{check_charges, check_positions};
+use crate::{COULOMB_CONSTANT, ElectrostaticsError};
+use nalgebra::Point3;
+
+/// A conducting sphere: exact, as one more set of charges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConductingSphere {
+    /// Its center (world), m.
+    pub center: Point3<f64>,
+    /// Its radius, m.
+    pub radius: f64,
+    /// What is known of it.
+    pub condition: Condition,
+}
+
+impl ConductingSphere {
+    /// Charges (C) within the sphere (world, m) whose field outside is that of the sphere beside
+    /// `charges` at `sources`: for each the image `-q R/r` at `R^2/r`, and one in the center that
+    /// makes up the potential or the total charge.
+    ///
+    /// The force on a charge is its charge times the field of the images and of the other charges.
+    ///
+    /// # Errors
+    /// Positions and charges that are not finite or do not fit, a radius that is not positive, and
+    /// charges that are not outside.
+    pub fn images(
+        &self,
+        sources: &[Point3<f64>],
+        charges: &[f64],
+    ) -> Result<(Vec<Point3<f64>>, Vec<f64>), ElectrostaticsError> {
+        check_positions("source", sources.iter().chain([&self.center]))?;
+        check_charges(charges, sources.len())?;
+        let radius = self.radius;
+        if !(radius > 0.0 && radius.is_finite()) {
+            let (what, range) = ("the radius of the sphere", "positive and finite");
+            return Err(ElectrostaticsError::Setting { what, value: radius, range });
+        }
+        let mut points = Vec::with_capacity(sources.len() + 1);
+        let mut images = Vec::with_capacity(sources.len() + 1);
+        for (index, (source, charge)) in sources.iter().zip(charges).enumerate() {
+            let offset = source - self.center;
+            let distance = offset.norm();
+            if distance <= radius {
+                return Err(ElectrostaticsError::Inside { index, depth: radius - distance });
+            }
+            let ratio = radius / distance;
+            points.push(self.center + offset * (ratio * ratio));
+            images.push(-charge * ratio);
+        }
+        points.push(self.center);
+        images.push(match self.condition {
+            Condition::Potential(potential) => potential * radius / COULOMB_CONSTANT,
+            Condition::Charge(charge) => charge - images.iter().sum::<f64>(),
+        });
+        Ok((points, images))
+    }
+}

@@ -1,0 +1,52 @@
+//! A triangle with its charge spread evenly.
+
+use nalgebra::{Point3, Vector3};
+
+/// A triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    pub(super) corners: [Point3<f64>; 3],
+    pub(super) normal: Vector3<f64>,
+    pub(super) area: f64,
+}
+
+impl Triangle {
+    pub(super) fn new(corners: [Point3<f64>; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a));
+        let double = normal.norm();
+        Self { corners, normal: normal / double, area: 0.5 * double }
+    }
+
+    pub(super) fn center(&self) -> Point3<f64> {
+        let [a, b, c] = self.corners.map(|corner| corner.coords);
+        ((a + b + c) / 3.0).into()
+    }
+
+    /// The mean of `1/r` over the triangle as seen from `x`, everywhere exact (Wilton and others,
+    /// 1984): a logarithm and two angles for each side.
+    pub(super) fn potential(&self, x: &Point3<f64>) -> f64 {
+        let height = (x - self.corners[0]).dot(&self.normal).abs();
+        let side = |k: usize| {
+            let [a, b] = [self.corners[k], self.corners[(k + 1) % 3]];
+            let along = (b - a).normalize();
+            let outward = along.cross(&self.normal);
+            let p = (a - x).dot(&outward);
+            let [la, lb] = [(a - x).dot(&along), (b - x).dot(&along)];
+            let [ra, rb] = [(a - x).norm(), (b - x).norm()];
+            let r2 = p * p + height * height;
+            if r2 <= 1e-28 * self.area {
+                return 0.0;
+            }
+            // The form of the logarithm that does not cancel.
+            let log = if la + lb > 0.0 {
+                ((rb + lb) / (ra + la)).ln()
+            } else {
+                ((ra - la) / (rb - lb)).ln()
+            };
+            let angle = |l: f64, r: f64| (p * l).atan2(r2 + height * r);
+            p * log - height * (angle(lb, rb) - angle(la, ra))
+        };
+        (side(0) + side(1) + side(2)) / self.area
+    }
+}

@@ -1,0 +1,228 @@
+//! Up one tree and down another.
+//!
+//! Multipoles of all source cells are made first. Then each target cell, from the root down, sorts
+//! the source cells that its parent left: those far enough away become part of its local expansion,
+//! the others are split or left to its children. Locals live only on the path from the root, and a
+//! cell's sums are made in the order of its list, whatever thread makes them.
+
+use super::near::Cloud;
+use super::points;
+use super::tree::{Cell, Tree};
+use crate::harmonics::{Gradient, Kind, Shift, Tables, Translator, count};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Bodies below which a subtree is one task.
+const TASK: usize = 4096;
+
+/// The multipoles of all cells of a tree.
+pub(crate) struct Multipoles<'a> {
+    pub(crate) tree: &'a Tree,
+    order: usize,
+    moments: Vec<f64>,
+}
+
+impl<'a> Multipoles<'a> {
+    /// Multipoles of degree up to `order`; `cloud` holds `per_body` points for each body of the tree,
+    /// in its order.
+    pub(crate) fn new(tree: &'a Tree, cloud: &Cloud, per_body: usize, order: usize) -> Self {
+        let size = count(order);
+        let mut moments = vec![0.0; size * tree.cells.len()];
+        let mut below = 0..0;
+        for level in tree.levels.windows(2).rev() {
+            let (above, deeper) =
+                moments[size * level[0]..].split_at_mut(size * (level[1] - level[0]));
+            let deeper = &deeper[..size * below.len()];
+            let cells = &tree.cells[level[0]..level[1]];
+            let scratch = || (points::work(order), Translator::new(order));
+            let cells = cells.par_iter().zip(above.par_chunks_exact_mut(size)).with_min_len(16);
+            cells.for_each_init(scratch, |(work, translator), (cell, moments)| {
+                if cell.is_leaf() {
+                    let range = scaled(&cell.bodies, per_body);
+                    points::multipole(order, cell, cloud, range, work, moments);
+                    return;
+                }
+                let shift = |child: usize| {
+                    let coefficients = &deeper[size * (child - below.start)..][..size];
+                    shift(&tree.cells[child], cell, coefficients)
+                };
+                let shifts: Vec<_> = cell.children.clone().map(shift).collect();
+                translator.sum(Kind::Multipole, [order, order], &shifts, moments);
+            });
+            below = level[0]..level[1];
+        }
+        Self { tree, order, moments }
+    }
+
+    /// The coefficients of a cell.
+    pub(crate) fn moments(&self, cell: usize) -> &[f64] {
+        &self.moments[count(self.order) * cell..][..count(self.order)]
+    }
+}
+
+fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
+    bodies.start * per_body..bodies.end * per_body
+}
+
+fn shift<'a>(from: &Cell, to: &Cell, coefficients: &'a [f64]) -> Shift<'a> {
+    Shift { coefficients, offset: to.center - from.center, scales: [from.scale(), to.scale()] }
+}
+
+/// What a leaf of the targets does with what has come down to it.
+pub(crate) trait Leaf: Sync {
+    /// What is found for each body.
+    type Out: Send;
+
+    /// Adds to `out`, one for each body of `cell`, the local expansion `far` and the bodies `near`
+    /// of the sources.
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [Self::Out]);
+}
+
+/// The local expansion of a leaf.
+pub(crate) struct Far {
+    order: usize,
+    gradient: Gradient,
+}
+
+impl Far {
+    /// Adds the potential and its gradient at some points in `cell`.
+    pub(crate) fn add(
+        &self,
+        cell: &Cell,
+        places: &[Vec<f64>; 3],
+        range: Range<usize>,
+        out: &mut [[f64; 4]],
+    ) {
+        let mut work = points::work(self.order);
+        points::add_local(self.order, cell, &self.gradient, places, range, &mut work, out);
+    }
+}
+
+/// The way down.
+pub(crate) struct Descent<'a, L> {
+    pub(crate) sources: &'a Multipoles<'a>,
+    pub(crate) targets: &'a Tree,
+    pub(crate) leaf: &'a L,
+    /// Degree of the expansions; at most that of the multipoles.
+    pub(crate) order: usize,
+    /// Largest ratio of the sum of the radii of two cells to their distance.
+    pub(crate) opening: f64,
+    /// Pairs of bodies that are cheaper one by one than by their cells.
+    pub(crate) direct: usize,
+    /// Bodies of the targets, ascending, that are wanted; without, all.
+    pub(crate) samples: Option<&'a [usize]>,
+}
+
+impl<L: Leaf> Descent<'_, L> {
+    /// Adds to `out`, which has one item for each target in the order of its tree.
+    pub(crate) fn run(&self, out: &mut [L::Out]) {
+        if self.targets.cells.is_empty() || self.sources.tree.cells.is_empty() {
+            return;
+        }
+        let local = vec![0.0; count(self.order)];
+        self.visit(0, local, vec![0], &mut Translator::new(self.order), out);
+    }
+
+    fn wanted(&self, cell: &Cell) -> bool {
+        let Some(samples) = self.samples else { return true };
+        let next = samples.partition_point(|sample| *sample < cell.bodies.start);
+        samples.get(next).is_some_and(|sample| *sample < cell.bodies.end)
+    }
+
+    fn visit(
+        &self,
+        index: usize,
+        mut local: Vec<f64>,
+        pending: Vec<u32>,
+        translator: &mut Translator,
+        out: &mut [L::Out],
+    ) {
+        let cell = &self.targets.cells[index];
+        if !self.wanted(cell) {
+            return;
+        }
+        let mut lists = Lists::default();
+        lists.sort(self, cell, pending);
+        let cells = &self.sources.tree.cells;
+        let far = |&source: &u32| {
+            let source = source as usize;
+            shift(&cells[source], cell, self.sources.moments(source))
+        };
+        let shifts: Vec<_> = lists.far.iter().map(far).collect();
+        let orders = [self.order, self.order];
+        translator.sum(Kind::Far, orders, &shifts, &mut local);
+        if cell.is_leaf() {
+            let mut gradient = Gradient::default();
+            gradient.set(Tables::get(), self.order, cell.scale(), &local);
+            let far = Far { order: self.order, gradient };
+            self.leaf.receive(cell, &far, &lists.near, out);
+            return;
+        }
+        let children = &self.targets.cells[cell.children.clone()];
+        let shifts: Vec<_> = children.iter().map(|child| shift(cell, child, &local)).collect();
+        let size = count(self.order);
+        let mut locals = vec![0.0; size * children.len()];
+        translator.each(Kind::Local, orders, &shifts, &mut locals);
+        let mut parts = Vec::with_capacity(children.len());
+        let mut rest = out;
+        for (child, local) in cell.children.clone().zip(locals.chunks_exact(size)) {
+            let (part, others) = rest.split_at_mut(self.targets.cells[child].bodies.len());
+            parts.push((child, local.to_vec(), part));
+            rest = others;
+        }
+        let pending = &lists.pending;
+        if cell.bodies.len() > TASK {
+            parts.into_par_iter().for_each(|(child, local, part)| {
+                let mut translator = Translator::new(self.order);
+                self.visit(child, local, pending.clone(), &mut translator, part);
+            });
+        } else {
+            for (child, local, part) in parts {
+                self.visit(child, local, pending.clone(), translator, part);
+            }
+        }
+    }
+}
+
+/// What becomes of the source cells that a target cell was left.
+#[derive(Default)]
+struct Lists {
+    far: Vec<u32>,
+    pending: Vec<u32>,
+    near: Vec<Range<usize>>,
+}
+
+impl Lists {
+    fn sort<L>(&mut self, descent: &Descent<L>, target: &Cell, mut stack: Vec<u32>) {
+        stack.reverse();
+        while let Some(index) = stack.pop() {
+            let source = &descent.sources.tree.cells[index as usize];
+            let reach = target.radius + source.radius;
+            let distance = (source.center - target.center).norm();
+            let pairs = source.bodies.len() * target.bodies.len();
+            let leaves = target.is_leaf() && (source.is_leaf() || pairs <= descent.direct);
+            if reach < descent.opening * distance {
+                if leaves && pairs <= descent.direct {
+                    self.near(&source.bodies);
+                } else {
+                    self.far.push(index);
+                }
+            } else if leaves {
+                self.near(&source.bodies);
+            } else if !source.is_leaf() && (target.is_leaf() || source.radius > target.radius) {
+                #[expect(clippy::cast_possible_truncation, reason = "indices fit 32 bits")]
+                stack.extend(source.children.clone().rev().map(|child| child as u32));
+            } else {
+                self.pending.push(index);
+            }
+        }
+    }
+
+    /// Adds bodies; those that follow the last ones are joined to them.
+    fn near(&mut self, bodies: &Range<usize>) {
+        match self.near.last_mut() {
+            Some(last) if last.end == bodies.start => last.end = bodies.end,
+            _ => self.near.push(bodies.clone()),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The fast multipole method.
+
+pub(crate) mod engine;
+pub(crate) mod near;
+mod points;
+pub(crate) mod solver;
+pub(crate) mod tree;
+
+pub use solver::{Accuracy, Certificate, Multipole, Plan};

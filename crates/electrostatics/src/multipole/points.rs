@@ -1,0 +1,140 @@
+//! Points into expansions and expansions at points, points in the lanes.
+
+use super::near::Cloud;
+use super::tree::Cell;
+use crate::harmonics::{Gradient, Tables, count, regular};
+use aligned_vec::{AVec, ConstAlign, avec};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Most lanes of any register.
+const LANES: usize = 8;
+
+/// Scratch space for the harmonics of some points.
+pub(super) type Work = AVec<f64, ConstAlign<64>>;
+
+/// Space for two sets of harmonics up to `order`.
+pub(super) fn work(order: usize) -> Work {
+    avec![[64]| 0.0; 2 * count(order) * LANES]
+}
+
+/// Sets `moments` to the multipole of the points `range` about the center of `cell` (P2M).
+///
+/// Cost: 4 operations a point and coefficient.
+pub(super) fn multipole(
+    order: usize,
+    cell: &Cell,
+    cloud: &Cloud,
+    range: Range<usize>,
+    work: &mut Work,
+    moments: &mut [f64],
+) {
+    Arch::new().dispatch(Multipole { order, cell, cloud, range, work, moments });
+}
+
+struct Multipole<'a> {
+    order: usize,
+    cell: &'a Cell,
+    cloud: &'a Cloud,
+    range: Range<usize>,
+    work: &'a mut [f64],
+    moments: &'a mut [f64],
+}
+
+impl WithSimd for Multipole<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { order, cell, cloud, range, work, moments } = self;
+        let size = count(order);
+        let (work, _) = S::as_mut_simd_f64s(work);
+        let (values, rest) = work.split_at_mut(size);
+        let totals = &mut rest[..size];
+        totals.fill(simd.splat_f64s(0.0));
+        for first in range.clone().step_by(S::F64_LANES) {
+            let end = range.end.min(first + S::F64_LANES);
+            let x = places(simd, cell, &cloud.x, first..end);
+            let charge = simd.partial_load_f64s(&cloud.charge[first..end]);
+            regular(simd, Tables::get(), order, x, values);
+            for (total, value) in totals.iter_mut().zip(&*values) {
+                *total = simd.mul_add_e_f64s(charge, *value, *total);
+            }
+        }
+        for (moment, total) in moments.iter_mut().zip(totals) {
+            *moment = simd.reduce_sum_f64s(*total);
+        }
+    }
+}
+
+/// Positions of the points `range` in the frame of `cell`, at most one in each lane; lanes without
+/// a point hold the center.
+#[inline(always)]
+fn places<S: Simd>(
+    simd: S,
+    cell: &Cell,
+    places: &[Vec<f64>; 3],
+    range: Range<usize>,
+) -> [S::f64s; 3] {
+    let inverse = simd.splat_f64s(1.0 / cell.scale());
+    let mut out = [inverse; 3];
+    for d in 0..3 {
+        let mut lanes = [cell.center[d]; LANES];
+        lanes[..range.len()].copy_from_slice(&places[d][range.clone()]);
+        let offset = simd.sub_f64s(S::as_simd_f64s(&lanes).0[0], simd.splat_f64s(cell.center[d]));
+        out[d] = simd.mul_f64s(offset, inverse);
+    }
+    out
+}
+
+/// Adds to `out` the potential and its gradient at the points `range` (L2P).
+///
+/// Cost: 7 operations a point and coefficient.
+pub(super) fn add_local(
+    order: usize,
+    cell: &Cell,
+    local: &Gradient,
+    points: &[Vec<f64>; 3],
+    range: Range<usize>,
+    work: &mut Work,
+    out: &mut [[f64; 4]],
+) {
+    Arch::new().dispatch(Local { order, cell, local, points, range, work, out });
+}
+
+struct Local<'a> {
+    order: usize,
+    cell: &'a Cell,
+    local: &'a Gradient,
+    points: &'a [Vec<f64>; 3],
+    range: Range<usize>,
+    work: &'a mut [f64],
+    out: &'a mut [[f64; 4]],
+}
+
+impl WithSimd for Local<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { order, cell, local, points, range, work, out } = self;
+        let (work, _) = S::as_mut_simd_f64s(work);
+        let values = &mut work[..count(order)];
+        for (first, out) in range.step_by(S::F64_LANES).zip(out.chunks_mut(S::F64_LANES)) {
+            let x = places(simd, cell, points, first..first + out.len());
+            regular(simd, Tables::get(), order, x, values);
+            let mut sums = [simd.splat_f64s(0.0); 4];
+            for (terms, value) in local.terms.iter().zip(&*values) {
+                for (sum, term) in sums.iter_mut().zip(terms) {
+                    *sum = simd.mul_add_e_f64s(simd.splat_f64s(*term), *value, *sum);
+                }
+            }
+            for (c, sum) in sums.iter().enumerate() {
+                let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
+                for (out, lane) in out.iter_mut().zip(lanes) {
+                    out[c] += lane;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! The fast multipole method for point charges.
+
+use super::engine::{Descent, Far, Leaf, Multipoles};
+use super::near::{Cloud, add_pairs};
+use super::tree::{Cell, Tree};
+use crate::ElectrostaticsError;
+use crate::error::{check_charges, check_positions};
+use crate::harmonics::MAX_ORDER;
+use crate::method::{Fields, Method, direct_sums, places};
+use nalgebra::Point3;
+use std::ops::Range;
+
+/// How exact a sum must be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Accuracy {
+    /// Expansions of this degree, from 1 to [`MAX_ORDER`]: the thesis's number of terms p, less one.
+    Order(usize),
+    /// The relative error of the fields over all targets: the root of the sum of their squared
+    /// errors over that of their squares. From 1e-12 to 0.1.
+    Tolerance(f64),
+}
+
+/// What was found about the error of fields.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// Degree of the expansions; `None` where all pairs were summed.
+    pub order: Option<usize>,
+    /// Targets whose fields were compared with the direct sum.
+    pub samples: usize,
+    /// Relative error of the fields over these targets.
+    pub error: f64,
+}
+
+/// The fast multipole method.
+///
+/// Cost: see the table in the README; memory beside the points about 60 bytes a point and
+/// `8 (order + 1)^2` bytes a cell, of which there are fewer than one for thirty points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Multipole {
+    /// How exact the fields must be.
+    pub accuracy: Accuracy,
+}
+
+impl Method for Multipole {
+    fn fields(
+        &self,
+        sources: &[Point3<f64>],
+        charges: &[f64],
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, ElectrostaticsError> {
+        let plan = Plan::new(sources, targets, self.accuracy)?;
+        Ok(plan.fields(charges)?.0)
+    }
+}
+
+/// Sources and targets in their trees, for any charges.
+#[derive(Debug)]
+pub struct Plan {
+    accuracy: Accuracy,
+    sources: Tree,
+    places: [Vec<f64>; 3],
+    /// The tree of the targets; without, those are the sources.
+    targets: Option<(Tree, [Vec<f64>; 3])>,
+}
+
+impl Plan {
+    /// Sorts `sources` and `targets` (world, m) into trees. Targets that are equal to the sources
+    /// cost nothing.
+    ///
+    /// # Errors
+    /// Positions that are not finite, more than 2^32 of them, and an accuracy outside of its range.
+    pub fn new(
+        sources: &[Point3<f64>],
+        targets: &[Point3<f64>],
+        accuracy: Accuracy,
+    ) -> Result<Self, ElectrostaticsError> {
+        check_accuracy(accuracy)?;
+        check_positions("source", sources)?;
+        check_positions("target", targets)?;
+        let capacity = capacity(accuracy);
+        let plant = |points: &[Point3<f64>]| {
+            let tree = Tree::new(points.len(), capacity, |i| [points[i]; 2]);
+            let sorted = places(tree.order.iter().map(|&i| &points[i as usize]));
+            (tree, sorted)
+        };
+        let (tree, sorted) = plant(sources);
+        let targets = (sources != targets).then(|| plant(targets));
+        Ok(Self { accuracy, sources: tree, places: sorted, targets })
+    }
+
+    /// The fields of `charges` (C) at the targets, and how exact they are.
+    ///
+    /// # Errors
+    /// Charges that are not finite or not one for each source, and a tolerance out of reach.
+    pub fn fields(&self, charges: &[f64]) -> Result<(Fields, Certificate), ElectrostaticsError> {
+        check_charges(charges, self.sources.order.len())?;
+        // Charges near one keep squares of fields within range; a power of two keeps their bits.
+        let unit = charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
+        let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
+        let charge = self.sources.order.iter().map(|&i| charges[i as usize] / unit).collect();
+        let cloud = Cloud { x: self.places.clone(), charge };
+        let own = (&self.sources, &self.places);
+        let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
+        let sum = Sum { plan: self, cloud, targets: tree, places };
+        let (sums, certificate) = sum.run()?;
+        Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
+    }
+}
+
+/// Refuses what no expansion can give.
+pub(crate) fn check_accuracy(accuracy: Accuracy) -> Result<(), ElectrostaticsError> {
+    match accuracy {
+        Accuracy::Order(order) if !(1..=MAX_ORDER).contains(&order) => {
+            let range = "a whole number from 1 to 40";
+            Err(ElectrostaticsError::Setting { what: "the order", value: order as f64, range })
+        }
+        Accuracy::Tolerance(value) if !(1e-12..=0.1).contains(&value) => {
+            let range = "from 1e-12 to 0.1";
+            Err(ElectrostaticsError::Setting { what: "the tolerance", value, range })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Bodies in a leaf at which pairs and expansions cost the same, from measured rates.
+fn capacity(accuracy: Accuracy) -> usize {
+    60 + 8 * guess(accuracy)
+}
+
+/// Pairs that take as long as one move of an expansion, from measured rates.
+pub(crate) fn pairs_per_shift(order: usize) -> usize {
+    let p = order + 1;
+    200 + p * p * 4 + p * p * p / 5
+}
+
+/// The degree that a tolerance usually needs.
+pub(crate) fn guess(accuracy: Accuracy) -> usize {
+    match accuracy {
+        Accuracy::Order(order) => order,
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
+        Accuracy::Tolerance(tolerance) => {
+            ((-tolerance.ln() - 4.5) / SLOPE).ceil().clamp(2.0, MAX_ORDER as f64) as usize
+        }
+    }
+}
+
+/// Logarithm of the factor by which one degree more reduces the error, usually.
+const SLOPE: f64 = 0.7;
+
+/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.6, 0.7, 0.8 and
+/// 0.9 for a million uniform points at 2e-5, and within a tenth of it at 2e-7.
+pub(crate) const OPENING: f64 = 0.72;
+
+/// Share of the tolerance that the samples may use up, since they are not all targets.
+pub(crate) const MARGIN: f64 = 0.5;
+
+struct Sum<'a> {
+    plan: &'a Plan,
+    cloud: Cloud,
+    targets: &'a Tree,
+    places: &'a [Vec<f64>; 3],
+}
+
+impl Sum<'_> {
+    fn run(&self) -> Result<(Vec<[f64; 4]>, Certificate), ElectrostaticsError> {
+        let (n, m) = (self.cloud.len(), self.places[0].len());
+        let direct = || {
+            let certificate = Certificate { order: None, samples: 0, error: 0.0 };
+            (direct_sums(&self.cloud, self.places), certificate)
+        };
+        let tolerance = match self.plan.accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance,
+            Accuracy::Order(_) => 0.0,
+        };
+        if tolerance > 0.0 && n * m < 4_000_000 {
+            return Ok(direct());
+        }
+        let reference = Reference::new(self);
+        let guess = guess(self.plan.accuracy);
+        let (order, multipoles, error) = if tolerance > 0.0 {
+            let multipoles = |order| Multipoles::new(&self.plan.sources, &self.cloud, 1, order);
+            let error = |multipoles: &Multipoles, order| {
+                let mut out = vec![[0.0; 4]; m];
+                self.descend(multipoles, order, Some(&reference.samples), &mut out);
+                reference.error(&out)
+            };
+            find_order(guess, tolerance, multipoles, error)?
+        } else {
+            let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, guess);
+            (guess, multipoles, f64::NAN)
+        };
+        let mut out = vec![[0.0; 4]; m];
+        self.descend(&multipoles, order, None, &mut out);
+        let error = if error.is_nan() { reference.error(&out) } else { error };
+        let samples = reference.samples.len();
+        Ok((out, Certificate { order: Some(order), samples, error }))
+    }
+
+    /// About the square of the field at each target: what its own leaf makes, where targets are
+    /// sources, else what quadrupoles make.
+    fn strengths(&self) -> Vec<f64> {
+        let mut out = vec![[0.0; 4]; self.places[0].len()];
+        if self.plan.targets.is_none() {
+            for leaf in self.targets.cells.iter().filter(|cell| cell.is_leaf()) {
+                let bodies = leaf.bodies.clone();
+                let out = &mut out[bodies.clone()];
+                let own = std::slice::from_ref(&leaf.bodies);
+                add_pairs(&self.cloud, own, self.places, bodies, out);
+            }
+        } else {
+            let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, 2);
+            self.descend(&multipoles, 2, None, &mut out);
+        }
+        out.iter().map(|[_, x, y, z]| x * x + y * y + z * z).collect()
+    }
+
+    fn descend(
+        &self,
+        multipoles: &Multipoles,
+        order: usize,
+        samples: Option<&[usize]>,
+        out: &mut [[f64; 4]],
+    ) {
+        Descent {
+            sources: multipoles,
+            targets: self.targets,
+            leaf: self,
+            order,
+            opening: OPENING,
+            direct: pairs_per_shift(order),
+            samples,
+        }
+        .run(out);
+    }
+}
+
+impl Leaf for Sum<'_> {
+    type Out = [f64; 4];
+
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [[f64; 4]]) {
+        far.add(cell, self.places, cell.bodies.clone(), out);
+        add_pairs(&self.cloud, near, self.places, cell.bodies.clone(), out);
+    }
+}
+
+/// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
+/// order or more) and the error.
+pub(crate) fn find_order<'a>(
+    guess: usize,
+    tolerance: f64,
+    multipoles: impl Fn(usize) -> Multipoles<'a>,
+    error: impl Fn(&Multipoles<'a>, usize) -> f64,
+) -> Result<(usize, Multipoles<'a>, f64), ElectrostaticsError> {
+    let allowed = MARGIN * tolerance;
+    let mut order = guess;
+    let mut expansions = multipoles(order);
+    let mut highest = order;
+    let mut errors = [f64::NAN; MAX_ORDER + 1];
+    loop {
+        if errors[order].is_nan() {
+            errors[order] = error(&expansions, order);
+        }
+        let reached = errors[order];
+        if reached <= allowed {
+            if order == 1 || errors[order - 1] > allowed {
+                return Ok((order, expansions, reached));
+            }
+            order -= 1;
+        } else {
+            if order == MAX_ORDER {
+                return Err(ElectrostaticsError::OutOfReach { tolerance, reached, order });
+            }
+            let [low, high] = [1.0, 4.0];
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 4")]
+            let more = ((reached / allowed).ln() / SLOPE).ceil().clamp(low, high) as usize;
+            order = (order + more).min(MAX_ORDER);
+            if order > highest {
+                expansions = multipoles(order);
+                highest = order;
+            }
+        }
+    }
+}
+
+/// The direct sums at some of the targets.
+struct Reference {
+    samples: Vec<usize>,
+    /// For how many targets each sample stands.
+    weights: Vec<f64>,
+    sums: Vec<[f64; 4]>,
+}
+
+impl Reference {
+    /// Takes samples all over the tree. A third of them is uniform, a third as frequent as the field
+    /// is strong and a third as its square, because few targets may hold most of the sum of squares.
+    fn new(sum: &Sum) -> Self {
+        let targets = sum.places[0].len();
+        let wanted = (100_000_000 / sum.cloud.len().max(1)).clamp(64, 2048).min(targets);
+        let strengths = sum.strengths();
+        let totals = strengths.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
+        let share = |part: f64, total: f64| if total > 0.0 { part / total } else { 0.0 };
+        let (mut samples, mut weights) = (Vec::new(), Vec::new());
+        let (mut picks, mut passed) = (0, 0.0);
+        // The golden ratio spreads the places within equal parts evenly.
+        let place = |k: usize| (k as f64 + (k as f64 * 0.618_033_988_75).fract()) / wanted as f64;
+        for (target, &strength) in strengths.iter().enumerate() {
+            let strong = share(strength, totals[0]) + share(strength.sqrt(), totals[1]);
+            let chance = (1.0 / targets as f64 + strong) / 3.0;
+            passed += chance;
+            let before = picks;
+            while picks < wanted && place(picks) < passed {
+                picks += 1;
+            }
+            if picks > before {
+                samples.push(target);
+                weights.push((picks - before) as f64 / (chance * wanted as f64));
+            }
+        }
+        let places = [0, 1, 2].map(|d| samples.iter().map(|&k| sum.places[d][k]).collect());
+        let sums = direct_sums(&sum.cloud, &places);
+        Self { samples, weights, sums }
+    }
+
+    /// The relative error of the gradients.
+    fn error(&self, out: &[[f64; 4]]) -> f64 {
+        let [mut errors, mut squares] = [0.0; 2];
+        for ((sample, weight), exact) in self.samples.iter().zip(&self.weights).zip(&self.sums) {
+            for c in 1..4 {
+                errors += weight * (out[*sample][c] - exact[c]).powi(2);
+                squares += weight * exact[c].powi(2);
+            }
+        }
+        if errors > 0.0 { (errors / squares).sqrt() } else { 0.0 }
+    }
+}

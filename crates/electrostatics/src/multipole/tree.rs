@@ -1,0 +1,167 @@
+//! An adaptive octree over bodies in Morton order, with tight boxes.
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Halvings of the root's cube: the bits of a Morton code for each axis.
+const DEPTH: u32 = 21;
+
+/// Radius that stands in for zero where lengths are divided by a radius.
+const TINY: f64 = 1e-150;
+
+/// A set of bodies that are close together.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    /// Its bodies, in the order of the tree.
+    pub(crate) bodies: Range<usize>,
+    /// Its children; none for a leaf.
+    pub(crate) children: Range<usize>,
+    /// Center of the tight box of its bodies, and the radius of a sphere about it that holds them.
+    pub(crate) center: Point3<f64>,
+    pub(crate) radius: f64,
+    half: Vector3<f64>,
+}
+
+impl Cell {
+    pub(crate) fn is_leaf(&self) -> bool {
+        self.children.is_empty()
+    }
+
+    /// The length that expansions about the center are scaled with.
+    pub(crate) fn scale(&self) -> f64 {
+        self.radius.max(TINY)
+    }
+}
+
+/// The octree. Cells stand level by level, so the children of a level are the next one.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    pub(crate) cells: Vec<Cell>,
+    /// Where each level begins in `cells`, and their number.
+    pub(crate) levels: Vec<usize>,
+    /// The index that each body was given, in the order of the tree.
+    pub(crate) order: Vec<u32>,
+}
+
+impl Tree {
+    /// The tree over `count` bodies (at most 2^32), each the segment between `ends(i)`; leaves hold
+    /// at most `capacity` bodies, unless those coincide.
+    pub(crate) fn new(
+        count: usize,
+        capacity: usize,
+        ends: impl Fn(usize) -> [Point3<f64>; 2] + Sync,
+    ) -> Self {
+        let middle = |i: usize| {
+            let [a, b] = ends(i);
+            (a.coords + b.coords) * 0.5
+        };
+        let low = (0..count).fold(Vector3::repeat(f64::MAX), |low, i| low.inf(&middle(i)));
+        let high = (0..count).fold(Vector3::repeat(f64::MIN), |high, i| high.sup(&middle(i)));
+        let steps = (1_u64 << DEPTH) as f64;
+        let edge = (high - low).max().max(f64::MIN_POSITIVE) * (1.0 + 1e-12);
+        let code = |i: usize| {
+            let place = (middle(i) - low) / edge * steps;
+            place.iter().rev().fold(0, |code, &x| (code << 1) | spread(x))
+        };
+        let mut keys: Vec<(u64, u32)> =
+            (0..count).into_par_iter().map(|i| (code(i), number(i))).collect();
+        keys.par_sort_unstable();
+        let (cells, levels) = split(&keys, capacity.max(1));
+        let mut tree = Self { cells, levels, order: keys.into_iter().map(|(_, i)| i).collect() };
+        tree.fit(ends);
+        tree
+    }
+
+    /// Finds the tight spheres, leaves first.
+    fn fit(&mut self, ends: impl Fn(usize) -> [Point3<f64>; 2] + Sync) {
+        let order = &self.order;
+        self.cells.par_iter_mut().filter(|cell| cell.is_leaf()).for_each(|cell| {
+            let bodies = &order[cell.bodies.clone()];
+            let points = || bodies.iter().flat_map(|&i| ends(i as usize));
+            cell.enclose(points().map(|x| (x, Vector3::zeros())));
+            let center = cell.center;
+            cell.radius = points().map(|x| (x - center).norm()).fold(0.0, f64::max);
+        });
+        for k in (0..self.cells.len()).rev() {
+            let (above, below) = self.cells.split_at_mut(k + 1);
+            let cell = &mut above[k];
+            if cell.is_leaf() {
+                continue;
+            }
+            let children = &below[cell.children.start - k - 1..cell.children.end - k - 1];
+            cell.enclose(children.iter().map(|child| (child.center, child.half)));
+            let reach = |child: &Cell| (child.center - cell.center).norm() + child.radius;
+            cell.radius = children.iter().map(reach).fold(0.0, f64::max).min(cell.half.norm());
+        }
+    }
+}
+
+impl Cell {
+    fn enclose(&mut self, boxes: impl Iterator<Item = (Point3<f64>, Vector3<f64>)>) {
+        let [mut low, mut high] = [f64::MAX, f64::MIN].map(Vector3::repeat);
+        for (center, half) in boxes {
+            low = low.inf(&(center.coords - half));
+            high = high.sup(&(center.coords + half));
+        }
+        self.center = ((low + high) * 0.5).into();
+        self.half = (high - low) * 0.5;
+    }
+}
+
+/// Cells level by level: a cell with too many bodies is split by the next three bits of the code.
+fn split(keys: &[(u64, u32)], capacity: usize) -> (Vec<Cell>, Vec<usize>) {
+    let cell = |bodies: Range<usize>| Cell {
+        bodies,
+        children: 0..0,
+        center: Point3::origin(),
+        radius: 0.0,
+        half: Vector3::zeros(),
+    };
+    let mut levels = vec![0];
+    if keys.is_empty() {
+        return (Vec::new(), levels);
+    }
+    let mut cells = vec![cell(0..keys.len())];
+    for level in (0..DEPTH).rev() {
+        let first = levels[levels.len() - 1];
+        levels.push(cells.len());
+        for k in first..cells.len() {
+            let bodies = cells[k].bodies.clone();
+            if bodies.len() <= capacity {
+                continue;
+            }
+            let begin = cells.len();
+            let mut start = bodies.start;
+            while start < bodies.end {
+                let octant = keys[start].0 >> (3 * level);
+                let rest = &keys[start..bodies.end];
+                let end = start + rest.partition_point(|key| key.0 >> (3 * level) == octant);
+                cells.push(cell(start..end));
+                start = end;
+            }
+            cells[k].children = begin..cells.len();
+        }
+        if cells.len() == levels[levels.len() - 1] {
+            return (cells, levels);
+        }
+    }
+    levels.push(cells.len());
+    (cells, levels)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "solvers refuse more than 2^32 bodies")]
+fn number(i: usize) -> u32 {
+    i as u32
+}
+
+/// The low 21 bits of the integer part of `x`, two zeros between each two.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 <= x < 2^21")]
+fn spread(x: f64) -> u64 {
+    let mut x = (x as u64).min((1 << DEPTH) - 1);
+    x = (x | (x << 32)) & 0x001f_0000_0000_ffff;
+    x = (x | (x << 16)) & 0x001f_0000_ff00_00ff;
+    x = (x | (x << 8)) & 0x100f_00f0_0f00_f00f;
+    x = (x | (x << 4)) & 0x10c3_0c30_c30c_30c3;
+    (x | (x << 2)) & 0x1249_2492_4924_9249
+}

@@ -1,0 +1,121 @@
+//! Conductors against exact images, capacities and limits.
+
+mod common;
+
+use nalgebra::{Point3, Vector3};
+use rapunzel_collision::field::{DistanceField, Mesh, Sample, shapes};
+use rapunzel_electrostatics::{
+    COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface, Direct, ElectrostaticsError,
+    Method, thesis_repulsion,
+};
+
+/// The force on a charge q at the distance r from a sphere with the total charge `total`.
+fn exact_force(q: f64, total: f64, radius: f64, r: f64) -> f64 {
+    let image = q * radius.powi(3) * (2.0 * r * r - radius * radius)
+        / (r * (r * r - radius * radius).powi(2));
+    COULOMB_CONSTANT * q / (r * r) * (total - image)
+}
+
+/// T10: the image formula, attraction of an uncharged sphere, no force at the golden ratio, and a
+/// surface at the potential that was asked for.
+#[test]
+fn a_sphere_has_its_images() {
+    let (radius, q) = (0.09, 2e-12);
+    let center = Point3::new(0.1, 0.2, -0.3);
+    let force = |r: f64, condition: Condition| {
+        let sphere = ConductingSphere { center, radius, condition };
+        let at = center + Vector3::new(0.0, 0.6, 0.8) * r;
+        let (points, charges) = sphere.images(&[at], &[q]).expect("outside");
+        let fields = Direct.fields(&points, &charges, &[at]).expect("valid");
+        (q * fields.fields[0].dot(&Vector3::new(0.0, 0.6, 0.8)), points, charges, at)
+    };
+    for (r, total) in [(0.1, 0.0), (0.2, 3e-12), (0.0905, 5e-12), (1.0, -1e-12)] {
+        let exact = exact_force(q, total, radius, r);
+        let force = force(r, Condition::Charge(total)).0;
+        assert!((force / exact - 1.0).abs() < 1e-10, "{force} N, not {exact}");
+    }
+    assert!(force(0.12, Condition::Charge(0.0)).0 < 0.0);
+    let golden = radius * 0.5 * (1.0 + 5f64.sqrt());
+    let scale = COULOMB_CONSTANT * q * q / golden.powi(2);
+    assert!(force(golden, Condition::Charge(q)).0.abs() < 1e-12 * scale);
+    let (_, mut points, mut charges, at) = force(0.13, Condition::Potential(70.0));
+    points.push(at);
+    charges.push(q);
+    let surface = common::sphere(20, 1).into_iter().map(|x| center + radius * x.coords);
+    let surface: Vec<_> = surface.collect();
+    for potential in Direct.fields(&points, &charges, &surface).expect("valid").potentials {
+        assert!((potential - 70.0).abs() < 1e-9, "{potential} V");
+    }
+    let sphere = ConductingSphere { center, radius, condition: Condition::Charge(0.0) };
+    let result = sphere.images(&[center], &[q]);
+    assert!(matches!(result, Err(ElectrostaticsError::Inside { index: 0, .. })));
+}
+
+/// T11: a line over a conducting plane, here a very large sphere, is drawn by `lambda^2/h`.
+#[test]
+fn a_line_is_drawn_to_a_plane() {
+    let (h, radius, step) = (0.01, 1e5, 0.5e-3);
+    let center = Point3::new(0.0, 0.0, -radius);
+    let sphere = ConductingSphere { center, radius, condition: Condition::Potential(0.0) };
+    let line: Vec<_> =
+        (-20_000..=20_000).map(|i| Point3::new(f64::from(i) * step, 0.0, h)).collect();
+    let charges = vec![1e-11 * step; line.len()];
+    let (points, images) = sphere.images(&line, &charges).expect("outside");
+    let field = Direct.fields(&points, &images, &[line[20_000]]).expect("valid").fields[0].z;
+    let exact = -COULOMB_CONSTANT * 1e-11 / h;
+    assert!((field / exact - 1.0).abs() < 2e-5, "{}", field / exact - 1.0);
+}
+
+/// T10, T12: boundary elements converge to capacity and force of a sphere as the square of the
+/// triangles' size, and give the capacity of a long ellipsoid.
+#[test]
+fn boundary_elements_converge() {
+    let (radius, q, r) = (0.09, 2e-12, 0.2);
+    let at = Point3::new(0.0, 0.0, r);
+    let mut errors = Vec::new();
+    for n in [4, 8] {
+        let mesh = Mesh::new(shapes::sphere(radius, n)).expect("closed");
+        let surface = ConductingSurface::new(&mesh).expect("small");
+        let capacity = (surface.capacity() * COULOMB_CONSTANT / radius - 1.0).abs();
+        let outer = Direct.fields(&[at], &[q], surface.centers()).expect("valid");
+        let charges = surface.charges(&outer.potentials, Condition::Charge(3e-12)).expect("valid");
+        assert!((charges.iter().sum::<f64>() - 3e-12).abs() < 1e-22);
+        let field = Direct.fields(surface.centers(), &charges, &[at]).expect("valid").fields[0].z;
+        let exact = exact_force(q, 3e-12, radius, r);
+        errors.push([capacity, (q * field / exact - 1.0).abs()]);
+    }
+    for k in 0..2 {
+        assert!(errors[1][k] < 0.35 * errors[0][k], "{errors:?}");
+        assert!(errors[1][k] < 2e-2, "{errors:?}");
+    }
+    let mut soup = shapes::sphere(1.0, 8);
+    let (length, thick) = (2.0, 0.1);
+    soup.vertices.iter_mut().for_each(|x| {
+        *x = Point3::new(x.x * thick, x.y * thick, x.z * 0.5 * length);
+    });
+    let mesh = Mesh::new(soup).expect("closed");
+    let capacity = ConductingSurface::new(&mesh).expect("small").capacity() * COULOMB_CONSTANT;
+    // A prolate ellipsoid exactly: c / atanh(c / (L/2)), c the distance of the focus.
+    let focus = (0.25 * length * length - thick * thick).sqrt();
+    let exact = focus / (focus / (0.5 * length)).atanh();
+    assert!((capacity / exact - 1.0).abs() < 2e-2, "{capacity}, not {exact}");
+}
+
+struct Ball;
+
+impl DistanceField for Ball {
+    fn sample(&self, point: &Point3<f64>) -> Sample {
+        Sample { value: point.coords.norm() - 0.09, gradient: point.coords.normalize() }
+    }
+}
+
+/// (4.13) repels outside, is too strong by the square of r/d, and refuses points inside.
+#[test]
+fn the_theses_head_repels_too_much() {
+    let at = [Point3::new(0.0, 0.091, 0.0)];
+    let force = thesis_repulsion(&Ball, 2e-12, &at, &[1e-12]).expect("outside")[0];
+    let coulomb = COULOMB_CONSTANT * 2e-24 / (0.091 * 0.091);
+    assert!((force.y / coulomb / 8281.0 - 1.0).abs() < 1e-9 && force.x == 0.0);
+    let inside = thesis_repulsion(&Ball, 2e-12, &[Point3::new(0.0, 0.05, 0.0)], &[1e-12]);
+    assert!(matches!(inside, Err(ElectrostaticsError::Inside { .. })));
+}

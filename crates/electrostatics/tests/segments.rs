@@ -1,0 +1,199 @@
+//! Charged fibres against exact forces.
+
+mod common;
+
+use common::{hair, relative};
+use nalgebra::{Point3, Vector3};
+use rapunzel_electrostatics::{
+    Accuracy, COULOMB_CONSTANT, ChargedFibers, Direct, Electrostatics, ElectrostaticsError, Method,
+    units,
+};
+use rapunzel_fiber::Layout;
+
+/// Charges of a constant line density.
+fn charges(layout: &Layout, nodes: &[Point3<f64>], density: f64) -> Vec<f64> {
+    let charge = |segment: usize| {
+        let [a, b] = layout.segment_nodes(segment);
+        density * (nodes[b] - nodes[a]).norm()
+    };
+    (0..layout.segments()).map(charge).collect()
+}
+
+fn solve(
+    fibers: &[Vec<Point3<f64>>],
+    density: f64,
+    radius: f64,
+    points: usize,
+    tolerance: f64,
+) -> Result<Electrostatics, ElectrostaticsError> {
+    let layout = Layout::new(fibers.iter().map(|fiber| fiber.len() - 1));
+    let nodes = fibers.concat();
+    let charges = charges(&layout, &nodes, density);
+    let radii = vec![radius; fibers.len()];
+    let accuracy = Accuracy::Tolerance(tolerance);
+    let fibers =
+        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points, accuracy };
+    fibers.forces(&nodes)
+}
+
+fn straight(x: f64, length: f64, segments: u32) -> Vec<Point3<f64>> {
+    (0..=segments)
+        .map(|i| Point3::new(x, 0.0, length * f64::from(i) / f64::from(segments)))
+        .collect()
+}
+
+/// T1, T2: the force between two parallel lines. T3: along them, as nodal loads. T14: the
+/// deflection that it gives two clamped fibres, in the limit of long fibres.
+#[test]
+fn parallel_lines_repel_by_the_closed_form() {
+    let (density, d, length) = (2.6e-11, 0.01, 0.1);
+    let factor = COULOMB_CONSTANT * density * density;
+    for segments in [1, 7, 200] {
+        let pair = [straight(0.0, length, segments), straight(d, length, segments)];
+        let result = solve(&pair, density, 40e-6, 32, 1e-9).expect("valid");
+        let forces = &result.forces[segments as usize + 1..];
+        let total: Vector3<f64> = forces.iter().sum();
+        let exact = 2.0 * factor / d * (length.hypot(d) - d);
+        let tolerance = if segments == 1 { 3e-7 } else { 2e-9 };
+        assert!((total.x / exact - 1.0).abs() < tolerance, "{segments}: {}", total.x / exact - 1.0);
+        if segments < 200 {
+            continue;
+        }
+        let profile = |s: f64| factor / d * (s / s.hypot(d) + (length - s) / (length - s).hypot(d));
+        let h = length / f64::from(segments);
+        // A nodal load is a mean over two segments; at the ends the profile bends within d.
+        for i in 15..=185 {
+            let s = h * i as f64;
+            let force = forces[i].x / h;
+            assert!((force / profile(s) - 1.0).abs() < 1e-4, "{i}: {force}, not {}", profile(s));
+        }
+        // Tip deflection times EI by the unit-load theorem: sum of f s^2 (3L - s)/6.
+        let moment = |s: f64| s * s * (3.0 * length - s) / 6.0;
+        let loads: f64 = forces.iter().enumerate().map(|(i, f)| f.x * moment(h * i as f64)).sum();
+        let steps = 100_000;
+        let at = |k: i32| length * (f64::from(k) + 0.5) / f64::from(steps);
+        let integral: f64 = (0..steps).map(|k| profile(at(k)) * moment(at(k))).sum();
+        let exact = integral * length / f64::from(steps);
+        assert!((loads / exact - 1.0).abs() < 1e-4, "{}", loads / exact);
+    }
+    // L = 10 cm, d = 1 cm, the thesis's charge, EI = 8.04 dyn cm^2: 1.843e-4 cm for L >> d.
+    let density = units::THESIS_LINE_DENSITY;
+    let deflection = COULOMB_CONSTANT * density * density * 0.1f64.powi(4) / (4.0 * d * 8.04e-9);
+    assert!((deflection / 1.843e-6 - 1.0).abs() < 1e-3, "{deflection} m");
+}
+
+/// T6: a charged torus widens by `lambda^2/R (ln(8R/a) - 1)` a length.
+#[test]
+fn a_torus_repels_itself() {
+    let (radius, a, density) = (0.05, 50e-6, 1e-11);
+    let n = 240;
+    let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+    let ring: Vec<_> = (0..=n)
+        .map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0))
+        .collect();
+    let result = solve(&[ring], density, a, 6, 1e-7).expect("valid");
+    let h = radius * std::f64::consts::TAU / f64::from(n);
+    let exact = COULOMB_CONSTANT * density * density / radius * ((8.0 * radius / a).ln() - 1.0);
+    for i in [31, 100, 163] {
+        // The tension of the self-energies is a part of it.
+        let x = Vector3::new(angle(i).cos(), angle(i).sin(), 0.0);
+        let force = result.forces[i as usize].dot(&x) / h;
+        assert!((force / exact - 1.0).abs() < 2e-3, "{force}, not {exact}");
+    }
+}
+
+/// T18, T19: no net force or moment, and forces are the negative gradient of the energy, also where
+/// fibres cross closely and with a coarse rule.
+#[test]
+fn forces_are_a_gradient_without_net_force_or_moment() {
+    let fibers = hair(12, 21, 3);
+    let layout = Layout::new(fibers.iter().map(|fiber| fiber.len() - 1));
+    let nodes = fibers.concat();
+    let charges = charges(&layout, &nodes, 2.6e-11);
+    let radii = vec![40e-6; fibers.len()];
+    let accuracy = Accuracy::Tolerance(1e-11);
+    let fibers =
+        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points: 3, accuracy };
+    let result = fibers.forces(&nodes).expect("valid");
+    assert!(result.certificate.order.is_some(), "there is a far field");
+    let scale: f64 = result.forces.iter().map(Vector3::norm).sum();
+    let total: Vector3<f64> = result.forces.iter().sum();
+    assert!(total.norm() < 1e-10 * scale, "{total}");
+    let moments = nodes.iter().zip(&result.forces).map(|(x, f)| x.coords.cross(f));
+    let moment: Vector3<f64> = moments.sum();
+    assert!(moment.norm() < 1e-10 * scale * 0.3, "{moment}");
+    for node in [0, 7, 20, 100, 251] {
+        for direction in [Vector3::x(), Vector3::new(0.3, -0.5, 0.8)] {
+            let step = 2e-6;
+            let energy = |step: f64| {
+                let mut moved = nodes.clone();
+                moved[node] += step * direction;
+                fibers.forces(&moved).expect("valid").energy
+            };
+            // Fourth order.
+            let [a, b] = [energy(step) - energy(-step), energy(2.0 * step) - energy(-2.0 * step)];
+            let slope = (8.0 * a - b) / (12.0 * step);
+            let force = result.forces[node];
+            let error = (slope + force.dot(&direction)).abs();
+            assert!(error < 1e-6 * force.norm(), "{node}: {slope}, not {}", force.dot(&direction));
+        }
+    }
+    let v: Vec<_> = (0..nodes.len()).map(|i| Vector3::new((i as f64).sin(), 0.2, 0.0)).collect();
+    let w: Vec<_> = (0..nodes.len()).map(|i| Vector3::new(0.1, (i as f64).cos(), 0.3)).collect();
+    let [hv, hw] = [&v, &w].map(|v| fibers.hessian_product(&nodes, v).expect("valid"));
+    let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+    };
+    let [vw, wv] = [dot(&hv, &w), dot(&hw, &v)];
+    let size = (dot(&hv, &hv) * dot(&w, &w)).sqrt();
+    assert!((vw - wv).abs() < 1e-5 * size, "the Hessian is symmetric: {vw}, {wv}");
+}
+
+/// T17: the thesis's tress. The mean field on its charges is 13.5 kV/m, at 12 cm it is 0.86 kV/m;
+/// segments and 100 points to the centimeter agree on the field of the tress.
+#[test]
+fn the_tress_has_the_field_that_the_thesis_states() {
+    let fibers = hair(300, 101, 2);
+    let nodes = fibers.concat();
+    let fine = hair(300, 991, 2).concat();
+    let density = units::THESIS_LINE_DENSITY.abs();
+    let charge = vec![density * 0.3 / 991.0; fine.len()];
+    let targets: Vec<_> = fine.iter().copied().step_by(997).collect();
+    let fields = Direct.fields(&fine, &charge, &targets).expect("valid");
+    let mean = fields.fields.iter().map(Vector3::norm).sum::<f64>() / targets.len() as f64;
+    assert!((mean - 13.5e3).abs() < 0.7e3, "{mean} V/m");
+    let middle = nodes.iter().skip(50).step_by(101).map(|x| x.coords).sum::<Vector3<f64>>() / 300.0;
+    let outside = [Point3::from(middle + Vector3::new(0.0, 0.12 + 0.0049, 0.0))];
+    let far = Direct.fields(&fine, &charge, &outside).expect("valid").fields[0].norm();
+    assert!((far - 860.0).abs() < 30.0, "{far} V/m");
+}
+
+/// Requested tolerances are met by all nodal forces.
+#[test]
+fn tolerances_are_met_by_segments() {
+    let fibers = hair(60, 41, 4);
+    let exact = solve(&fibers, 2.6e-11, 40e-6, 3, 1e-11).expect("valid");
+    for tolerance in [1e-3, 1e-5, 1e-7] {
+        let result = solve(&fibers, 2.6e-11, 40e-6, 3, tolerance).expect("valid");
+        let error = relative(&result.forces, &exact.forces);
+        assert!(error < tolerance, "{error} > {tolerance}");
+    }
+}
+
+/// T20: no fibres, one segment, fibres that intersect, and nonsense.
+#[test]
+fn degenerate_fibers_are_answered() {
+    let none = solve(&[], 1e-11, 40e-6, 4, 1e-4).expect("defined");
+    assert!(none.energy == 0.0 && none.forces.is_empty());
+    let one = solve(&[straight(0.0, 0.01, 1)], 1e-11, 40e-6, 4, 1e-4).expect("defined");
+    assert!(one.forces[1].z > 0.0 && (one.forces[0] + one.forces[1]).norm() == 0.0);
+    let cross = [straight(0.0, 0.01, 3), straight(0.0, 0.01, 3)];
+    let cross = solve(&cross, 1e-11, 40e-6, 4, 1e-4).expect("defined");
+    assert!(cross.forces.iter().all(|f| f.iter().all(|x| x.is_finite())));
+    let point = vec![Point3::origin(); 2];
+    let result = solve(&[point], 1e-11, 40e-6, 4, 1e-4);
+    assert!(matches!(result, Err(ElectrostaticsError::Setting { .. })));
+    let nowhere = vec![Point3::origin(), Point3::new(0.0, f64::NAN, 0.0)];
+    let result = solve(&[nowhere], 1e-11, 40e-6, 4, 1e-4);
+    assert!(result.is_err());
+}
