@@ -252,6 +252,20 @@ proptest! {
         for (a, b) in rest.shape.positions().iter().zip(again.shape.positions()) {
             prop_assert!((motion * a - b).norm() < 1e-8, "{} {}", motion * a, b);
         }
+        // The Pi groups: in other units of length and stiffness it has the same shape.
+        let (length, unit) = (0.03, 2e-7);
+        let Properties { stiffness, natural_curvature, .. } = uniform_properties();
+        let small = Properties {
+            stiffness: stiffness * unit,
+            natural_curvature: natural_curvature / length,
+            load: load * unit / length.powi(3),
+        };
+        let small = Piece::uniform(length, small).with_end_load(force * unit / length.powi(2));
+        let other = Chain::new(&Isometry3::identity(), &[small], 40).expect("a chain");
+        let again = other.solve().map_err(|e| TestCaseError::fail(e.to_string()))?;
+        for (a, b) in rest.shape.positions().iter().zip(again.shape.positions()) {
+            prop_assert!((a.coords * length - b.coords).norm() < 1e-9 * length);
+        }
     }
 }
 
