@@ -125,7 +125,9 @@ impl Solver for Admm {
         let weights: Vec<f64> = responses.iter().map(|w| 1.0 / w).collect();
         // Impulses on the first points, world.
         let mut world = vec![Vector3::zeros(); contacts.len()];
-        for iteration in 1.. {
+        let mut iterations = 0;
+        loop {
+            iterations += 1;
             sides.obey(contacts, &responses, impulses, &mut world);
             sides.respond(bodies, velocities, &world, self.relaxation);
             if self.memory > 0 {
@@ -133,8 +135,8 @@ impl Solver for Admm {
             } else {
                 sides.h.iter_mut().zip(&sides.step).for_each(|(h, step)| *h += step);
             }
-            let last = iteration >= self.tolerance.iterations;
-            if !iteration.is_multiple_of(LOOK) && !last {
+            let last = iterations >= self.tolerance.iterations;
+            if !iterations.is_multiple_of(LOOK) && !last {
                 continue;
             }
             let near = sides.error(contacts, &responses, impulses, self.relaxation);
@@ -148,11 +150,10 @@ impl Solver for Admm {
                 let found = report(contacts, &velocities, impulses, &weights);
                 let converged = self.tolerance.reached(&found);
                 if converged || last {
-                    return Ok(Report { iterations: iteration, converged, ..found });
+                    return Ok(Report { iterations, converged, ..found });
                 }
             }
         }
-        Ok(Report::default())
     }
 }
 

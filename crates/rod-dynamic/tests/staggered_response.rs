@@ -219,3 +219,43 @@ fn points_answer_as_their_nodes() {
     let off = Point { fiber: 3, segment: 0, fraction: 0.0 };
     batch.respond_at(&[off], &impulses[..1], &mut answers[..1]).expect_err("no such fibre");
 }
+
+/// Newton's method step by step from where the motion leads, with impulses that change on the way,
+/// ends where the whole solve with the last of them does.
+#[test]
+fn iterations_taken_one_by_one_end_in_the_same_step() {
+    let (mut batch, start) = falling(3, 1e-3);
+    let hold = hold();
+    let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
+    let mut reports = [StepReport::default(); 3];
+    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
+    let impulses: Vec<_> =
+        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
+    batch.correct(&impulses, &mut reports).expect("converges");
+    batch.accept();
+    let expected: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
+    batch.restore(&start).expect("the same batch");
+    let half: Vec<_> = impulses.iter().map(|impulse| impulse * 0.5).collect();
+    batch.set_out(1e-3, &conditions, &half, &mut reports).expect("sound");
+    let mut turns = Vec::new();
+    for _ in 0..6 {
+        batch.linearize().expect("regular");
+        turns.push(batch.advance(&impulses).expect("regular"));
+    }
+    // What the last increment would add to first order is nothing any more.
+    batch.linearize().expect("regular");
+    let mut velocities =
+        [vec![Vector3::zeros(); batch.nodes()], vec![Vector3::zeros(); batch.nodes()]];
+    batch.mean_velocities(&mut velocities[0]).expect("lengths");
+    batch.linear_velocities(&mut velocities[1]).expect("lengths");
+    for (now, then) in velocities[0].iter().zip(&velocities[1]) {
+        assert!((now - then).norm() < 1e-10 * 0.3 / 1e-3, "{turns:?}");
+    }
+    batch.accept();
+    for (fiber, expected) in expected.iter().enumerate() {
+        let state = batch.state(fiber);
+        for (x, y) in state.positions.iter().zip(&expected.positions) {
+            assert!((x - y).norm() < 1e-10 * 0.3, "{turns:?}");
+        }
+    }
+}

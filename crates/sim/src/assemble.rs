@@ -205,13 +205,8 @@ fn batch(
         Method::Staggered { rho_infinity } if tolerance.is_none() => {
             side_by_side(StaggeredBatch::new(rods(), rho_infinity)?, starts)
         }
-        Method::BackwardEuler if tolerance.is_none() => {
-            side_by_side(StaggeredBatch::backward_euler(rods())?, starts)
-        }
-        Method::BackwardEuler => {
-            let new = Staggered::backward_euler;
-            Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
-        }
+        // With a tolerance the scene has been refused: its error is estimated for second order.
+        Method::BackwardEuler => side_by_side(StaggeredBatch::backward_euler(rods())?, starts),
         Method::Staggered { rho_infinity } => {
             let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
             Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))

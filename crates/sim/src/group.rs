@@ -1,6 +1,6 @@
 use crate::StepReport;
 use crate::conditions::FiberConditions;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{
     self as rod, Conditions, Energy, RodError, RodIntegrator, RodState, StaggeredBatch, StepError,
     adaptive,
@@ -9,8 +9,6 @@ use rapunzel_rod_dynamic::{
 /// Rods that are stepped together.
 pub(crate) trait Batch: Send {
     fn state(&self, lane: usize) -> RodState;
-    /// Position and velocity of a node.
-    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
     fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError>;
@@ -30,10 +28,6 @@ pub(crate) trait Batch: Send {
 impl Batch for StaggeredBatch {
     fn state(&self, lane: usize) -> RodState {
         self.state(lane)
-    }
-
-    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
-        self.node(lane, node)
     }
 
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
@@ -98,11 +92,6 @@ impl<I: RodIntegrator> Rods<I> {
 impl<I: RodIntegrator> Batch for Rods<I> {
     fn state(&self, lane: usize) -> RodState {
         self.rods[lane].state()
-    }
-
-    fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
-        let state = self.rods[lane].state();
-        (state.positions[node], state.velocities[node])
     }
 
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {

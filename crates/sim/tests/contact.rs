@@ -108,7 +108,7 @@ fn no_hair_passes_through_another() {
             touched |= run.step().contact.active > 0;
             let (a, b) = (run.positions(0), run.positions(1));
             let near = distance(&a, &b);
-            assert!(near >= 0.97 * DIAMETER, "{speed} m/s at {angle}: {near}");
+            assert!(near >= 0.98 * DIAMETER, "{speed} m/s at {angle}: {near}");
         }
         assert!(touched, "{speed} m/s at {angle}");
         // The middle of the shot is above the middle of the target, or wrapped around it, but it
@@ -200,10 +200,10 @@ fn a_tress_lands_on_a_ball() {
     for i in 0..run.fibers() {
         let a = run.positions(i);
         for b in (0..i).map(|j| run.positions(j)) {
-            assert!(distance(&a, &b) >= 0.97 * DIAMETER);
+            assert!(distance(&a, &b) >= 0.98 * DIAMETER);
         }
         let center = Point3::new(0.0, 0.0, -0.0605);
-        assert!(a.iter().all(|x| (x - center).norm() > 0.02 + 0.47 * DIAMETER));
+        assert!(a.iter().all(|x| (x - center).norm() > 0.02 + 0.48 * DIAMETER));
     }
 }
 

@@ -7,11 +7,14 @@ use std::path::PathBuf;
 
 fn shipped() -> Vec<(PathBuf, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
-    let files = fs::read_dir(folder).expect("the folder of the scenes");
-    let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
+    let mut paths: Vec<_> = [folder.to_owned(), format!("{folder}/contact")]
+        .iter()
+        .flat_map(|folder| fs::read_dir(folder).expect("a folder of scenes"))
+        .map(|file| file.expect("a file").path())
+        .collect();
     paths.retain(|path| path.extension().is_some_and(|e| e == "ron"));
     paths.sort();
-    assert!(paths.len() >= 9, "{paths:?}");
+    assert!(paths.len() >= 10, "{paths:?}");
     paths.into_iter().map(|p| (p.clone(), fs::read_to_string(p).expect("readable"))).collect()
 }
 
@@ -36,8 +39,9 @@ fn every_scene_runs() {
             }
         }
         let mut world = scene.build().expect("a sound scene");
+        let mut stepper = scene.stepper_of(&world).expect("a stepper");
         for _ in 0..12 {
-            FreeFibers
+            stepper
                 .step(&mut world, Plan::new(&scene).dt)
                 .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         }

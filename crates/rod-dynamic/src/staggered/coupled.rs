@@ -195,6 +195,21 @@ impl StaggeredBatch {
         Ok(saddle)
     }
 
+    /// How points answer impulses on them.
+    fn answer(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        inertia: Inertia,
+        velocities: &mut [Vector3<f64>],
+    ) -> Result<(), RodError> {
+        check("impulses", points.len(), impulses.len())?;
+        check("velocities", points.len(), velocities.len())?;
+        self.check_points(points)?;
+        self.engine.respond_at(points, impulses, inertia, velocities);
+        Ok(())
+    }
+
     fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
         let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
         let on = |p: &Point| {
@@ -265,11 +280,7 @@ impl ImpulseResponse for StaggeredBatch {
         impulses: &[Vector3<f64>],
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError> {
-        check("impulses", points.len(), impulses.len())?;
-        check("velocities", points.len(), velocities.len())?;
-        self.check_points(points)?;
-        self.engine.respond_at(points, impulses, Inertia::Own, velocities);
-        Ok(())
+        self.answer(points, impulses, Inertia::Own, velocities)
     }
 
     fn weighted_respond_at(
@@ -278,11 +289,7 @@ impl ImpulseResponse for StaggeredBatch {
         impulses: &[Vector3<f64>],
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError> {
-        check("impulses", points.len(), impulses.len())?;
-        check("velocities", points.len(), velocities.len())?;
-        self.check_points(points)?;
-        self.engine.respond_at(points, impulses, Inertia::Weighted, velocities);
-        Ok(())
+        self.answer(points, impulses, Inertia::Weighted, velocities)
     }
 
     fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError> {

@@ -14,14 +14,6 @@ impl Staggered {
         Self::with_rho_inf(rod, StaggeredBatch::DEFAULT_RHO_INF)
     }
 
-    /// The same moved by the backward Euler method, see [`StaggeredBatch::backward_euler`].
-    ///
-    /// # Errors
-    /// As [`StaggeredBatch::new`].
-    pub fn backward_euler(rod: Rod) -> Result<Self, RodError> {
-        StaggeredBatch::backward_euler(vec![rod]).map(Self)
-    }
-
     /// The same with the given spectral radius at infinite frequency.
     ///
     /// # Errors

@@ -11,11 +11,14 @@ impl World {
     /// Positions of all nodes, in the order of the assembly.
     pub(super) fn positions(&self) -> Vec<Point3<f64>> {
         let layout = self.assembly().layout();
-        let mut positions = Vec::with_capacity(layout.nodes());
-        for fiber in 0..layout.fibers() {
-            let (group, lane) = self.lane(fiber);
-            let nodes = layout.node_range(fiber).len();
-            positions.extend((0..nodes).map(|node| self.groups[group].batch.node(lane, node).0));
+        let mut positions = vec![Point3::origin(); layout.nodes()];
+        for group in &self.groups {
+            let Some(batch) = group.batch.as_coupled() else { continue };
+            for (lane, &fiber) in group.fibers.iter().enumerate() {
+                for (node, at) in layout.node_range(fiber).enumerate() {
+                    positions[at] = batch.node(lane, node).0;
+                }
+            }
         }
         positions
     }

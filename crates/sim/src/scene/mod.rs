@@ -239,7 +239,7 @@ impl Scene {
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));
             if !self.stepper.can_touch() {
-                let message = "must be Staggered or BackwardEuler without a tolerance where \
+                let message = "must be BackwardEuler, or left out, and without a tolerance where \
                                fibers touch";
                 check.refuse("stepper.method", message.into());
             }

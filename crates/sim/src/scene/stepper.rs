@@ -113,7 +113,7 @@ impl StepperSettings {
 
     /// Whether it can move fibres that touch.
     pub(crate) fn can_touch(&self) -> bool {
-        !matches!(self.method(true), Method::Box { .. }) && self.tolerance.is_none()
+        self.method(true) == Method::BackwardEuler && self.tolerance.is_none()
     }
 
     /// Notes what makes no sense.
@@ -123,7 +123,11 @@ impl StepperSettings {
             check.number("tolerance", tolerance, Allowed::Positive, "m/s");
         }
         check.within("method", |c| match &self.method(false) {
-            Method::BackwardEuler => {}
+            Method::BackwardEuler => {
+                if self.tolerance.is_some() {
+                    c.refuse("", "is of first order, but a tolerance needs one of second".into());
+                }
+            }
             Method::Staggered { rho_infinity } => {
                 c.number("rho_infinity", *rho_infinity, Allowed::Within(0.0, 1.0), "");
             }
