@@ -15,6 +15,8 @@ pub(super) struct Case {
     points: Vec<Vec<Point>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
+    /// Those that the solver looks at.
+    working: Vec<bool>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
     mass: f64,
 }
@@ -75,7 +77,8 @@ impl Case {
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        Ok(Self { contacts, points, impulses, mass: masses.fold(f64::INFINITY, f64::min) })
+        let working = touches.iter().map(|touch| touch.working).collect();
+        Ok(Self { contacts, points, impulses, working, mass: masses.fold(f64::INFINITY, f64::min) })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -87,20 +90,60 @@ impl Case {
         self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
     }
 
-    /// Solves for the impulses, with the rods as they are linearised.
+    /// Solves for the impulses, with the rods as they are linearised. Only contacts that bear
+    /// something or would close, or did so before, are looked at: all others would do nothing but
+    /// hold back the solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
         world: &mut World,
         solver: &mut Admm,
+        patient: bool,
     ) -> Result<Report, ContactError> {
         let velocities = world.at_points(&self.points, &world.linear_velocities());
-        let groups = world.groups.iter_mut().zip(&self.points);
+        for (i, working) in self.working.iter_mut().enumerate() {
+            *working = patient && *working
+                || self.impulses[i] != Vector3::zeros()
+                || self.contacts[i].relative(&velocities).x < 0.0;
+        }
+        let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
+        let mut used = vec![false; velocities.len()];
+        for &i in &working {
+            used[self.contacts[i].first] = true;
+            self.contacts[i].second.into_iter().for_each(|second| used[second] = true);
+        }
+        let kept = |point: &usize| used[*point];
+        let mut index = vec![0; used.len()];
+        (0..used.len()).filter(kept).enumerate().for_each(|(new, old)| index[old] = new);
+        let mut numbers = 0..used.len();
+        let points: Vec<Vec<Point>> = self
+            .points
+            .iter()
+            .map(|all| {
+                let used = all.iter().zip(&mut numbers).filter(|(_, number)| used[*number]);
+                used.map(|(point, _)| *point).collect()
+            })
+            .collect();
+        let velocities: Vec<_> = (0..used.len()).filter(kept).map(|i| velocities[i]).collect();
+        let contacts: Vec<_> = working
+            .iter()
+            .map(|&i| {
+                let contact = self.contacts[i].clone();
+                let second = contact.second.map(|second| index[second]);
+                Contact { first: index[contact.first], second, ..contact }
+            })
+            .collect();
+        let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
+        let groups = world.groups.iter_mut().zip(&points);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
             .collect();
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
-        solver.solve(&mut bodies, &self.contacts, &velocities, &mut self.impulses)
+        let report = solver.solve(&mut bodies, &contacts, &velocities, &mut impulses)?;
+        for (i, impulse) in working.into_iter().zip(impulses) {
+            self.impulses[i] = impulse;
+        }
+        Ok(report)
     }
 
     /// How well the law holds where all nodes have the given mean velocities.
@@ -109,12 +152,11 @@ impl Case {
         report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
     }
 
-    /// Gives the impulses back to the touches.
+    /// Gives the impulses back to the touches, and tells which the solver looks at.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
-        for ((touch, contact), impulse) in
-            touches.iter_mut().zip(&self.contacts).zip(&self.impulses)
-        {
-            touch.impulse = contact.frame * impulse;
+        for (i, touch) in touches.iter_mut().enumerate() {
+            touch.impulse = self.contacts[i].frame * self.impulses[i];
+            touch.working = self.working[i];
         }
     }
 

@@ -65,6 +65,7 @@ impl Remembered {
             gap: 0.0,
             drive: Vector3::zeros(),
             impulse: self.impulse,
+            working: false,
         }
     }
 }

@@ -96,6 +96,7 @@ impl Object {
                     gap: contact.gap,
                     drive: (place - was) / dt,
                     impulse: Vector3::zeros(),
+                    working: false,
                 });
             }
         }

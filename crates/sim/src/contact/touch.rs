@@ -42,6 +42,8 @@ pub(crate) struct Touch {
     pub(crate) drive: Vector3<f64>,
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
+    /// Whether it has borne something, or would have closed, in this step.
+    pub(crate) working: bool,
 }
 
 impl Touch {
@@ -68,6 +70,12 @@ impl Touch {
         let ([s, t], [u, v]) = (self.at(), other.at());
         (self.fiber, self.partner) == (other.fiber, other.partner)
             && (s - u).abs().max((t - v).abs()) < 0.5
+    }
+
+    /// Whether two touches of one pair lie beside each other with normals that face each other.
+    pub(crate) fn opposes(&self, other: &Self) -> bool {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < 0.0
     }
 
     /// Whether two are the same place, named by two segments that share a node.
