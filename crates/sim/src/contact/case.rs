@@ -1,6 +1,7 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
+use super::object::Way;
 use super::touch::{Partner, Touch};
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
@@ -13,6 +14,8 @@ pub(super) struct Case {
     contacts: Vec<Contact>,
     /// By group.
     points: Vec<Vec<Point>>,
+    /// By object; none on those that are led.
+    levers: Vec<Vec<Vector3<f64>>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
@@ -36,6 +39,13 @@ impl Case {
             points[group].push(Point { fiber: lane as u32, segment, fraction });
             (group, points[group].len() - 1)
         };
+        let mut levers = vec![Vec::new(); world.objects.len()];
+        let mut hold = |object: u32, lever: Vector3<f64>| {
+            let object = object as usize;
+            let Way::Free(_) = world.objects[object].way else { return None };
+            levers[object].push(lever);
+            Some((world.groups.len() + object, levers[object].len() - 1))
+        };
         let places: Vec<_> = touches
             .iter()
             .map(|touch| {
@@ -43,17 +53,18 @@ impl Case {
                 let first = add(touch.fiber, s, touch.fractions[0]);
                 let second = match touch.partner {
                     Partner::Fiber(fiber) => Some(add(fiber, t, touch.fractions[1])),
-                    Partner::Object(_) => None,
+                    Partner::Object(object) => hold(object, touch.lever),
                 };
                 (first, second)
             })
             .collect();
         let mut starts = vec![0];
-        for group in &points {
-            starts.push(starts[starts.len() - 1] + group.len());
+        for body in points.iter().map(Vec::len).chain(levers.iter().map(Vec::len)) {
+            starts.push(starts[starts.len() - 1] + body);
         }
         let index = |(group, point): (usize, usize)| starts[group] + point;
-        let velocities = world.at_points(&points, mean);
+        let mut velocities = world.at_points(&points, mean);
+        velocities.extend(world.at_levers(&levers));
         let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
             let frame = frame(&touch.normal, &touch.axis);
             let mut contact = Contact {
@@ -75,7 +86,7 @@ impl Case {
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        Ok(Self { contacts, points, impulses, mass: masses.fold(f64::INFINITY, f64::min) })
+        Ok(Self { contacts, points, levers, impulses, mass: masses.fold(f64::INFINITY, f64::min) })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -93,13 +104,15 @@ impl Case {
         world: &mut World,
         solver: &mut Admm,
     ) -> Result<Report, ContactError> {
-        let velocities = world.at_points(&self.points, &world.linear_velocities());
+        let velocities = self.at_points(world, &world.linear_velocities());
+        let mut free = world.free_bodies(&self.levers)?;
         let groups = world.groups.iter_mut().zip(&self.points);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
             .collect();
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
+        bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
         solver.solve(&mut bodies, &self.contacts, &velocities, &mut self.impulses)
     }
 
@@ -131,8 +144,15 @@ impl Case {
         }
     }
 
+    /// Velocities of all points where all nodes have the given ones.
+    fn at_points(&self, world: &World, nodes: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut velocities = world.at_points(&self.points, nodes);
+        velocities.extend(world.at_levers(&self.levers));
+        velocities
+    }
+
     fn relative(&self, world: &World, mean: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let velocities = world.at_points(&self.points, mean);
+        let velocities = self.at_points(world, mean);
         self.contacts.iter().map(|contact| contact.relative(&velocities)).collect()
     }
 }

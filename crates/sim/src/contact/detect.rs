@@ -199,6 +199,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         other_axis: other,
         gap: contact.gap,
         drive: Vector3::zeros(),
+        lever: Vector3::zeros(),
         impulse: Vector3::zeros(),
     };
     if (fiber, s) <= (partner, t) {

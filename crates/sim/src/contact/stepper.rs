@@ -2,8 +2,9 @@ use super::case::Case;
 use super::detect::{Detector, Motion};
 use super::memory::{Remembered, recall, remember};
 use super::object::Object;
-use super::touch::Touch;
-use crate::scene::ContactSettings;
+use super::report::Unresolved;
+use super::touch::{Partner, Touch};
+use crate::scene::{ContactSettings, Friction};
 use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -19,13 +20,14 @@ const SMALL_TURN: f64 = 1e-4;
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
+/// A step in which nothing moves, s.
+const INSTANT: f64 = 1e-12;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
 /// Fibres with all contacts among them and with objects.
 pub(crate) struct Touching {
     settings: ContactSettings,
-    objects: Vec<Object>,
     detector: Detector,
     solver: Admm,
     /// Of all segments, m.
@@ -76,17 +78,13 @@ struct Part {
 }
 
 impl Touching {
-    pub(crate) fn new(
-        settings: ContactSettings,
-        objects: Vec<Object>,
-        world: &World,
-    ) -> Result<Self, SimError> {
+    pub(crate) fn new(settings: ContactSettings, world: &World) -> Result<Self, SimError> {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let detector = Detector::new(largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        let mut touching = Self { settings, objects, detector, solver, radii, radius };
+        let mut touching = Self { settings, detector, solver, radii, radius };
         touching.refuse_overlaps(world)?;
         Ok(touching)
     }
@@ -100,10 +98,10 @@ impl Touching {
             start: &start,
             end: &start,
             time: world.time(),
-            dt: 1.0,
+            dt: INSTANT,
         };
         let mut touches = Vec::new();
-        self.detector.touches(&motion, &self.objects, 0.0, &mut touches)?;
+        self.detector.touches(&motion, &world.objects, 0.0, &mut touches)?;
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         match deepest {
             Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
@@ -122,6 +120,7 @@ impl Stepper for Touching {
     /// has come, which the report tells.
     fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
+        refuse_leaps(world, dt)?;
         let mut report =
             StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
         // In shortest parts, so that the last ends exactly.
@@ -190,13 +189,16 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
-        let impulses = world.impulses(&expected.iter().map(Remembered::touch).collect::<Vec<_>>());
+        let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
+        let impulses = world.impulses(&touches);
+        world.push(&touches, time, dt)?;
         world.with_impulses(&impulses, |group, own| group.set_out(time, dt, own))?;
         let depth = self.settings.depth * 2.0 * self.radius;
         self.list(world, part, expected, 0.0)?;
         for list in 0..MOST_LISTS {
             let settings = &self.settings;
-            let curve = |touch: &Touch| settings.friction.of(touch);
+            let objects = &world.objects;
+            let curve = |touch: &Touch| friction(settings, objects, touch).of(touch);
             let mut case = Case::new(world, &part.touches, &part.mean, dt, curve)?;
             // The first list is that of a guess: it is soon looked at again.
             let most = if list == 0 { 1 } else { MOST_ITERATIONS };
@@ -219,6 +221,7 @@ impl Touching {
             }
             if list + 1 == MOST_LISTS {
                 report.unresolved = 1;
+                report.first_unresolved = worst(time, &part.touches);
                 part.touches = bearing;
             } else if list > 0 {
                 case.give_gaps(world, &mean, dt, &mut bearing);
@@ -246,6 +249,7 @@ impl Touching {
             case.give_impulses(&mut part.touches);
             let impulses = world.impulses(&part.touches);
             let turns = world.with_impulses(&impulses, |group, own| group.advance(own))?;
+            world.push(&part.touches, part.time, part.dt)?;
             let turn = turns.into_iter().fold(0.0, f64::max);
             let found = case.certificate(world, &world.mean_velocities());
             part.report.iterations += world.assembly().fibers().len();
@@ -303,10 +307,45 @@ impl Touching {
             time: part.time,
             dt: part.dt,
         };
-        self.detector.touches(&motion, &self.objects, more, &mut part.touches)?;
+        self.detector.touches(&motion, &world.objects, more, &mut part.touches)?;
         recall(expected, &mut part.touches);
         Ok(())
     }
+}
+
+/// Refuses a step of `dt`, s, in which an object would jump over fibres.
+fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
+    let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
+    let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
+    let gravity = world.gravity_at(time + 0.5 * dt);
+    for (object, one) in world.objects.iter().enumerate() {
+        let [way, most] = one.leap([time, dt], &gravity, segment)?;
+        if way > most {
+            return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
+        }
+    }
+    Ok(())
+}
+
+/// The friction of a touch.
+fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Friction {
+    let own = match touch.partner {
+        Partner::Object(object) => objects[object as usize].friction,
+        Partner::Fiber(_) => None,
+    };
+    own.unwrap_or(settings.friction)
+}
+
+/// Where the deepest of some touches is.
+fn worst(time: f64, touches: &[Touch]) -> Option<Unresolved> {
+    let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+    Some(Unresolved {
+        time,
+        fiber: deepest.fiber as usize,
+        segment: deepest.segments[0] as usize,
+        partner: deepest.partner,
+        depth: -deepest.gap,
+    })
 }
 
 /// The touches of a list, with those of another in place of theirs, or beside them, that are deeper

@@ -38,8 +38,10 @@ pub(crate) struct Touch {
     pub(crate) other_axis: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
-    /// Mean velocity of the partner's surface over the step if it is an object, m/s, world.
+    /// Mean velocity of the partner's surface over the step if that is led, m/s, world.
     pub(crate) drive: Vector3<f64>,
+    /// From the partner's center of mass to the fibre's axis if that is a free object, m, world.
+    pub(crate) lever: Vector3<f64>,
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
 }
