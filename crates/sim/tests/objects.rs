@@ -28,6 +28,12 @@ impl Run {
         report
     }
 
+    fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            self.step();
+        }
+    }
+
     fn nodes(&self) -> impl Iterator<Item = Point3<f64>> {
         (0..self.world.assembly().fibers().len()).flat_map(|i| self.world.state(i).positions)
     }
@@ -77,7 +83,7 @@ fn slid(tip_first: bool, scene: &str, object: &str) -> f64 {
     let plane = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})), friction: {object})");
     let mut run = Run::new(&read(&[lying], &plane, scene, -9.81, 1e-3));
     let start = run.world.state(0).positions[10];
-    (0..50).for_each(|_| drop(run.step()));
+    run.steps(50);
     (run.world.state(0).positions[10] - start).norm()
 }
 
@@ -210,10 +216,12 @@ fn a_ball_comes_to_rest_on_a_net() {
                 moves: Free(mass: Mass(0.002)))";
     let mut run = Run::new(&read(&bars, ball, "Isotropic(0.5)", -9.81, 1e-3));
     let mut energy = run.world.energy().total();
+    // What a step may leave of penetration, the next may lift: two percent of a diameter.
+    let lifted = 0.02 * 1e-3 * 0.002 * 9.81;
     for _ in 0..300 {
         run.step();
         let now = run.world.energy().total();
-        assert!(now <= energy + 1e-9, "{now} after {energy}");
+        assert!(now <= energy + lifted, "{now} after {energy}");
         energy = now;
     }
     let body = run.world.body(0).expect("a free ball");
@@ -262,7 +270,7 @@ fn a_bar_tumbles_and_goes_on_from_a_snapshot() {
     let scene = read(&[hair("")], bar, "Isotropic(0.3)", -9.81, 1e-3);
     let mut run = Run::new(&scene);
     let spin = run.world.body(0).expect("free").angular_momentum;
-    (0..20).for_each(|_| drop(run.step()));
+    run.steps(20);
     let body = run.world.body(0).expect("free");
     let height = 20.0e-3 - 0.5 * 9.81 * 1e-6 * 20.0 * 21.0;
     assert!((body.center() - Point3::new(0.1, 0.0, height)).norm() < 1e-14);
@@ -270,7 +278,7 @@ fn a_bar_tumbles_and_goes_on_from_a_snapshot() {
     let mut other = Run::new(&scene);
     other.world.restore(&run.world.snapshot()).expect("its own");
     for run in [&mut run, &mut other] {
-        (0..7).for_each(|_| drop(run.step()));
+        run.steps(7);
     }
     assert_eq!(run.world.snapshot(), other.world.snapshot());
     assert_eq!(run.world.body(0), other.world.body(0));
@@ -300,16 +308,14 @@ fn a_clamped_root_that_is_pressed_is_told() {
     let ball = "(shape: Ball(radius: 0.01), position: (0.0, 0.0, -0.0101), \
                 motion: Translate(velocity: (0, 0, 0.5), until: 1))";
     let standing = hair("root: (orientation: Along(direction: (0, 0, 1)))");
-    let scene = read(&[standing], ball, "Isotropic(0.3)", 0.0, 1e-3);
-    let mut run = Run::new(&scene);
-    let reports: Vec<_> = (0..3)
-        .map(|_| run.stepper.step(&mut run.world, 1e-3).expect("is taken as far as it comes"))
-        .collect();
-    let found = reports.iter().find_map(|report| report.contact.first_unresolved);
-    let found = found.unwrap_or_else(|| panic!("{reports:?}"));
+    // Few iterations: more would not help either.
+    let friction = "Isotropic(0.3), iterations: 20";
+    let mut run = Run::new(&read(&[standing], ball, friction, 0.0, 1e-3));
+    let report = run.stepper.step(&mut run.world, 1e-3).expect("is taken as far as it comes");
+    let found = report.contact.first_unresolved.unwrap_or_else(|| panic!("{report:?}"));
     assert_eq!((found.fiber, found.segment), (0, 0));
     assert_eq!(found.partner, rapunzel_sim::Partner::Object(0));
-    assert!(found.depth > 0.0 && found.time < 2e-3, "{found:?}");
+    assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");
     assert!(run.nodes().all(|p| p.iter().all(|x| x.is_finite())));
 }
 

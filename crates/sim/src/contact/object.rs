@@ -22,8 +22,6 @@ pub(crate) struct Object {
     /// Of fibres on it; `None` for that of the scene.
     pub(super) friction: Option<Friction>,
     pub(crate) way: Way,
-    /// Whether it never moves.
-    pub(crate) still: bool,
 }
 
 /// What moves an object.
@@ -79,7 +77,6 @@ impl Object {
         surface: Soup,
         friction: Option<Friction>,
         way: Way,
-        still: bool,
         endless: bool,
     ) -> Self {
         let ends = |k: usize| {
@@ -90,7 +87,7 @@ impl Object {
         let corners = std::array::from_fn(|c| Point3::from([0, 1, 2].map(|k| ends[k][c >> k & 1])));
         let least = ends.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
         let size = if endless { f64::INFINITY } else { least };
-        Self { field, surface, corners, size, friction, way, still }
+        Self { field, surface, corners, size, friction, way }
     }
 
     /// Its surface where it is at the time `t`, s.

@@ -3,7 +3,7 @@
 use super::free::FreeBody;
 use super::object::{Object, Way};
 use crate::SimError;
-use crate::scene::{self, Mass, Motion, Moves, ObjectShape};
+use crate::scene::{self, Mass, Moves, ObjectShape};
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
@@ -67,8 +67,7 @@ impl scene::Object {
                 Way::Free(Box::new(FreeBody::new(body, center)))
             }
         };
-        let still = self.moves == Moves::Led && self.motion == Motion::Fixed;
-        Ok(Object::new(field, surface, self.friction, way, still, self.shape.has_no_end()))
+        Ok(Object::new(field, surface, self.friction, way, self.shape.has_no_end()))
     }
 }
 
@@ -100,9 +99,9 @@ fn solid(shape: &ObjectShape, around: &Surroundings) -> Result<(Field, Soup), Co
         ObjectShape::Capsule { length, radius } => {
             let end = Point3::new(0.0, 0.0, 0.5 * length);
             let mut surface = shapes::sphere(*radius, FINENESS);
-            // The equator is drawn apart; its upper half stays with the upper end.
             for p in &mut surface.vertices {
-                p.z += if p.z >= 0.0 { end.z } else { -end.z };
+                // The equator stays where it is.
+                p.z += if p.z == 0.0 { 0.0 } else { end.z.copysign(p.z) };
             }
             (Box::new(Capsule { start: -end, end, radius: *radius }), surface)
         }

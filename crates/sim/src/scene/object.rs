@@ -173,6 +173,14 @@ impl ObjectShape {
         }
     }
 
+    /// The file that holds it, if any does.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Mesh { file, .. } => Some(file),
+            _ => None,
+        }
+    }
+
     /// Takes a path as seen from the folder of the scene.
     pub(super) fn seen_from(&mut self, folder: &Path) {
         if let Self::Mesh { file, .. } = self {

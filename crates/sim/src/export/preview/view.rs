@@ -75,9 +75,14 @@ impl View {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
+    /// Distance behind the near side of the box, m.
+    pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
+        self.away.dot(&p.coords) - self.origin.z
+    }
+
     /// 0 at the near side of the box, up to 1 at the far side of a deep one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
-        ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
+        (self.distance(p) / self.depth).clamp(0.0, 1.0)
     }
 }
 
