@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Soup, Terrain, shapes};
-use rapunzel_sim::{Scene, SimError, StepReport, Stepper, World};
+use rapunzel_sim::{Bearing, Partner, Scene, SimError, StepReport, Stepper, World};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -195,48 +195,48 @@ fn a_mesh_is_read_from_beside_the_scene() {
     assert!(refused("box.dae").1.contains("only .ply, .stl and .obj"));
 }
 
-/// A ball falls on a net of bars that are clamped at one end each, and comes to rest there.
+/// A ball falls into the opening of a net of four bars, each clamped at one end, and rests there.
 #[test]
 fn a_ball_comes_to_rest_on_a_net() {
-    let bars: Vec<_> = (0..3)
-        .flat_map(|k| [(k, true), (k, false)])
-        .map(|(k, along)| {
-            let (side, place) = (if k == 1 { -1.0 } else { 1.0 }, 0.01 * (f64::from(k) - 1.0));
-            let [x, y] = if along { [-0.03 * side, place] } else { [place, -0.03 * side] };
-            let [dx, dy] = if along { [side, 0.0] } else { [0.0, side] };
-            let z = if along { 0.0 } else { -0.0011 };
+    let (bar, apart, radius, mass) = (5e-4_f64, 0.01_f64, 0.015, 0.002);
+    let bars: Vec<_> = [(1.0, true), (1.0, false), (-1.0, true), (-1.0, false)]
+        .map(|(side, along)| {
+            let (start, place) = (-0.03 * side, -apart * side);
+            let ([x, y], [dx, dy], z) = if along {
+                ([start, place], [side, 0.0], 0.0)
+            } else {
+                ([place, start], [0.0, side], -0.0011)
+            };
             format!(
-                "(length: 0.06, segments: 20, section: Circle(radius: 5e-4), damping_time: 1e-3, \
-                 root: (position: ({x:?}, {y:?}, {z:?}), orientation: Along(direction: ({dx:?}, \
-                 {dy:?}, 0.0))))"
+                "(length: 0.06, segments: 20, section: Circle(radius: {bar:?}), damping_time: \
+                 1e-3, root: (position: ({x:?}, {y:?}, {z:?}), orientation: Along(direction: \
+                 ({dx:?}, {dy:?}, 0.0))))"
             )
         })
-        .collect();
-    let ball = "(shape: Ball(radius: 0.015), position: (0.0, 0.0, 0.018), \
-                moves: Free(mass: Mass(0.002)))";
-    let mut run = Run::new(&read(&bars, ball, "Isotropic(0.5)", -9.81, 1e-3));
+        .to_vec();
+    let ball = format!(
+        "(shape: Ball(radius: {radius:?}), position: (0.0, 0.0, 0.014), moves: Free(mass: \
+         Mass({mass:?})))"
+    );
+    let mut run = Run::new(&read(&bars, &ball, "Isotropic(0.5)", -9.81, 1e-3));
     let mut energy = run.world.energy().total();
     // What a step may leave of penetration, the next may lift: two percent of a diameter.
-    let lifted = 0.02 * 1e-3 * 0.002 * 9.81;
-    for _ in 0..300 {
+    let (weight, lifted) = (mass * 9.81, 0.02 * 2.0 * bar * mass * 9.81);
+    for _ in 0..250 {
         run.step();
         let now = run.world.energy().total();
         assert!(now <= energy + lifted, "{now} after {energy}");
         energy = now;
     }
     let body = run.world.body(0).expect("a free ball");
-    assert!(body.center().z > 0.012 && body.center().z < 0.0155, "{}", body.center());
-    assert!(body.velocity.norm() < 1e-3, "{}", body.velocity);
-    let weight: Vector3<f64> = run
-        .world
-        .contacts()
-        .filter(|one| matches!(one.partner, rapunzel_sim::Partner::Object(0)))
-        .map(|one| one.force)
-        .sum();
-    assert!(
-        (weight + Vector3::new(0.0, 0.0, 0.002 * 9.81)).norm() < 0.02 * 0.002 * 9.81,
-        "{weight}"
-    );
+    // On bars that do not bend; these do, by a third of a millimetre.
+    let height = ((radius + bar).powi(2) - apart * apart).sqrt();
+    let center = body.center();
+    assert!((height - 4e-4..height).contains(&center.z), "{center}");
+    assert!(center.xy().coords.norm() < 1e-5 && body.velocity.norm() < 1e-3, "{body:?}");
+    let on_ball = |one: &Bearing| one.partner == Partner::Object(0);
+    let borne: Vector3<f64> = run.world.contacts().filter(on_ball).map(|one| one.force).sum();
+    assert!((borne + Vector3::new(0.0, 0.0, weight)).norm() < 0.02 * weight, "{borne}");
 }
 
 /// What hairs get of momentum in free flight, a ball loses, to rounding.
@@ -314,7 +314,7 @@ fn a_clamped_root_that_is_pressed_is_told() {
     let report = run.stepper.step(&mut run.world, 1e-3).expect("is taken as far as it comes");
     let found = report.contact.first_unresolved.unwrap_or_else(|| panic!("{report:?}"));
     assert_eq!((found.fiber, found.segment), (0, 0));
-    assert_eq!(found.partner, rapunzel_sim::Partner::Object(0));
+    assert_eq!(found.partner, Partner::Object(0));
     assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");
     assert!(run.nodes().all(|p| p.iter().all(|x| x.is_finite())));
 }

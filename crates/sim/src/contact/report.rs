@@ -19,7 +19,7 @@ pub struct ContactReport {
     /// Parts that were taken although they missed a tolerance, for want of shorter ones.
     pub unresolved: usize,
     /// Where the first of these was worst.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub first_unresolved: Option<Unresolved>,
     /// Largest Coulomb residual, relative to all impulses.
     pub residual: f64,

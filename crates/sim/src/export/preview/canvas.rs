@@ -27,7 +27,7 @@ impl Canvas {
 
     /// A line in front of everything.
     pub(super) fn line(&mut self, a: Point2<f64>, b: Point2<f64>, width: f64, color: Color) {
-        let [a, b] = [a, b].map(|p| Point3::new(p.x, p.y, f64::NEG_INFINITY));
+        let [a, b] = [a, b].map(|p| Point3::new(p.x, p.y, f64::MIN));
         self.stroke(a, b, width, color);
     }
 
@@ -35,7 +35,7 @@ impl Canvas {
     /// coordinate is the distance from the eye. Antialiased: a pixel is covered by how deep it lies
     /// within the line, from nothing half a pixel outside to all half a pixel inside.
     pub(super) fn stroke(&mut self, a: Point3<f64>, b: Point3<f64>, width: f64, color: Color) {
-        let depth = a.z.max(b.z);
+        let depths = [a.z, b.z];
         let (a, b) = (a.xy(), b.xy());
         let reach = 0.5 * width + 1.0;
         let along = b - a;
@@ -46,11 +46,11 @@ impl Canvas {
             clamped(a.y.min(b.y) - reach, self.height)..clamped(a.y.max(b.y) + reach, self.height);
         for y in rows {
             for x in columns.clone() {
-                if self.depths[y * self.width + x] < depth {
-                    continue;
-                }
                 let p = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
                 let t = if squared > 0.0 { (p.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+                if self.depths[y * self.width + x] < depths[0] + t * (depths[1] - depths[0]) {
+                    continue;
+                }
                 let cover = 0.5 * width + 0.5 - (p - t * along).norm();
                 self.blend(x, y, color, cover.clamp(0.0, 1.0));
             }

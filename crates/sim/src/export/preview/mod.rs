@@ -56,7 +56,7 @@ pub fn write(out: &mut impl Write, frames: &[Frame], surfaces: &[Soup]) -> Resul
     let points = points.iter();
     let radii = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.radii);
     let thickest = radii.fold(0.0, |a: f64, r| a.max(*r));
-    let view = View::of(points, thickest).ok_or(ExportError::Empty)?;
+    let view = View::of(points, thickest, !surfaces.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
     let grid = Grid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
@@ -170,7 +170,8 @@ fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f
     }
 }
 
-/// Draws a surface, bright where it faces between light and eye.
+/// Draws a surface, bright where it faces between light and eye; without haze, which would show its
+/// triangles.
 fn draw_surface(canvas: &mut Canvas, surface: &Soup, view: &View, grid: &Grid, corner: [f64; 2]) {
     let window = [corner, [0, 1].map(|k| corner[k] + grid.picture[k])];
     for triangle in &surface.triangles {
@@ -178,8 +179,7 @@ fn draw_surface(canvas: &mut Canvas, surface: &Soup, view: &View, grid: &Grid, c
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
         let bright = 0.45 + 0.55 * normal.dot(&view.half_way).abs();
-        let depth = corners.iter().map(|p| view.depth(p)).sum::<f64>() / 3.0;
-        let color = mix(SURFACE.map(|x| bright * x), PAPER, 0.3 * depth);
+        let color = SURFACE.map(|x| bright * x);
         canvas.triangle(corners.map(|p| grid.place(&p, view, corner)), window, color);
     }
 }
@@ -250,7 +250,7 @@ mod tests {
             };
             let mut bytes = Vec::new();
             write(&mut bytes, std::slice::from_ref(&frame), &[wall]).expect("a sheet");
-            decode(&bytes).1.chunks(3).filter(|p| p[0] < 90 && p[2] < 60).count()
+            decode(&bytes).1.chunks(3).filter(|p| p[0] > p[2] + 20).count()
         };
         let (before, behind) = (dark(-0.5), dark(0.5));
         assert!(before == 0 && behind > 1000, "{before}, {behind}");
