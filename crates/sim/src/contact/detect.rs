@@ -15,6 +15,8 @@ const CHUNK: usize = 2048;
 pub(crate) struct Detector {
     /// Largest gap of a touch that is listed, m.
     margin: f64,
+    /// How much larger gaps may be asked for, m.
+    more: f64,
     /// How much closer two segments may come before the list is made anew, m.
     reserve: f64,
     candidates: Candidates,
@@ -32,16 +34,17 @@ pub(crate) struct Motion<'a> {
 }
 
 impl Detector {
-    /// Lists touches with gaps up to `margin`, m.
-    pub(crate) fn new(margin: f64) -> Result<Self, CollisionError> {
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked.
+    pub(crate) fn new(margin: f64, more: f64) -> Result<Self, CollisionError> {
         let reserve = 8.0 * margin;
-        let candidates = Candidates::new(margin, reserve)?;
-        Ok(Self { margin, reserve, candidates, contacts: Vec::new() })
+        // Of what is farther, a list knows what was near when it was made: chance would decide.
+        let candidates = Candidates::new(margin + more, reserve)?;
+        Ok(Self { margin, more, reserve, candidates, contacts: Vec::new() })
     }
 
     /// All touches at the end of a motion, sorted by pair and place; none is missed that a straight
     /// motion of all nodes would lead through. Gaps up to `more`, m, above the margin are listed
-    /// too, as far as they are known.
+    /// too; that is at most what the detector was made for.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
@@ -55,7 +58,7 @@ impl Detector {
         self.cover(&start, &end)?;
         let pairs = self.candidates.pairs();
         let (near, fast) = sort(&start, &end, pairs);
-        let margin = self.margin + more;
+        let margin = self.margin + more.min(self.more);
         contacts(&end, &near, margin, &mut self.contacts)?;
         touches.clear();
         let found = self.contacts.iter().chain(&fast).filter(|contact| !bends(&end, contact));
@@ -90,7 +93,7 @@ impl Detector {
         {
             // The motion of a single step is wider than the reserve.
             self.reserve *= 2.0;
-            self.candidates = Candidates::new(self.margin, self.reserve)?;
+            self.candidates = Candidates::new(self.margin + self.more, self.reserve)?;
             self.candidates.update(start)?;
         }
         Ok(())

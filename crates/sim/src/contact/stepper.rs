@@ -82,7 +82,7 @@ impl Touching {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let detector = Detector::new(largest)?;
+        let detector = Detector::new(largest, WIDEST * largest)?;
         let solver = Admm::new(Tolerance::EXACT);
         let mut touching = Self { settings, detector, solver, radii, radius };
         touching.refuse_overlaps(world)?;
@@ -139,7 +139,7 @@ impl Stepper for Touching {
                         part *= 2;
                     }
                 }
-                Err(Cut::Fatal(error)) => return Err(error),
+                Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
                 Err(Cut::Rod(source)) if part == 1 => return Err(SimError::Step { time, source }),
                 Err(_) => {
                     part /= 2;
@@ -334,6 +334,11 @@ fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Fr
         Partner::Fiber(_) => None,
     };
     own.unwrap_or(settings.friction)
+}
+
+/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
+fn lost(error: &SimError) -> bool {
+    matches!(error, SimError::Collision(CollisionError::Position { .. }))
 }
 
 /// Where the deepest of some touches is.

@@ -58,11 +58,13 @@ impl Touch {
         self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
     }
 
-    /// By pair, then by place.
+    /// By pair, then by place, then by segments: of two that name one node the same comes first
+    /// whatever the order in which they were found.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let ([s, t], [u, v]) = (self.at(), other.at());
         let pairs = (self.fiber, self.partner).cmp(&(other.fiber, other.partner));
-        pairs.then(s.total_cmp(&u)).then(t.total_cmp(&v))
+        let places = s.total_cmp(&u).then(t.total_cmp(&v));
+        pairs.then(places).then(self.segments.cmp(&other.segments))
     }
 
     /// Whether two are of one pair, and not far from each other.

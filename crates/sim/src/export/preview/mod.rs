@@ -250,7 +250,7 @@ mod tests {
             };
             let mut bytes = Vec::new();
             write(&mut bytes, std::slice::from_ref(&frame), &[wall]).expect("a sheet");
-            decode(&bytes).1.chunks(3).filter(|p| p[0] > p[2] + 20).count()
+            decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 20).count()
         };
         let (before, behind) = (dark(-0.5), dark(0.5));
         assert!(before == 0 && behind > 1000, "{before}, {behind}");
