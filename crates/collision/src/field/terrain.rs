@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(surface.triangles.len(), 2 * 200 * 150);
         let heights = || surface.vertices.iter().map(|p| p.z);
         let (low, high) = (heights().fold(0.0, f64::min), heights().fold(0.0, f64::max));
-        assert!(-0.03 <= low && low < -0.008 && 0.008 < high && high <= 0.03, "{low} {high}");
+        assert!((-0.03..-0.008).contains(&low) && (0.008..0.03).contains(&high), "{low} {high}");
         for p in surface.vertices.iter().step_by(97) {
             assert!(field.value(p).abs() < 1e-12);
             assert!(field.value(&Point3::new(p.x, p.y, p.z + 0.001)) > 0.0);
