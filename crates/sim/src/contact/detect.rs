@@ -20,6 +20,8 @@ const RESERVE: f64 = 8.0;
 pub(crate) struct Detector {
     /// Largest gap of a touch that is listed, m.
     margin: f64,
+    /// How much larger gaps may be asked for, m.
+    more: f64,
     candidates: Candidates,
     contacts: Vec<Contact>,
 }
@@ -45,16 +47,17 @@ pub(crate) enum Place {
 }
 
 impl Detector {
-    /// Lists touches with gaps up to `margin`, m.
-    pub(crate) fn new(margin: f64) -> Result<Self, CollisionError> {
-        let candidates = Candidates::new(margin, RESERVE * margin)?;
-        Ok(Self { margin, candidates, contacts: Vec::new() })
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked.
+    pub(crate) fn new(margin: f64, more: f64) -> Result<Self, CollisionError> {
+        // Of what is farther, a list knows what was near when it was made: chance would decide.
+        let candidates = Candidates::new(margin + more, RESERVE * margin)?;
+        Ok(Self { margin, more, candidates, contacts: Vec::new() })
     }
 
     /// All touches of a motion, sorted by pair and place; none is missed that a straight motion of
     /// all nodes would lead through. `place` tells where places and normals are taken; gaps are
-    /// those at the end. Gaps up to `more`, m, above the margin are listed too, as far as they are
-    /// known.
+    /// those at the end. Gaps up to `more`, m, above the margin are listed too; that is at most what
+    /// the detector was made for.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
@@ -66,7 +69,7 @@ impl Detector {
         let [start, end] = [motion.start, motion.end]
             .map(|positions| Capsules::new(motion.layout, positions, motion.radii));
         let (start, end) = (start?, end?);
-        let margin = self.margin + more;
+        let margin = self.margin + more.min(self.more);
         let pairs = self.candidates.on_the_way(&start, &end)?;
         touches.clear();
         match place {
@@ -115,20 +118,16 @@ fn fiber_number(fiber: usize) -> u32 {
     fiber as u32
 }
 
-/// Pairs whose gaps at the start are no wider than `margin`, m, and the way together.
+/// Pairs with gaps up to `margin`, m, at the start or the end, or that would pass through each other
+/// between.
 fn within_reach(start: &Capsules, end: &Capsules, pairs: &[Pair], margin: f64) -> Vec<Pair> {
-    let chunk = |pairs: &[Pair]| {
-        let mut before = Vec::new();
-        squared_distances(start, pairs, &mut before);
-        let near = |(&pair, squared): (&Pair, f64)| {
-            let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
-            let reach = (r + q + margin + travel(start, end, pair).sqrt()) * (1.0 + 1e-6);
-            (squared <= reach * reach).then_some(pair)
-        };
-        pairs.iter().zip(before).filter_map(near).collect::<Vec<_>>()
-    };
-    let parts: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
-    parts.concat()
+    let (mut near, fast) = sort(start, end, pairs, margin);
+    let (at_start, _) = sort(start, start, pairs, margin);
+    near.extend(at_start);
+    near.extend(fast.iter().map(|contact| contact.pair));
+    near.par_sort_unstable();
+    near.dedup();
+    near
 }
 
 /// The gap along the normal of a contact between its places, m.
@@ -267,6 +266,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         other_axis: other,
         gap: contact.gap,
         drive: Vector3::zeros(),
+        lever: Vector3::zeros(),
         impulse: Vector3::zeros(),
         working: false,
     };

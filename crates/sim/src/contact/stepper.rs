@@ -2,8 +2,9 @@ use super::case::Case;
 use super::detect::{Detector, Motion, Place};
 use super::memory::{Remembered, recall, remember};
 use super::object::Object;
-use super::touch::Touch;
-use crate::scene::ContactSettings;
+use super::report::Unresolved;
+use super::touch::{Partner, Touch};
+use crate::scene::{ContactSettings, Friction};
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -23,13 +24,14 @@ const SMALL_TURN: f64 = 1e-4;
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
+/// A step in which nothing moves, s.
+const INSTANT: f64 = 1e-12;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
 /// Fibres with all contacts among them and with objects.
 pub(crate) struct Touching {
     settings: ContactSettings,
-    objects: Vec<Object>,
     detector: Detector,
     solver: Admm,
     /// Of all segments, m.
@@ -80,17 +82,13 @@ struct Part {
 }
 
 impl Touching {
-    pub(crate) fn new(
-        settings: ContactSettings,
-        objects: Vec<Object>,
-        world: &World,
-    ) -> Result<Self, SimError> {
+    pub(crate) fn new(settings: ContactSettings, world: &World) -> Result<Self, SimError> {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let detector = Detector::new(largest)?;
+        let detector = Detector::new(largest, WIDEST * largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        let mut touching = Self { settings, objects, detector, solver, radii, radius };
+        let mut touching = Self { settings, detector, solver, radii, radius };
         touching.refuse_overlaps(world)?;
         Ok(touching)
     }
@@ -104,10 +102,10 @@ impl Touching {
             start: &start,
             end: &start,
             time: world.time(),
-            dt: 1.0,
+            dt: INSTANT,
         };
         let mut touches = Vec::new();
-        self.detector.touches(&motion, &self.objects, Place::End, 0.0, &mut touches)?;
+        self.detector.touches(&motion, &world.objects, Place::End, 0.0, &mut touches)?;
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         match deepest {
             Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
@@ -126,6 +124,7 @@ impl Stepper for Touching {
     /// has come, which the report tells.
     fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
+        refuse_leaps(world, dt)?;
         let mut report =
             StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
         // In shortest parts, so that the last ends exactly.
@@ -144,7 +143,7 @@ impl Stepper for Touching {
                         part *= 2;
                     }
                 }
-                Err(Cut::Fatal(error)) => return Err(error),
+                Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
                 Err(Cut::Rod(source)) if part == 1 => return Err(SimError::Step { time, source }),
                 Err(_) => {
                     part /= 2;
@@ -194,10 +193,12 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
-        let impulses = world.impulses(&expected.iter().map(Remembered::touch).collect::<Vec<_>>());
+        let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
+        let impulses = world.impulses(&touches);
+        world.push(&touches, time, dt)?;
         world.with_impulses(&impulses, |group, own| group.set_out(time, dt, own))?;
         // The first list is that of a guess: it only serves to find a better one.
-        self.list(world, part, expected, Place::Start, 0.0)?;
+        self.list(world, part, expected, Place::Start, WIDEST * self.radius)?;
         let mut case = self.case(world, part)?;
         for effort in &EFFORTS[..GUESSES] {
             world.for_groups(|group| group.linearize())?;
@@ -211,6 +212,7 @@ impl Touching {
         let more = (moved.fold(0.0, f64::max) * dt).min(WIDEST * self.radius);
         self.list(world, part, &bearing, Place::End, more)?;
         case = self.case(world, part)?;
+        let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let patient = list >= PATIENCE;
             let solved = self.converge(world, part, &mut case, patient)?;
@@ -225,11 +227,13 @@ impl Touching {
                 part.touches = bearing;
                 return Ok(());
             }
+            worst_touch = worst(time, &part.touches);
             case.give_gaps(world, &part.mean, dt, &mut bearing);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), !patient);
             case = self.case(world, part)?;
         }
         part.report.contact.unresolved = 1;
+        part.report.contact.first_unresolved = worst_touch;
         if last { Ok(()) } else { Err(Cut::Contacts) }
     }
 
@@ -260,7 +264,8 @@ impl Touching {
 
     /// The contacts of a part.
     fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
-        let curve = |touch: &Touch| self.settings.friction.of(touch);
+        let (settings, objects) = (&self.settings, &world.objects);
+        let curve = |touch: &Touch| friction(settings, objects, touch).of(touch);
         Case::new(world, &part.touches, &part.mean, part.dt, curve)
     }
 
@@ -291,6 +296,7 @@ impl Touching {
         case.give_impulses(&mut part.touches);
         let impulses = world.impulses(&part.touches);
         let turn = largest(world.with_impulses(&impulses, |group, own| group.advance(own))?);
+        world.push(&part.touches, part.time, part.dt)?;
         let found = case.certificate(world, &world.mean_velocities());
         part.report.iterations += world.assembly().fibers().len();
         part.report.worst_iterations += 1;
@@ -322,7 +328,7 @@ impl Touching {
             time: part.time,
             dt: part.dt,
         };
-        self.detector.touches(&motion, &self.objects, place, more, &mut part.touches)?;
+        self.detector.touches(&motion, &world.objects, place, more, &mut part.touches)?;
         recall(expected, &mut part.touches);
         Ok(())
     }
@@ -343,6 +349,46 @@ const EFFORTS: [Effort; 3] = [
     Effort { slack: 1.5, most: 120 },
     Effort { slack: 0.5, most: usize::MAX },
 ];
+
+/// Refuses a step of `dt`, s, in which an object would jump over fibres.
+fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
+    let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
+    let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
+    let gravity = world.gravity_at(time + 0.5 * dt);
+    for (object, one) in world.objects.iter().enumerate() {
+        let [way, most] = one.leap([time, dt], &gravity, segment)?;
+        if way > most {
+            return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
+        }
+    }
+    Ok(())
+}
+
+/// The friction of a touch.
+fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Friction {
+    let own = match touch.partner {
+        Partner::Object(object) => objects[object as usize].friction,
+        Partner::Fiber(_) => None,
+    };
+    own.unwrap_or(settings.friction)
+}
+
+/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
+fn lost(error: &SimError) -> bool {
+    matches!(error, SimError::Collision(CollisionError::Position { .. }))
+}
+
+/// Where the deepest of some touches is.
+fn worst(time: f64, touches: &[Touch]) -> Option<Unresolved> {
+    let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+    Some(Unresolved {
+        time,
+        fiber: deepest.fiber as usize,
+        segment: deepest.segments[0] as usize,
+        partner: deepest.partner,
+        depth: -deepest.gap,
+    })
+}
 
 fn largest(turns: Vec<f64>) -> f64 {
     turns.into_iter().fold(0.0, f64::max)
