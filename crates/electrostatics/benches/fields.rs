@@ -14,7 +14,7 @@ fn points(c: &mut Criterion) {
     group.sample_size(10);
     let cube = cube(100_000, 1);
     let hair = hair(300, 333, 2).concat();
-    for (name, points, mixed) in [("uniform", cube, true), ("hair", hair, false)] {
+    for (name, mixed) in [("uniform", cube, true), ("hair", hair, false)] {
         let charges = charges(points.len(), mixed, 3);
         for tolerance in [4e-4, 7e-7] {
             let accuracy = Accuracy::Tolerance(tolerance);
@@ -41,11 +41,11 @@ fn segments(c: &mut Criterion) {
     let radii = [40e-6; 300];
     let accuracy = Accuracy::Tolerance(1e-4);
     let fibers =
-        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points: 4, accuracy };
+        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
     let mut group = c.benchmark_group("segments");
     group.sample_size(10);
     group.bench_function("tress of 30,000, 1e-4", |b| b.iter(|| fibers.forces(black_box(&nodes))));
 }
 
-criterion_group!(benches, points, segments);
+criterion_group!(benches, segments);
 criterion_main!(benches);

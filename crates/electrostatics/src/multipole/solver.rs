@@ -1,6 +1,6 @@
 //! The fast multipole method for point charges.
 
-use super::engine::{Descent, Far, Leaf, Multipoles};
+use super::engine::{Descent, Far, Leaf, Multipoles, Task};
 use super::near::{Cloud, add_pairs};
 use super::tree::{Cell, Tree};
 use crate::ElectrostaticsError;
@@ -166,7 +166,7 @@ impl Sum<'_> {
         let (n, m) = (self.cloud.len(), self.places[0].len());
         let direct = || {
             let certificate = Certificate { order: None, samples: 0, error: 0.0 };
-            (direct_sums(&self.cloud, self.places), certificate)
+            (direct_sums(&self.cloud, 0.0, self.places), certificate)
         };
         let tolerance = match self.plan.accuracy {
             Accuracy::Tolerance(tolerance) => tolerance,
@@ -205,7 +205,7 @@ impl Sum<'_> {
                 let bodies = leaf.bodies.clone();
                 let out = &mut out[bodies.clone()];
                 let own = std::slice::from_ref(&leaf.bodies);
-                add_pairs(&self.cloud, own, self.places, bodies, out);
+                add_pairs(&self.cloud, own, 0.0, self.places, bodies, out);
             }
         } else {
             let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, 2);
@@ -237,9 +237,10 @@ impl Sum<'_> {
 impl Leaf for Sum<'_> {
     type Out = [f64; 4];
 
-    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [[f64; 4]]) {
-        far.add(cell, self.places, cell.bodies.clone(), out);
-        add_pairs(&self.cloud, near, self.places, cell.bodies.clone(), out);
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
+        let (bodies, out) = (cell.bodies.clone(), task.of(cell));
+        far.add(cell, self.places, bodies.clone(), out);
+        add_pairs(&self.cloud, near, 0.0, self.places, bodies, out);
     }
 }
 
@@ -317,7 +318,7 @@ impl Reference {
             }
         }
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| sum.places[d][k]).collect());
-        let sums = direct_sums(&sum.cloud, &places);
+        let sums = direct_sums(&sum.cloud, 0.0, &places);
         Self { samples, weights, sums }
     }
 
