@@ -123,11 +123,7 @@ pub(crate) fn scaled<S: Simd>(a: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
 /// `a + b * factor`.
 #[inline(always)]
 pub(crate) fn along<S: Simd>(a: &Vectors<S>, b: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
-    [
-        b[0].times_plus(factor, a[0]),
-        b[1].times_plus(factor, a[1]),
-        b[2].times_plus(factor, a[2]),
-    ]
+    [b[0].times_plus(factor, a[0]), b[1].times_plus(factor, a[1]), b[2].times_plus(factor, a[2])]
 }
 
 /// Roots and reciprocals as the machine makes them best.

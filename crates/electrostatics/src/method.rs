@@ -76,11 +76,7 @@ pub(crate) fn places<'a>(points: impl Iterator<Item = &'a Point3<f64>> + Clone) 
 }
 
 /// Sums of `q/sqrt(r^2 + softening)` and their gradients at `targets`.
-pub(crate) fn direct_sums(
-    cloud: &Cloud,
-    softening: f64,
-    targets: &[Vec<f64>; 3],
-) -> Vec<[f64; 4]> {
+pub(crate) fn direct_sums(cloud: &Cloud, softening: f64, targets: &[Vec<f64>; 3]) -> Vec<[f64; 4]> {
     // Sources are taken a level-2 cache at a time.
     const TILE: usize = 16_384;
     const TARGETS: usize = 64;

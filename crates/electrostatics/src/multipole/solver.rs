@@ -149,7 +149,7 @@ const SLOPE: f64 = 0.7;
 
 /// Largest ratio of radii to distance at which expansions are used: the fastest of 0.6, 0.7, 0.8 and
 /// 0.9 for a million uniform points at 2e-5, and within a tenth of it at 2e-7.
-pub(crate) const OPENING: f64 = 0.72;
+const OPENING: f64 = 0.72;
 
 /// Share of the tolerance that the samples may use up, since they are not all targets.
 pub(crate) const MARGIN: f64 = 0.5;
@@ -268,7 +268,10 @@ pub(crate) fn find_order<'a>(
             }
             order -= 1;
         } else {
-            if order == MAX_ORDER {
+            // An error that two degrees more leave as it is has another cause.
+            let earlier =
+                errors[..order.saturating_sub(1)].iter().copied().fold(f64::INFINITY, f64::min);
+            if order == MAX_ORDER || reached > 0.9 * earlier {
                 return Err(ElectrostaticsError::OutOfReach { tolerance, reached, order });
             }
             let [low, high] = [1.0, 4.0];

@@ -3,11 +3,10 @@
 //! All near pairs are first taken as points. What this lacks for close ones is added here: the
 //! closed form less the points.
 
-use super::skew::{Line, Means, means};
+use super::skew::{Line, Means, PARALLEL, parallel, skew};
 use crate::lanes::{Kernel, LANES, Lanes, Roots, along, dispatch, dot, minus, scaled};
 use crate::multipole::engine::Task;
-use crate::quadrature::gauss_legendre;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use pulp::Simd;
 use std::ops::Range;
 
@@ -38,9 +37,9 @@ pub(super) struct Lines {
 pub(super) type Loads = [f64; 7];
 
 impl Lines {
-    /// Segments are added by [`push`](Self::push); in sums they are taken as `points` points each.
-    pub(super) fn new(points: usize) -> Self {
-        let unit = |[x, w]: [f64; 2]| [0.5 + 0.5 * x, 0.5 * w];
+    /// Segments are added by [`push`](Self::push); in sums they are taken as the points of `rule`, which
+    /// runs from -1 to 1.
+    pub(super) fn new(rule: &[[f64; 2]]) -> Self {
         Self {
             start: Default::default(),
             tangent: Default::default(),
@@ -50,7 +49,7 @@ impl Lines {
             softening: Vec::new(),
             fiber: Vec::new(),
             index: Vec::new(),
-            rule: gauss_legendre(points).into_iter().map(unit).collect(),
+            rule: rule.iter().map(|[x, w]| [0.5 + 0.5 * x, 0.5 * w]).collect(),
         }
     }
 
@@ -142,33 +141,41 @@ struct Close<'a> {
 impl Kernel for Close<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S>>(mut self, simd: S, roots: R) {
-        let mut partners = Vec::new();
+        let mut found = Partners::default();
         for i in self.bodies.clone() {
             // Bodies whose pairs with i are counted once for both.
             let both = if self.task.complete { self.task.bodies.clone() } else { i..i + 1 };
-            partners.clear();
+            found.askew.clear();
+            found.parallel.clear();
             for near in self.near {
-                let clip = |range: Range<usize>| {
-                    near.start.max(range.start)..near.end.min(range.end)
-                };
-                self.lines.find_close(i, clip(0..both.start), self.reach, &mut partners);
-                self.lines.find_close(i, clip(i + 1..both.end), self.reach, &mut partners);
-                self.lines.find_close(i, clip(both.end..usize::MAX), self.reach, &mut partners);
+                for part in [0..both.start, i + 1..both.end, both.end..usize::MAX] {
+                    let part = near.start.max(part.start)..near.end.min(part.end);
+                    self.lines.find_close(i, part, self.reach, &mut found);
+                }
             }
             let first = self.task.bodies.start;
-            let own = &mut self.task.out[i - first];
-            self.lines.add_self(i, own);
-            for partners in partners.chunks(S::F64_LANES) {
-                self.add(simd, roots, i, partners, &both);
+            self.lines.add_self(i, &mut self.task.out[i - first]);
+            for partners in found.askew.chunks(S::F64_LANES) {
+                self.add(simd, roots, i, partners, &both, false);
+            }
+            for partners in found.parallel.chunks(S::F64_LANES) {
+                self.add(simd, roots, i, partners, &both, true);
             }
         }
     }
 }
 
+/// Segments that are close to another: those that are not parallel to it, and those that nearly are.
+#[derive(Default)]
+struct Partners {
+    askew: Vec<usize>,
+    parallel: Vec<usize>,
+}
+
 impl Lines {
     /// Finds the segments of `range` that are close to `i`.
     #[inline(always)]
-    fn find_close(&self, i: usize, range: Range<usize>, reach: f64, found: &mut Vec<usize>) {
+    fn find_close(&self, i: usize, range: Range<usize>, reach: f64, found: &mut Partners) {
         let place = [0, 1, 2].map(|c| self.middle[c][i]);
         let half = 0.5 * reach;
         for first in range.clone().step_by(LANES) {
@@ -182,7 +189,12 @@ impl Lines {
                 beyond[k] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - limit * limit;
             }
             if beyond.iter().any(|b| *b < 0.0) {
-                found.extend((0..chunk.len()).filter(|k| beyond[*k] < 0.0).map(|k| first + k));
+                for (j, _) in chunk.zip(beyond).filter(|(_, beyond)| *beyond < 0.0) {
+                    let tangent = |k: usize| Vector3::from_fn(|c, _| self.tangent[c][k]);
+                    let sine2: f64 = tangent(i).cross(&tangent(j)).norm_squared();
+                    let skew = sine2 >= PARALLEL * PARALLEL;
+                    if skew { &mut found.askew } else { &mut found.parallel }.push(j);
+                }
             }
         }
     }
@@ -198,6 +210,7 @@ impl Close<'_> {
         i: usize,
         partners: &[usize],
         both: &Range<usize>,
+        nearly_parallel: bool,
     ) {
         let lines = self.lines;
         // Lanes without a partner repeat the first one without its charge.
@@ -213,7 +226,12 @@ impl Close<'_> {
         }
         let own = lines.gather(simd, &[i; LANES]);
         let others = lines.gather(simd, &indices);
-        let exact = means(roots, &own, &others, Lanes::load(simd, &softening));
+        let softening = Lanes::load(simd, &softening);
+        let exact = if nearly_parallel {
+            parallel(roots, &own, &others, softening)
+        } else {
+            skew(roots, &own, &others, softening)
+        };
         let difference = exact.less(&as_points(roots, &lines.rule, &own, &others));
         let charges = Lanes::load(simd, &charges);
         let energy = (difference.energy * charges).store();

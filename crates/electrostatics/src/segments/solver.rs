@@ -5,7 +5,7 @@ use crate::error::{check_charges, check_count, check_positions};
 use crate::method::direct_sums;
 use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
 use crate::multipole::near::{Cloud, add_pairs};
-use crate::multipole::solver::{OPENING, check_accuracy, find_order, guess};
+use crate::multipole::solver::{check_accuracy, find_order, guess};
 use crate::multipole::tree::{Cell, Tree};
 use crate::quadrature::gauss_legendre;
 use crate::{Accuracy, COULOMB_CONSTANT, Certificate, ElectrostaticsError};
@@ -14,14 +14,17 @@ use rapunzel_fiber::Layout;
 use std::ops::Range;
 
 /// Segments in a leaf, from measured rates.
-const CAPACITY: usize = 24;
+const CAPACITY: usize = 40;
 
 /// Segments whose forces are compared with the direct sum.
 const SAMPLES: usize = 48;
 
-/// Distance of two segments over their length up to which the closed form is used. It is less than
-/// what expansions ever reach, `1/OPENING`.
+/// Distance of two segments over their length up to which the closed form is used.
 const REACH: f64 = 1.4;
+
+/// Largest ratio of radii to distance at which expansions are used: all of their pairs are beyond
+/// [`REACH`].
+const OPENING: f64 = 1.0 / REACH;
 
 /// Charged fibres: the straight segments between their nodes, each with its charge spread evenly.
 ///
@@ -73,22 +76,13 @@ impl ChargedFibers<'_> {
         let unit = self.charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
         let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
         let tree = Tree::new(count, CAPACITY, ends);
-        let rule = gauss_legendre(points(self.accuracy));
-        let mut cloud = Cloud::default();
-        let mut lines = Lines::new(rule.len());
-        for &i in &tree.order {
-            let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
-            let [start, end] = ends(segment).map(|x| x.coords);
-            for [x, w] in &rule {
-                let point = (start * (1.0 - x) + end * (1.0 + x)) * 0.5;
-                cloud.push(point.into(), charge * 0.5 * w);
+        let mut points = points(self.accuracy);
+        let (loads, certificate) = loop {
+            match self.sum(&tree, unit, points, ends).run(self.accuracy) {
+                Err(ElectrostaticsError::OutOfReach { .. }) if points < MOST_POINTS => points += 1,
+                result => break result?,
             }
-            let fiber = self.layout.segment_fibers()[segment];
-            #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
-            lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
-        }
-        let sum = Sum { tree: &tree, cloud, rule, lines };
-        let (loads, certificate) = sum.run(self.accuracy)?;
+        };
         let factor = COULOMB_CONSTANT * unit * unit;
         let mut result = Electrostatics {
             energy: factor * loads.iter().map(|load| load[0]).sum::<f64>(),
@@ -104,6 +98,31 @@ impl ChargedFibers<'_> {
             result.forces[b] += factor * Vector3::new(bx, by, bz);
         }
         Ok(result)
+    }
+
+    /// The segments in the order of `tree`, and as `points` points each.
+    fn sum<'a>(
+        &self,
+        tree: &'a Tree,
+        unit: f64,
+        points: usize,
+        ends: impl Fn(usize) -> [Point3<f64>; 2],
+    ) -> Sum<'a> {
+        let rule = gauss_legendre(points);
+        let mut cloud = Cloud::default();
+        let mut lines = Lines::new(&rule);
+        for &i in &tree.order {
+            let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
+            let [start, end] = ends(segment).map(|x| x.coords);
+            for [x, w] in &rule {
+                let point = (start * (1.0 - x) + end * (1.0 + x)) * 0.5;
+                cloud.push(point.into(), charge * 0.5 * w);
+            }
+            let fiber = self.layout.segment_fibers()[segment];
+            #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
+            lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
+        }
+        Sum { tree, cloud, rule, lines }
     }
 
     /// The second derivative of the energy in the direction `v` (m, one vector a node), N: the
@@ -161,7 +180,10 @@ impl ChargedFibers<'_> {
     }
 }
 
-/// Points that a segment is taken as beyond [`REACH`], from measured errors: each reduces them by the
+/// Most points that a segment is taken as.
+const MOST_POINTS: usize = 14;
+
+/// Points that a segment is first taken as beyond [`REACH`], from measured errors: each reduces them by the
 /// square of `2 REACH`.
 fn points(accuracy: Accuracy) -> usize {
     1 + (2 * guess(accuracy) / 5).max(1)
