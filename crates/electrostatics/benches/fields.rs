@@ -14,7 +14,7 @@ fn points(c: &mut Criterion) {
     group.sample_size(10);
     let cube = cube(100_000, 1);
     let hair = hair(300, 333, 2).concat();
-    for (name, mixed) in [("uniform", cube, true), ("hair", hair, false)] {
+    for (name, points, mixed) in [("uniform", cube, true), ("hair", hair, false)] {
         let charges = charges(points.len(), mixed, 3);
         for tolerance in [4e-4, 7e-7] {
             let accuracy = Accuracy::Tolerance(tolerance);
@@ -46,5 +46,5 @@ fn segments(c: &mut Criterion) {
     group.bench_function("tress of 30,000, 1e-4", |b| b.iter(|| fibers.forces(black_box(&nodes))));
 }
 
-criterion_group!(benches, segments);
+criterion_group!(benches, points, segments);
 criterion_main!(benches);

@@ -3,7 +3,7 @@
 //! All near pairs are first taken as points. What this lacks for close ones is added here: the
 //! closed form less the points.
 
-use super::skew::{Line, Means, PARALLEL, parallel, skew};
+use super::skew::{Line, Means, parallel, skew};
 use crate::lanes::{Kernel, LANES, Lanes, Roots, along, dispatch, dot, minus, scaled};
 use crate::multipole::engine::Task;
 use nalgebra::{Point3, Vector3};
@@ -31,6 +31,8 @@ pub(super) struct Lines {
     index: Vec<u32>,
     /// Places of the points on a segment from 0 to 1, and their shares of its charge.
     rule: Vec<[f64; 2]>,
+    /// The sine of the angle up to which two are nearly parallel.
+    parallel: f64,
 }
 
 /// Energy, force on the start and force on the end of one segment, without Coulomb's constant.
@@ -38,8 +40,8 @@ pub(super) type Loads = [f64; 7];
 
 impl Lines {
     /// Segments are added by [`push`](Self::push); in sums they are taken as the points of `rule`, which
-    /// runs from -1 to 1.
-    pub(super) fn new(rule: &[[f64; 2]]) -> Self {
+    /// runs from -1 to 1, and as parallel up to angles of the sine `parallel`.
+    pub(super) fn new(rule: &[[f64; 2]], parallel: f64) -> Self {
         Self {
             start: Default::default(),
             tangent: Default::default(),
@@ -50,6 +52,7 @@ impl Lines {
             fiber: Vec::new(),
             index: Vec::new(),
             rule: rule.iter().map(|[x, w]| [0.5 + 0.5 * x, 0.5 * w]).collect(),
+            parallel,
         }
     }
 
@@ -192,7 +195,7 @@ impl Lines {
                 for (j, _) in chunk.zip(beyond).filter(|(_, beyond)| *beyond < 0.0) {
                     let tangent = |k: usize| Vector3::from_fn(|c, _| self.tangent[c][k]);
                     let sine2: f64 = tangent(i).cross(&tangent(j)).norm_squared();
-                    let skew = sine2 >= PARALLEL * PARALLEL;
+                    let skew = sine2 >= self.parallel * self.parallel;
                     if skew { &mut found.askew } else { &mut found.parallel }.push(j);
                 }
             }
@@ -228,7 +231,7 @@ impl Close<'_> {
         let others = lines.gather(simd, &indices);
         let softening = Lanes::load(simd, &softening);
         let exact = if nearly_parallel {
-            parallel(roots, &own, &others, softening)
+            parallel(roots, &own, &others, softening, softening.of(lines.parallel))
         } else {
             skew(roots, &own, &others, softening)
         };

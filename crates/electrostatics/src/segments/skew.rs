@@ -3,11 +3,24 @@
 use crate::lanes::{Lanes, Roots, Vectors, along, angle, cross, dot, ln, minus, scaled};
 use pulp::Simd;
 
-/// Angle of turn at which lines are nearly parallel, for each unit of their distance over their
-/// length, and its bounds: interpolation errs by its fourth power, rounding by its inverse cube.
-const SMOOTH: f64 = 0.015;
+/// Sine of the angle at which lines are nearly parallel, for each unit of their distance over their
+/// length: the error of interpolation grows as its sixth power.
+const SMOOTH: f64 = 0.025;
+
+/// Turns at which nearly parallel lines are interpolated, in units of this angle.
+const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+
+/// Its least value: the error of rounding grows as the cube of its inverse.
 const LEAST: f64 = 1.5e-3;
-pub(super) const PARALLEL: f64 = 4e-3;
+
+/// Roundings that [`skew`] errs by, times the cube of the sine.
+const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
+
+/// The sine of the angle up to which lines are nearly parallel for forces within `tolerance`, of which
+/// rounding may take a hundredth.
+pub(super) fn nearly_parallel(tolerance: f64) -> f64 {
+    (ROUNDINGS / (0.01 * tolerance)).cbrt().clamp(LEAST, 0.03)
+}
 
 /// Lines from `start` along the unit vector `tangent`.
 #[derive(Clone, Copy)]
@@ -56,19 +69,20 @@ impl<S: Simd> Means<S> {
     }
 }
 
-/// The means over two lines at an angle whose sine is less than [`PARALLEL`]. Relative error: at most
-/// 7e-7, ten roundings over the cube of [`LEAST`], and `(LEAST/d)^4/2` for lines that are closer than
-/// d = 0.03 of their length. Cost: five times that of [`skew`].
+/// The means over two lines at an angle whose sine is less than `most`. Relative error: at most
+/// 7e-7, ten roundings over the cube of [`LEAST`], and `(LEAST/d)^6` for lines that are closer than
+/// d = 0.03 of their length. Cost: seven times that of [`skew`].
 #[inline(always)]
 pub(super) fn parallel<S: Simd, R: Roots<S>>(
     roots: R,
     first: &Line<S>,
     second: &Line<S>,
     softening: Lanes<S>,
+    most: Lanes<S>,
 ) -> Means<S> {
     let normal = cross(&first.tangent, &second.tangent);
     let sine2 = dot(&normal, &normal);
-    let limit = limit(roots, first, second, softening);
+    let limit = limit(roots, first, second, softening, most);
     let limit2 = limit * limit;
     let direct = skew(roots, first, second, softening);
     let turned = interpolated(roots, first, second, softening, limit);
@@ -90,6 +104,7 @@ fn limit<S: Simd, R: Roots<S>>(
     first: &Line<S>,
     second: &Line<S>,
     softening: Lanes<S>,
+    most: Lanes<S>,
 ) -> Lanes<S> {
     let half = softening.of(0.5);
     let lengths = (first.length + second.length) * half;
@@ -102,11 +117,11 @@ fn limit<S: Simd, R: Roots<S>>(
     let across = along(&r, &first.tangent, -beside);
     let distance2 = beyond.times_plus(beyond, dot(&across, &across) + softening);
     let limit = roots.root(distance2) * roots.reciprocal(lengths) * softening.of(SMOOTH);
-    let (least, most) = (softening.of(LEAST), softening.of(PARALLEL));
+    let least = softening.of(LEAST);
     limit.below(least, least, limit.below(most, limit, most))
 }
 
-/// Nearly parallel lines, by the cubic through four turns of the second about its middle.
+/// Nearly parallel lines, by the polynomial through six turns of the second about its middle.
 #[inline(always)]
 fn interpolated<S: Simd, R: Roots<S>>(
     roots: R,
@@ -136,11 +151,11 @@ fn interpolated<S: Simd, R: Roots<S>>(
     let middle = along(&second.start, &second.tangent, half);
     let x = sine * roots.reciprocal(limit);
     let mut sum = Means::zero(one.simd);
-    // Lagrange's polynomials: nodes, the square of the other pair, factors.
-    for [node, other, factor] in
-        [[-2.0, 1.0, -12.0], [-1.0, 4.0, 6.0], [1.0, 4.0, -6.0], [2.0, 1.0, 12.0]]
-    {
-        let weight = x.times_plus(x, one.of(-other)) * (x + one.of(node)) * one.of(1.0 / factor);
+    for node in NODES {
+        let mut weight = one;
+        for other in NODES.into_iter().filter(|other| *other != node) {
+            weight = weight * (x - one.of(other)) * one.of(1.0 / (node - other));
+        }
         let turn = limit * one.of(node);
         let straight = sign * roots.root(turn.times_from(turn, one));
         let tangent = along(&scaled(t, straight), &across, turn);
@@ -170,8 +185,8 @@ fn combined<S: Simd>(axes: &[Vectors<S>; 3], [a, y, z]: [Lanes<S>; 3]) -> Vector
     along(&along(&scaled(&axes[0], a), &axes[1], y), &axes[2], z)
 }
 
-/// The means over two lines that are not parallel. Relative error: below 1e-8 from [`PARALLEL`]
-/// on. Cost: some 350 operations.
+/// The means over two lines that are not parallel. Relative error: [`ROUNDINGS`] over the cube
+/// of the sine of their angle. Cost: some 350 operations.
 ///
 /// With the second line reversed, `r = h n + y s + z t`: n is the common normal, s and t are the
 /// tangents with the product c, and `R^2 = d^2 + y^2 + z^2 + 2 c y z` with `d^2 = h^2 +
@@ -276,8 +291,8 @@ mod tests {
             let normal = cross(&first.tangent, &second.tangent);
             let sine = dot(&normal, &normal).store()[0].sqrt();
             let softening = of(self.softening);
-            let means = if sine < PARALLEL {
-                parallel(roots, &first, &second, softening)
+            let means = if sine < 4e-3 {
+                parallel(roots, &first, &second, softening, of(4e-3))
             } else {
                 skew(roots, &first, &second, softening)
             };
@@ -344,11 +359,11 @@ mod tests {
     #[test]
     fn nearly_parallel_lines_are_the_integrals() {
         let first = [[0.0; 3], [0.0, 0.0, 1.0]];
-        // Rounding, and the rest of the cubic for the kernel 1/(d^2 + x^2)^(3/2), whose fourth
-        // derivative is 45 at most, over the nodes at which an end is moved.
+        // Rounding, and the rest of the polynomial for the kernel 1/(d^2 + x^2)^(3/2), whose sixth
+        // derivative is 1575 at most, over the nodes at which an end is moved.
         let bound = |distance: f64| {
             let moved = (0.5 * LEAST).max(0.5 * SMOOTH * distance) / distance;
-            10.0 * f64::EPSILON / LEAST.powi(3) + 4.0 / 24.0 * 45.0 * moved.powi(4)
+            ROUNDINGS / LEAST.powi(3) + 36.0 / 720.0 * 1575.0 * moved.powi(6)
         };
         for sine in [0.0, 1e-9, 1e-5, 1e-3, 2e-3, 3.9e-3, 4.1e-3, 1e-2] {
             check(first, [[0.1, 0.02, 0.3], [0.1, 0.02 + sine, 1.3]], 1e-9, bound(0.1));

@@ -1,6 +1,7 @@
 //! Energy and nodal forces of charged fibres.
 
 use super::near::{Lines, Loads, SOFTENING};
+use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
 use crate::method::direct_sums;
 use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
@@ -108,9 +109,13 @@ impl ChargedFibers<'_> {
         points: usize,
         ends: impl Fn(usize) -> [Point3<f64>; 2],
     ) -> Sum<'a> {
+        let tolerance = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance,
+            Accuracy::Order(_) => 1e-6,
+        };
         let rule = gauss_legendre(points);
         let mut cloud = Cloud::default();
-        let mut lines = Lines::new(&rule);
+        let mut lines = Lines::new(&rule, nearly_parallel(tolerance));
         for &i in &tree.order {
             let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
             let [start, end] = ends(segment).map(|x| x.coords);
