@@ -61,9 +61,9 @@ pub struct Electrostatics {
 impl ChargedFibers<'_> {
     /// Energy and forces with the nodes at `positions` (world, m).
     ///
-    /// The energy is one number for each choice of near pairs: every near pair is the mean of the
-    /// two one-sided rules, every far pair the same rule on both sides. So forces are its exact
-    /// gradient, and there is no net force or moment, to rounding near and to the tolerance far.
+    /// The energy is one number for each choice of close pairs: these are integrated in closed form, all
+    /// others by the same points on both segments. So forces are its exact gradient, and there is no
+    /// net force or moment, to rounding near and to the tolerance far.
     /// Cost: see the README.
     ///
     /// # Errors
