@@ -166,7 +166,7 @@ impl<S: Simd> Engine for Pack<S> {
                 }
             }
         }
-        Self::respond(self, Inertia::Own);
+        Self::respond(self, Inertia::Own, 0);
         for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
             for (from, to) in lanes(&mut self.work.values).zip(out) {
                 for i in 0..3 {
@@ -193,8 +193,10 @@ impl<S: Simd> Engine for Pack<S> {
         inertia: Inertia,
         out: &mut [Vector3<f64>],
     ) {
+        let Some(from) = points.iter().map(|point| point.segment as usize).min() else { return };
         let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.work.values);
-        values.fill(0.0);
+        // One node before is looked at too, as the end of the first segment that is solved for.
+        values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
             let node = &mut values[first::<S>(point)..];
             for i in 0..3 {
@@ -203,7 +205,7 @@ impl<S: Simd> Engine for Pack<S> {
                 node[(3 + i) * S::F64_LANES] += behind;
             }
         }
-        Self::respond(self, inertia);
+        Self::respond(self, inertia, from);
         let values = bytemuck::cast_slice::<S::f64s, f64>(&self.work.values);
         for (point, out) in points.iter().zip(out) {
             let node = &values[first::<S>(point)..];

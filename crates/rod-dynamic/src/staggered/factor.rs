@@ -172,9 +172,15 @@ impl<S: Simd> Factor<S> {
     /// Solves backward from the eliminated right-hand sides; `x` has 6 entries a segment.
     #[inline(always)]
     pub(super) fn back_substitute(&self, simd: S, x: &mut [S::f64s]) {
+        self.back_substitute_to(simd, 0, x);
+    }
+
+    /// The same for segment `first` and those behind it.
+    #[inline(always)]
+    fn back_substitute_to(&self, simd: S, first: usize, x: &mut [S::f64s]) {
         let mut force = V3::splat(simd, 0.0);
         let mut turn = force;
-        for e in (0..self.n).rev() {
+        for e in (first..self.n).rev() {
             let row = self.row(simd, e);
             // Behind the last segment there is nothing: its coupling multiplies zeros.
             let [df, dt] = row.right(force, turn);
@@ -185,15 +191,11 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves for loads on the constraint rows (3 a segment), without torques. Segments before
-    /// `first` must have no load.
+    /// Solves for loads on the constraint rows (3 a segment), without torques, in segment `first` and
+    /// those behind it. Segments before it must have no load.
     #[inline(always)]
     pub(super) fn solve(&mut self, simd: S, first: usize, loads: &[S::f64s], x: &mut [S::f64s]) {
         let zero = V3::splat(simd, 0.0);
-        for e in 0..first {
-            store(&mut self.data[STRIDE * e + RHS..], 0, zero);
-            store(&mut self.data[STRIDE * e + RHS..], 1, zero);
-        }
         let mut carry = [zero; 2];
         for e in first..self.n {
             let row = self.row(simd, e);
@@ -203,7 +205,7 @@ impl<S: Simd> Factor<S> {
             store(&mut self.data[STRIDE * e + RHS..], 1, turn);
             carry = row.right_transposed(force, load, torque);
         }
-        self.back_substitute(simd, x);
+        self.back_substitute_to(simd, first, x);
     }
 
     /// The force-force blocks of the inverse: diagonal (6 a segment) and, in the row of the

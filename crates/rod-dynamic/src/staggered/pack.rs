@@ -214,7 +214,7 @@ impl<S: Simd> Pack<S> {
             fn call(self) -> [f64; 8] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, Problem::Step);
-                pack.solve_response(&stage, Inertia::Own);
+                pack.solve_response(&stage, Inertia::Own, 0);
                 for i in 0..2 * pack.chain.n {
                     let sum = pack.chain.vec(&pack.chain.step, i)
                         + pack.chain.vec(&pack.work.solution, i);

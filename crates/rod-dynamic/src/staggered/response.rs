@@ -11,7 +11,7 @@ use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
 use crate::Point;
-use pulp::bytemuck::{self, Zeroable};
+use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 
 /// Room for one response; allocated with the first.
@@ -63,15 +63,16 @@ pub(super) enum Inertia {
 
 /// What is asked of the factorised step.
 enum Question<'a> {
-    Respond(Inertia),
+    Respond(Inertia, usize),
     Blocks,
     Weigh(&'a [Point], &'a [f64]),
 }
 
 impl<S: Simd> Pack<S> {
-    /// Replaces the impulses in the workspace by mean velocities.
-    pub(super) fn respond(&mut self, inertia: Inertia) {
-        self.ask(Question::Respond(inertia));
+    /// Replaces the impulses in the workspace by mean velocities, of node `from` and those behind
+    /// it. No node before it may have an impulse; what is theirs in the workspace is left alone.
+    pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
+        self.ask(Question::Respond(inertia, from));
     }
 
     /// Computes the diagonal blocks of all nodes.
@@ -92,7 +93,9 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let stage = self.0.stage(&self.0.last_dt, Problem::Step);
                 match self.1 {
-                    Question::Respond(inertia) => self.0.solve_response(&stage, inertia),
+                    Question::Respond(inertia, from) => {
+                        self.0.solve_response(&stage, inertia, from);
+                    }
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
                         self.0.factorize_weighted(&stage, points, masses);
@@ -104,7 +107,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia) {
+    pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let (chain, work) = (&mut self.chain, &mut self.work);
         let (w, factor) = match inertia {
@@ -112,17 +115,16 @@ impl<S: Simd> Pack<S> {
             Inertia::Weighted => (&work.w, &mut work.weighted),
         };
         let gain = stage.c1 * stage.dt;
-        for e in 0..n {
+        let first = from.saturating_sub(1);
+        for e in first..n {
             let (before, here) =
                 (V3::load(simd, &work.values, e), V3::load(simd, &work.values, e + 1));
             let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
             store(&mut work.loads, e, (before.scale(w0) - here.scale(w1)).scale(gain));
         }
-        let idle = |x: &S::f64s| bytemuck::bytes_of(x).iter().all(|byte| *byte == 0);
-        let first = work.loads.iter().position(|x| !idle(x)).map_or(0, |i| i / 3);
         factor.solve(simd, first, &work.loads, &mut work.solution);
         let rate = stage.dt.recip();
-        for a in 0..=n {
+        for a in from..=n {
             let mut sum = V3::load(simd, &work.values, a).scale(gain);
             if a < n {
                 sum += V3::load(simd, &work.solution, 2 * a);
