@@ -1,5 +1,5 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
-use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
+use crate::folder::{CHECKPOINT, CONTACTS, ENERGIES, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
@@ -182,6 +182,10 @@ fn observers(
     let columns = [Column::Energies].into_iter().chain(enclosed.map(Column::Enclosed)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
+    if scene.contact.is_some() {
+        let file = folder.file(CONTACTS);
+        observers.push(Box::new(Table::open(&file, vec![Column::Contacts], every)?));
+    }
     if !output.probes.is_empty() {
         let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();
         observers.push(Box::new(Table::open(&folder.file(PROBES), columns, every)?));

@@ -1,5 +1,6 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
+use super::report::ContactReport;
 use super::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,9 @@ pub(crate) struct Memory {
     pub(crate) bearing: Vec<Remembered>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
+    /// On the whole step.
+    #[serde(skip)]
+    pub(crate) report: ContactReport,
 }
 
 /// A contact that bore something.

@@ -151,6 +151,7 @@ impl Stepper for Touching {
                 }
             }
         }
+        world.contacts.report = report.contact;
         world.advance_clock(dt);
         Ok(report)
     }

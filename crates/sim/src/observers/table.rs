@@ -32,6 +32,8 @@ pub(crate) enum Column {
     Enclosed(Measured),
     /// What a probe reads.
     Probe(Probe),
+    /// What the contacts of the last step were and cost.
+    Contacts,
 }
 
 /// Pending rows are written when they are longer than this, bytes.
@@ -131,6 +133,9 @@ impl Column {
                 let name = |axis| format!(",fiber {fiber} {node} {symbol}{axis} ({unit})");
                 ["x", "y", "z"].map(name).concat()
             }
+            Self::Contacts => ",listed,active,parts,lists,solves,iterations,unresolved,residual,\
+                normal error (m/s),slip error (m/s),depth (m)"
+                .to_owned(),
         }
     }
 
@@ -155,6 +160,13 @@ impl Column {
                     Quantity::Velocity => velocity,
                 };
                 value.iter().copied().collect()
+            }
+            Self::Contacts => {
+                let of = &world.contacts.report;
+                let counts = [of.listed, of.active, of.parts, of.lists, of.solves, of.iterations];
+                let counts = counts.into_iter().chain([of.unresolved]).map(|count| count as f64);
+                let errors = [of.residual, of.normal_error, of.slip_error, of.depth];
+                counts.chain(errors).collect()
             }
         }
     }
