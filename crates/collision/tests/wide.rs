@@ -137,6 +137,35 @@ proptest! {
             prop_assert_eq!(found, all_contacts(&capsules, reach));
         }
     }
+
+    #[test]
+    fn candidates_miss_no_contact_on_the_way(
+        (layout, start, radii) in soup(),
+        steps in prop::collection::vec((prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 1..50), 0.0..1.0_f64), 1..6),
+        reach in 0.0..0.2_f64,
+        margin in prop_oneof![Just(0.0), 0.0..1.0_f64],
+    ) {
+        let mut list = Candidates::new(reach, margin).expect("valid");
+        let mut positions = start;
+        for (ways, size) in steps {
+            // By more than the margin, or by less.
+            let next = displaced(&positions, &ways, size);
+            let [start, end] = [&positions, &next].map(|p| Capsules::new(&layout, p, &radii));
+            let found = list.on_the_way(&start.expect("valid"), &end.expect("valid"));
+            let mut found = found.expect("the same segments").to_vec();
+            found.sort_unstable();
+            prop_assert!(found.windows(2).all(|two| two[0] != two[1]), "a pair is found twice");
+            for time in [0.0, 0.2, 0.5, 0.9, 1.0] {
+                let between: Vec<_> =
+                    positions.iter().zip(&next).map(|(a, b)| a + time * (b - a)).collect();
+                let capsules = Capsules::new(&layout, &between, &radii).expect("valid");
+                for contact in all_contacts(&capsules, reach) {
+                    prop_assert!(found.binary_search(&contact.pair).is_ok(), "{:?}", contact);
+                }
+            }
+            positions = next;
+        }
+    }
 }
 
 #[test]

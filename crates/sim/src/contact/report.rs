@@ -1,4 +1,4 @@
-use super::touch::Partner;
+use super::touch::{Partner, Touch};
 use serde::{Deserialize, Serialize};
 
 /// What the contacts of a step, or of a run, were and cost.
@@ -61,5 +61,19 @@ impl ContactReport {
         self.normal_error = self.normal_error.max(other.normal_error);
         self.slip_error = self.slip_error.max(other.slip_error);
         self.depth = self.depth.max(other.depth);
+    }
+}
+
+impl Unresolved {
+    /// Where the deepest of some touches is.
+    pub(super) fn deepest(time: f64, touches: &[Touch]) -> Option<Self> {
+        let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+        Some(Self {
+            time,
+            fiber: deepest.fiber as usize,
+            segment: deepest.segments[0] as usize,
+            partner: deepest.partner,
+            depth: -deepest.gap,
+        })
     }
 }

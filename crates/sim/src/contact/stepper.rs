@@ -3,7 +3,7 @@ use super::detect::{Detector, Motion, Place};
 use super::memory::{Remembered, recall, remember};
 use super::object::Object;
 use super::report::Unresolved;
-use super::touch::{Partner, Touch};
+use super::touch::{Partner, Touch, merged};
 use crate::scene::{ContactSettings, Friction};
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
@@ -228,7 +228,7 @@ impl Touching {
                 part.touches = bearing;
                 return Ok(());
             }
-            worst_touch = worst(time, &part.touches);
+            worst_touch = Unresolved::deepest(time, &part.touches);
             case.give_gaps(world, &part.mean, dt, &mut bearing);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), !patient);
             case = self.case(world, part)?;
@@ -274,7 +274,7 @@ impl Touching {
     fn reached(&self, report: &ContactReport, dt: f64) -> bool {
         report.residual <= self.settings.residual
             && report.slip_error <= self.settings.slip
-            && report.normal_error * dt <= self.depth()
+            && report.normal_error * dt <= 0.5 * self.depth()
     }
 
     /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
@@ -289,7 +289,7 @@ impl Touching {
     ) -> Result<f64, Cut> {
         self.solver.tolerance = Tolerance {
             residual: effort.slack * self.settings.residual,
-            normal: effort.slack * self.depth() / part.dt,
+            normal: effort.slack * 0.5 * self.depth() / part.dt,
             slip: effort.slack * self.settings.slip,
             iterations: effort.most.min(self.settings.iterations),
         };
@@ -379,38 +379,6 @@ fn lost(error: &SimError) -> bool {
     matches!(error, SimError::Collision(CollisionError::Position { .. }))
 }
 
-/// Where the deepest of some touches is.
-fn worst(time: f64, touches: &[Touch]) -> Option<Unresolved> {
-    let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
-    Some(Unresolved {
-        time,
-        fiber: deepest.fiber as usize,
-        segment: deepest.segments[0] as usize,
-        partner: deepest.partner,
-        depth: -deepest.gap,
-    })
-}
-
 fn largest(turns: Vec<f64>) -> f64 {
     turns.into_iter().fold(0.0, f64::max)
-}
-
-/// The touches of a list together with those of another that are deeper than `depth`, in place of
-/// those that oppose them and, if `replace`, of those near them.
-fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
-    let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
-    let pair = |touch: &Touch| (touch.fiber, touch.partner);
-    let mut merged = Vec::with_capacity(list.len() + new.len());
-    for touch in list {
-        let start = new.partition_point(|deep| pair(deep) < pair(&touch));
-        let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
-        match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
-            Some(deep) if deep.impulse == Vector3::zeros() => deep.impulse = touch.impulse,
-            Some(_) => (),
-            None => merged.push(touch),
-        }
-    }
-    merged.append(&mut new);
-    merged.sort_by(Touch::order);
-    merged
 }

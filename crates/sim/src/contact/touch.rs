@@ -90,3 +90,23 @@ impl Touch {
             && (t - v).abs() < 1e-9
     }
 }
+
+/// The touches of a list together with those of another that are deeper than `depth`, in place of
+/// those that oppose them and, if `replace`, of those near them.
+pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
+    let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
+    let pair = |touch: &Touch| (touch.fiber, touch.partner);
+    let mut merged = Vec::with_capacity(list.len() + new.len());
+    for touch in list {
+        let start = new.partition_point(|deep| pair(deep) < pair(&touch));
+        let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
+        match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
+            Some(deep) if deep.impulse == Vector3::zeros() => deep.impulse = touch.impulse,
+            Some(_) => (),
+            None => merged.push(touch),
+        }
+    }
+    merged.append(&mut new);
+    merged.sort_by(Touch::order);
+    merged
+}
