@@ -1,11 +1,12 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
+use super::law::Laws;
 use super::object::Way;
 use super::touch::{Partner, Touch};
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, report};
+use rapunzel_contact::{Admm, Body, Contact, ContactError, Report, Solver, report};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
@@ -18,6 +19,8 @@ pub(super) struct Case {
     levers: Vec<Vec<Vector3<f64>>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
+    /// The gaps at the start of the step over its length, m/s.
+    gaps: Vec<f64>,
     /// Those that the solver looks at.
     working: Vec<bool>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
@@ -25,14 +28,14 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// The contacts of a step of `dt` seconds, whose gaps are those where all nodes have the given
-    /// mean velocities. `curve` tells the limit curve of a touch.
+    /// The contacts of a step of `dt` seconds, by the velocities of all nodes before it and, as
+    /// means over it, those where the touches have their gaps.
     pub(super) fn new(
         world: &World,
         touches: &[Touch],
-        mean: &[Vector3<f64>],
+        [before, mean]: [&[Vector3<f64>]; 2],
         dt: f64,
-        curve: impl Fn(&Touch) -> Result<LimitCurve, ContactError> + Sync,
+        laws: &Laws,
     ) -> Result<Self, ContactError> {
         let mut points: Vec<Vec<Point>> = vec![Vec::new(); world.groups.len()];
         let mut add = |fiber: u32, segment: u32, fraction: f64| {
@@ -67,30 +70,43 @@ impl Case {
         let index = |(group, point): (usize, usize)| starts[group] + point;
         let mut velocities = world.at_points(&points, mean);
         velocities.extend(world.at_levers(&levers));
+        let mut before = world.at_points(&points, before);
+        before.extend(world.at_levers_before(&levers));
         let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
             let frame = frame(&touch.normal, &touch.axis);
-            let mut contact = Contact {
-                first: index(*first),
-                second: second.map(index),
+            let (first, second) = (index(*first), second.map(index));
+            let relative = |velocities: &[Vector3<f64>]| {
+                let other = second.map_or_else(Vector3::zeros, |second| velocities[second]);
+                frame.tr_mul(&(velocities[first] - other))
+            };
+            let drive = frame.tr_mul(&touch.drive);
+            // At the velocities that led to this gap, the gap is what may still close.
+            let gap = touch.gap / dt - relative(&velocities).x;
+            let before = relative(&before) - drive;
+            let contact = Contact {
+                first,
+                second,
                 frame,
-                bias: frame.tr_mul(&-touch.drive),
-                friction: curve(touch)?,
+                bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
+                friction: laws.friction(touch, &before)?,
                 adhesion: 0.0,
                 compliance: 0.0,
             };
-            // At the velocities that led to this gap, the gap is what may still close.
-            contact.bias.x = 0.0;
-            contact.bias.x = touch.gap / dt - contact.relative(&velocities).x;
-            Ok(contact)
+            Ok((contact, gap))
         };
-        let contacts: Vec<_> =
-            touches.par_iter().zip(&places).map(contact).collect::<Result<_, _>>()?;
+        let (contacts, gaps): (Vec<_>, Vec<_>) = touches
+            .par_iter()
+            .zip(&places)
+            .map(contact)
+            .collect::<Result<Vec<_>, ContactError>>()?
+            .into_iter()
+            .unzip();
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        Ok(Self { contacts, points, levers, impulses, working, mass })
+        Ok(Self { contacts, points, levers, impulses, gaps, working, mass })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -176,8 +192,10 @@ impl Case {
         dt: f64,
         touches: &mut [Touch],
     ) {
-        for (touch, velocity) in touches.iter_mut().zip(self.relative(world, mean)) {
-            touch.gap = dt * velocity.x;
+        let velocities = self.relative(world, mean);
+        for (i, touch) in touches.iter_mut().enumerate() {
+            // The bias may be another than that of the gap.
+            touch.gap = dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
         }
     }
 

@@ -25,6 +25,7 @@ mod case;
 mod detect;
 mod free;
 mod gather;
+mod law;
 mod memory;
 mod object;
 mod report;

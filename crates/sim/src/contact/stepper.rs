@@ -1,10 +1,10 @@
 use super::case::Case;
 use super::detect::{Detector, Motion, Place};
 use super::memory::{Remembered, recall, remember};
-use super::object::Object;
+use super::law::Laws;
 use super::report::Unresolved;
-use super::touch::{Partner, Touch};
-use crate::scene::{ContactSettings, Friction};
+use super::touch::Touch;
+use crate::scene::ContactSettings;
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -75,6 +75,8 @@ struct Part {
     dt: f64,
     /// Positions of all nodes at its start.
     start: Vec<Point3<f64>>,
+    /// Their velocities there.
+    before: Vec<Vector3<f64>>,
     /// Mean velocities of all nodes when the touches were listed.
     mean: Vec<Vector3<f64>>,
     touches: Vec<Touch>,
@@ -166,9 +168,15 @@ impl Touching {
         dt: f64,
         last: bool,
     ) -> Result<StepReport, Cut> {
-        let start = world.positions();
-        let report = StepReport::default();
-        let mut part = Part { time, dt, start, mean: Vec::new(), touches: Vec::new(), report };
+        let mut part = Part {
+            time,
+            dt,
+            start: world.positions(),
+            before: world.velocities(),
+            mean: Vec::new(),
+            touches: Vec::new(),
+            report: StepReport::default(),
+        };
         // It is forces that last: impulses grow with the step.
         let scale = world.contacts.dt.map_or(0.0, |before| dt / before);
         let mut expected = world.contacts.bearing.clone();
@@ -264,9 +272,9 @@ impl Touching {
 
     /// The contacts of a part.
     fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
-        let (settings, objects) = (&self.settings, &world.objects);
-        let curve = |touch: &Touch| friction(settings, objects, touch).of(touch);
-        Case::new(world, &part.touches, &part.mean, part.dt, curve)
+        let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
+        let laws = Laws::new(&self.settings, &world.objects, gravity, part.dt);
+        Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
     }
 
     /// Whether a step obeys the law as well as it must.
@@ -362,15 +370,6 @@ fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
         }
     }
     Ok(())
-}
-
-/// The friction of a touch.
-fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Friction {
-    let own = match touch.partner {
-        Partner::Object(object) => objects[object as usize].friction,
-        Partner::Fiber(_) => None,
-    };
-    own.unwrap_or(settings.friction)
 }
 
 /// Whether rods have gone nowhere, which a shorter part of a step may spare them.

@@ -1,0 +1,61 @@
+//! What a touch obeys, by the scene, its partner and what it did when the step began.
+
+use super::object::Object;
+use super::touch::{Partner, Touch};
+use crate::scene::ContactSettings;
+use nalgebra::Vector3;
+use rapunzel_contact::{ContactError, LimitCurve};
+
+/// The laws of contact in one part of a step.
+pub(super) struct Laws<'a> {
+    settings: &'a ContactSettings,
+    objects: &'a [Object],
+    /// What gravity adds to a velocity in the part, m/s.
+    fall: f64,
+}
+
+impl<'a> Laws<'a> {
+    /// Those of a part of `dt` seconds under `gravity`, m/s^2.
+    pub(super) fn new(
+        settings: &'a ContactSettings,
+        objects: &'a [Object],
+        gravity: f64,
+        dt: f64,
+    ) -> Self {
+        Self { settings, objects, fall: gravity * dt }
+    }
+
+    /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
+    /// over the length of the part, `before` the normal velocity then.
+    ///
+    /// A touch that would close returns with its share of the velocity of approach (Newton). Whether
+    /// it would is told by the start of the part, with what gravity may add, so that it neither
+    /// depends on the search nor is a fall stopped at the surface before it bounces. What comes no
+    /// faster than gravity drives it in two parts is at rest, and stays so.
+    pub(super) fn closing(&self, touch: &Touch, gap: f64, before: f64) -> f64 {
+        let own = self.object(touch).and_then(|object| object.restitution);
+        let restitution = own.unwrap_or(self.settings.restitution);
+        let bounces = before < -2.0 * self.fall && gap + before < self.fall;
+        if bounces { gap.min(restitution * before) } else { gap }
+    }
+
+    /// The limit curve of a touch with a relative velocity at the start of the part, m/s, in its
+    /// frame. Backward Euler ends with its mean velocity: the slip at the start is that of the part
+    /// before.
+    pub(super) fn friction(
+        &self,
+        touch: &Touch,
+        before: &Vector3<f64>,
+    ) -> Result<LimitCurve, ContactError> {
+        let own = self.object(touch).and_then(|object| object.friction);
+        let sticks = before.yz().norm() <= self.settings.slip;
+        own.unwrap_or(self.settings.friction).of(touch, sticks)
+    }
+
+    fn object(&self, touch: &Touch) -> Option<&Object> {
+        match touch.partner {
+            Partner::Object(object) => Some(&self.objects[object as usize]),
+            Partner::Fiber(_) => None,
+        }
+    }
+}

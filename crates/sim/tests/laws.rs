@@ -1,0 +1,119 @@
+//! Laws of contact beside Coulomb's: how touches bounce, and what they do at rest.
+
+use nalgebra::{Point3, Vector3};
+use rapunzel_sim::{Scene, StepReport, Stepper, World};
+
+/// Radius of the hairs of this file, m.
+const RADIUS: f64 = 3.5e-5;
+const G: f64 = 9.81;
+
+struct Run {
+    world: World,
+    stepper: Box<dyn Stepper>,
+    dt: f64,
+}
+
+impl Run {
+    fn new(fiber: &str, object: &str, laws: &str, gravity: f64, dt: f64) -> Self {
+        let text = format!(
+            "(format: 1, duration: 1.0, fibers: [{fiber}], objects: [{object}],
+            contact: ({laws}),
+            environment: (gravity: (0.0, 0.0, {gravity:?})), stepper: (dt: {dt:?}))"
+        );
+        let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{e} in {text}"));
+        let world = scene.build().expect("a world");
+        let stepper = scene.stepper_of(&world).expect("a stepper");
+        Self { world, stepper, dt }
+    }
+
+    fn step(&mut self) -> StepReport {
+        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
+        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
+        report
+    }
+
+    fn middle(&self) -> Point3<f64> {
+        self.world.state(0).positions[2]
+    }
+}
+
+/// A free short hair that starts at a place, along a direction.
+fn hair(at: &Vector3<f64>, way: &Vector3<f64>) -> String {
+    format!(
+        "(length: 0.008, segments: 4, section: Circle(radius: {RADIUS:?}), root_joint: Free, \
+         root: (position: ({:?}, {:?}, {:?}), orientation: Along(direction: ({:?}, {:?}, {:?}))))",
+        at.x, at.y, at.z, way.x, way.y, way.z
+    )
+}
+
+const GROUND: &str = "(shape: Plane(normal: (0.0, 0.0, 1.0)))";
+
+/// What is left of the height from which a hair falls flat on the ground, and the height after it
+/// has come to rest, m.
+fn bounce(object: &str, laws: &str) -> [f64; 2] {
+    let height = 2e-3;
+    let start = Vector3::new(0.0, 0.0, RADIUS + height);
+    let mut run = Run::new(&hair(&start, &Vector3::x()), object, laws, -G, 5e-5);
+    let (mut energy, mut struck, mut highest) = (run.world.energy().total(), false, 0.0_f64);
+    let scale = 1e-9 * energy;
+    for _ in 0..2000 {
+        run.step();
+        let now = run.world.energy().total();
+        assert!(now <= energy + scale, "energy is gained: {now} after {energy}");
+        energy = now;
+        let (velocity, above) = (run.world.state(0).velocities[2].z, run.middle().z - RADIUS);
+        struck |= velocity >= 0.0;
+        if struck {
+            highest = highest.max(above);
+        }
+    }
+    [highest / height, run.middle().z - RADIUS]
+}
+
+#[test]
+fn a_hair_bounces_by_its_restitution() {
+    let [share, end] = bounce(GROUND, "friction: Isotropic(0.3), restitution: 0.5");
+    println!("rebound {share:.5} of the height for 0.25; at rest {end:.1e} m above the ground");
+    assert!((share / 0.25 - 1.0).abs() < 0.02, "{share}");
+    // 0.1 s hold the fall, 20.2 ms, and all bounces, 2 e / (1 - e) times as long.
+    assert!(end.abs() < 0.02 * 2.0 * RADIUS, "{end}");
+
+    let [share, _] = bounce(GROUND, "friction: Isotropic(0.3)");
+    assert!(share < 0.02 * 2.0 * RADIUS / 2e-3, "{share}");
+
+    let own = "(shape: Plane(normal: (0.0, 0.0, 1.0)), restitution: 0.8)";
+    let [share, _] = bounce(own, "friction: Isotropic(0.3), restitution: 0.1");
+    assert!((share / 0.64 - 1.0).abs() < 0.02, "{share}");
+}
+
+/// How far a hair that starts at rest slides across itself in `steps` steps of 1 ms on a slope.
+fn slid(slope: f64, friction: &str, steps: usize) -> f64 {
+    let (sin, cos) = slope.atan().sin_cos();
+    let (up, down) = (Vector3::new(sin, 0.0, cos), Vector3::new(cos, 0.0, -sin));
+    let plane = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})))");
+    let lying = hair(&(up * (RADIUS + 1e-7)), &Vector3::y());
+    let mut run = Run::new(&lying, &plane, &format!("friction: {friction}"), -G, 1e-3);
+    let start = run.middle();
+    for _ in 0..steps {
+        run.step();
+    }
+    (run.middle() - start).dot(&down)
+}
+
+/// A hair at rest stays on a slope that it could not stop on, and once it slides it slides with the
+/// lesser coefficient.
+#[test]
+fn resting_friction_is_overcome_once() {
+    let friction = "Resting(resting: 0.4, sliding: 0.3)";
+    let steps = 100;
+    let still = 4e-5 * 1e-3 * steps as f64;
+    assert!(slid(0.35, friction, steps).abs() < still);
+    // The step that tears it off still has the greater coefficient; backward Euler.
+    let acceleration = |mu: f64| G * (0.45_f64.atan().sin() - mu * 0.45_f64.atan().cos());
+    let n = steps as f64;
+    let way = 1e-6 * (acceleration(0.4) * n + acceleration(0.3) * 0.5 * n * (n - 1.0));
+    let found = slid(0.45, friction, steps);
+    println!("slid {:.4} mm for {:.4} mm", 1e3 * found, 1e3 * way);
+    assert!((found - way).abs() < still, "{found} for {way}");
+    assert!((slid(0.45, "Isotropic(0.4)", steps) - way).abs() > 10.0 * still);
+}
