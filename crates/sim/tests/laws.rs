@@ -117,3 +117,69 @@ fn resting_friction_is_overcome_once() {
     assert!((found - way).abs() < still, "{found} for {way}");
     assert!((slid(0.45, "Isotropic(0.4)", steps) - way).abs() > 10.0 * still);
 }
+
+/// A hair that starts 0.1 um above the ground, along a direction, while gravity draws it up for
+/// `steps` steps of 1 ms: the height of its root above the ground then, m.
+fn drawn_up(way: &Vector3<f64>, adhesion: &str, steps: usize) -> f64 {
+    let lying = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), way);
+    let laws = format!("friction: Isotropic(0.3), adhesion: {adhesion}");
+    let mut run = Run::new(&lying, GROUND, &laws, G, 1e-3);
+    for _ in 0..steps {
+        run.step();
+    }
+    run.world.state(0).positions[0].z - RADIUS
+}
+
+/// Weight of the hair, N.
+fn weight() -> f64 {
+    let run =
+        Run::new(&hair(&Vector3::zeros(), &Vector3::x()), "", "friction: Isotropic(0.3)", G, 1.0);
+    G * run.world.assembly().fibers()[0].mass()
+}
+
+/// A hair whose film pulls less than gravity leaves; one whose film pulls more stays.
+#[test]
+fn a_film_holds_what_it_can() {
+    let film = |share: f64| format!("Line(force: {:?}, range: 2e-5)", share * weight() / 0.008);
+    let steps = 30;
+    assert!(drawn_up(&Vector3::x(), &film(1.01), steps).abs() < 1.4e-6);
+    assert!(drawn_up(&Vector3::x(), &film(0.99), steps) > 2e-6);
+    // Within its range a film only takes its share of the weight: a dt^2 n (n + 1) / 2.
+    let [start, n] = [1e-7, 3.0];
+    let way = drawn_up(&Vector3::x(), &film(0.75), 3) - start;
+    let expected = 0.25 * G * 1e-6 * 0.5 * n * (n + 1.0);
+    println!("rose {way:.4e} m for {expected:.4e} m");
+    assert!((way / expected - 1.0).abs() < 1e-3, "{way} for {expected}");
+}
+
+/// A hair that stands on the ground is held by one bond until its weight is more.
+#[test]
+fn a_bond_breaks_at_its_strength() {
+    let held = |share: f64| {
+        let bond = format!("Bonds(strength: {:?}, range: 1e-6)", share * weight());
+        drawn_up(&Vector3::z(), &bond, 30)
+    };
+    assert!(held(1.01).abs() < 1.4e-6);
+    // The step that breaks it still has its force, and the rest none.
+    let n = 30.0;
+    let way = 1e-7 + G * 1e-6 * (0.01 * n + 0.5 * n * (n - 1.0));
+    println!("rose {:.6} mm for {:.6} mm", 1e3 * held(0.99), 1e3 * way);
+    assert!((held(0.99) / way - 1.0).abs() < 1e-4, "{} for {way}", held(0.99));
+}
+
+#[test]
+fn laws_that_make_no_sense_are_refused() {
+    for (laws, what) in [
+        ("friction: Isotropic(0.3), restitution: 1.5", "restitution"),
+        ("friction: Resting(resting: 0.2, sliding: 0.3)", "sliding"),
+        ("friction: Isotropic(0.3), adhesion: Line(force: -1.0, range: 1e-6)", "force"),
+        ("friction: Isotropic(0.3), adhesion: Bonds(strength: 0.1, range: 0.0)", "range"),
+    ] {
+        let text = format!(
+            "(format: 1, duration: 1.0, fibers: [{}], contact: ({laws}), stepper: (dt: 1e-3))",
+            hair(&Vector3::zeros(), &Vector3::x())
+        );
+        let error = Scene::from_ron(&text).expect_err(laws).to_string();
+        assert!(error.contains(what), "{error} for {laws}");
+    }
+}

@@ -1,12 +1,12 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
-use super::law::Laws;
+use super::law::{Laws, lengths};
 use super::object::Way;
 use super::touch::{Partner, Touch};
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, Report, Solver, report};
+use rapunzel_contact::{Admm, Body, Bond, Contact, ContactError, Report, Solver, report};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
@@ -72,7 +72,8 @@ impl Case {
         velocities.extend(world.at_levers(&levers));
         let mut before = world.at_points(&points, before);
         before.extend(world.at_levers_before(&levers));
-        let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
+        type Place = ((usize, usize), Option<(usize, usize)>);
+        let contact = |((touch, (first, second)), length): ((&Touch, &Place), &f64)| {
             let frame = frame(&touch.normal, &touch.axis);
             let (first, second) = (index(*first), second.map(index));
             let relative = |velocities: &[Vector3<f64>]| {
@@ -89,7 +90,7 @@ impl Case {
                 frame,
                 bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
                 friction: laws.friction(touch, &before)?,
-                adhesion: 0.0,
+                adhesion: laws.adhesion(touch, gap, *length)?,
                 compliance: 0.0,
             };
             Ok((contact, gap))
@@ -97,6 +98,7 @@ impl Case {
         let (contacts, gaps): (Vec<_>, Vec<_>) = touches
             .par_iter()
             .zip(&places)
+            .zip(&lengths(world.assembly(), touches))
             .map(contact)
             .collect::<Result<Vec<_>, ContactError>>()?
             .into_iter()
@@ -119,7 +121,7 @@ impl Case {
     }
 
     /// Solves for the impulses, with the rods as they are linearised. Only contacts that bear
-    /// something or would close, or did so before, are looked at: all others would do nothing but
+    /// something, pull or would close, or did so before, are looked at: all others would do nothing but
     /// hold back the solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
@@ -131,6 +133,7 @@ impl Case {
         for (i, working) in self.working.iter_mut().enumerate() {
             *working = patient && *working
                 || self.impulses[i] != Vector3::zeros()
+                || self.contacts[i].adhesion > 0.0
                 || self.contacts[i].relative(&velocities).x < 0.0;
         }
         let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
@@ -182,6 +185,24 @@ impl Case {
             touch.impulse = self.contacts[i].frame * self.impulses[i];
             touch.working = self.working[i];
         }
+    }
+
+    /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
+    /// `tolerance`, m/s, where all nodes have the given mean velocities.
+    pub(super) fn tear(
+        &self,
+        world: &World,
+        mean: &[Vector3<f64>],
+        [strength, tolerance]: [f64; 2],
+        touches: &mut [Touch],
+    ) -> Result<(), ContactError> {
+        let velocities = self.relative(world, mean);
+        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
+            let mut bond = Bond::new(strength)?;
+            bond.update(&self.contacts[i], &velocities[i], &self.impulses[i], tolerance);
+            touch.bonded = bond.is_intact();
+        }
+        Ok(())
     }
 
     /// Gives the touches the gaps along their normals where all nodes have the given velocities.

@@ -2,9 +2,10 @@
 
 use super::object::Object;
 use super::touch::{Partner, Touch};
-use crate::scene::ContactSettings;
+use crate::scene::{Adhesion, ContactSettings};
 use nalgebra::Vector3;
-use rapunzel_contact::{ContactError, LimitCurve};
+use rapunzel_contact::{Bond, ContactError, LimitCurve};
+use rapunzel_fiber::Assembly;
 
 /// The laws of contact in one part of a step.
 pub(super) struct Laws<'a> {
@@ -12,6 +13,8 @@ pub(super) struct Laws<'a> {
     objects: &'a [Object],
     /// What gravity adds to a velocity in the part, m/s.
     fall: f64,
+    /// Length of the part, s.
+    dt: f64,
 }
 
 impl<'a> Laws<'a> {
@@ -22,7 +25,7 @@ impl<'a> Laws<'a> {
         gravity: f64,
         dt: f64,
     ) -> Self {
-        Self { settings, objects, fall: gravity * dt }
+        Self { settings, objects, fall: gravity * dt, dt }
     }
 
     /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
@@ -52,10 +55,46 @@ impl<'a> Laws<'a> {
         own.unwrap_or(self.settings.friction).of(touch, sticks)
     }
 
+    /// Tensile impulse that a touch bears, N s, where it stands for a `length` of contact, m. `gap`
+    /// is as in [`Self::closing`].
+    pub(super) fn adhesion(
+        &self,
+        touch: &Touch,
+        gap: f64,
+        length: f64,
+    ) -> Result<f64, ContactError> {
+        match self.settings.adhesion {
+            Some(Adhesion::Line { force, range }) if gap * self.dt <= range => {
+                Ok(force * length * self.dt)
+            }
+            Some(Adhesion::Bonds { strength, .. }) if touch.bonded => {
+                Ok(Bond::new(strength)?.adhesion(self.dt))
+            }
+            _ => Ok(0.0),
+        }
+    }
+
     fn object(&self, touch: &Touch) -> Option<&Object> {
         match touch.partner {
             Partner::Object(object) => Some(&self.objects[object as usize]),
             Partner::Fiber(_) => None,
         }
     }
+}
+
+/// The lengths of contact that some touches stand for, m: to each side half the way to the next of
+/// the pair, if that is at most a segment. Sorted by pair and place.
+pub(super) fn lengths(assembly: &Assembly, touches: &[Touch]) -> Vec<f64> {
+    let mut lengths = vec![0.0; touches.len()];
+    for (i, pair) in touches.windows(2).enumerate() {
+        let [a, b] = [&pair[0], &pair[1]];
+        let way = b.at()[0] - a.at()[0];
+        if (a.fiber, a.partner) == (b.fiber, b.partner) && way <= 1.0 + 1e-9 {
+            let fiber = &assembly.fibers()[a.fiber as usize];
+            let half = 0.5 * way * fiber.length() / fiber.segments() as f64;
+            lengths[i] += half;
+            lengths[i + 1] += half;
+        }
+    }
+    lengths
 }

@@ -178,6 +178,7 @@ impl Object {
                     lever,
                     impulse: Vector3::zeros(),
                     working: false,
+                    bonded: false,
                 });
             }
         }

@@ -1,10 +1,10 @@
 use super::case::Case;
 use super::detect::{Detector, Motion, Place};
-use super::memory::{Remembered, recall, remember};
 use super::law::Laws;
+use super::memory::{Remembered, glue, recall, remember};
 use super::report::Unresolved;
 use super::touch::Touch;
-use crate::scene::ContactSettings;
+use crate::scene::{Adhesion, ContactSettings};
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -38,6 +38,8 @@ pub(crate) struct Touching {
     radii: Vec<f64>,
     /// The smallest, m.
     radius: f64,
+    /// At the start of a run.
+    bonds: Vec<Remembered>,
 }
 
 /// Why a part of a step was not taken.
@@ -88,15 +90,18 @@ impl Touching {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let detector = Detector::new(largest, WIDEST * largest)?;
+        let range = settings.adhesion.map_or(0.0, Adhesion::range);
+        let detector = Detector::new(largest + range, WIDEST * largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        let mut touching = Self { settings, detector, solver, radii, radius };
-        touching.refuse_overlaps(world)?;
+        let bonds = Vec::new();
+        let mut touching = Self { settings, detector, solver, radii, radius, bonds };
+        touching.look(world)?;
         Ok(touching)
     }
 
-    /// Refuses a world that starts deeper in itself than a step would leave it.
-    fn refuse_overlaps(&mut self, world: &World) -> Result<(), SimError> {
+    /// Refuses a world that starts deeper in itself than a step would leave it, and puts bonds where
+    /// it touches itself.
+    fn look(&mut self, world: &World) -> Result<(), SimError> {
         let start = world.positions();
         let motion = Motion {
             layout: world.assembly().layout(),
@@ -116,7 +121,12 @@ impl Touching {
                 other: touch.partner.to_string(),
                 depth: -touch.gap,
             }),
-            _ => Ok(()),
+            _ => {
+                if let Some(Adhesion::Bonds { range, .. }) = self.settings.adhesion {
+                    self.bonds = glue(&touches, range);
+                }
+                Ok(())
+            }
         }
     }
 }
@@ -179,7 +189,8 @@ impl Touching {
         };
         // It is forces that last: impulses grow with the step.
         let scale = world.contacts.dt.map_or(0.0, |before| dt / before);
-        let mut expected = world.contacts.bearing.clone();
+        let first = world.contacts.dt.is_none();
+        let mut expected = if first { &self.bonds } else { &world.contacts.bearing }.clone();
         expected.iter_mut().for_each(|one| one.impulse *= scale);
         let solved = self.solve(world, &mut part, &expected, last);
         if let Err(cut) = solved {
@@ -233,6 +244,10 @@ impl Touching {
             report.depth = deepest;
             if solved && deepest <= self.depth() {
                 part.touches = bearing;
+                if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
+                    let bounds = [strength, self.settings.slip];
+                    case.tear(world, &part.mean, bounds, &mut part.touches)?;
+                }
                 return Ok(());
             }
             worst_touch = worst(time, &part.touches);
@@ -403,8 +418,12 @@ fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<T
         let start = new.partition_point(|deep| pair(deep) < pair(&touch));
         let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
         match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
-            Some(deep) if deep.impulse == Vector3::zeros() => deep.impulse = touch.impulse,
-            Some(_) => (),
+            Some(deep) => {
+                deep.bonded |= touch.bonded;
+                if deep.impulse == Vector3::zeros() {
+                    deep.impulse = touch.impulse;
+                }
+            }
             None => merged.push(touch),
         }
     }

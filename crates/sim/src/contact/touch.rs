@@ -46,6 +46,8 @@ pub(crate) struct Touch {
     pub(crate) impulse: Vector3<f64>,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
+    /// Whether a bond holds it together.
+    pub(crate) bonded: bool,
 }
 
 impl Touch {

@@ -14,6 +14,9 @@ pub struct ContactSettings {
     /// gravity makes in two steps come to rest.
     #[serde(default)]
     pub restitution: f64,
+    /// What holds together what touches; left out, nothing does.
+    #[serde(default)]
+    pub adhesion: Option<Adhesion>,
     /// Largest Coulomb residual of a step: how far impulses are from the law, relative to all
     /// impulses.
     #[serde(default = "residual")]
@@ -40,6 +43,30 @@ fn depth() -> f64 {
 }
 fn iterations() -> usize {
     400
+}
+
+/// What holds fibres to each other and to objects. Friction grows with it: a touch slides where the
+/// friction exceeds its coefficient times what presses it and what it could bear in tension together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Adhesion {
+    /// A pull along the contact, as of a film that wets it: the same up to a gap, then none. Places
+    /// where fibres cross have no length, and no pull.
+    Line {
+        /// Pull per length of contact, N/m.
+        force: f64,
+        /// Largest gap at the start of a step, m; the work of separation per length is the pull
+        /// times this.
+        range: f64,
+    },
+    /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
+    /// where they are nearest, which once broken is gone.
+    Bonds {
+        /// Tensile force under which it breaks, N.
+        strength: f64,
+        /// Largest gap at the start of the run, m.
+        range: f64,
+    },
 }
 
 /// Coefficients of friction of a fibre.
@@ -71,10 +98,32 @@ impl ContactSettings {
     pub(super) fn check(&self, check: &mut Check) {
         check.within("friction", |c| self.friction.check(c));
         check_restitution(self.restitution, check);
+        if let Some(adhesion) = self.adhesion {
+            check.within("adhesion", |c| adhesion.check(c));
+        }
         check.number("residual", self.residual, Allowed::Within(1e-14, 0.1), "");
         check.number("slip", self.slip, Allowed::Positive, "m/s");
         check.number("depth", self.depth, Allowed::Within(1e-9, 0.1), "diameters");
         check.count("iterations", self.iterations, 1, 1_000_000);
+    }
+}
+
+impl Adhesion {
+    fn check(self, check: &mut Check) {
+        match self {
+            Self::Line { force, .. } => check.number("force", force, Allowed::Positive, "N/m"),
+            Self::Bonds { strength, .. } => {
+                check.number("strength", strength, Allowed::Positive, "N");
+            }
+        }
+        check.number("range", self.range(), Allowed::Positive, "m");
+    }
+
+    /// Largest gap at which it acts or comes to be, m.
+    pub(crate) fn range(self) -> f64 {
+        match self {
+            Self::Line { range, .. } | Self::Bonds { range, .. } => range,
+        }
     }
 }
 
