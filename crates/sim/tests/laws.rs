@@ -1,5 +1,7 @@
 //! Laws of contact beside Coulomb's: how touches bounce, and what they do at rest.
 
+#![expect(clippy::print_stdout, reason = "a test tells what it measured")]
+
 use nalgebra::{Point3, Vector3};
 use rapunzel_sim::{Scene, StepReport, Stepper, World};
 
@@ -181,5 +183,72 @@ fn laws_that_make_no_sense_are_refused() {
         );
         let error = Scene::from_ron(&text).expect_err(laws).to_string();
         assert!(error.contains(what), "{error} for {laws}");
+    }
+}
+
+/// A short hair moves as one body on slope and belt, and upright as it bounces on its root. In every step its energy changes by the
+/// work of the contacts, less what backward Euler takes: that of the change of its velocities.
+#[test]
+fn contacts_account_for_the_energy() {
+    let (sin, cos) = 0.45_f64.atan().sin_cos();
+    let slope = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})))");
+    let belt = "(shape: Plane(normal: (0.0, 0.0, 1.0)), \
+                motion: Translate(velocity: (0.1, 0.0, 0.0), until: 1.0))";
+    let laws = "friction: Resting(resting: 0.4, sliding: 0.3)";
+    let flat = Vector3::z() * (RADIUS + 1e-7);
+    for (name, object, laws, start, way) in [
+        ("slope", &*slope, laws, Vector3::new(sin, 0.0, cos) * (RADIUS + 1e-7), Vector3::y()),
+        ("belt", belt, laws, flat, Vector3::y()),
+        (
+            "ground",
+            GROUND,
+            "friction: Isotropic(0.3), restitution: 0.5",
+            flat + Vector3::z() * 1e-3,
+            Vector3::z(),
+        ),
+    ] {
+        let mut run = Run::new(&hair(&start, &way), object, laws, -G, 1e-3);
+        let masses = {
+            let fiber = &run.world.assembly().fibers()[0];
+            [0.5, 1.0, 1.0, 1.0, 0.5].map(|share| share * fiber.mass() / 4.0)
+        };
+        let mass: f64 = masses.iter().sum();
+        let mut worst = 0.0_f64;
+        for _ in 0..60 {
+            let (energy, work) = (run.world.energy(), run.world.contact_work());
+            let before = run.world.state(0).velocities;
+            run.step();
+            let (later, done) = (run.world.energy(), run.world.contact_work());
+            let after = run.world.state(0).velocities;
+            let lost: f64 =
+                (0..5).map(|a| 0.5 * masses[a] * (after[a] - before[a]).norm_squared()).sum();
+            let terms = [
+                later.kinetic - energy.kinetic,
+                later.elastic - energy.elastic,
+                later.gravitational - energy.gravitational,
+                work.friction - done.friction,
+                work.normal - done.normal,
+                work.led - done.led,
+                lost,
+            ];
+            // Places are rounded to 1e-14 of the way of a step, and so are mean velocities; where
+            // nothing moves nothing but roundings is left.
+            let scale = terms.iter().map(|x| x.abs()).sum::<f64>()
+                + 1e-7 * (later.kinetic + mass * G * RADIUS);
+            worst = worst.max(terms.iter().sum::<f64>().abs() / scale);
+        }
+        println!(
+            "{name}: closes to {worst:.1e} of the work of a step; {:?}",
+            run.world.contact_work()
+        );
+        assert!(worst < 1e-6, "{name}: {worst:e}");
+        let [x, z] = [run.world.state(0).velocities[2].x, run.world.contact_work().led];
+        if name == "belt" {
+            assert!((x - 0.1).abs() < 4e-5, "{x}: it goes with the belt");
+            assert!(
+                (z / (0.1 * mass * 0.1) - 1.0).abs() < 1e-3,
+                "{z}: momentum times belt velocity"
+            );
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::body::Fibers;
 use super::law::{Laws, lengths};
 use super::object::Way;
 use super::touch::{Partner, Touch};
+use super::work::ContactWork;
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_contact::{Admm, Body, Bond, Contact, ContactError, Report, Solver, report};
@@ -185,6 +186,29 @@ impl Case {
             touch.impulse = self.contacts[i].frame * self.impulses[i];
             touch.working = self.working[i];
         }
+    }
+
+    /// What the contacts do where all nodes have the given mean velocities.
+    pub(super) fn work(
+        &self,
+        world: &World,
+        mean: &[Vector3<f64>],
+        touches: &[Touch],
+    ) -> ContactWork {
+        let velocities = self.relative(world, mean);
+        let mut work = ContactWork::default();
+        for (i, touch) in touches.iter().enumerate() {
+            let (contact, impulse) = (&self.contacts[i], &self.impulses[i]);
+            let drive = contact.frame.tr_mul(&touch.drive);
+            // The bias along the normal is not that of the drive alone.
+            let opening = velocities[i].x - contact.bias.x - drive.x;
+            work += ContactWork {
+                friction: impulse.yz().dot(&velocities[i].yz()),
+                normal: impulse.x * opening,
+                led: impulse.dot(&drive),
+            };
+        }
+        work
     }
 
     /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than

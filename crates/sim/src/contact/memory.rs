@@ -1,6 +1,7 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::touch::{Partner, Touch};
+use super::work::ContactWork;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,8 @@ pub(crate) struct Memory {
     pub(crate) bearing: Vec<Remembered>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
+    /// Since the start.
+    pub(crate) work: ContactWork,
 }
 
 /// A contact that bore something or is bonded.

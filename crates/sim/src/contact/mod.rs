@@ -32,6 +32,7 @@ mod report;
 mod solid;
 mod stepper;
 mod touch;
+mod work;
 
 pub use memory::Bearing;
 pub(crate) use memory::Memory;
@@ -41,3 +42,4 @@ pub(crate) use solid::Surroundings;
 pub(crate) use stepper::Touching;
 pub use touch::Partner;
 pub(crate) use touch::Touch;
+pub use work::ContactWork;

@@ -4,6 +4,7 @@ use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
 use super::report::Unresolved;
 use super::touch::Touch;
+use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
@@ -82,6 +83,7 @@ struct Part {
     /// Mean velocities of all nodes when the touches were listed.
     mean: Vec<Vector3<f64>>,
     touches: Vec<Touch>,
+    work: ContactWork,
     report: StepReport,
 }
 
@@ -185,6 +187,7 @@ impl Touching {
             before: world.velocities(),
             mean: Vec::new(),
             touches: Vec::new(),
+            work: ContactWork::default(),
             report: StepReport::default(),
         };
         // It is forces that last: impulses grow with the step.
@@ -200,6 +203,7 @@ impl Touching {
         world.accept();
         world.contacts.bearing = remember(&part.touches);
         world.contacts.dt = Some(dt);
+        world.contacts.work += part.work;
         part.report.contact.parts = 1;
         Ok(part.report)
     }
@@ -237,6 +241,7 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, patient)?;
             let mut bearing = std::mem::take(&mut part.touches);
             self.list(world, part, &[], Place::End, 0.0)?;
+            part.work = case.work(world, &part.mean, &bearing);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
