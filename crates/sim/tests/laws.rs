@@ -252,3 +252,60 @@ fn contacts_account_for_the_energy() {
         }
     }
 }
+
+/// Two free hairs side by side draw each other over the whole of their length.
+#[test]
+fn a_film_joins_a_pair() {
+    let gap = 5e-6;
+    let pair = [0.0, 2.0 * RADIUS + gap].map(|y| hair(&Vector3::y().scale(y), &Vector3::x()));
+    let (mass, acceleration) = (weight() / G, 0.5);
+    let force = 0.5 * acceleration * mass / 0.008;
+    let laws = format!(
+        "friction: Isotropic(0.3), adhesion: Line(force: {force:?}, range: {:?})",
+        2.0 * gap
+    );
+    let mut run = Run::new(&pair.join(", "), "", &laws, 0.0, 1e-3);
+    let distance = |run: &Run, node: usize| {
+        let [a, b] = [0, 1].map(|i| run.world.state(i).positions[node]);
+        (b - a).norm() - 2.0 * RADIUS
+    };
+    for n in 1..=3 {
+        run.step();
+        let closed = acceleration * 1e-6 * 0.5 * f64::from(n * (n + 1));
+        for node in 0..5 {
+            let found = gap - distance(&run, node);
+            assert!((found / closed - 1.0).abs() < 2e-3, "{found} for {closed}");
+        }
+    }
+    for _ in 0..20 {
+        run.step();
+    }
+    assert!(distance(&run, 2).abs() < 0.02 * 2.0 * RADIUS, "they stay together");
+}
+
+/// What is bonded goes on from a snapshot as it would have, bit for bit, and does not glue again what
+/// has broken.
+#[test]
+fn bonds_survive_a_snapshot() {
+    for share in [1.01, 0.99] {
+        let laws = format!(
+            "friction: Isotropic(0.3), restitution: 0.2, \
+             adhesion: Bonds(strength: {:?}, range: 1e-6)",
+            share * weight()
+        );
+        let standing = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), &Vector3::z());
+        let new = || Run::new(&standing, GROUND, &laws, G, 1e-3);
+        let mut run = new();
+        for _ in 0..5 {
+            run.step();
+        }
+        let mut other = new();
+        other.world.restore(&run.world.snapshot()).expect("of the same scene");
+        assert_eq!(run.world.contacts().any(|bearing| bearing.bonded), share > 1.0);
+        for _ in 0..5 {
+            run.step();
+            other.step();
+            assert_eq!(run.world.state(0).positions, other.world.state(0).positions);
+        }
+    }
+}
