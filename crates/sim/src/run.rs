@@ -179,7 +179,9 @@ fn observers(
     let shown = Shown::of(&scene.objects);
     let frames = FrameWriter::open(folder, &output.formats, shown, plan.steps_per_frame, interval)?;
     let enclosed = scene.mass_spring.as_ref().and_then(mass_spring::measured);
-    let columns = [Column::Energies].into_iter().chain(enclosed.map(Column::Enclosed)).collect();
+    let work = scene.contact.as_ref().map(|_| Column::ContactWork);
+    let columns = [Column::Energies].into_iter().chain(work);
+    let columns = columns.chain(enclosed.map(Column::Enclosed)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
     if scene.contact.is_some() {

@@ -1,4 +1,4 @@
-use crate::contact::{Bearing, Memory, Object, Way};
+use crate::contact::{Bearing, ContactWork, Memory, Object, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, scene::Environment};
@@ -162,6 +162,12 @@ impl World {
     /// and place.
     pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
         self.contacts.bearings()
+    }
+
+    /// Work that contacts have done on fibres and free objects since the start.
+    #[must_use]
+    pub fn contact_work(&self) -> ContactWork {
+        self.contacts.work
     }
 
     /// All numbers that determine what follows.

@@ -1,11 +1,13 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
+use super::law::{Laws, lengths};
 use super::object::Way;
 use super::touch::{Partner, Touch};
+use super::work::ContactWork;
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, report};
+use rapunzel_contact::{Admm, Body, Bond, Contact, ContactError, Report, Solver, report};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
@@ -18,6 +20,8 @@ pub(super) struct Case {
     levers: Vec<Vec<Vector3<f64>>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
+    /// The gaps at the start of the step over its length, m/s.
+    gaps: Vec<f64>,
     /// Those that the solver looks at.
     working: Vec<bool>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
@@ -25,14 +29,14 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// The contacts of a step of `dt` seconds, whose gaps are those where all nodes have the given
-    /// mean velocities. `curve` tells the limit curve of a touch.
+    /// The contacts of a step of `dt` seconds, by the velocities of all nodes before it and, as
+    /// means over it, those where the touches have their gaps.
     pub(super) fn new(
         world: &World,
         touches: &[Touch],
-        mean: &[Vector3<f64>],
+        [before, mean]: [&[Vector3<f64>]; 2],
         dt: f64,
-        curve: impl Fn(&Touch) -> Result<LimitCurve, ContactError> + Sync,
+        laws: &Laws,
     ) -> Result<Self, ContactError> {
         let mut points: Vec<Vec<Point>> = vec![Vec::new(); world.groups.len()];
         let mut add = |fiber: u32, segment: u32, fraction: f64| {
@@ -67,30 +71,45 @@ impl Case {
         let index = |(group, point): (usize, usize)| starts[group] + point;
         let mut velocities = world.at_points(&points, mean);
         velocities.extend(world.at_levers(&levers));
-        let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
+        let mut before = world.at_points(&points, before);
+        before.extend(world.at_levers_before(&levers));
+        type Place = ((usize, usize), Option<(usize, usize)>);
+        let contact = |((touch, (first, second)), length): ((&Touch, &Place), &f64)| {
             let frame = frame(&touch.normal, &touch.axis);
-            let mut contact = Contact {
-                first: index(*first),
-                second: second.map(index),
+            let (first, second) = (index(*first), second.map(index));
+            let relative = |velocities: &[Vector3<f64>]| {
+                let other = second.map_or_else(Vector3::zeros, |second| velocities[second]);
+                frame.tr_mul(&(velocities[first] - other))
+            };
+            let drive = frame.tr_mul(&touch.drive);
+            // At the velocities that led to this gap, the gap is what may still close.
+            let gap = touch.gap / dt - relative(&velocities).x;
+            let before = relative(&before) - drive;
+            let contact = Contact {
+                first,
+                second,
                 frame,
-                bias: frame.tr_mul(&-touch.drive),
-                friction: curve(touch)?,
-                adhesion: 0.0,
+                bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
+                friction: laws.friction(touch, &before)?,
+                adhesion: laws.adhesion(touch, gap, *length)?,
                 compliance: 0.0,
             };
-            // At the velocities that led to this gap, the gap is what may still close.
-            contact.bias.x = 0.0;
-            contact.bias.x = touch.gap / dt - contact.relative(&velocities).x;
-            Ok(contact)
+            Ok((contact, gap))
         };
-        let contacts: Vec<_> =
-            touches.par_iter().zip(&places).map(contact).collect::<Result<_, _>>()?;
+        let (contacts, gaps): (Vec<_>, Vec<_>) = touches
+            .par_iter()
+            .zip(&places)
+            .zip(&lengths(world.assembly(), touches))
+            .map(contact)
+            .collect::<Result<Vec<_>, ContactError>>()?
+            .into_iter()
+            .unzip();
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        Ok(Self { contacts, points, levers, impulses, working, mass })
+        Ok(Self { contacts, points, levers, impulses, gaps, working, mass })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -103,7 +122,7 @@ impl Case {
     }
 
     /// Solves for the impulses, with the rods as they are linearised. Only contacts that bear
-    /// something or would close, or did so before, are looked at: all others would do nothing but
+    /// something, pull or would close, or did so before, are looked at: all others would do nothing but
     /// hold back the solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
@@ -115,6 +134,7 @@ impl Case {
         for (i, working) in self.working.iter_mut().enumerate() {
             *working = patient && *working
                 || self.impulses[i] != Vector3::zeros()
+                || self.contacts[i].adhesion > 0.0
                 || self.contacts[i].relative(&velocities).x < 0.0;
         }
         let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
@@ -168,6 +188,47 @@ impl Case {
         }
     }
 
+    /// What the contacts do where all nodes have the given mean velocities.
+    pub(super) fn work(
+        &self,
+        world: &World,
+        mean: &[Vector3<f64>],
+        touches: &[Touch],
+    ) -> ContactWork {
+        let velocities = self.relative(world, mean);
+        let mut work = ContactWork::default();
+        for (i, touch) in touches.iter().enumerate() {
+            let (contact, impulse) = (&self.contacts[i], &self.impulses[i]);
+            let drive = contact.frame.tr_mul(&touch.drive);
+            // The bias along the normal is not that of the drive alone.
+            let opening = velocities[i].x - contact.bias.x - drive.x;
+            work += ContactWork {
+                friction: impulse.yz().dot(&velocities[i].yz()),
+                normal: impulse.x * opening,
+                led: impulse.dot(&drive),
+            };
+        }
+        work
+    }
+
+    /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
+    /// `tolerance`, m/s, where all nodes have the given mean velocities.
+    pub(super) fn tear(
+        &self,
+        world: &World,
+        mean: &[Vector3<f64>],
+        [strength, tolerance]: [f64; 2],
+        touches: &mut [Touch],
+    ) -> Result<(), ContactError> {
+        let velocities = self.relative(world, mean);
+        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
+            let mut bond = Bond::new(strength)?;
+            bond.update(&self.contacts[i], &velocities[i], &self.impulses[i], tolerance);
+            touch.bonded = bond.is_intact();
+        }
+        Ok(())
+    }
+
     /// Gives the touches the gaps along their normals where all nodes have the given velocities.
     pub(super) fn give_gaps(
         &self,
@@ -176,8 +237,10 @@ impl Case {
         dt: f64,
         touches: &mut [Touch],
     ) {
-        for (touch, velocity) in touches.iter_mut().zip(self.relative(world, mean)) {
-            touch.gap = dt * velocity.x;
+        let velocities = self.relative(world, mean);
+        for (i, touch) in touches.iter_mut().enumerate() {
+            // The bias may be another than that of the gap.
+            touch.gap = dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
         }
     }
 

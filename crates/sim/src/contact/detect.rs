@@ -269,6 +269,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         lever: Vector3::zeros(),
         impulse: Vector3::zeros(),
         working: false,
+        bonded: false,
     };
     if (fiber, s) <= (partner, t) {
         return touch;

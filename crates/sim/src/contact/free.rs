@@ -140,12 +140,25 @@ impl World {
 
     /// Velocities, as solved so far, at levers on every object; those of led objects have none.
     pub(super) fn at_levers(&self, levers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+        self.of_bodies(levers, |body| &body.solved)
+    }
+
+    /// The same at the start of the step.
+    pub(super) fn at_levers_before(&self, levers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+        self.of_bodies(levers, |body| &body.state)
+    }
+
+    fn of_bodies(
+        &self,
+        levers: &[Vec<Vector3<f64>>],
+        moving: impl Fn(&FreeBody) -> &RigidBody,
+    ) -> Vec<Vector3<f64>> {
         let mut velocities = Vec::new();
         for (object, levers) in self.objects.iter().zip(levers) {
             if let Way::Free(body) = &object.way {
                 // With the inertia at the start of the step, as the solver has it.
-                let velocity = body.solved.velocity;
-                let omega = body.state.inverse_inertia() * body.solved.angular_momentum;
+                let velocity = moving(body).velocity;
+                let omega = body.state.inverse_inertia() * moving(body).angular_momentum;
                 velocities.extend(levers.iter().map(|lever| velocity + omega.cross(lever)));
             }
         }

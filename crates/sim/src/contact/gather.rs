@@ -23,6 +23,16 @@ impl World {
         positions
     }
 
+    /// Velocities of all nodes at the start of the step.
+    pub(super) fn velocities(&self) -> Vec<Vector3<f64>> {
+        self.of_nodes(|batch, own| {
+            let nodes = batch.nodes() / batch.rods().len();
+            let each = own.iter_mut().enumerate();
+            each.for_each(|(k, velocity)| *velocity = batch.node(k / nodes, k % nodes).1);
+            Ok(())
+        })
+    }
+
     /// Mean velocities of all nodes over the step as it has been solved so far.
     pub(super) fn mean_velocities(&self) -> Vec<Vector3<f64>> {
         self.of_nodes(StaggeredBatch::mean_velocities)

@@ -2,22 +2,25 @@
 
 use super::report::ContactReport;
 use super::touch::{Partner, Touch};
+use super::work::ContactWork;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// The contacts of the last part of a step.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Memory {
-    /// Those that bore something, by pair and place.
+    /// Those that bore something or are bonded, by pair and place.
     pub(crate) bearing: Vec<Remembered>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
+    /// Since the start.
+    pub(crate) work: ContactWork,
     /// On the whole step.
     #[serde(skip)]
     pub(crate) report: ContactReport,
 }
 
-/// A contact that bore something.
+/// A contact that bore something or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Remembered {
     fiber: u32,
@@ -28,9 +31,10 @@ pub(crate) struct Remembered {
     lever: Vector3<f64>,
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
+    bonded: bool,
 }
 
-/// A contact that bore something in the last part of a step.
+/// A contact that bore something in the last part of a step, or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bearing {
     /// Index of the fibre.
@@ -42,10 +46,12 @@ pub struct Bearing {
     pub at: [f64; 2],
     /// Mean force on the fibre over that part, N, world.
     pub force: Vector3<f64>,
+    /// Whether a bond of glue holds it.
+    pub bonded: bool,
 }
 
 impl Memory {
-    /// The contacts that bore something.
+    /// The contacts that bore something or are bonded.
     pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
         let dt = self.dt.unwrap_or(1.0);
         self.bearing.iter().map(move |one| Bearing {
@@ -53,6 +59,7 @@ impl Memory {
             partner: one.partner,
             at: one.touch().at(),
             force: one.impulse / dt,
+            bonded: one.bonded,
         })
     }
 }
@@ -73,6 +80,7 @@ impl Remembered {
             lever: self.lever,
             impulse: self.impulse,
             working: false,
+            bonded: self.bonded,
         }
     }
 }
@@ -80,7 +88,7 @@ impl Remembered {
 /// How far a contact may have moved to be the same, in segments.
 const REACH: f64 = 1.0;
 
-/// Gives touches the impulses of remembered contacts of their pairs, the nearest first; no impulse
+/// Gives touches the impulses and bonds of remembered contacts of their pairs, the nearest first; no impulse
 /// is given twice. Both are sorted by pair and place.
 pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
     let mut rest = remembered;
@@ -91,7 +99,7 @@ pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
         let known = &rest[..rest.partition_point(|r| (r.fiber, r.partner) == pair)];
         matches.clear();
         for (i, touch) in group.iter_mut().enumerate() {
-            touch.impulse = Vector3::zeros();
+            (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
             let [s, t] = touch.at();
             for (k, one) in known.iter().enumerate() {
                 let [u, v] = one.touch().at();
@@ -106,17 +114,26 @@ pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
         for &(_, i, k) in &matches {
             if !given[i] && !taken[k] {
                 (given[i], taken[k]) = (true, true);
-                group[i].impulse = known[k].impulse;
+                (group[i].impulse, group[i].bonded) = (known[k].impulse, known[k].bonded);
             }
         }
     }
+}
+
+/// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
+pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
+    let pairs = touches.chunk_by(|a, b| (a.fiber, a.partner) == (b.fiber, b.partner));
+    let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
+    let bonded =
+        nearest.filter(|touch| touch.gap <= range).map(|touch| Touch { bonded: true, ..*touch });
+    remember(&bonded.collect::<Vec<_>>())
 }
 
 /// What to remember of some touches, in their order.
 pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
     touches
         .iter()
-        .filter(|touch| touch.impulse != Vector3::zeros())
+        .filter(|touch| touch.bonded || touch.impulse != Vector3::zeros())
         .map(|touch| Remembered {
             fiber: touch.fiber,
             partner: touch.partner,
@@ -124,6 +141,7 @@ pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
             fractions: touch.fractions,
             lever: touch.lever,
             impulse: touch.impulse,
+            bonded: touch.bonded,
         })
         .collect()
 }

@@ -21,6 +21,8 @@ pub(crate) struct Object {
     size: f64,
     /// Of fibres on it; `None` for that of the scene.
     pub(super) friction: Option<Friction>,
+    /// Of fibres that bounce off it; `None` for that of the scene.
+    pub(super) restitution: Option<f64>,
     pub(crate) way: Way,
 }
 
@@ -76,6 +78,7 @@ impl Object {
         field: Box<dyn DistanceField + Send + Sync>,
         surface: Soup,
         friction: Option<Friction>,
+        restitution: Option<f64>,
         way: Way,
         endless: bool,
     ) -> Self {
@@ -87,7 +90,7 @@ impl Object {
         let corners = std::array::from_fn(|c| Point3::from([0, 1, 2].map(|k| ends[k][c >> k & 1])));
         let least = ends.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
         let size = if endless { f64::INFINITY } else { least };
-        Self { field, surface, corners, size, friction, way }
+        Self { field, surface, corners, size, friction, restitution, way }
     }
 
     /// Its surface where it is at the time `t`, s.
@@ -175,6 +178,7 @@ impl Object {
                     lever,
                     impulse: Vector3::zeros(),
                     working: false,
+                    bonded: false,
                 });
             }
         }

@@ -67,7 +67,8 @@ impl scene::Object {
                 Way::Free(Box::new(FreeBody::new(body, center)))
             }
         };
-        Ok(Object::new(field, surface, self.friction, way, self.shape.has_no_end()))
+        let endless = self.shape.has_no_end();
+        Ok(Object::new(field, surface, self.friction, self.restitution, way, endless))
     }
 }
 

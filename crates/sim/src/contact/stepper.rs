@@ -1,10 +1,11 @@
 use super::case::Case;
 use super::detect::{Detector, Motion, Place};
-use super::memory::{Remembered, recall, remember};
-use super::object::Object;
+use super::law::Laws;
+use super::memory::{Remembered, glue, recall, remember};
 use super::report::Unresolved;
-use super::touch::{Partner, Touch, merged};
-use crate::scene::{ContactSettings, Friction};
+use super::touch::{Touch, merged};
+use super::work::ContactWork;
+use crate::scene::{Adhesion, ContactSettings};
 use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -38,6 +39,8 @@ pub(crate) struct Touching {
     radii: Vec<f64>,
     /// The smallest, m.
     radius: f64,
+    /// At the start of a run.
+    bonds: Vec<Remembered>,
 }
 
 /// Why a part of a step was not taken.
@@ -75,9 +78,12 @@ struct Part {
     dt: f64,
     /// Positions of all nodes at its start.
     start: Vec<Point3<f64>>,
+    /// Their velocities there.
+    before: Vec<Vector3<f64>>,
     /// Mean velocities of all nodes when the touches were listed.
     mean: Vec<Vector3<f64>>,
     touches: Vec<Touch>,
+    work: ContactWork,
     report: StepReport,
 }
 
@@ -86,15 +92,18 @@ impl Touching {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let detector = Detector::new(largest, WIDEST * largest)?;
+        let range = settings.adhesion.map_or(0.0, Adhesion::range);
+        let detector = Detector::new(largest + range, WIDEST * largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        let mut touching = Self { settings, detector, solver, radii, radius };
-        touching.refuse_overlaps(world)?;
+        let bonds = Vec::new();
+        let mut touching = Self { settings, detector, solver, radii, radius, bonds };
+        touching.look(world)?;
         Ok(touching)
     }
 
-    /// Refuses a world that starts deeper in itself than a step would leave it.
-    fn refuse_overlaps(&mut self, world: &World) -> Result<(), SimError> {
+    /// Refuses a world that starts deeper in itself than a step would leave it, and puts bonds where
+    /// it touches itself.
+    fn look(&mut self, world: &World) -> Result<(), SimError> {
         let start = world.positions();
         let motion = Motion {
             layout: world.assembly().layout(),
@@ -114,7 +123,12 @@ impl Touching {
                 other: touch.partner.to_string(),
                 depth: -touch.gap,
             }),
-            _ => Ok(()),
+            _ => {
+                if let Some(Adhesion::Bonds { range, .. }) = self.settings.adhesion {
+                    self.bonds = glue(&touches, range);
+                }
+                Ok(())
+            }
         }
     }
 }
@@ -167,12 +181,20 @@ impl Touching {
         dt: f64,
         last: bool,
     ) -> Result<StepReport, Cut> {
-        let start = world.positions();
-        let report = StepReport::default();
-        let mut part = Part { time, dt, start, mean: Vec::new(), touches: Vec::new(), report };
+        let mut part = Part {
+            time,
+            dt,
+            start: world.positions(),
+            before: world.velocities(),
+            mean: Vec::new(),
+            touches: Vec::new(),
+            work: ContactWork::default(),
+            report: StepReport::default(),
+        };
         // It is forces that last: impulses grow with the step.
         let scale = world.contacts.dt.map_or(0.0, |before| dt / before);
-        let mut expected = world.contacts.bearing.clone();
+        let first = world.contacts.dt.is_none();
+        let mut expected = if first { &self.bonds } else { &world.contacts.bearing }.clone();
         expected.iter_mut().for_each(|one| one.impulse *= scale);
         let solved = self.solve(world, &mut part, &expected, last);
         if let Err(cut) = solved {
@@ -182,6 +204,7 @@ impl Touching {
         world.accept();
         world.contacts.bearing = remember(&part.touches);
         world.contacts.dt = Some(dt);
+        world.contacts.work += part.work;
         part.report.contact.parts = 1;
         Ok(part.report)
     }
@@ -219,6 +242,7 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, patient)?;
             let mut bearing = std::mem::take(&mut part.touches);
             self.list(world, part, &[], Place::End, 0.0)?;
+            part.work = case.work(world, &part.mean, &bearing);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
@@ -226,6 +250,10 @@ impl Touching {
             report.depth = deepest;
             if solved && deepest <= self.depth() {
                 part.touches = bearing;
+                if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
+                    let bounds = [strength, self.settings.slip];
+                    case.tear(world, &part.mean, bounds, &mut part.touches)?;
+                }
                 return Ok(());
             }
             worst_touch = Unresolved::deepest(time, &part.touches);
@@ -265,9 +293,9 @@ impl Touching {
 
     /// The contacts of a part.
     fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
-        let (settings, objects) = (&self.settings, &world.objects);
-        let curve = |touch: &Touch| friction(settings, objects, touch).of(touch);
-        Case::new(world, &part.touches, &part.mean, part.dt, curve)
+        let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
+        let laws = Laws::new(&self.settings, &world.objects, gravity, part.dt);
+        Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
     }
 
     /// Whether a step obeys the law as well as it must.
@@ -363,15 +391,6 @@ fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
         }
     }
     Ok(())
-}
-
-/// The friction of a touch.
-fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Friction {
-    let own = match touch.partner {
-        Partner::Object(object) => objects[object as usize].friction,
-        Partner::Fiber(_) => None,
-    };
-    own.unwrap_or(settings.friction)
 }
 
 /// Whether rods have gone nowhere, which a shorter part of a step may spare them.

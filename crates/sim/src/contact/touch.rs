@@ -46,6 +46,8 @@ pub(crate) struct Touch {
     pub(crate) impulse: Vector3<f64>,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
+    /// Whether a bond holds it together.
+    pub(crate) bonded: bool,
 }
 
 impl Touch {
@@ -101,8 +103,12 @@ pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: boo
         let start = new.partition_point(|deep| pair(deep) < pair(&touch));
         let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
         match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
-            Some(deep) if deep.impulse == Vector3::zeros() => deep.impulse = touch.impulse,
-            Some(_) => (),
+            Some(deep) => {
+                deep.bonded |= touch.bonded;
+                if deep.impulse == Vector3::zeros() {
+                    deep.impulse = touch.impulse;
+                }
+            }
             None => merged.push(touch),
         }
     }

@@ -28,6 +28,8 @@ pub(crate) struct Table {
 pub(crate) enum Column {
     /// Kinetic, elastic, gravitational energy and their sum.
     Energies,
+    /// Work of contacts since the start: friction, normal, led objects.
+    ContactWork,
     /// Area or volume that a ring or ball encloses, now and at rest.
     Enclosed(Measured),
     /// What a probe reads.
@@ -118,6 +120,9 @@ impl Column {
     fn names(&self) -> String {
         match self {
             Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
+            Self::ContactWork => ",work of friction (J),work of normal impulses (J),\
+                                  work of led objects (J)"
+                .to_owned(),
             Self::Enclosed(Measured { what, unit }) => {
                 format!(",{what} ({unit}),{what} at rest ({unit})")
             }
@@ -144,6 +149,10 @@ impl Column {
             Self::Energies => {
                 let energy = world.energy();
                 vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
+            }
+            Self::ContactWork => {
+                let work = world.contact_work();
+                vec![work.friction, work.normal, work.led]
             }
             Self::Enclosed(_) => {
                 let enclosed = world.springs.as_ref().and_then(|springs| springs.enclosed());

@@ -9,6 +9,14 @@ use serde::{Deserialize, Serialize};
 pub struct ContactSettings {
     /// Friction among fibres, and with objects that say nothing else.
     pub friction: Friction,
+    /// Newton's restitution among fibres, and with objects that say nothing else: the share of the
+    /// velocity of approach with which a contact opens, from zero to one. Slower approaches than
+    /// gravity makes in two steps come to rest.
+    #[serde(default)]
+    pub restitution: f64,
+    /// What holds together what touches; left out, nothing does.
+    #[serde(default)]
+    pub adhesion: Option<Adhesion>,
     /// Largest Coulomb residual of a step: how far impulses are from the law, relative to all
     /// impulses.
     #[serde(default = "residual")]
@@ -37,12 +45,44 @@ fn iterations() -> usize {
     400
 }
 
+/// What holds fibres to each other and to objects. Friction grows with it: a touch slides where the
+/// friction exceeds its coefficient times what presses it and what it could bear in tension together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Adhesion {
+    /// A pull along the contact, as of a film that wets it: the same up to a gap, then none. Places
+    /// where fibres cross have no length, and no pull.
+    Line {
+        /// Pull per length of contact, N/m.
+        force: f64,
+        /// Largest gap at the start of a step, m; the work of separation per length is the pull
+        /// times this.
+        range: f64,
+    },
+    /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
+    /// where they are nearest, which once broken is gone.
+    Bonds {
+        /// Tensile force under which it breaks, N.
+        strength: f64,
+        /// Largest gap at the start of the run, m.
+        range: f64,
+    },
+}
+
 /// Coefficients of friction of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Friction {
     /// The same in all directions.
     Isotropic(f64),
+    /// The same in all directions, more for a contact that sticks than for one that slides: one
+    /// sticks if it slipped by no more than the `slip` of the contact settings when the step began.
+    Resting {
+        /// While it sticks.
+        resting: f64,
+        /// While it slides, at most as much.
+        sliding: f64,
+    },
     /// By what the fibre's scales do: a fibre that moves root first goes with them.
     Cuticle {
         /// With the scales.
@@ -57,11 +97,38 @@ pub enum Friction {
 impl ContactSettings {
     pub(super) fn check(&self, check: &mut Check) {
         check.within("friction", |c| self.friction.check(c));
+        check_restitution(self.restitution, check);
+        if let Some(adhesion) = self.adhesion {
+            check.within("adhesion", |c| adhesion.check(c));
+        }
         check.number("residual", self.residual, Allowed::Within(1e-14, 0.1), "");
         check.number("slip", self.slip, Allowed::Positive, "m/s");
         check.number("depth", self.depth, Allowed::Within(1e-9, 0.1), "diameters");
         check.count("iterations", self.iterations, 1, 1_000_000);
     }
+}
+
+impl Adhesion {
+    fn check(self, check: &mut Check) {
+        match self {
+            Self::Line { force, .. } => check.number("force", force, Allowed::Positive, "N/m"),
+            Self::Bonds { strength, .. } => {
+                check.number("strength", strength, Allowed::Positive, "N");
+            }
+        }
+        check.number("range", self.range(), Allowed::Positive, "m");
+    }
+
+    /// Largest gap at which it acts or comes to be, m.
+    pub(crate) fn range(self) -> f64 {
+        match self {
+            Self::Line { range, .. } | Self::Bonds { range, .. } => range,
+        }
+    }
+}
+
+pub(super) fn check_restitution(restitution: f64, check: &mut Check) {
+    check.number("restitution", restitution, Allowed::Within(0.0, 1.0), "");
 }
 
 impl Friction {
@@ -71,6 +138,14 @@ impl Friction {
         };
         match *self {
             Self::Isotropic(mu) => one("", mu),
+            Self::Resting { resting, sliding } => {
+                one("resting", resting);
+                one("sliding", sliding);
+                if sliding > resting {
+                    let message = format!("is {sliding:?}, but must be at most `resting`");
+                    check.refuse("sliding", message);
+                }
+            }
             Self::Cuticle { with, against, across } => {
                 one("with", with);
                 one("against", against);
@@ -79,11 +154,14 @@ impl Friction {
         }
     }
 
-    /// The limit curve of a touch. Of two fibres that touch, both have this friction, each by its
+    /// The limit curve of a touch that `sticks`, or slides. Of two fibres that touch, both have this friction, each by its
     /// own axis; with an object the axis is the fibre's.
-    pub(crate) fn of(&self, touch: &Touch) -> Result<LimitCurve, ContactError> {
+    pub(crate) fn of(&self, touch: &Touch, sticks: bool) -> Result<LimitCurve, ContactError> {
         match *self {
             Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+            Self::Resting { resting, sliding } => {
+                Ok(LimitCurve::Circle { mu: if sticks { resting } else { sliding } })
+            }
             Self::Cuticle { with, against, across } => {
                 let curve = LimitCurve::cuticle(with, against, across);
                 match touch.partner {

@@ -17,7 +17,7 @@ mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
-pub use contact::{ContactSettings, Friction};
+pub use contact::{Adhesion, ContactSettings, Friction};
 pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Obstacle,

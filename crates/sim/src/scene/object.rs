@@ -1,4 +1,5 @@
 use super::check::{Allowed, Check};
+use super::contact::check_restitution;
 use super::{Friction, Motion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -18,6 +19,9 @@ pub struct Object {
     /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis.
     #[serde(default)]
     pub friction: Option<Friction>,
+    /// How fibres bounce off it, from zero to one; left out, as off each other.
+    #[serde(default)]
+    pub restitution: Option<f64>,
     /// The way on which it is led.
     #[serde(default)]
     pub motion: Motion,
@@ -119,6 +123,9 @@ impl Object {
         check.within("shape", |c| self.shape.check(c));
         if let Some(friction) = &self.friction {
             check.within("friction", |c| friction.check(c));
+        }
+        if let Some(restitution) = self.restitution {
+            check_restitution(restitution, check);
         }
         let Moves::Free { mass, velocity, spin } = self.moves else { return };
         check.within("moves", |c| {

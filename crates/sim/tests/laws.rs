@@ -1,0 +1,311 @@
+//! Laws of contact beside Coulomb's: how touches bounce, and what they do at rest.
+
+#![expect(clippy::print_stdout, reason = "a test tells what it measured")]
+
+use nalgebra::{Point3, Vector3};
+use rapunzel_sim::{Scene, StepReport, Stepper, World};
+
+/// Radius of the hairs of this file, m.
+const RADIUS: f64 = 3.5e-5;
+const G: f64 = 9.81;
+
+struct Run {
+    world: World,
+    stepper: Box<dyn Stepper>,
+    dt: f64,
+}
+
+impl Run {
+    fn new(fiber: &str, object: &str, laws: &str, gravity: f64, dt: f64) -> Self {
+        let text = format!(
+            "(format: 1, duration: 1.0, fibers: [{fiber}], objects: [{object}],
+            contact: ({laws}),
+            environment: (gravity: (0.0, 0.0, {gravity:?})), stepper: (dt: {dt:?}))"
+        );
+        let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{e} in {text}"));
+        let world = scene.build().expect("a world");
+        let stepper = scene.stepper_of(&world).expect("a stepper");
+        Self { world, stepper, dt }
+    }
+
+    fn step(&mut self) -> StepReport {
+        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
+        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
+        report
+    }
+
+    fn middle(&self) -> Point3<f64> {
+        self.world.state(0).positions[2]
+    }
+}
+
+/// A free short hair that starts at a place, along a direction.
+fn hair(at: &Vector3<f64>, way: &Vector3<f64>) -> String {
+    format!(
+        "(length: 0.008, segments: 4, section: Circle(radius: {RADIUS:?}), root_joint: Free, \
+         root: (position: ({:?}, {:?}, {:?}), orientation: Along(direction: ({:?}, {:?}, {:?}))))",
+        at.x, at.y, at.z, way.x, way.y, way.z
+    )
+}
+
+const GROUND: &str = "(shape: Plane(normal: (0.0, 0.0, 1.0)))";
+
+/// What is left of the height from which a hair falls flat on the ground, and the height after it
+/// has come to rest, m.
+fn bounce(object: &str, laws: &str) -> [f64; 2] {
+    let height = 2e-3;
+    let start = Vector3::new(0.0, 0.0, RADIUS + height);
+    let mut run = Run::new(&hair(&start, &Vector3::x()), object, laws, -G, 5e-5);
+    let (mut energy, mut struck, mut highest) = (run.world.energy().total(), false, 0.0_f64);
+    let scale = 1e-9 * energy;
+    for _ in 0..2000 {
+        run.step();
+        let now = run.world.energy().total();
+        assert!(now <= energy + scale, "energy is gained: {now} after {energy}");
+        energy = now;
+        let (velocity, above) = (run.world.state(0).velocities[2].z, run.middle().z - RADIUS);
+        struck |= velocity >= 0.0;
+        if struck {
+            highest = highest.max(above);
+        }
+    }
+    [highest / height, run.middle().z - RADIUS]
+}
+
+#[test]
+fn a_hair_bounces_by_its_restitution() {
+    let [share, end] = bounce(GROUND, "friction: Isotropic(0.3), restitution: 0.5");
+    println!("rebound {share:.5} of the height for 0.25; at rest {end:.1e} m above the ground");
+    assert!((share / 0.25 - 1.0).abs() < 0.02, "{share}");
+    // 0.1 s hold the fall, 20.2 ms, and all bounces, 2 e / (1 - e) times as long.
+    assert!(end.abs() < 0.02 * 2.0 * RADIUS, "{end}");
+
+    let [share, _] = bounce(GROUND, "friction: Isotropic(0.3)");
+    assert!(share < 0.02 * 2.0 * RADIUS / 2e-3, "{share}");
+
+    let own = "(shape: Plane(normal: (0.0, 0.0, 1.0)), restitution: 0.8)";
+    let [share, _] = bounce(own, "friction: Isotropic(0.3), restitution: 0.1");
+    assert!((share / 0.64 - 1.0).abs() < 0.02, "{share}");
+}
+
+/// How far a hair that starts at rest slides across itself in `steps` steps of 1 ms on a slope.
+fn slid(slope: f64, friction: &str, steps: usize) -> f64 {
+    let (sin, cos) = slope.atan().sin_cos();
+    let (up, down) = (Vector3::new(sin, 0.0, cos), Vector3::new(cos, 0.0, -sin));
+    let plane = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})))");
+    let lying = hair(&(up * (RADIUS + 1e-7)), &Vector3::y());
+    let mut run = Run::new(&lying, &plane, &format!("friction: {friction}"), -G, 1e-3);
+    let start = run.middle();
+    for _ in 0..steps {
+        run.step();
+    }
+    (run.middle() - start).dot(&down)
+}
+
+/// A hair at rest stays on a slope that it could not stop on, and once it slides it slides with the
+/// lesser coefficient.
+#[test]
+fn resting_friction_is_overcome_once() {
+    let friction = "Resting(resting: 0.4, sliding: 0.3)";
+    let steps = 100;
+    let still = 4e-5 * 1e-3 * steps as f64;
+    assert!(slid(0.35, friction, steps).abs() < still);
+    // The step that tears it off still has the greater coefficient; backward Euler.
+    let acceleration = |mu: f64| G * (0.45_f64.atan().sin() - mu * 0.45_f64.atan().cos());
+    let n = steps as f64;
+    let way = 1e-6 * (acceleration(0.4) * n + acceleration(0.3) * 0.5 * n * (n - 1.0));
+    let found = slid(0.45, friction, steps);
+    println!("slid {:.4} mm for {:.4} mm", 1e3 * found, 1e3 * way);
+    assert!((found - way).abs() < still, "{found} for {way}");
+    assert!((slid(0.45, "Isotropic(0.4)", steps) - way).abs() > 10.0 * still);
+}
+
+/// A hair that starts 0.1 um above the ground, along a direction, while gravity draws it up for
+/// `steps` steps of 1 ms: the height of its root above the ground then, m.
+fn drawn_up(way: &Vector3<f64>, adhesion: &str, steps: usize) -> f64 {
+    let lying = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), way);
+    let laws = format!("friction: Isotropic(0.3), adhesion: {adhesion}");
+    let mut run = Run::new(&lying, GROUND, &laws, G, 1e-3);
+    for _ in 0..steps {
+        run.step();
+    }
+    run.world.state(0).positions[0].z - RADIUS
+}
+
+/// Weight of the hair, N.
+fn weight() -> f64 {
+    let run =
+        Run::new(&hair(&Vector3::zeros(), &Vector3::x()), "", "friction: Isotropic(0.3)", G, 1.0);
+    G * run.world.assembly().fibers()[0].mass()
+}
+
+/// A hair whose film pulls less than gravity leaves; one whose film pulls more stays.
+#[test]
+fn a_film_holds_what_it_can() {
+    let film = |share: f64| format!("Line(force: {:?}, range: 2e-5)", share * weight() / 0.008);
+    let steps = 30;
+    assert!(drawn_up(&Vector3::x(), &film(1.01), steps).abs() < 1.4e-6);
+    assert!(drawn_up(&Vector3::x(), &film(0.99), steps) > 2e-6);
+    // Within its range a film only takes its share of the weight: a dt^2 n (n + 1) / 2.
+    let [start, n] = [1e-7, 3.0];
+    let way = drawn_up(&Vector3::x(), &film(0.75), 3) - start;
+    let expected = 0.25 * G * 1e-6 * 0.5 * n * (n + 1.0);
+    println!("rose {way:.4e} m for {expected:.4e} m");
+    assert!((way / expected - 1.0).abs() < 1e-3, "{way} for {expected}");
+}
+
+/// A hair that stands on the ground is held by one bond until its weight is more.
+#[test]
+fn a_bond_breaks_at_its_strength() {
+    let held = |share: f64| {
+        let bond = format!("Bonds(strength: {:?}, range: 1e-6)", share * weight());
+        drawn_up(&Vector3::z(), &bond, 30)
+    };
+    assert!(held(1.01).abs() < 1.4e-6);
+    // The step that breaks it still has its force, and the rest none.
+    let n = 30.0;
+    let way = 1e-7 + G * 1e-6 * (0.01 * n + 0.5 * n * (n - 1.0));
+    println!("rose {:.6} mm for {:.6} mm", 1e3 * held(0.99), 1e3 * way);
+    assert!((held(0.99) / way - 1.0).abs() < 1e-4, "{} for {way}", held(0.99));
+}
+
+#[test]
+fn laws_that_make_no_sense_are_refused() {
+    for (laws, what) in [
+        ("friction: Isotropic(0.3), restitution: 1.5", "restitution"),
+        ("friction: Resting(resting: 0.2, sliding: 0.3)", "sliding"),
+        ("friction: Isotropic(0.3), adhesion: Line(force: -1.0, range: 1e-6)", "force"),
+        ("friction: Isotropic(0.3), adhesion: Bonds(strength: 0.1, range: 0.0)", "range"),
+    ] {
+        let text = format!(
+            "(format: 1, duration: 1.0, fibers: [{}], contact: ({laws}), stepper: (dt: 1e-3))",
+            hair(&Vector3::zeros(), &Vector3::x())
+        );
+        let error = Scene::from_ron(&text).expect_err(laws).to_string();
+        assert!(error.contains(what), "{error} for {laws}");
+    }
+}
+
+/// A short hair moves as one body on slope and belt, and upright as it bounces on its root. In every step its energy changes by the
+/// work of the contacts, less what backward Euler takes: that of the change of its velocities.
+#[test]
+fn contacts_account_for_the_energy() {
+    let (sin, cos) = 0.45_f64.atan().sin_cos();
+    let slope = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})))");
+    let belt = "(shape: Plane(normal: (0.0, 0.0, 1.0)), \
+                motion: Translate(velocity: (0.1, 0.0, 0.0), until: 1.0))";
+    let laws = "friction: Resting(resting: 0.4, sliding: 0.3)";
+    let flat = Vector3::z() * (RADIUS + 1e-7);
+    for (name, object, laws, start, way) in [
+        ("slope", &*slope, laws, Vector3::new(sin, 0.0, cos) * (RADIUS + 1e-7), Vector3::y()),
+        ("belt", belt, laws, flat, Vector3::y()),
+        (
+            "ground",
+            GROUND,
+            "friction: Isotropic(0.3), restitution: 0.5",
+            flat + Vector3::z() * 1e-3,
+            Vector3::z(),
+        ),
+    ] {
+        let mut run = Run::new(&hair(&start, &way), object, laws, -G, 1e-3);
+        let masses = {
+            let fiber = &run.world.assembly().fibers()[0];
+            [0.5, 1.0, 1.0, 1.0, 0.5].map(|share| share * fiber.mass() / 4.0)
+        };
+        let mass: f64 = masses.iter().sum();
+        let mut worst = 0.0_f64;
+        for _ in 0..60 {
+            let (energy, work) = (run.world.energy(), run.world.contact_work());
+            let before = run.world.state(0).velocities;
+            run.step();
+            let (later, done) = (run.world.energy(), run.world.contact_work());
+            let after = run.world.state(0).velocities;
+            let lost: f64 =
+                (0..5).map(|a| 0.5 * masses[a] * (after[a] - before[a]).norm_squared()).sum();
+            let terms = [
+                later.kinetic - energy.kinetic,
+                later.elastic - energy.elastic,
+                later.gravitational - energy.gravitational,
+                work.friction - done.friction,
+                work.normal - done.normal,
+                work.led - done.led,
+                lost,
+            ];
+            // Places are rounded to 1e-14 of the way of a step, and so are mean velocities; where
+            // nothing moves nothing but roundings is left.
+            let scale = terms.iter().map(|x| x.abs()).sum::<f64>()
+                + 1e-7 * (later.kinetic + mass * G * RADIUS);
+            worst = worst.max(terms.iter().sum::<f64>().abs() / scale);
+        }
+        println!(
+            "{name}: closes to {worst:.1e} of the work of a step; {:?}",
+            run.world.contact_work()
+        );
+        assert!(worst < 1e-6, "{name}: {worst:e}");
+        let [x, z] = [run.world.state(0).velocities[2].x, run.world.contact_work().led];
+        if name == "belt" {
+            assert!((x - 0.1).abs() < 4e-5, "{x}: it goes with the belt");
+            assert!(
+                (z / (0.1 * mass * 0.1) - 1.0).abs() < 1e-3,
+                "{z}: momentum times belt velocity"
+            );
+        }
+    }
+}
+
+/// Two free hairs side by side draw each other over the whole of their length.
+#[test]
+fn a_film_joins_a_pair() {
+    let gap = 5e-6;
+    let pair = [0.0, 2.0 * RADIUS + gap].map(|y| hair(&Vector3::y().scale(y), &Vector3::x()));
+    let (mass, acceleration) = (weight() / G, 0.5);
+    let force = 0.5 * acceleration * mass / 0.008;
+    let laws = format!(
+        "friction: Isotropic(0.3), adhesion: Line(force: {force:?}, range: {:?})",
+        2.0 * gap
+    );
+    let mut run = Run::new(&pair.join(", "), "", &laws, 0.0, 1e-3);
+    let distance = |run: &Run, node: usize| {
+        let [a, b] = [0, 1].map(|i| run.world.state(i).positions[node]);
+        (b - a).norm() - 2.0 * RADIUS
+    };
+    for n in 1..=3 {
+        run.step();
+        let closed = acceleration * 1e-6 * 0.5 * f64::from(n * (n + 1));
+        for node in 0..5 {
+            let found = gap - distance(&run, node);
+            assert!((found / closed - 1.0).abs() < 2e-3, "{found} for {closed}");
+        }
+    }
+    for _ in 0..20 {
+        run.step();
+    }
+    assert!(distance(&run, 2).abs() < 0.02 * 2.0 * RADIUS, "they stay together");
+}
+
+/// What is bonded goes on from a snapshot as it would have, bit for bit, and does not glue again what
+/// has broken.
+#[test]
+fn bonds_survive_a_snapshot() {
+    for share in [1.01, 0.99] {
+        let laws = format!(
+            "friction: Isotropic(0.3), restitution: 0.2, \
+             adhesion: Bonds(strength: {:?}, range: 1e-6)",
+            share * weight()
+        );
+        let standing = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), &Vector3::z());
+        let new = || Run::new(&standing, GROUND, &laws, G, 1e-3);
+        let mut run = new();
+        for _ in 0..5 {
+            run.step();
+        }
+        let mut other = new();
+        other.world.restore(&run.world.snapshot()).expect("of the same scene");
+        assert_eq!(run.world.contacts().any(|bearing| bearing.bonded), share > 1.0);
+        for _ in 0..5 {
+            run.step();
+            other.step();
+            assert_eq!(run.world.state(0).positions, other.world.state(0).positions);
+        }
+    }
+}
