@@ -27,27 +27,6 @@ pub struct System<const D: usize> {
     pub(crate) loads: BTreeMap<usize, SVector<f64, D>>,
 }
 
-/// Energy of a system, J.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Energy {
-    /// Of motion.
-    pub kinetic: f64,
-    /// Of springs and bends.
-    pub elastic: f64,
-    /// In gravity, zero at the world's origin.
-    pub gravitational: f64,
-    /// In the loads, zero at the world's origin.
-    pub load: f64,
-}
-
-impl Energy {
-    /// The sum.
-    #[must_use]
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.gravitational + self.load
-    }
-}
-
 impl<const D: usize> System<D> {
     /// Nodes at rest at `positions` (m) with `masses` (kg), connected by `springs`; nothing else
     /// acts.
@@ -301,6 +280,12 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
+    /// Velocity of the air now (world), m/s: what the wind rose of the texts shows.
+    #[must_use]
+    pub fn wind(&self) -> SVector<f64, D> {
+        self.wind.at(self.time)
+    }
+
     /// Fixes `node` where it is.
     ///
     /// # Errors
@@ -391,37 +376,6 @@ impl<const D: usize> System<D> {
         } else {
             Err(SpringError::MissingNode { what, index: node, node, nodes })
         }
-    }
-
-    /// Energy, J; costs a pass over springs and nodes.
-    #[must_use]
-    pub fn energy(&self) -> Energy {
-        let (x, v) = (&self.positions, &self.velocities);
-        let mut energy = Energy { elastic: self.elastic_energy(x), ..Energy::default() };
-        for (node, mass) in self.masses.iter().enumerate() {
-            energy.kinetic += 0.5 * mass * v.get(node).norm_squared();
-            energy.gravitational -= mass * self.gravity.dot(&x.get(node));
-        }
-        energy.load = -self.loads.iter().map(|(&node, f)| f.dot(&x.get(node))).sum::<f64>();
-        energy
-    }
-
-    /// Energy of springs and bends at other positions, J.
-    pub(crate) fn elastic_energy(&self, x: &Columns<D>) -> f64 {
-        let spring = |s: usize| {
-            let [i, j] = self.springs.nodes[s];
-            let length = (x.get(j) - x.get(i)).norm();
-            0.5 * self.springs.stiffness[s] * (length - self.springs.rest_length[s]).powi(2)
-        };
-        let springs: f64 = (0..self.springs()).map(spring).sum();
-        springs + self.bends.iter().map(|bend| bend.energy(x)).sum::<f64>()
-    }
-
-    /// Total momentum (world), kg m/s.
-    #[must_use]
-    pub fn momentum(&self) -> SVector<f64, D> {
-        let masses = self.masses.iter().enumerate();
-        masses.map(|(node, &mass)| self.velocities.get(node) * mass).sum()
     }
 
     /// Forces of springs and bends at given positions (m) and velocities (m/s), N (world).

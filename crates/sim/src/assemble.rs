@@ -82,10 +82,10 @@ impl Scene {
         if let Some(springs) = &self.mass_spring {
             let refused = |source| SimError::MassSpring { time: 0.0, source };
             let springs = mass_spring::build(springs).map_err(refused)?;
-            if let Some(warning) = springs.warning(Plan::new(self).dt) {
+            world.springs = Some(springs);
+            if let Some(warning) = world.warning(Plan::new(self).dt) {
                 tracing::warn!("{warning}");
             }
-            world.springs = Some(springs);
         }
         Ok(world)
     }

@@ -177,8 +177,8 @@ fn observers(
     let every = plan.steps_per_record;
     let interval = plan.dt * plan.steps_per_frame as f64;
     let frames = FrameWriter::open(folder, &output.formats, plan.steps_per_frame, interval)?;
-    let enclosed = scene.mass_spring.as_ref().and_then(mass_spring::measured);
-    let columns = [Column::Energies].into_iter().chain(enclosed.map(Column::Enclosed)).collect();
+    let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
+    let columns = [Column::Energies].into_iter().chain(readings.map(Column::Springs)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
     if !output.probes.is_empty() {

@@ -108,6 +108,13 @@ impl World {
         self.groups[group].batch.state(lane)
     }
 
+    /// What speaks against steps of `dt` (s): the stability limit of an explicit mass-spring system
+    /// below it. Costs some hundred passes over the springs.
+    #[must_use]
+    pub fn warning(&self, dt: f64) -> Option<String> {
+        Some(self.springs.as_ref()?.warning(dt)?.to_string())
+    }
+
     /// Energy of all fibres, J, in the gravity of the instant. Costs one pass over all nodes.
     #[must_use]
     pub fn energy(&self) -> Energy {

@@ -1,4 +1,4 @@
-use super::motion::{Measured, Moving, Springs};
+use super::motion::{Moving, Springs};
 use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
 use nalgebra::{Point, Point3, SVector, UnitVector3, Vector3};
 use rapunzel_collision::field::{self, DistanceField, HalfSpace};
@@ -82,6 +82,9 @@ where
     for load in &scene.loads {
         system.set_load(load.node, flat(&load.force))?;
     }
+    for tie in &scene.ties {
+        system.pin_to(tie.node, tie.to)?;
+    }
     for hold in &scene.holds {
         // Only to find out whether there is such a node.
         system.clone().pin(hold.node)?;
@@ -125,13 +128,20 @@ fn touching<const D: usize>(
     Contacts::new(system, Surface { radius, restitution, friction }, obstacles, mutual)
 }
 
-/// What encloses something, by its name and unit.
-pub(crate) fn measured(scene: &MassSpring) -> Option<Measured> {
-    match scene.model {
-        Model::Ring { .. } => Some(Measured { what: "area", unit: "m^2" }),
-        Model::Ball { .. } => Some(Measured { what: "volume", unit: "m^3" }),
+/// Names and units of the [readings](Springs::readings) of a scene.
+pub(crate) fn readings(scene: &MassSpring) -> Vec<String> {
+    let mut names = ["load (J)", "dissipation (W)", "wind x (m/s)", "wind y (m/s)", "wind z (m/s)"]
+        .map(str::to_owned)
+        .to_vec();
+    let enclosed = match scene.model {
+        Model::Ring { .. } => Some(("area", "m^2")),
+        Model::Ball { .. } => Some(("volume", "m^3")),
         _ => None,
+    };
+    if let Some((what, unit)) = enclosed {
+        names.extend([format!("{what} ({unit})"), format!("{what} at rest ({unit})")]);
     }
+    names
 }
 
 /// A point of a system in the world.

@@ -31,13 +31,6 @@ impl Stepper for MassSprings {
     }
 }
 
-/// What is enclosed by a ring or ball.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Measured {
-    pub(crate) what: &'static str,
-    pub(crate) unit: &'static str,
-}
-
 /// A mass-spring system of any dimension in the world.
 pub(crate) trait Springs: Send + Sync {
     /// Moves it by `dt` from `time` on and returns the iterations of Newton's method.
@@ -50,8 +43,9 @@ pub(crate) trait Springs: Send + Sync {
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
     /// Its springs as lines.
     fn strands(&self) -> Vec<Strand>;
-    /// Area or volume now and at rest.
-    fn enclosed(&self) -> Option<[f64; 2]>;
+    /// Energy of the loads (J), power that is dissipated (W), wind (world, m/s), and area or volume
+    /// now and at rest.
+    fn readings(&self) -> Vec<f64>;
     /// All numbers that change.
     fn save(&self) -> Vec<f64>;
     /// Goes back to saved numbers; false if they are those of another system.
@@ -190,8 +184,13 @@ where
         self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
     }
 
-    fn enclosed(&self) -> Option<[f64; 2]> {
-        self.enclosure.as_ref().map(|e| [e.measure(&self.system), e.rest_measure()])
+    fn readings(&self) -> Vec<f64> {
+        let mut numbers = vec![self.system.energy().load, self.system.dissipation()];
+        numbers.extend(spatial(&self.system.wind()).iter());
+        if let Some(enclosure) = &self.enclosure {
+            numbers.extend([enclosure.measure(&self.system), enclosure.rest_measure()]);
+        }
+        numbers
     }
 
     fn save(&self) -> Vec<f64> {
@@ -218,10 +217,12 @@ where
     }
 
     fn warning(&self, dt: f64) -> Option<StepTooLong> {
+        let dt = dt / self.substeps as f64;
         match self.method {
-            Method::Leapfrog(_) => self.system.warn_of_step(dt / self.substeps as f64),
-            // Stable for any step, or up to sqrt(2) times as long; a chain has no stiff springs.
-            _ => None,
+            Method::Leapfrog(_) => self.system.warn_of_step(dt),
+            Method::RungeKutta => self.system.warn_of_runge_kutta_step(dt),
+            // A chain has no stiff springs.
+            Method::ImplicitEuler(_) | Method::Chain(_) => None,
         }
     }
 }

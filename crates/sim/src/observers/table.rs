@@ -1,5 +1,4 @@
 use super::Observer;
-use crate::mass_spring::Measured;
 use crate::scene::{Node, Probe, Quantity};
 use crate::{SimError, World};
 use std::fs::File;
@@ -24,12 +23,12 @@ pub(crate) struct Table {
 }
 
 /// One or several numbers of a row.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Column {
     /// Kinetic, elastic, gravitational energy and their sum.
     Energies,
-    /// Area or volume that a ring or ball encloses, now and at rest.
-    Enclosed(Measured),
+    /// What a mass-spring system shows besides, by the names with their units.
+    Springs(Vec<String>),
     /// What a probe reads.
     Probe(Probe),
 }
@@ -116,9 +115,7 @@ impl Column {
     fn names(&self) -> String {
         match self {
             Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
-            Self::Enclosed(Measured { what, unit }) => {
-                format!(",{what} ({unit}),{what} at rest ({unit})")
-            }
+            Self::Springs(names) => names.iter().map(|name| format!(",{name}")).collect(),
             Self::Probe(Probe { fiber, node, quantity }) => {
                 let node = match node {
                     Node::Tip => "tip".to_owned(),
@@ -140,9 +137,8 @@ impl Column {
                 let energy = world.energy();
                 vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
             }
-            Self::Enclosed(_) => {
-                let enclosed = world.springs.as_ref().and_then(|springs| springs.enclosed());
-                enclosed.into_iter().flatten().collect()
+            Self::Springs(_) => {
+                world.springs.as_ref().map(|springs| springs.readings()).unwrap_or_default()
             }
             Self::Probe(probe) => {
                 let node = match probe.node {

@@ -39,6 +39,9 @@ pub struct MassSpring {
     /// Sub-steps of every step.
     #[serde(default = "one")]
     pub substeps: usize,
+    /// Nodes that are fixed relative to others.
+    #[serde(default)]
+    pub ties: Vec<Tie>,
     /// Nodes that are taken and moved: what a mouse does.
     #[serde(default)]
     pub holds: Vec<Hold>,
@@ -173,6 +176,16 @@ pub enum Integrator {
     RungeKutta,
     /// First order, stable for any step.
     ImplicitEuler,
+}
+
+/// A node that keeps its offset from another one: both move as one body without rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tie {
+    /// The node.
+    pub node: usize,
+    /// The other one.
+    pub to: usize,
 }
 
 /// A node that is taken, moved, and let go or kept.
