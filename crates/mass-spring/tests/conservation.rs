@@ -184,6 +184,34 @@ fn above_the_limit_only_the_implicit_step_holds() {
     }
 }
 
+#[test]
+fn the_ledger_of_energy_closes_with_drag_wind_dampers_and_loads() {
+    let error = |dt: f64| {
+        let mut net = Lattice::net(Place::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
+        net.element = Element { damping_ratio: 0.1, drag: 0.5, ..Element::unit(5.0) };
+        let mut system = net.build(Point2::origin()).expect("a net");
+        system.set_velocities(flying().velocities()).expect("finite");
+        system.set_gravity(Vector2::new(0.0, -1.0)).expect("finite");
+        system.set_load(3, Vector2::new(0.2, 0.1)).expect("there");
+        system.set_wind(rapunzel_mass_spring::Wind::steady(Vector2::x())).expect("finite");
+        let (start, mut lost) = (system.energy().total(), 0.0);
+        let mut leapfrog = Leapfrog::new();
+        for _ in 0..(0.5 / dt).round() as usize {
+            let before = system.dissipation();
+            leapfrog.advance(&mut system, dt, 1).expect("stable");
+            lost += 0.5 * dt * (before + system.dissipation());
+        }
+        assert!(lost.abs() > 1e-3, "{lost} J");
+        (start - system.energy().total() - lost).abs()
+    };
+    // Of first order, because dampers use the velocity before the step.
+    let [coarse, fine] = [1e-4, 5e-5].map(error);
+    assert!((1.9..2.1).contains(&(coarse / fine)), "{coarse} J and {fine} J are not accounted for");
+    // Without the first order next to nothing is left.
+    let rest = (2.0 * fine - coarse).abs();
+    assert!(rest < 1e-5, "{rest} J are not accounted for at steps of no length");
+}
+
 /// Energy of a damped system.
 fn settled(mut system: System<2>) -> (System<2>, Energy) {
     system.find_equilibrium(1e-11).expect("a hanging rope");
