@@ -123,6 +123,14 @@ impl<const D: usize> Moving<D> {
     }
 }
 
+/// An error of a call after `done` sub-steps, with the sub-step counted from the first.
+fn after(done: usize, error: SpringError) -> SpringError {
+    match error {
+        SpringError::BlownUp { step, node } => SpringError::BlownUp { step: done + step, node },
+        error => error,
+    }
+}
+
 impl<const D: usize> Springs for Moving<D>
 where
     Enclosure<D>: Send + Sync,
@@ -136,18 +144,18 @@ where
         let together = self.contacts.is_none() && !self.yields;
         let (rounds, steps) = if together { (1, self.substeps) } else { (self.substeps, 1) };
         let mut iterations = 0;
-        for _ in 0..rounds {
+        for round in 0..rounds {
             let system = &mut self.system;
             match &mut self.method {
-                Method::Chain(chain) => chain.advance(system, dt, steps)?,
-                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps)?,
-                Method::RungeKutta => runge_kutta(system, dt, steps)?,
-                Method::ImplicitEuler(euler) => {
-                    for _ in 0..steps {
-                        iterations += euler.step(system, dt)?;
-                    }
-                }
+                Method::Chain(chain) => chain.advance(system, dt, steps),
+                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps),
+                Method::RungeKutta => runge_kutta(system, dt, steps),
+                Method::ImplicitEuler(euler) => (0..steps).try_for_each(|step| {
+                    iterations += euler.step(system, dt).map_err(|e| after(step, e))?;
+                    Ok(())
+                }),
             }
+            .map_err(|e| after(round, e))?;
             if let Some(contacts) = &mut self.contacts {
                 contacts.resolve(system)?;
             }
