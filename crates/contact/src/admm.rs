@@ -99,7 +99,7 @@ impl Admm {
             tolerance,
             relaxation: 1.6,
             weight: 4.0,
-            memory: 12,
+            memory: 10,
             sides: Sides::default(),
             anderson: Anderson::default(),
         }

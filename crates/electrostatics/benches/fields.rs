@@ -40,8 +40,7 @@ fn segments(c: &mut Criterion) {
     let charges = vec![7.7e-14; layout.segments()];
     let radii = [40e-6; 300];
     let accuracy = Accuracy::Tolerance(1e-4);
-    let fibers =
-        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points: 4, accuracy };
+    let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
     let mut group = c.benchmark_group("segments");
     group.sample_size(10);
     group.bench_function("tress of 30,000, 1e-4", |b| b.iter(|| fibers.forces(black_box(&nodes))));

@@ -85,7 +85,7 @@ impl Walk<'_> {
                 stack.extend(cell.children.clone());
             }
         }
-        add_pairs(self.cloud, &near, self.places, index..index + 1, &mut out);
+        add_pairs(self.cloud, &near, 0.0, self.places, index..index + 1, &mut out);
         out[0]
     }
 }

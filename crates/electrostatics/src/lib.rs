@@ -4,6 +4,7 @@ mod barnes_hut;
 mod error;
 mod harmonics;
 mod head;
+mod lanes;
 mod method;
 mod multipole;
 mod quadrature;

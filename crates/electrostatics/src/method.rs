@@ -65,7 +65,7 @@ impl Method for Direct {
         check_charges(charges, sources.len())?;
         let mut cloud = Cloud::default();
         sources.iter().zip(charges).for_each(|(x, q)| cloud.push((*x).into(), *q));
-        let sums = direct_sums(&cloud, &places(targets.iter()));
+        let sums = direct_sums(&cloud, 0.0, &places(targets.iter()));
         Ok(Fields::new(1.0, &sums, 0..))
     }
 }
@@ -75,8 +75,8 @@ pub(crate) fn places<'a>(points: impl Iterator<Item = &'a Point3<f64>> + Clone) 
     [0, 1, 2].map(|d| points.clone().map(|x| x[d]).collect())
 }
 
-/// Sums of `q/r` and their gradients at `targets`.
-pub(crate) fn direct_sums(cloud: &Cloud, targets: &[Vec<f64>; 3]) -> Vec<[f64; 4]> {
+/// Sums of `q/sqrt(r^2 + softening)` and their gradients at `targets`.
+pub(crate) fn direct_sums(cloud: &Cloud, softening: f64, targets: &[Vec<f64>; 3]) -> Vec<[f64; 4]> {
     // Sources are taken a level-2 cache at a time.
     const TILE: usize = 16_384;
     const TARGETS: usize = 64;
@@ -85,7 +85,7 @@ pub(crate) fn direct_sums(cloud: &Cloud, targets: &[Vec<f64>; 3]) -> Vec<[f64; 4
         let range = k * TARGETS..k * TARGETS + out.len();
         for first in (0..cloud.len()).step_by(TILE) {
             let tile = first..cloud.len().min(first + TILE);
-            add_pairs(cloud, &[tile], targets, range.clone(), out);
+            add_pairs(cloud, &[tile], softening, targets, range.clone(), out);
         }
     });
     sums

@@ -3,6 +3,7 @@
 mod common;
 
 use nalgebra::{Point3, Vector3};
+use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{DistanceField, Mesh, Sample, shapes};
 use rapunzel_electrostatics::{
     COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface, Direct, ElectrostaticsError,
@@ -118,4 +119,22 @@ fn the_theses_head_repels_too_much() {
     assert!((force.y / coulomb / 8281.0 - 1.0).abs() < 1e-9 && force.x == 0.0);
     let inside = thesis_repulsion(&Ball, 2e-12, &[Point3::new(0.0, 0.05, 0.0)], &[1e-12]);
     assert!(matches!(inside, Err(ElectrostaticsError::Inside { .. })));
+}
+
+/// A head that is open or inside out is refused before there is a conductor.
+#[test]
+fn bad_heads_are_refused() {
+    let mut open = shapes::sphere(0.09, 4);
+    open.triangles.pop();
+    assert!(matches!(Mesh::new(open), Err(CollisionError::Edge { .. })));
+    let mut inverted = shapes::sphere(0.09, 4);
+    inverted.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+    assert!(matches!(Mesh::new(inverted), Err(CollisionError::InsideOut)));
+    let mesh = Mesh::new(shapes::sphere(0.09, 4)).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("small");
+    let mut potentials = vec![0.0; surface.centers().len()];
+    let result = surface.charges(&potentials[1..], Condition::Potential(1.0));
+    assert!(matches!(result, Err(ElectrostaticsError::Count { .. })));
+    potentials[3] = f64::NAN;
+    assert!(surface.charges(&potentials, Condition::Potential(1.0)).is_err());
 }

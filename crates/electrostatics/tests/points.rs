@@ -199,3 +199,49 @@ fn degenerate_input_is_answered() {
         assert!(matches!(result, Err(ElectrostaticsError::Setting { .. })));
     }
 }
+
+/// T8, T9: inside a uniform ball the field is `Q r/R^3`, inside a long elliptic bundle of lines
+/// `4 lambda/(a+b) (x/a, y/b)`, lambda of all lines together; beside sampling errors, which fall as
+/// the root of the number.
+#[test]
+fn fields_inside_of_uniform_charges_are_linear() {
+    let k = COULOMB_CONSTANT;
+    let mut ball = cube(60_000, 8);
+    ball.iter_mut().for_each(|x| *x = (2.0 * x.coords - Vector3::repeat(1.0)).into());
+    ball.retain(|x| x.coords.norm() < 1.0);
+    let (count, q) = (ball.len(), 1e-12);
+    let targets: Vec<_> = sphere(400, 9).iter().map(|x| Point3::from(0.6 * x.coords)).collect();
+    let method = Multipole { accuracy: Accuracy::Tolerance(1e-5) };
+    let fields = method.fields(&ball, &vec![q; count], &targets).expect("met").fields;
+    let total: f64 = fields.iter().zip(&targets).map(|(e, x)| e.dot(&x.coords) / 0.6).sum();
+    let exact = k * q * count as f64 * 0.6;
+    // The charge within 0.6 is binomial; three deviations.
+    let deviation = 3.0 * ((1.0 / 0.216 - 1.0) / count as f64).sqrt();
+    let mean = total / targets.len() as f64;
+    assert!((mean / exact - 1.0).abs() < deviation, "{mean} V/m, not {exact}");
+
+    let (a, b, lines, steps, half) = (2.0, 1.0, 2000, 200, 40.0);
+    let place = |i: usize| {
+        let (radius, angle) = (((i as f64 + 0.5) / lines as f64).sqrt(), i as f64 * 2.399_963);
+        [a * radius * angle.cos(), b * radius * angle.sin()]
+    };
+    let point = |i: usize| {
+        let [x, y] = place(i / steps);
+        let z = half * (2.0 * ((i % steps) as f64 + 0.5) / steps as f64 - 1.0);
+        Point3::new(x, y, z)
+    };
+    let bundle: Vec<_> = (0..lines * steps).map(point).collect();
+    let density = q * steps as f64 / (2.0 * half) * lines as f64;
+    // Lines of points are lines from a spacing on, so the field is that of means over places.
+    let targets: Vec<_> = (0..300)
+        .map(|i| {
+            let [x, y] = place(i * lines / 300);
+            Point3::new(0.7 * x, 0.7 * y, 0.0)
+        })
+        .collect();
+    let fields = method.fields(&bundle, &vec![q; bundle.len()], &targets).expect("met").fields;
+    let exact = |x: &Point3<f64>| 4.0 * k * density / (a + b) * Vector3::new(x.x / a, x.y / b, 0.0);
+    let along: f64 = fields.iter().zip(&targets).map(|(e, x)| e.dot(&exact(x))).sum();
+    let squares: f64 = targets.iter().map(|x| exact(x).norm_squared()).sum();
+    assert!((along / squares - 1.0).abs() < 2e-2, "{}", along / squares);
+}

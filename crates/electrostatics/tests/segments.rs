@@ -23,7 +23,6 @@ fn solve(
     fibers: &[Vec<Point3<f64>>],
     density: f64,
     radius: f64,
-    points: usize,
     tolerance: f64,
 ) -> Result<Electrostatics, ElectrostaticsError> {
     let layout = Layout::new(fibers.iter().map(|fiber| fiber.len() - 1));
@@ -31,8 +30,7 @@ fn solve(
     let charges = charges(&layout, &nodes, density);
     let radii = vec![radius; fibers.len()];
     let accuracy = Accuracy::Tolerance(tolerance);
-    let fibers =
-        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points, accuracy };
+    let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
     fibers.forces(&nodes)
 }
 
@@ -50,7 +48,7 @@ fn parallel_lines_repel_by_the_closed_form() {
     let factor = COULOMB_CONSTANT * density * density;
     for segments in [1, 7, 200] {
         let pair = [straight(0.0, length, segments), straight(d, length, segments)];
-        let result = solve(&pair, density, 40e-6, 32, 1e-9).expect("valid");
+        let result = solve(&pair, density, 40e-6, 1e-9).expect("valid");
         let forces = &result.forces[segments as usize + 1..];
         let total: Vector3<f64> = forces.iter().sum();
         let exact = 2.0 * factor / d * (length.hypot(d) - d);
@@ -91,7 +89,7 @@ fn a_torus_repels_itself() {
     let ring: Vec<_> = (0..=n)
         .map(|i| Point3::new(radius * angle(i).cos(), radius * angle(i).sin(), 0.0))
         .collect();
-    let result = solve(&[ring], density, a, 6, 1e-7).expect("valid");
+    let result = solve(&[ring], density, a, 1e-7).expect("valid");
     let h = radius * std::f64::consts::TAU / f64::from(n);
     let exact = COULOMB_CONSTANT * density * density / radius * ((8.0 * radius / a).ln() - 1.0);
     for i in [31, 100, 163] {
@@ -112,8 +110,7 @@ fn forces_are_a_gradient_without_net_force_or_moment() {
     let charges = charges(&layout, &nodes, 2.6e-11);
     let radii = vec![40e-6; fibers.len()];
     let accuracy = Accuracy::Tolerance(1e-11);
-    let fibers =
-        ChargedFibers { layout: &layout, charges: &charges, radii: &radii, points: 3, accuracy };
+    let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
     let result = fibers.forces(&nodes).expect("valid");
     assert!(result.certificate.order.is_some(), "there is a far field");
     let scale: f64 = result.forces.iter().map(Vector3::norm).sum();
@@ -168,13 +165,26 @@ fn the_tress_has_the_field_that_the_thesis_states() {
     assert!((far - 860.0).abs() < 30.0, "{far} V/m");
 }
 
+/// The same bits with one thread, two and three.
+#[test]
+fn threads_change_no_bit() {
+    let fibers = hair(120, 61, 5);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| solve(&fibers, 2.6e-11, 40e-6, 1e-3).expect("valid"))
+    };
+    let one = run(1);
+    assert!(one.certificate.order.is_some(), "there is a far field");
+    assert!(one == run(2) && one == run(3));
+}
+
 /// Requested tolerances are met by all nodal forces.
 #[test]
 fn tolerances_are_met_by_segments() {
     let fibers = hair(60, 41, 4);
-    let exact = solve(&fibers, 2.6e-11, 40e-6, 3, 1e-11).expect("valid");
+    let exact = solve(&fibers, 2.6e-11, 40e-6, 1e-10).expect("valid");
     for tolerance in [1e-3, 1e-5, 1e-7] {
-        let result = solve(&fibers, 2.6e-11, 40e-6, 3, tolerance).expect("valid");
+        let result = solve(&fibers, 2.6e-11, 40e-6, tolerance).expect("valid");
         let error = relative(&result.forces, &exact.forces);
         assert!(error < tolerance, "{error} > {tolerance}");
     }
@@ -183,17 +193,19 @@ fn tolerances_are_met_by_segments() {
 /// T20: no fibres, one segment, fibres that intersect, and nonsense.
 #[test]
 fn degenerate_fibers_are_answered() {
-    let none = solve(&[], 1e-11, 40e-6, 4, 1e-4).expect("defined");
+    let none = solve(&[], 1e-11, 40e-6, 1e-4).expect("defined");
     assert!(none.energy == 0.0 && none.forces.is_empty());
-    let one = solve(&[straight(0.0, 0.01, 1)], 1e-11, 40e-6, 4, 1e-4).expect("defined");
-    assert!(one.forces[1].z > 0.0 && (one.forces[0] + one.forces[1]).norm() == 0.0);
+    let one = solve(&[straight(0.0, 0.01, 1)], 1e-11, 40e-6, 1e-4).expect("defined");
+    assert!(
+        one.forces[1].z > 0.0 && (one.forces[0] + one.forces[1]).norm() < 1e-12 * one.forces[1].z
+    );
     let cross = [straight(0.0, 0.01, 3), straight(0.0, 0.01, 3)];
-    let cross = solve(&cross, 1e-11, 40e-6, 4, 1e-4).expect("defined");
+    let cross = solve(&cross, 1e-11, 40e-6, 1e-4).expect("defined");
     assert!(cross.forces.iter().all(|f| f.iter().all(|x| x.is_finite())));
     let point = vec![Point3::origin(); 2];
-    let result = solve(&[point], 1e-11, 40e-6, 4, 1e-4);
+    let result = solve(&[point], 1e-11, 40e-6, 1e-4);
     assert!(matches!(result, Err(ElectrostaticsError::Setting { .. })));
     let nowhere = vec![Point3::origin(), Point3::new(0.0, f64::NAN, 0.0)];
-    let result = solve(&[nowhere], 1e-11, 40e-6, 4, 1e-4);
+    let result = solve(&[nowhere], 1e-11, 40e-6, 1e-4);
     assert!(result.is_err());
 }

@@ -6,9 +6,11 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Reads the scene in a file.
+/// Reads the scene in a file, with the paths in it as they are from anywhere: a run keeps them.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
-    Scene::from_ron(&read_text(path, "scene")?).map_err(Failure::of(path))
+    let scene = Scene::from_ron(&read_text(path, "scene")?).map_err(Failure::of(path))?;
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    Ok(scene.seen_from(whole.parent().unwrap_or(&whole)))
 }
 
 /// Reads the text of a file; `what` it is to be is for the message.

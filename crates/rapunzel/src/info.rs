@@ -69,6 +69,12 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
                 contact.unresolved
             ));
         }
+        if let Some(first) = contact.first_unresolved {
+            lines.push(format!(
+                "              first at {} s: fibre {}, segment {}, {:.1e} m deep in {}",
+                first.time, first.fiber, first.segment, first.depth, first.partner
+            ));
+        }
     }
     if summary.missed > 0 {
         lines.push(format!("  tolerance   missed {} times by the smallest step", summary.missed));

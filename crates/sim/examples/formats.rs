@@ -59,7 +59,7 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     }
     pvd::write(
         &mut create("frames.pvd")?,
-        times.iter().copied().zip(names.iter().map(String::as_str)),
+        times.iter().zip(&names).map(|(time, name)| (*time, 0, name.as_str())),
     )?;
     // As after a crash: from the files of the frames.
     let read = |name: &String| vtp::read(&mut BufReader::new(File::open(folder.join(name))?));
@@ -70,7 +70,7 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     }
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.inc")?, &frames[4])?;
-    preview::write(&mut create("preview.png")?, frames)?;
+    preview::write(&mut create("preview.png")?, frames, &[])?;
     Ok(())
 }
 

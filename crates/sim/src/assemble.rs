@@ -1,5 +1,5 @@
 use crate::conditions::{BundleConditions, FiberConditions};
-use crate::contact::Touching;
+use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
@@ -40,7 +40,7 @@ impl Scene {
     /// # Errors
     /// [`SimError::Scene`] if the scene makes no sense; [`SimError::Fiber`] and [`SimError::Rod`]
     /// where only the combination of its numbers does not, such as a sine too fine for its
-    /// segments.
+    /// segments; [`SimError::Io`], [`SimError::Mesh`] and [`SimError::Object`] for objects.
     pub fn build(&self) -> Result<World, SimError> {
         self.validate()?;
         let mut starts = Vec::new();
@@ -79,6 +79,14 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         let mut world = World::new(self.environment.clone(), assembly, groups);
+        let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
+        let around = Surroundings {
+            longest: lengths.fold(0.0, f64::max),
+            thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
+        };
+        let objects = self.objects.iter().enumerate();
+        world.objects =
+            objects.map(|(i, object)| object.build(i, &around)).collect::<Result<_, _>>()?;
         if let Some(springs) = &self.mass_spring {
             let refused = |source| SimError::MassSpring { time: 0.0, source };
             let springs = mass_spring::build(springs).map_err(refused)?;
@@ -100,10 +108,7 @@ impl Scene {
         }
         Ok(match &self.contact {
             None => Box::new(FreeFibers),
-            Some(settings) => {
-                let objects = self.objects.iter().map(|object| object.build()).collect();
-                Box::new(Touching::new(settings.clone(), objects, world)?)
-            }
+            Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
         })
     }
 

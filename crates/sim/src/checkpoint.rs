@@ -25,9 +25,14 @@ pub(crate) struct Checkpoint {
     pub(crate) marks: Vec<u64>,
 }
 
-/// The hash that tells scenes apart: of the RON with all defaults filled in.
+/// The hash that tells scenes apart: of the RON with all defaults filled in, and the files in it.
 pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
-    Ok(blake3::hash(scene.to_ron()?.as_bytes()).into())
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(scene.to_ron()?.as_bytes());
+    for path in scene.objects.iter().filter_map(|object| object.shape.file()) {
+        hasher.update(&fs::read(path).map_err(SimError::io("read", path))?);
+    }
+    Ok(hasher.finalize().into())
 }
 
 impl Checkpoint {

@@ -61,6 +61,42 @@ pub enum SimError {
         /// How deep, m.
         depth: f64,
     },
+    /// The mesh of an object is not closed, or not read.
+    #[error("objects[{object}], {}: {source}", path.display())]
+    Mesh {
+        /// Index of the object in the scene.
+        object: usize,
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: CollisionError,
+    },
+    /// An object cannot be built although each of its numbers is in range.
+    #[error("objects[{object}]: {source}")]
+    Object {
+        /// Index of the object in the scene.
+        object: usize,
+        /// What is wrong with it.
+        source: CollisionError,
+    },
+    /// An object moves so fast that fibres could not get out of its way.
+    #[error(
+        "objects[{object}] moves by {way:.2e} m in the step at t = {time} s, and at most {most:.2e} \
+         m, its smallest side or a segment, are allowed; set stepper.dt to at most {dt:.2e} s, or \
+         move it more slowly"
+    )]
+    Leap {
+        /// Index of the object in the scene.
+        object: usize,
+        /// Start of the step, s.
+        time: f64,
+        /// How far a point of it would move, m.
+        way: f64,
+        /// How far it may, m.
+        most: f64,
+        /// The longest step that would do, s.
+        dt: f64,
+    },
     /// Contacts could not be looked for.
     #[error("contacts cannot be found: {0}")]
     Collision(#[from] CollisionError),

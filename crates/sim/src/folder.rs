@@ -19,7 +19,8 @@ pub enum Existing {
 /// The folder of a run, held by this process alone until it is dropped.
 ///
 /// It holds `scene.ron` (the scene with all defaults), `summary.json`, `energies.csv`,
-/// `probes.csv`, `frames.pvd` with `frames/frame-*.vtp`, `preview.png`, the formats that the scene
+/// `probes.csv`, `frames.pvd` with `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one
+/// file where none of them moves), `preview.png`, the formats that the scene
 /// asks for, `checkpoint.bin`, and `run.log` if the program keeps one.
 #[derive(Debug)]
 pub struct RunFolder {
@@ -38,9 +39,10 @@ pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const PVD: &str = "frames.pvd";
 pub(crate) const PREVIEW: &str = "preview.png";
 pub(crate) const USD: &str = "fibers.usda";
+pub(crate) const OBJECTS_USD: &str = "objects.usda";
 /// The files of a run beside the frames.
-const FILES: [&str; 9] =
-    [SCENE, CHECKPOINT, ENERGIES, PROBES, SUMMARY, PVD, PREVIEW, USD, "run.log"];
+const FILES: [&str; 10] =
+    [SCENE, CHECKPOINT, ENERGIES, PROBES, SUMMARY, PVD, PREVIEW, USD, OBJECTS_USD, "run.log"];
 pub(crate) const FRAMES: &str = "frames";
 const LOCK: &str = ".lock";
 
@@ -90,7 +92,10 @@ impl RunFolder {
     fn clear(&self) -> Result<(), SimError> {
         let frames = fs::read_dir(self.file(FRAMES)).into_iter().flatten().flatten();
         let frames = frames
-            .filter(|file| file.file_name().to_string_lossy().starts_with("frame-"))
+            .filter(|file| {
+                let name = file.file_name().to_string_lossy().into_owned();
+                name.starts_with("frame-") || name.starts_with("objects-")
+            })
             .map(|file| file.path());
         let files = frames.chain(FILES.iter().map(|name| self.file(name)));
         for file in files.filter(|file| file.exists()) {

@@ -19,7 +19,7 @@ mod storage;
 mod summary;
 mod world;
 
-pub use contact::{Bearing, ContactReport, Partner};
+pub use contact::{Bearing, ContactReport, Partner, Unresolved};
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};
 pub use mass_spring::MassSprings;

@@ -1,6 +1,6 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHECKPOINT, ENERGIES, PROBES, RunFolder, SCENE};
-use crate::observers::{Column, FrameWriter, Observer, Table};
+use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
 use std::io::Write;
@@ -176,7 +176,8 @@ fn observers(
     let output = &scene.output;
     let every = plan.steps_per_record;
     let interval = plan.dt * plan.steps_per_frame as f64;
-    let frames = FrameWriter::open(folder, &output.formats, plan.steps_per_frame, interval)?;
+    let shown = Shown::of(&scene.objects);
+    let frames = FrameWriter::open(folder, &output.formats, shown, plan.steps_per_frame, interval)?;
     let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
     let columns = [Column::Energies].into_iter().chain(readings.map(Column::Springs)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;

@@ -1,8 +1,10 @@
-use crate::contact::{Bearing, Memory};
+use crate::contact::{Bearing, Memory, Object, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, scene::Environment};
 use nalgebra::{Point3, Vector3};
+use rapunzel_collision::field::Soup;
+use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, RodError, RodState};
 use serde::{Deserialize, Serialize};
@@ -17,6 +19,8 @@ pub struct World {
     clock: Clock,
     /// What fibres touched in the last step.
     pub(crate) contacts: Memory,
+    /// What fibres touch beside each other.
+    pub(crate) objects: Vec<Object>,
     /// In place of fibres.
     pub(crate) springs: Option<Box<dyn Springs>>,
 }
@@ -37,6 +41,7 @@ pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
     contacts: Memory,
+    objects: Vec<f64>,
     springs: Vec<f64>,
 }
 
@@ -51,7 +56,8 @@ impl World {
         }
         let clock = Clock::default();
         let contacts = Memory::default();
-        Self { environment, assembly, groups, lanes, clock, contacts, springs: None }
+        let objects = Vec::new();
+        Self { environment, assembly, groups, lanes, clock, contacts, objects, springs: None }
     }
 
     /// Time, s.
@@ -95,7 +101,27 @@ impl World {
 
     /// Gravity now, m/s^2.
     pub(crate) fn gravity(&self) -> Vector3<f64> {
-        self.environment.gravity_at(self.time())
+        self.gravity_at(self.time())
+    }
+
+    /// Gravity at a time (s), m/s^2.
+    pub(crate) fn gravity_at(&self, t: f64) -> Vector3<f64> {
+        self.environment.gravity_at(t)
+    }
+
+    /// Surfaces of all objects where they are now (world), as far as they are shown: of a plane a
+    /// square of twice the longest fibre. Copies them.
+    pub fn surfaces(&self) -> impl Iterator<Item = Soup> {
+        self.objects.iter().map(|object| object.surface(self.time()))
+    }
+
+    /// Object `i` of the scene as a rigid body, if it is one that moves freely.
+    #[must_use]
+    pub fn body(&self, i: usize) -> Option<&RigidBody> {
+        match &self.objects.get(i)?.way {
+            Way::Free(body) => Some(body.body()),
+            Way::Led(_) => None,
+        }
     }
 
     /// Where fibre `i` is and how it moves. Allocates; costs one pass over its nodes.
@@ -115,7 +141,7 @@ impl World {
         Some(self.springs.as_ref()?.warning(dt)?.to_string())
     }
 
-    /// Energy of all fibres, J, in the gravity of the instant. Costs one pass over all nodes.
+    /// Energy of all fibres and free objects, J, in the gravity of the instant. Costs one pass over all nodes.
     #[must_use]
     pub fn energy(&self) -> Energy {
         let gravity = self.gravity();
@@ -123,12 +149,17 @@ impl World {
             return springs.energy(&gravity);
         }
         let mut sum = Energy::default();
+        let mut add = |energy: Energy| {
+            sum.kinetic += energy.kinetic;
+            sum.elastic += energy.elastic;
+            sum.gravitational += energy.gravitational;
+        };
         for group in &self.groups {
-            for lane in 0..group.fibers.len() {
-                let energy = group.batch.energy(lane, &gravity);
-                sum.kinetic += energy.kinetic;
-                sum.elastic += energy.elastic;
-                sum.gravitational += energy.gravitational;
+            (0..group.fibers.len()).for_each(|lane| add(group.batch.energy(lane, &gravity)));
+        }
+        for object in &self.objects {
+            if let Way::Free(body) = &object.way {
+                add(body.energy(&gravity));
             }
         }
         sum
@@ -150,7 +181,13 @@ impl World {
         };
         let groups = self.groups.iter().map(numbers).collect();
         let springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
-        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone(), springs }
+        let mut objects = Vec::new();
+        for object in &self.objects {
+            if let Way::Free(body) = &object.way {
+                body.save(&mut objects);
+            }
+        }
+        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone(), objects, springs }
     }
 
     /// Goes back to a snapshot of this world.
@@ -171,6 +208,15 @@ impl World {
         {
             let (expected, found) = (springs.save().len(), snapshot.springs.len());
             return Err(error(RodError::Length { what: "springs", expected, found }));
+        }
+        let found = snapshot.objects.len();
+        let short =
+            RodError::Length { what: "numbers of free objects", expected: found + 1, found };
+        let mut numbers = &snapshot.objects[..];
+        for object in &mut self.objects {
+            if let Way::Free(body) = &mut object.way {
+                numbers = body.restore(numbers).ok_or_else(|| error(short.clone()))?;
+            }
         }
         self.clock = snapshot.clock;
         self.contacts = snapshot.contacts.clone();

@@ -104,10 +104,14 @@ fn tables_hold_what_the_world_does() {
     assert_eq!(last.strands[0].velocities[8].as_slice(), &probes[40][1..]);
 }
 
-/// Also of fibres that lie on something: what touched is part of a checkpoint.
+/// Also of fibres that lie on something, or are hit by a ball that flies: what touched is part of a
+/// checkpoint, and so is the ball.
 #[test]
 fn interruptions_change_no_byte() {
-    for text in [SCENE.into(), touching()] {
+    let free = "shape: Ball(radius: 0.01), moves: Free(mass: Mass(1e-5), velocity: (0, 0, 0.8), \
+                spin: (0, 500, 0))";
+    let flying = touching().replace("shape: Plane(normal: (0, 0, 1))", free);
+    for text in [SCENE.into(), touching(), flying] {
         interrupt(&Scene::from_ron(&text).expect("a sound scene"));
     }
 }

@@ -1,6 +1,7 @@
 //! Terrain: heights over a square lattice.
 
-use super::{DistanceField, Sample};
+use super::mesh::index;
+use super::{DistanceField, Sample, Soup};
 use crate::CollisionError;
 use crate::triangle::nearest_weights;
 use nalgebra::{Point3, Vector3};
@@ -61,6 +62,26 @@ impl HeightField {
         }
         field.cosine = 1.0 / steepest.hypot(1.0);
         Ok(field)
+    }
+
+    /// The triangles of the ground within the lattice, counter-clockwise from above: an open surface.
+    #[must_use]
+    pub fn surface(&self) -> Soup {
+        let [x, y] = self.origin;
+        let (columns, rows) = (self.columns, self.rows());
+        let vertices = self.heights.iter().enumerate().map(|(k, &height)| {
+            let (i, j) = ((k % columns) as f64, (k / columns) as f64);
+            Point3::new(x + i * self.spacing, y + j * self.spacing, height)
+        });
+        let square = |k: usize| {
+            let low = k / (columns - 1) * columns + k % (columns - 1);
+            let [a, b, c, d] = [low, low + 1, low + columns + 1, low + columns].map(index);
+            [[a, b, c], [a, c, d]]
+        };
+        Soup {
+            vertices: vertices.collect(),
+            triangles: (0..(columns - 1) * (rows - 1)).flat_map(square).collect(),
+        }
     }
 
     fn rows(&self) -> usize {

@@ -16,6 +16,7 @@ mod read;
 mod repair;
 mod scan;
 pub mod shapes;
+mod terrain;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};
 pub use contact::{FieldContact, Search};
@@ -23,6 +24,7 @@ pub use grid::{Frame, Grid};
 pub use height::HeightField;
 pub use mesh::{Mesh, Soup};
 pub use repair::Repairs;
+pub use terrain::Terrain;
 
 use nalgebra::{Point3, Vector3};
 

@@ -42,11 +42,10 @@ impl NullaryFnOnce for Measure<'_> {
         let mut batch = Batch::default();
         for (pairs, distances) in self.pairs.chunks(BATCH).zip(self.distances.chunks_mut(BATCH)) {
             batch.gather(self.capsules, pairs);
-            let oblique = batch.measure();
-            distances.copy_from_slice(&batch.squared[..pairs.len()]);
-            if !oblique {
-                batch.measure_parallel(self.capsules, pairs, distances);
+            if !batch.measure() {
+                batch.measure_parallel();
             }
+            distances.copy_from_slice(&batch.squared[..pairs.len()]);
         }
     }
 }
@@ -119,15 +118,37 @@ impl Batch {
         oblique
     }
 
-    /// Measures those again for which the fast way is not good.
-    #[inline(never)]
-    fn measure_parallel(&self, capsules: &Capsules, pairs: &[Pair], distances: &mut [f64]) {
-        for (k, &[i, j]) in pairs.iter().enumerate() {
-            let oblique = self.sines[k] >= PARALLEL;
-            if !oblique {
-                let (a, b) = (capsules.get(i as usize), capsules.get(j as usize));
-                distances[k] = a.closest(&b).offset.norm_squared();
+    /// Measures those again for which the fast way is not good: the squared distance is convex in
+    /// the two fractions, so its least value lies where the lines come closest or on a side of their
+    /// square.
+    #[inline(always)]
+    fn measure_parallel(&mut self) {
+        for k in 0..BATCH {
+            let (x, y, z) = (self.first[0][k], self.first[1][k], self.first[2][k]);
+            let (u, v, w) = (self.second[0][k], self.second[1][k], self.second[2][k]);
+            let (l, m, n) = (self.between[0][k], self.between[1][k], self.between[2][k]);
+            let a = positive(x * x + y * y + z * z);
+            let e = positive(u * u + v * v + w * w);
+            let b = x * u + y * v + z * w;
+            let c = x * l + y * m + z * n;
+            let f = u * l + v * m + w * n;
+            let (per_a, per_e) = (1.0 / a, 1.0 / e);
+            let squared = |s: f64, t: f64| {
+                let (l, m, n) = (l + t * u - s * x, m + t * v - s * y, n + t * w - s * z);
+                l * l + m * m + n * n
+            };
+            let t = clamped((clamped((c * e - b * f) / (a * e - b * b)) * b - f) * per_e);
+            let mut least = squared(clamped((c + t * b) * per_a), t);
+            for other in [
+                squared(0.0, clamped(-f * per_e)),
+                squared(1.0, clamped((b - f) * per_e)),
+                squared(clamped(c * per_a), 0.0),
+                squared(clamped((c + b) * per_a), 1.0),
+            ] {
+                least = if other < least { other } else { least };
             }
+            let oblique = self.sines[k] >= PARALLEL;
+            self.squared[k] = if oblique { self.squared[k] } else { least };
         }
     }
 }

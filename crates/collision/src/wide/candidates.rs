@@ -40,6 +40,8 @@ struct List {
     hulls: Vec<Bounds>,
     /// Region of every segment: its block of the tree's second level.
     regions: Vec<u32>,
+    /// Pairs of the last motion that the list did not cover.
+    swept: Vec<Pair>,
     /// Room for the squared distances of all pairs, m².
     squared: Vec<f64>,
 }
@@ -80,22 +82,47 @@ impl Candidates {
             self.list = Some(List::new(capsules, grow)?);
             return Ok(Update::Rebuilt);
         };
-        if list.stays_complete(capsules, self.margin)? {
+        if list.stays_complete([capsules], self.margin)? {
             return Ok(Update::Kept);
         }
-        list.tree.refit(capsules, 0.5 * grow)?;
-        if list.tree.cost() > WORN * list.cost {
-            *list = List::new(capsules, grow)?;
-            return Ok(Update::Rebuilt);
+        list.renew(capsules, grow)
+    }
+
+    /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
+    /// `end`, each node on a straight line, and some that stay farther apart. The order does not
+    /// depend on the number of threads.
+    ///
+    /// Cost: as [`Candidates::update`] at `start`; where the motion is wider than the margin, also
+    /// a search of what all segments sweep, 100 ns a segment.
+    ///
+    /// # Errors
+    /// As [`Candidates::update`], for either.
+    pub fn on_the_way(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+    ) -> Result<&[Pair], CollisionError> {
+        let margin = self.margin;
+        if self.list.is_none() {
+            self.update(start)?;
         }
-        list.search(capsules);
-        Ok(Update::Refitted)
+        let Some(list) = &mut self.list else { return Ok(&[]) };
+        if list.stays_complete([start, end], margin)? {
+            return Ok(&list.pairs);
+        }
+        if list.positions != start.positions() {
+            let grow = self.reach + margin;
+            list.renew(start, grow)?;
+            if list.stays_complete([start, end], margin)? {
+                return Ok(&list.pairs);
+            }
+        }
+        list.tree.refit_swept(start, end, 0.5 * self.reach)?;
+        list.tree.pairs(&mut list.swept);
+        Ok(&list.swept)
     }
 
     /// All contacts with gaps of at most the reach, as [`crate::contacts`] finds them.
-    ///
-    /// The first time after the list was made, this also drops pairs from it that are too far
-    /// apart to come into reach: their distances are known then anyway.
     ///
     /// # Errors
     /// As [`Candidates::update`], which it calls.
@@ -105,11 +132,7 @@ impl Candidates {
         contacts: &mut Vec<Contact>,
     ) -> Result<Update, CollisionError> {
         let update = self.update(capsules)?;
-        if let Some(list) = &mut self.list {
-            // Where the list was made for other positions, its pairs may have come closer since.
-            if update != Update::Kept {
-                list.sift(capsules, self.reach + self.margin);
-            }
+        if let Some(list) = &self.list {
             narrow::contacts(capsules, &list.pairs, self.reach, contacts)?;
         }
         Ok(update)
@@ -142,21 +165,33 @@ impl List {
             positions: Vec::new(),
             hulls: Vec::new(),
             regions,
+            swept: Vec::new(),
             squared: Vec::new(),
         };
-        list.search(capsules);
+        list.search(capsules, grow);
         Ok(list)
     }
 
-    /// Lists all pairs whose grown boxes meet.
-    fn search(&mut self, capsules: &Capsules) {
+    /// Makes the list of all pairs with gaps of at most `grow` where the segments are now.
+    fn renew(&mut self, capsules: &Capsules, grow: f64) -> Result<Update, CollisionError> {
+        self.tree.refit(capsules, 0.5 * grow)?;
+        if self.tree.cost() > WORN * self.cost {
+            *self = Self::new(capsules, grow)?;
+            return Ok(Update::Rebuilt);
+        }
+        self.search(capsules, grow);
+        Ok(Update::Refitted)
+    }
+
+    /// Lists all pairs whose grown boxes meet, but those with gaps of more than `grow`, m.
+    fn search(&mut self, capsules: &Capsules, grow: f64) {
         self.tree.pairs(&mut self.pairs);
+        self.sift(capsules, grow);
         self.hulls.clone_from(&self.tree.levels[1].hulls);
         self.positions.clear();
         self.positions.extend_from_slice(capsules.positions());
     }
 
-    /// Drops pairs with gaps of more than `grow`, m, when the list was made.
     fn sift(&mut self, capsules: &Capsules, grow: f64) {
         squared_distances(capsules, &self.pairs, &mut self.squared);
         let mut squared = self.squared.iter();
@@ -168,10 +203,15 @@ impl List {
         });
     }
 
-    /// Whether no two segments of regions that meet have come closer by more than `margin`, m.
-    fn stays_complete(&mut self, capsules: &Capsules, margin: f64) -> Result<bool, CollisionError> {
-        self.tree.check(capsules)?;
-        let motions = self.motions(capsules);
+    /// Whether no two segments of regions that meet have come closer by more than `margin`, m,
+    /// in any of some frames or between them.
+    fn stays_complete<const N: usize>(
+        &mut self,
+        frames: [&Capsules; N],
+        margin: f64,
+    ) -> Result<bool, CollisionError> {
+        frames.iter().try_for_each(|frame| self.tree.check(frame))?;
+        let motions = self.motions(frames);
         let moved = self.hulls.iter().zip(&motions).map(|(hull, motion)| motion.shift(hull));
         let hulls = moved.collect();
         let closer = |[a, b]: [usize; 2]| motions[a].apart(&motions[b]);
@@ -179,16 +219,16 @@ impl List {
     }
 
     /// How far the segments of every region have moved since the list was made.
-    fn motions(&self, capsules: &Capsules) -> Vec<Motion> {
-        let (layout, positions) = (capsules.layout(), capsules.positions());
+    fn motions<const N: usize>(&self, frames: [&Capsules; N]) -> Vec<Motion> {
+        let layout = frames[0].layout();
         let none = vec![Motion::NONE; self.hulls.len()];
         let length = layout.fibers().div_ceil(PARTS);
         let part = |part: usize| {
             let mut motions = none.clone();
             let fibers = part * length..layout.fibers().min((part + 1) * length);
-            for fiber in fibers {
+            for (fiber, frame) in fibers.flat_map(|fiber| frames.map(|frame| (fiber, frame))) {
                 let nodes = layout.node_range(fiber);
-                let moved = |node: usize| positions[node] - self.positions[node];
+                let moved = |node: usize| frame.positions()[node] - self.positions[node];
                 let mut start = moved(nodes.start);
                 for (node, segment) in (nodes.start + 1..nodes.end).zip(layout.segment_range(fiber))
                 {

@@ -73,9 +73,27 @@ pub(crate) trait Leaf: Sync {
     /// What is found for each body.
     type Out: Send;
 
-    /// Adds to `out`, one for each body of `cell`, the local expansion `far` and the bodies `near`
-    /// of the sources.
-    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [Self::Out]);
+    /// Adds what the local expansion `far` and the bodies `near` of the sources do to the bodies of
+    /// `cell`.
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], task: Task<Self::Out>);
+}
+
+/// The bodies of one thread: a leaf of them and all of its neighbors.
+pub(crate) struct Task<'a, Out> {
+    /// Which bodies they are.
+    pub(crate) bodies: Range<usize>,
+    /// Whether all of their leaves are visited.
+    pub(crate) complete: bool,
+    /// What is found for each of them.
+    pub(crate) out: &'a mut [Out],
+}
+
+impl<Out> Task<'_, Out> {
+    /// What is found for the bodies of `cell`.
+    pub(crate) fn of(&mut self, cell: &Cell) -> &mut [Out] {
+        let first = self.bodies.start;
+        &mut self.out[cell.bodies.start - first..cell.bodies.end - first]
+    }
 }
 
 /// The local expansion of a leaf.
@@ -120,7 +138,9 @@ impl<L: Leaf> Descent<'_, L> {
             return;
         }
         let local = vec![0.0; count(self.order)];
-        self.visit(0, local, vec![0], &mut Translator::new(self.order), out);
+        let bodies = self.targets.cells[0].bodies.clone();
+        let task = Task { bodies, complete: self.samples.is_none(), out };
+        self.visit(0, local, vec![0], &mut Translator::new(self.order), task);
     }
 
     fn wanted(&self, cell: &Cell) -> bool {
@@ -135,14 +155,14 @@ impl<L: Leaf> Descent<'_, L> {
         mut local: Vec<f64>,
         pending: Vec<u32>,
         translator: &mut Translator,
-        out: &mut [L::Out],
+        task: Task<L::Out>,
     ) {
         let cell = &self.targets.cells[index];
         if !self.wanted(cell) {
             return;
         }
         let mut lists = Lists::default();
-        lists.sort(self, cell, pending);
+        lists.sort(self, index, pending);
         let cells = &self.sources.tree.cells;
         let far = |&source: &u32| {
             let source = source as usize;
@@ -155,7 +175,7 @@ impl<L: Leaf> Descent<'_, L> {
             let mut gradient = Gradient::default();
             gradient.set(Tables::get(), self.order, cell.scale(), &local);
             let far = Far { order: self.order, gradient };
-            self.leaf.receive(cell, &far, &lists.near, out);
+            self.leaf.receive(cell, &far, &lists.near, task);
             return;
         }
         let children = &self.targets.cells[cell.children.clone()];
@@ -163,24 +183,26 @@ impl<L: Leaf> Descent<'_, L> {
         let size = count(self.order);
         let mut locals = vec![0.0; size * children.len()];
         translator.each(Kind::Local, orders, &shifts, &mut locals);
-        let mut parts = Vec::with_capacity(children.len());
-        let mut rest = out;
-        for (child, local) in cell.children.clone().zip(locals.chunks_exact(size)) {
-            let (part, others) = rest.split_at_mut(self.targets.cells[child].bodies.len());
-            parts.push((child, local.to_vec(), part));
-            rest = others;
-        }
-        let pending = &lists.pending;
-        if cell.bodies.len() > TASK {
-            parts.into_par_iter().for_each(|(child, local, part)| {
-                let mut translator = Translator::new(self.order);
-                self.visit(child, local, pending.clone(), &mut translator, part);
-            });
-        } else {
-            for (child, local, part) in parts {
-                self.visit(child, local, pending.clone(), translator, part);
+        let locals = cell.children.clone().zip(locals.chunks_exact(size));
+        let (pending, Task { bodies, complete, mut out }) = (&lists.pending, task);
+        if cell.bodies.len() <= TASK {
+            for (child, local) in locals {
+                let task = Task { bodies: bodies.clone(), complete, out: &mut *out };
+                self.visit(child, local.to_vec(), pending.clone(), translator, task);
             }
+            return;
         }
+        let mut parts = Vec::with_capacity(children.len());
+        for (child, local) in locals {
+            let bodies = self.targets.cells[child].bodies.clone();
+            let (part, rest) = out.split_at_mut(bodies.len());
+            parts.push((child, local.to_vec(), Task { bodies, complete, out: part }));
+            out = rest;
+        }
+        parts.into_par_iter().for_each(|(child, local, task)| {
+            let mut translator = Translator::new(self.order);
+            self.visit(child, local, pending.clone(), &mut translator, task);
+        });
     }
 }
 
@@ -193,10 +215,14 @@ struct Lists {
 }
 
 impl Lists {
-    fn sort<L>(&mut self, descent: &Descent<L>, target: &Cell, mut stack: Vec<u32>) {
+    /// The larger of two cells is split, of equal ones that with the greater index, so that within
+    /// one tree a body is near to another if that is near to it.
+    fn sort<L>(&mut self, descent: &Descent<L>, own: usize, mut stack: Vec<u32>) {
+        let target = &descent.targets.cells[own];
         stack.reverse();
         while let Some(index) = stack.pop() {
             let source = &descent.sources.tree.cells[index as usize];
+            let larger = (source.radius, index as usize) > (target.radius, own);
             let reach = target.radius + source.radius;
             let distance = (source.center - target.center).norm();
             let pairs = source.bodies.len() * target.bodies.len();
@@ -209,7 +235,7 @@ impl Lists {
                 }
             } else if leaves {
                 self.near(&source.bodies);
-            } else if !source.is_leaf() && (target.is_leaf() || source.radius > target.radius) {
+            } else if !source.is_leaf() && (target.is_leaf() || larger) {
                 #[expect(clippy::cast_possible_truncation, reason = "indices fit 32 bits")]
                 stack.extend(source.children.clone().rev().map(|child| child as u32));
             } else {

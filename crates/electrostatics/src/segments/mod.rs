@@ -1,7 +1,7 @@
 //! Fibres as straight charged segments.
 
-mod line;
 mod near;
+mod skew;
 mod solver;
 
 pub use solver::{ChargedFibers, Electrostatics};

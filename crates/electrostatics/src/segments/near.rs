@@ -1,26 +1,27 @@
-//! The closed-form sums over pairs of segments that are near each other.
+//! Pairs of segments that are close to each other.
+//!
+//! All near pairs are first taken as points. What this lacks for close ones is added here: the
+//! closed form less the points.
 
-use super::line::{Action, Line, Vectors, act};
-use crate::quadrature::gauss_legendre;
+use super::skew::{Line, Means, parallel, skew};
+use crate::lanes::{Kernel, LANES, Lanes, Roots, along, dispatch, dot, minus, scaled};
+use crate::multipole::engine::Task;
 use nalgebra::{Point3, Vector3};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 use std::ops::Range;
-
-/// Most lanes of any register.
-const LANES: usize = 8;
 
 /// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
 /// changes the force between touching hairs by 1e-10.
 const CLOSEST: f64 = 1e-9;
 
-/// Points on a segment for the pair that it forms with its neighbor, whose force is singular but for
-/// the radius: crowded toward the joint as the cube of equidistant ones.
-const JOINT_POINTS: usize = 12;
+/// What [`CLOSEST`] adds to the square of a distance, m^2.
+pub(super) const SOFTENING: f64 = CLOSEST * CLOSEST;
 
 /// Segments in the order of a tree, coordinate by coordinate.
 pub(super) struct Lines {
     start: [Vec<f64>; 3],
     tangent: [Vec<f64>; 3],
+    middle: [Vec<f64>; 3],
     length: Vec<f64>,
     charge: Vec<f64>,
     /// Square of the radius.
@@ -28,29 +29,30 @@ pub(super) struct Lines {
     fiber: Vec<u32>,
     /// Index of the segment as it was given.
     index: Vec<u32>,
+    /// Places of the points on a segment from 0 to 1, and their shares of its charge.
     rule: Vec<[f64; 2]>,
-    joint_rule: Vec<[f64; 2]>,
+    /// The sine of the angle up to which two are nearly parallel.
+    parallel: f64,
 }
 
 /// Energy, force on the start and force on the end of one segment, without Coulomb's constant.
 pub(super) type Loads = [f64; 7];
 
 impl Lines {
-    /// Segments are added by [`push`](Self::push); `points` is the number of points of the rule.
-    pub(super) fn new(points: usize) -> Self {
-        // On [0, 1].
-        let unit = |[x, w]: [f64; 2]| [0.5 + 0.5 * x, 0.5 * w];
-        let cube = |[x, w]: [f64; 2]| [x * x * x, 3.0 * x * x * w];
+    /// Segments are added by [`push`](Self::push); in sums they are taken as the points of `rule`, which
+    /// runs from -1 to 1, and as parallel up to angles of the sine `parallel`.
+    pub(super) fn new(rule: &[[f64; 2]], parallel: f64) -> Self {
         Self {
             start: Default::default(),
             tangent: Default::default(),
+            middle: Default::default(),
             length: Vec::new(),
             charge: Vec::new(),
             softening: Vec::new(),
             fiber: Vec::new(),
             index: Vec::new(),
-            rule: gauss_legendre(points).into_iter().map(unit).collect(),
-            joint_rule: gauss_legendre(JOINT_POINTS).into_iter().map(unit).map(cube).collect(),
+            rule: rule.iter().map(|[x, w]| [0.5 + 0.5 * x, 0.5 * w]).collect(),
+            parallel,
         }
     }
 
@@ -66,6 +68,7 @@ impl Lines {
         for c in 0..3 {
             self.start[c].push(start[c]);
             self.tangent[c].push((end - start)[c] / length);
+            self.middle[c].push(0.5 * (start[c] + end[c]));
         }
         self.length.push(length);
         self.charge.push(charge);
@@ -74,183 +77,219 @@ impl Lines {
         self.index.push(index);
     }
 
-    /// Adds the loads of the segment `i` by itself and by the segments of `near`, half of each pair's.
-    pub(super) fn add(&self, i: usize, near: &[Range<usize>], loads: &mut Loads) {
-        Arch::new().dispatch(Add { lines: self, i, near, loads });
+    /// Adds to the loads of the segments `bodies` of `task` what they and the segments of `near` lack
+    /// as points, if their middles are closer than `reach` times their mean length. In a complete task
+    /// this adds to both of a pair at once.
+    pub(super) fn add_close(
+        &self,
+        bodies: Range<usize>,
+        near: &[Range<usize>],
+        reach: f64,
+        task: Task<Loads>,
+    ) {
+        dispatch(Close { lines: self, bodies, near, reach, task });
     }
 
-    #[inline(always)]
-    fn broadcast<S: Simd>(&self, simd: S, i: usize) -> Line<S> {
-        let mut line = Line {
-            start: [simd.splat_f64s(0.0); 3],
-            tangent: [simd.splat_f64s(0.0); 3],
-            length: simd.splat_f64s(self.length[i]),
-        };
-        for c in 0..3 {
-            line.start[c] = simd.splat_f64s(self.start[c][i]);
-            line.tangent[c] = simd.splat_f64s(self.tangent[c][i]);
-        }
-        line
-    }
-
-    /// The lines of `range`, one in each lane; lanes without one hold a line of length 1 far away.
-    #[inline(always)]
-    fn gather<S: Simd>(&self, range: Range<usize>) -> Line<S> {
-        let start = |c: usize| -> &[f64] { &self.start[c][range.clone()] };
-        let tangent = |c: usize| -> &[f64] { &self.tangent[c][range.clone()] };
-        Line {
-            start: [pad::<S>(start(0), 1e30), pad::<S>(start(1), 1e30), pad::<S>(start(2), 1e30)],
-            tangent: [
-                pad::<S>(tangent(0), 0.0),
-                pad::<S>(tangent(1), 0.0),
-                pad::<S>(tangent(2), 0.0),
-            ],
-            length: pad::<S>(&self.length[range.clone()], 1.0),
-        }
-    }
-
-    /// Energy and tension of a segment by itself: `q^2/L^2 (L asinh(L/a) - sqrt(L^2+a^2) + a)`.
+    /// Energy and tension of a segment by itself: `q^2/L^2 (L asinh(L/a) - sqrt(L^2+a^2) + a)`, less
+    /// those of its points.
     fn add_self(&self, i: usize, loads: &mut Loads) {
         let (length, a2) = (self.length[i], self.softening[i]);
-        let (a, q) = (a2.sqrt(), self.charge[i] / length);
+        let (a, q) = (a2.sqrt(), self.charge[i]);
         let slope = (length / a).asinh();
-        let g = length * slope - (length * length + a2).sqrt() + a;
-        loads[0] += q * q * g;
-        let push = q * q * (2.0 * g / length - slope);
+        let g = (length * slope - (length * length + a2).sqrt() + a) / length;
+        let [mut energy, mut push] = [g / length, (2.0 * g - slope) / (length * length)];
+        for [u, w] in &self.rule {
+            for [v, x] in &self.rule {
+                let r = (u - v) * length;
+                let inverse = 1.0 / (r * r + SOFTENING).sqrt();
+                energy -= 0.5 * w * x * inverse;
+                push -= u * w * x * r * inverse.powi(3);
+            }
+        }
+        loads[0] += q * q * energy;
         for c in 0..3 {
-            loads[1 + c] -= push * self.tangent[c][i];
-            loads[4 + c] += push * self.tangent[c][i];
+            let push = q * q * push * self.tangent[c][i];
+            loads[1 + c] -= push;
+            loads[4 + c] += push;
+        }
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(&self, simd: S, indices: &[usize; LANES]) -> Line<S> {
+        let mut values = [[0.0; LANES]; 7];
+        for (k, &j) in indices.iter().enumerate() {
+            for c in 0..3 {
+                values[c][k] = self.start[c][j];
+                values[3 + c][k] = self.tangent[c][j];
+            }
+            values[6][k] = self.length[j];
+        }
+        let mut lanes = [Lanes::splat(simd, 0.0); 7];
+        for (lanes, values) in lanes.iter_mut().zip(&values) {
+            *lanes = Lanes::load(simd, values);
+        }
+        let [x, y, z, tx, ty, tz, length] = lanes;
+        Line { start: [x, y, z], tangent: [tx, ty, tz], length }
+    }
+}
+
+struct Close<'a> {
+    lines: &'a Lines,
+    bodies: Range<usize>,
+    near: &'a [Range<usize>],
+    reach: f64,
+    task: Task<'a, Loads>,
+}
+
+impl Kernel for Close<'_> {
+    #[inline(always)]
+    fn run<S: Simd, R: Roots<S>>(mut self, simd: S, roots: R) {
+        let mut found = Partners::default();
+        for i in self.bodies.clone() {
+            // Bodies whose pairs with i are counted once for both.
+            let both = if self.task.complete { self.task.bodies.clone() } else { i..i + 1 };
+            found.askew.clear();
+            found.parallel.clear();
+            for near in self.near {
+                for part in [0..both.start, i + 1..both.end, both.end..usize::MAX] {
+                    let part = near.start.max(part.start)..near.end.min(part.end);
+                    self.lines.find_close(i, part, self.reach, &mut found);
+                }
+            }
+            let first = self.task.bodies.start;
+            self.lines.add_self(i, &mut self.task.out[i - first]);
+            for partners in found.askew.chunks(S::F64_LANES) {
+                self.add(simd, roots, i, partners, &both, false);
+            }
+            for partners in found.parallel.chunks(S::F64_LANES) {
+                self.add(simd, roots, i, partners, &both, true);
+            }
         }
     }
 }
 
-struct Add<'a> {
-    lines: &'a Lines,
-    i: usize,
-    near: &'a [Range<usize>],
-    loads: &'a mut Loads,
+/// Segments that are close to another: those that are not parallel to it, and those that nearly are.
+#[derive(Default)]
+struct Partners {
+    askew: Vec<usize>,
+    parallel: Vec<usize>,
 }
 
-/// Values in the first lanes, `rest` in the others.
-#[inline(always)]
-fn pad<S: Simd>(values: &[f64], rest: f64) -> S::f64s {
-    let mut lanes = [rest; LANES];
-    lanes[..values.len()].copy_from_slice(values);
-    S::as_simd_f64s(&lanes).0[0]
-}
-
-impl WithSimd for Add<'_> {
-    type Output = ();
-
+impl Lines {
+    /// Finds the segments of `range` that are close to `i`.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lines, i, near, loads } = self;
-        let own = lines.broadcast(simd, i);
-        let softening = simd.splat_f64s(CLOSEST * CLOSEST);
-        let mut sums = [simd.splat_f64s(0.0); 7];
-        for range in near {
-            for first in range.clone().step_by(S::F64_LANES) {
-                let chunk = first..range.end.min(first + S::F64_LANES);
-                let mut charge = [0.0; LANES];
-                for (k, j) in chunk.clone().enumerate() {
-                    let same = lines.fiber[j] == lines.fiber[i];
-                    let joint = same && lines.index[j].abs_diff(lines.index[i]) <= 1;
-                    charge[k] = if joint { 0.0 } else { lines.charge[j] };
-                    if joint && j == i {
-                        lines.add_self(i, loads);
-                    } else if joint {
-                        let joint = Joint { lines, i, j };
-                        joint.add(simd, &own, &mut sums);
-                    }
-                }
-                let line = lines.gather::<S>(chunk);
-                let charge = S::as_simd_f64s(&charge).0[0];
-                for node in &lines.rule {
-                    add_pair(simd, [&own, &line], *node, true, [charge, softening], &mut sums);
-                    add_pair(simd, [&own, &line], *node, false, [charge, softening], &mut sums);
+    fn find_close(&self, i: usize, range: Range<usize>, reach: f64, found: &mut Partners) {
+        let place = [0, 1, 2].map(|c| self.middle[c][i]);
+        let half = 0.5 * reach;
+        for first in range.clone().step_by(LANES) {
+            let chunk = first..range.end.min(first + LANES);
+            let [x, y, z] = [0, 1, 2].map(|c| &self.middle[c][chunk.clone()]);
+            let length = &self.length[chunk.clone()];
+            let mut beyond = [1.0; LANES];
+            for k in 0..chunk.len() {
+                let d = [x[k] - place[0], y[k] - place[1], z[k] - place[2]];
+                let limit = half * (length[k] + self.length[i]);
+                beyond[k] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - limit * limit;
+            }
+            if beyond.iter().any(|b| *b < 0.0) {
+                for (j, _) in chunk.zip(beyond).filter(|(_, beyond)| *beyond < 0.0) {
+                    let tangent = |k: usize| Vector3::from_fn(|c, _| self.tangent[c][k]);
+                    let sine2: f64 = tangent(i).cross(&tangent(j)).norm_squared();
+                    let skew = sine2 >= self.parallel * self.parallel;
+                    if skew { &mut found.askew } else { &mut found.parallel }.push(j);
                 }
             }
         }
-        for (load, sum) in loads.iter_mut().zip(&sums) {
-            *load += lines.charge[i] * simd.reduce_sum_f64s(*sum);
-        }
     }
 }
 
-/// Segments that share a node.
-struct Joint<'a> {
-    lines: &'a Lines,
-    i: usize,
-    j: usize,
-}
-
-impl Joint<'_> {
+impl Close<'_> {
+    /// Adds the pairs of `i` and at most as many `partners` as there are lanes.
     #[inline(always)]
-    fn add<S: Simd>(&self, simd: S, own: &Line<S>, sums: &mut [S::f64s; 7]) {
-        let Self { lines, i, j } = *self;
-        let other = lines.gather::<S>(j..j + 1);
-        let softening = simd.splat_f64s(lines.softening[i]);
-        let weights = [pad::<S>(&[lines.charge[j]], 0.0), softening];
-        // Where j follows i, the joint is the end of i and the start of j.
-        let follows = lines.index[j] > lines.index[i];
-        for [u, w] in &lines.joint_rule {
-            let [near_start, near_end] = [[*u, *w], [1.0 - *u, *w]];
-            let [mine, theirs] =
-                if follows { [near_end, near_start] } else { [near_start, near_end] };
-            add_pair(simd, [own, &other], mine, true, weights, sums);
-            add_pair(simd, [own, &other], theirs, false, weights, sums);
+    fn add<S: Simd, R: Roots<S>>(
+        &mut self,
+        simd: S,
+        roots: R,
+        i: usize,
+        partners: &[usize],
+        both: &Range<usize>,
+        nearly_parallel: bool,
+    ) {
+        let lines = self.lines;
+        // Lanes without a partner repeat the first one without its charge.
+        let (mut indices, mut charges) = ([partners[0]; LANES], [0.0; LANES]);
+        let mut softening = [SOFTENING; LANES];
+        for (k, &j) in partners.iter().enumerate() {
+            indices[k] = j;
+            charges[k] = lines.charge[i] * lines.charge[j];
+            let neighbors = lines.index[i].abs_diff(lines.index[j]) == 1;
+            if neighbors && lines.fiber[i] == lines.fiber[j] {
+                softening[k] = lines.softening[i];
+            }
         }
-    }
-}
-
-/// Half of what one point of the own segment (`mine`) does with the other lines, or one point on each
-/// of those with the own line. `weights` are the charges of the others and the softening.
-#[inline(always)]
-fn add_pair<S: Simd>(
-    simd: S,
-    [own, other]: [&Line<S>; 2],
-    [u, w]: [f64; 2],
-    mine: bool,
-    [charge, softening]: [S::f64s; 2],
-    sums: &mut [S::f64s; 7],
-) {
-    let (from, line) = if mine { (own, other) } else { (other, own) };
-    let point = at(simd, from, u);
-    let Action { energy, point, end } = act(simd, &point, line, softening);
-    let q = simd.mul_f64s(simd.splat_f64s(0.5 * w), charge);
-    if mine {
-        sums[0] = simd.mul_add_e_f64s(q, energy, sums[0]);
-        let [before, after] =
-            [simd.mul_f64s(simd.splat_f64s(1.0 - u), q), simd.mul_f64s(simd.splat_f64s(u), q)];
+        let own = lines.gather(simd, &[i; LANES]);
+        let others = lines.gather(simd, &indices);
+        let softening = Lanes::load(simd, &softening);
+        let exact = if nearly_parallel {
+            parallel(roots, &own, &others, softening, softening.of(lines.parallel))
+        } else {
+            skew(roots, &own, &others, softening)
+        };
+        let difference = exact.less(&as_points(roots, &lines.rule, &own, &others));
+        let charges = Lanes::load(simd, &charges);
+        let energy = (difference.energy * charges).store();
+        let mut forces = [[0.0; LANES]; 9];
         for c in 0..3 {
-            sums[1 + c] = simd.mul_add_e_f64s(before, point[c], sums[1 + c]);
-            sums[4 + c] = simd.mul_add_e_f64s(after, point[c], sums[4 + c]);
+            forces[c] = (difference.force[c] * charges).store();
+            forces[3 + c] = (difference.first_end[c] * charges).store();
+            forces[6 + c] = (difference.second_end[c] * charges).store();
         }
-    } else {
-        for c in 0..3 {
-            let start = simd.add_f64s(point[c], end[c]);
-            sums[1 + c] = simd.negate_mul_add_e_f64s(q, start, sums[1 + c]);
-            sums[4 + c] = simd.mul_add_e_f64s(q, end[c], sums[4 + c]);
+        let first = self.task.bodies.start;
+        for (k, &j) in partners.iter().enumerate() {
+            let own = &mut self.task.out[i - first];
+            own[0] += 0.5 * energy[k];
+            for c in 0..3 {
+                own[1 + c] += forces[c][k] - forces[3 + c][k];
+                own[4 + c] += forces[3 + c][k];
+            }
+            if both.contains(&j) {
+                let other = &mut self.task.out[j - first];
+                other[0] += 0.5 * energy[k];
+                for c in 0..3 {
+                    other[1 + c] -= forces[c][k] - forces[6 + c][k];
+                    other[4 + c] -= forces[6 + c][k];
+                }
+            }
         }
     }
 }
 
-/// The points at the share `u` of the lines.
+/// The means over the points of two lines.
 #[inline(always)]
-fn at<S: Simd>(simd: S, line: &Line<S>, u: f64) -> Vectors<S> {
-    let mut point = line.start;
-    let along = simd.mul_f64s(simd.splat_f64s(u), line.length);
-    for c in 0..3 {
-        point[c] = simd.mul_add_e_f64s(along, line.tangent[c], point[c]);
-    }
-    point
-}
-
-/// The points of the rule with `count` points on a segment, and their shares of its charge.
-pub(super) fn points(
+fn as_points<S: Simd, R: Roots<S>>(
+    roots: R,
     rule: &[[f64; 2]],
-    [start, end]: [Point3<f64>; 2],
-) -> impl Iterator<Item = (Vector3<f64>, f64)> {
-    rule.iter()
-        .map(move |[x, w]| ((start.coords * (1.0 - x) + end.coords * (1.0 + x)) * 0.5, 0.5 * w))
+    first: &Line<S>,
+    second: &Line<S>,
+) -> Means<S> {
+    let softening = first.length.of(SOFTENING);
+    let mut sum = Means::zero(softening.simd);
+    for [u, w] in rule {
+        let point = along(&first.start, &first.tangent, first.length * softening.of(*u));
+        for [v, x] in rule {
+            let other = along(&second.start, &second.tangent, second.length * softening.of(*v));
+            let r = minus(&point, &other);
+            let inverse = roots.inverse_root(dot(&r, &r) + softening);
+            let share = inverse * softening.of(w * x);
+            let force = scaled(&r, share * (inverse * inverse));
+            let pair = Means {
+                energy: share,
+                force,
+                first_end: scaled(&force, softening.of(*u)),
+                second_end: scaled(&force, softening.of(*v)),
+            };
+            sum = sum.plus(&pair, softening.of(1.0));
+        }
+    }
+    sum
 }

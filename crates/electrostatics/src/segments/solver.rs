@@ -1,10 +1,12 @@
 //! Energy and nodal forces of charged fibres.
 
-use super::near::{Lines, Loads, points};
+use super::near::{Lines, Loads, SOFTENING};
+use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
-use crate::multipole::engine::{Descent, Far, Leaf, Multipoles};
+use crate::method::direct_sums;
+use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
 use crate::multipole::near::{Cloud, add_pairs};
-use crate::multipole::solver::{OPENING, check_accuracy, find_order, guess};
+use crate::multipole::solver::{check_accuracy, find_order, guess};
 use crate::multipole::tree::{Cell, Tree};
 use crate::quadrature::gauss_legendre;
 use crate::{Accuracy, COULOMB_CONSTANT, Certificate, ElectrostaticsError};
@@ -12,12 +14,18 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
 use std::ops::Range;
 
-/// Segments in a leaf, from measured rates: a pair of segments takes as long as some 100 pairs of
-/// points.
-const CAPACITY: usize = 8;
+/// Segments in a leaf, from measured rates.
+const CAPACITY: usize = 40;
 
 /// Segments whose forces are compared with the direct sum.
 const SAMPLES: usize = 48;
+
+/// Distance of two segments over their length up to which the closed form is used.
+const REACH: f64 = 1.4;
+
+/// Largest ratio of radii to distance at which expansions are used: all of their pairs are beyond
+/// [`REACH`].
+const OPENING: f64 = 1.0 / REACH;
 
 /// Charged fibres: the straight segments between their nodes, each with its charge spread evenly.
 ///
@@ -33,11 +41,8 @@ pub struct ChargedFibers<'a> {
     pub charges: &'a [f64],
     /// Radius of each fibre, m.
     pub radii: &'a [f64],
-    /// Points on each segment at which near pairs are integrated, 1 to 32. On the thesis's tress,
-    /// whose segments of 3 mm come within 0.06 mm of each other, 4 leave an error of 1.3e-3 in the
-    /// forces and 8 leave 1.2e-4.
-    pub points: usize,
-    /// How exact the forces of distant segments must be.
+    /// How exact the forces on the nodes must be: the root of the sum of their squared errors over that
+    /// of their squares.
     pub accuracy: Accuracy,
 }
 
@@ -49,16 +54,16 @@ pub struct Electrostatics {
     /// Forces on the nodes (world), N: the negative gradient of the energy, each segment keeping its
     /// charge.
     pub forces: Vec<Vector3<f64>>,
-    /// How exact the far field is.
+    /// How exact the forces are, at sampled segments.
     pub certificate: Certificate,
 }
 
 impl ChargedFibers<'_> {
     /// Energy and forces with the nodes at `positions` (world, m).
     ///
-    /// The energy is one number for each choice of near pairs: every near pair is the mean of the
-    /// two one-sided rules, every far pair the same rule on both sides. So forces are its exact
-    /// gradient, and there is no net force or moment, to rounding near and to the tolerance far.
+    /// The energy is one number for each choice of close pairs: these are integrated in closed form, all
+    /// others by the same points on both segments. So forces are its exact gradient, and there is no
+    /// net force or moment, to rounding near and to the tolerance far.
     /// Cost: see the README.
     ///
     /// # Errors
@@ -72,21 +77,13 @@ impl ChargedFibers<'_> {
         let unit = self.charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
         let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
         let tree = Tree::new(count, CAPACITY, ends);
-        let per_body = guess(self.accuracy) / 3 + 2;
-        let rule = gauss_legendre(per_body);
-        let mut cloud = Cloud::default();
-        let mut lines = Lines::new(self.points);
-        for &i in &tree.order {
-            let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
-            for (point, share) in points(&rule, ends(segment)) {
-                cloud.push(point.into(), charge * share);
+        let mut points = points(self.accuracy);
+        let (loads, certificate) = loop {
+            match self.sum(&tree, unit, points, ends).run(self.accuracy) {
+                Err(ElectrostaticsError::OutOfReach { .. }) if points < MOST_POINTS => points += 1,
+                result => break result?,
             }
-            let fiber = self.layout.segment_fibers()[segment];
-            #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
-            lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
-        }
-        let sum = Sum { tree: &tree, cloud, rule, lines };
-        let (loads, certificate) = sum.run(self.accuracy)?;
+        };
         let factor = COULOMB_CONSTANT * unit * unit;
         let mut result = Electrostatics {
             energy: factor * loads.iter().map(|load| load[0]).sum::<f64>(),
@@ -102,6 +99,35 @@ impl ChargedFibers<'_> {
             result.forces[b] += factor * Vector3::new(bx, by, bz);
         }
         Ok(result)
+    }
+
+    /// The segments in the order of `tree`, and as `points` points each.
+    fn sum<'a>(
+        &self,
+        tree: &'a Tree,
+        unit: f64,
+        points: usize,
+        ends: impl Fn(usize) -> [Point3<f64>; 2],
+    ) -> Sum<'a> {
+        let tolerance = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance,
+            Accuracy::Order(_) => 1e-6,
+        };
+        let rule = gauss_legendre(points);
+        let mut cloud = Cloud::default();
+        let mut lines = Lines::new(&rule, nearly_parallel(tolerance));
+        for &i in &tree.order {
+            let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
+            let [start, end] = ends(segment).map(|x| x.coords);
+            for [x, w] in &rule {
+                let point = (start * (1.0 - x) + end * (1.0 + x)) * 0.5;
+                cloud.push(point.into(), charge * 0.5 * w);
+            }
+            let fiber = self.layout.segment_fibers()[segment];
+            #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
+            lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
+        }
+        Sum { tree, cloud, rule, lines }
     }
 
     /// The second derivative of the energy in the direction `v` (m, one vector a node), N: the
@@ -144,10 +170,6 @@ impl ChargedFibers<'_> {
         check_count("radii", self.radii.len(), self.layout.fibers())?;
         check_positions("node", positions)?;
         check_charges(self.charges, self.layout.segments())?;
-        if !(1..=32).contains(&self.points) {
-            let (what, range) = ("the number of points", "from 1 to 32");
-            return Err(ElectrostaticsError::Setting { what, value: self.points as f64, range });
-        }
         if let Some(&value) = self.radii.iter().find(|r| !(**r > 0.0 && r.is_finite())) {
             let (what, range) = ("a radius", "positive and finite");
             return Err(ElectrostaticsError::Setting { what, value, range });
@@ -163,10 +185,19 @@ impl ChargedFibers<'_> {
     }
 }
 
+/// Most points that a segment is taken as.
+const MOST_POINTS: usize = 14;
+
+/// Points that a segment is first taken as beyond [`REACH`], from measured errors: each reduces them by the
+/// square of `2 REACH`.
+fn points(accuracy: Accuracy) -> usize {
+    1 + (2 * guess(accuracy) / 5).max(1)
+}
+
 struct Sum<'a> {
     tree: &'a Tree,
     cloud: Cloud,
-    /// Points on each segment for expansions.
+    /// Points on each segment.
     rule: Vec<[f64; 2]>,
     lines: Lines,
 }
@@ -175,23 +206,19 @@ impl Sum<'_> {
     fn run(&self, accuracy: Accuracy) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
         let count = self.tree.order.len();
         let mut out = vec![[0.0; 7]; count];
-        if count <= 4 * CAPACITY {
-            for (i, out) in out.iter_mut().enumerate() {
-                self.lines.add(i, std::slice::from_ref(&(0..count)), out);
-            }
-            return Ok((out, Certificate { order: None, samples: 0, error: 0.0 }));
+        if count <= SAMPLES {
+            let all: Vec<_> = (0..count).collect();
+            let exact = self.exact(&all, f64::INFINITY);
+            return Ok((exact, Certificate { order: None, samples: 0, error: 0.0 }));
         }
         let samples: Vec<_> = (0..SAMPLES).map(|k| (2 * k + 1) * count / (2 * SAMPLES)).collect();
-        let mut exact = vec![[0.0; 7]; count];
-        let direct = Exact { sum: self, samples: &samples };
-        let coarse = Multipoles::new(self.tree, &self.cloud, self.rule.len(), 1);
-        self.descend(&direct, &coarse, 1, Some(&samples), &mut exact);
+        let exact = self.exact(&samples, 3.0 * REACH);
         let error = |out: &[Loads]| {
             let [mut errors, mut squares] = [0.0; 2];
-            for &sample in &samples {
+            for (&sample, exact) in samples.iter().zip(&exact) {
                 for c in 1..7 {
-                    errors += (out[sample][c] - exact[sample][c]).powi(2);
-                    squares += exact[sample][c].powi(2);
+                    errors += (out[sample][c] - exact[c]).powi(2);
+                    squares += exact[c].powi(2);
                 }
             }
             if errors > 0.0 { (errors / squares).sqrt() } else { 0.0 }
@@ -202,37 +229,50 @@ impl Sum<'_> {
             Accuracy::Tolerance(tolerance) => {
                 let error = |multipoles: &Multipoles, order| {
                     let mut out = vec![[0.0; 7]; count];
-                    self.descend(self, multipoles, order, Some(&samples), &mut out);
+                    self.descend(multipoles, order, Some(&samples), &mut out);
                     error(&out)
                 };
                 let found = find_order(guess(accuracy), tolerance, multipoles, error)?;
                 (found.0, found.1)
             }
         };
-        self.descend(self, &multipoles, order, None, &mut out);
+        self.descend(&multipoles, order, None, &mut out);
         let error = error(&out);
         Ok((out, Certificate { order: Some(order), samples: SAMPLES, error }))
     }
 
-    fn descend<L: Leaf<Out = Loads>>(
+    fn descend(
         &self,
-        leaf: &L,
         sources: &Multipoles,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [Loads],
     ) {
         let (targets, opening) = (self.tree, OPENING);
-        Descent { sources, targets, leaf, order, opening, direct: 0, samples }.run(out);
+        Descent { sources, targets, leaf: self, order, opening, direct: 0, samples }.run(out);
     }
-}
 
-impl Sum<'_> {
+    /// The loads of `samples` without expansions, with the closed form up to the distance `reach`.
+    fn exact(&self, samples: &[usize], reach: f64) -> Vec<Loads> {
+        let points = self.rule.len();
+        let own = || samples.iter().flat_map(|i| i * points..(i + 1) * points);
+        let places = [0, 1, 2].map(|d| own().map(|k| self.cloud.x[d][k]).collect());
+        let sums = direct_sums(&self.cloud, SOFTENING, &places);
+        let mut out = vec![[0.0; 7]; samples.len()];
+        for ((&i, out), sums) in samples.iter().zip(&mut out).zip(sums.chunks_exact(points)) {
+            self.add_points(i, sums, out);
+            let task = Task { bodies: i..i + 1, complete: false, out: std::slice::from_mut(out) };
+            let all = 0..self.tree.order.len();
+            self.lines.add_close(i..i + 1, std::slice::from_ref(&all), reach, task);
+        }
+        out
+    }
+
     /// Adds the loads of segment `i` in the potentials and gradients at its points.
-    fn add_far(&self, i: usize, potentials: &[[f64; 4]], out: &mut Loads) {
+    fn add_points(&self, i: usize, sums: &[[f64; 4]], out: &mut Loads) {
         let charges = &self.cloud.charge[i * self.rule.len()..];
         for (([x, _], charge), [potential, gradient @ ..]) in
-            self.rule.iter().zip(charges).zip(potentials)
+            self.rule.iter().zip(charges).zip(sums)
         {
             out[0] += 0.5 * charge * potential;
             for c in 0..3 {
@@ -247,44 +287,19 @@ impl Sum<'_> {
 impl Leaf for Sum<'_> {
     type Out = Loads;
 
-    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], out: &mut [Loads]) {
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<Loads>) {
         let points = self.rule.len();
-        let range = cell.bodies.start * points..cell.bodies.end * points;
-        let mut potentials = vec![[0.0; 4]; range.len()];
-        far.add(cell, &self.cloud.x, range, &mut potentials);
-        for ((i, out), potentials) in
-            cell.bodies.clone().zip(out).zip(potentials.chunks_exact(points))
+        let scaled = |range: &Range<usize>| range.start * points..range.end * points;
+        let own = scaled(&cell.bodies);
+        let sources: Vec<_> = near.iter().map(scaled).collect();
+        let mut sums = vec![[0.0; 4]; own.len()];
+        far.add(cell, &self.cloud.x, own.clone(), &mut sums);
+        add_pairs(&self.cloud, &sources, SOFTENING, &self.cloud.x, own, &mut sums);
+        for ((i, out), sums) in
+            cell.bodies.clone().zip(task.of(cell)).zip(sums.chunks_exact(points))
         {
-            self.add_far(i, potentials, out);
-            self.lines.add(i, near, out);
+            self.add_points(i, sums, out);
         }
-    }
-}
-
-/// The same near pairs, but without expansions, for some segments.
-struct Exact<'a> {
-    sum: &'a Sum<'a>,
-    samples: &'a [usize],
-}
-
-impl Leaf for Exact<'_> {
-    type Out = Loads;
-
-    fn receive(&self, cell: &Cell, _: &Far, near: &[Range<usize>], out: &mut [Loads]) {
-        let points = self.sum.rule.len();
-        let mut near: Vec<_> = near.to_vec();
-        near.sort_unstable_by_key(|range| range.start);
-        let starts = std::iter::once(0).chain(near.iter().map(|range| range.end));
-        let ends = near.iter().map(|range| range.start).chain([self.sum.tree.order.len()]);
-        let far: Vec<_> = starts.zip(ends).map(|(a, b)| a * points..b * points).collect();
-        for (i, out) in cell.bodies.clone().zip(out) {
-            if self.samples.binary_search(&i).is_ok() {
-                let mut potentials = vec![[0.0; 4]; points];
-                let (cloud, range) = (&self.sum.cloud, i * points..(i + 1) * points);
-                add_pairs(cloud, &far, &cloud.x, range, &mut potentials);
-                self.sum.add_far(i, &potentials, out);
-                self.sum.lines.add(i, &near, out);
-            }
-        }
+        self.lines.add_close(cell.bodies.clone(), near, REACH, task);
     }
 }

@@ -1,6 +1,7 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
+use super::object::Way;
 use super::touch::{Partner, Touch};
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
@@ -13,8 +14,12 @@ pub(super) struct Case {
     contacts: Vec<Contact>,
     /// By group.
     points: Vec<Vec<Point>>,
+    /// By object; none on those that are led.
+    levers: Vec<Vec<Vector3<f64>>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
+    /// Those that the solver looks at.
+    working: Vec<bool>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
     mass: f64,
 }
@@ -36,6 +41,13 @@ impl Case {
             points[group].push(Point { fiber: lane as u32, segment, fraction });
             (group, points[group].len() - 1)
         };
+        let mut levers = vec![Vec::new(); world.objects.len()];
+        let mut hold = |object: u32, lever: Vector3<f64>| {
+            let object = object as usize;
+            let Way::Free(_) = world.objects[object].way else { return None };
+            levers[object].push(lever);
+            Some((world.groups.len() + object, levers[object].len() - 1))
+        };
         let places: Vec<_> = touches
             .iter()
             .map(|touch| {
@@ -43,17 +55,18 @@ impl Case {
                 let first = add(touch.fiber, s, touch.fractions[0]);
                 let second = match touch.partner {
                     Partner::Fiber(fiber) => Some(add(fiber, t, touch.fractions[1])),
-                    Partner::Object(_) => None,
+                    Partner::Object(object) => hold(object, touch.lever),
                 };
                 (first, second)
             })
             .collect();
         let mut starts = vec![0];
-        for group in &points {
-            starts.push(starts[starts.len() - 1] + group.len());
+        for body in points.iter().map(Vec::len).chain(levers.iter().map(Vec::len)) {
+            starts.push(starts[starts.len() - 1] + body);
         }
         let index = |(group, point): (usize, usize)| starts[group] + point;
-        let velocities = world.at_points(&points, mean);
+        let mut velocities = world.at_points(&points, mean);
+        velocities.extend(world.at_levers(&levers));
         let contact = |(touch, (first, second)): (&Touch, &((usize, usize), Option<_>))| {
             let frame = frame(&touch.normal, &touch.axis);
             let mut contact = Contact {
@@ -75,7 +88,9 @@ impl Case {
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        Ok(Self { contacts, points, impulses, mass: masses.fold(f64::INFINITY, f64::min) })
+        let working = touches.iter().map(|touch| touch.working).collect();
+        let mass = masses.fold(f64::INFINITY, f64::min);
+        Ok(Self { contacts, points, levers, impulses, working, mass })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -87,20 +102,56 @@ impl Case {
         self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
     }
 
-    /// Solves for the impulses, with the rods as they are linearised.
+    /// Solves for the impulses, with the rods as they are linearised. Only contacts that bear
+    /// something or would close, or did so before, are looked at: all others would do nothing but
+    /// hold back the solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
         world: &mut World,
         solver: &mut Admm,
+        patient: bool,
     ) -> Result<Report, ContactError> {
-        let velocities = world.at_points(&self.points, &world.linear_velocities());
-        let groups = world.groups.iter_mut().zip(&self.points);
+        let velocities = self.at_points(world, &world.linear_velocities());
+        for (i, working) in self.working.iter_mut().enumerate() {
+            *working = patient && *working
+                || self.impulses[i] != Vector3::zeros()
+                || self.contacts[i].relative(&velocities).x < 0.0;
+        }
+        let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
+        let mut used = vec![false; velocities.len()];
+        for &i in &working {
+            used[self.contacts[i].first] = true;
+            self.contacts[i].second.into_iter().for_each(|second| used[second] = true);
+        }
+        let kept = |point: &usize| used[*point];
+        let mut index = vec![0; used.len()];
+        (0..used.len()).filter(kept).enumerate().for_each(|(new, old)| index[old] = new);
+        let velocities: Vec<_> = (0..used.len()).filter(kept).map(|i| velocities[i]).collect();
+        let contacts: Vec<_> = working
+            .iter()
+            .map(|&i| {
+                let contact = self.contacts[i].clone();
+                let second = contact.second.map(|second| index[second]);
+                Contact { first: index[contact.first], second, ..contact }
+            })
+            .collect();
+        let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
+        let mut used = used.into_iter();
+        let points = select(&self.points, &mut used);
+        let levers = select(&self.levers, &mut used);
+        let mut free = world.free_bodies(&levers)?;
+        let groups = world.groups.iter_mut().zip(&points);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
             .collect();
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
-        solver.solve(&mut bodies, &self.contacts, &velocities, &mut self.impulses)
+        bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
+        let report = solver.solve(&mut bodies, &contacts, &velocities, &mut impulses)?;
+        for (i, impulse) in working.into_iter().zip(impulses) {
+            self.impulses[i] = impulse;
+        }
+        Ok(report)
     }
 
     /// How well the law holds where all nodes have the given mean velocities.
@@ -109,12 +160,11 @@ impl Case {
         report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
     }
 
-    /// Gives the impulses back to the touches.
+    /// Gives the impulses back to the touches, and tells which the solver looks at.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
-        for ((touch, contact), impulse) in
-            touches.iter_mut().zip(&self.contacts).zip(&self.impulses)
-        {
-            touch.impulse = contact.frame * impulse;
+        for (i, touch) in touches.iter_mut().enumerate() {
+            touch.impulse = self.contacts[i].frame * self.impulses[i];
+            touch.working = self.working[i];
         }
     }
 
@@ -131,10 +181,29 @@ impl Case {
         }
     }
 
+    /// Velocities of all points where all nodes have the given ones.
+    fn at_points(&self, world: &World, nodes: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut velocities = world.at_points(&self.points, nodes);
+        velocities.extend(world.at_levers(&self.levers));
+        velocities
+    }
+
     fn relative(&self, world: &World, mean: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let velocities = world.at_points(&self.points, mean);
+        let velocities = self.at_points(world, mean);
         self.contacts.iter().map(|contact| contact.relative(&velocities)).collect()
     }
+}
+
+/// Of the things of each body those that are used, as `used` tells one after another.
+fn select<T: Copy>(all: &[Vec<T>], used: &mut impl Iterator<Item = bool>) -> Vec<Vec<T>> {
+    let of_body = |things: &Vec<T>| {
+        things
+            .iter()
+            .zip(used.by_ref())
+            .filter_map(|(thing, used)| used.then_some(*thing))
+            .collect()
+    };
+    all.iter().map(of_body).collect()
 }
 
 /// The frame of a contact: normal, along the fibre from root to tip, across it.

@@ -4,19 +4,24 @@ use super::object::{Object, Strand};
 use super::touch::{Partner, Touch};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::continuous::MovingSegment;
-use rapunzel_collision::{Candidates, Capsules, CollisionError, Contact, Pair, Update, contacts};
+use rapunzel_collision::{
+    Candidates, Capsules, CollisionError, Contact, Pair, contacts, squared_distances,
+};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
 const CHUNK: usize = 2048;
 
+/// How much closer two segments may come before the list of pairs is made anew, in margins.
+const RESERVE: f64 = 8.0;
+
 /// Finds touches, with lists that live for many steps.
 pub(crate) struct Detector {
     /// Largest gap of a touch that is listed, m.
     margin: f64,
-    /// How much closer two segments may come before the list is made anew, m.
-    reserve: f64,
+    /// How much larger gaps may be asked for, m.
+    more: f64,
     candidates: Candidates,
     contacts: Vec<Contact>,
 }
@@ -31,35 +36,60 @@ pub(crate) struct Motion<'a> {
     pub(crate) dt: f64,
 }
 
+/// Where the places and normals of touches of fibres are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// At the start of a motion, where no fibre is in another: all that the touches ask for at once
+    /// is possible, wherever the motion leads.
+    Start,
+    /// At its end, where they are exact if the motion is the right one.
+    End,
+}
+
 impl Detector {
-    /// Lists touches with gaps up to `margin`, m.
-    pub(crate) fn new(margin: f64) -> Result<Self, CollisionError> {
-        let reserve = 8.0 * margin;
-        let candidates = Candidates::new(margin, reserve)?;
-        Ok(Self { margin, reserve, candidates, contacts: Vec::new() })
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked.
+    pub(crate) fn new(margin: f64, more: f64) -> Result<Self, CollisionError> {
+        // Of what is farther, a list knows what was near when it was made: chance would decide.
+        let candidates = Candidates::new(margin + more, RESERVE * margin)?;
+        Ok(Self { margin, more, candidates, contacts: Vec::new() })
     }
 
-    /// All touches at the end of a motion, sorted by pair and place; none is missed that a straight
-    /// motion of all nodes would lead through. Gaps up to `more`, m, above the margin are listed
-    /// too, as far as they are known.
+    /// All touches of a motion, sorted by pair and place; none is missed that a straight motion of
+    /// all nodes would lead through. `place` tells where places and normals are taken; gaps are
+    /// those at the end. Gaps up to `more`, m, above the margin are listed too; that is at most what
+    /// the detector was made for.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
         objects: &[Object],
+        place: Place,
         more: f64,
         touches: &mut Vec<Touch>,
     ) -> Result<(), CollisionError> {
         let [start, end] = [motion.start, motion.end]
             .map(|positions| Capsules::new(motion.layout, positions, motion.radii));
         let (start, end) = (start?, end?);
-        self.cover(&start, &end)?;
-        let pairs = self.candidates.pairs();
-        let (near, fast) = sort(&start, &end, pairs);
-        let margin = self.margin + more;
-        contacts(&end, &near, margin, &mut self.contacts)?;
+        let margin = self.margin + more.min(self.more);
+        let pairs = self.candidates.on_the_way(&start, &end)?;
         touches.clear();
-        let found = self.contacts.iter().chain(&fast).filter(|contact| !bends(&end, contact));
-        touches.extend(found.map(|contact| fiber_touch(&end, contact)));
+        match place {
+            Place::Start => {
+                let near = within_reach(&start, &end, pairs, margin);
+                contacts(&start, &near, f64::MAX, &mut self.contacts)?;
+                let found = self.contacts.iter().filter(|contact| !bends(&start, contact));
+                let moved = found.map(|contact| Contact { gap: gap(&end, contact), ..*contact });
+                touches.extend(moved.map(|contact| fiber_touch(&start, &contact)));
+            }
+            Place::End => {
+                let (near, fast) = sort(&start, &end, pairs, margin);
+                contacts(&end, &near, margin, &mut self.contacts)?;
+                let found = self.contacts.iter().chain(&fast);
+                let found = found.filter(|contact| !bends(&end, contact));
+                let sided =
+                    found.map(|contact| (fiber_touch(&end, contact), turned(&start, contact)));
+                keep_sides(sided.collect(), touches);
+            }
+        }
         let fibers = motion.layout.fibers();
         let strand = |fiber: usize| {
             let mut found = Vec::new();
@@ -81,20 +111,6 @@ impl Detector {
         touches.dedup_by(|a, b| a.same(b));
         Ok(())
     }
-
-    /// Makes the list cover the whole motion from `start` to `end`.
-    fn cover(&mut self, start: &Capsules, end: &Capsules) -> Result<(), CollisionError> {
-        self.candidates.update(start)?;
-        while self.candidates.update(end)? != Update::Kept
-            && self.candidates.update(start)? != Update::Kept
-        {
-            // The motion of a single step is wider than the reserve.
-            self.reserve *= 2.0;
-            self.candidates = Candidates::new(self.margin, self.reserve)?;
-            self.candidates.update(start)?;
-        }
-        Ok(())
-    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
@@ -102,14 +118,49 @@ fn fiber_number(fiber: usize) -> u32 {
     fiber as u32
 }
 
-/// Pairs that cannot have passed through each other, and contacts of those that would.
-fn sort(start: &Capsules, end: &Capsules, pairs: &[Pair]) -> (Vec<Pair>, Vec<Contact>) {
+/// Pairs with gaps up to `margin`, m, at the start or the end, or that would pass through each other
+/// between.
+fn within_reach(start: &Capsules, end: &Capsules, pairs: &[Pair], margin: f64) -> Vec<Pair> {
+    let (mut near, fast) = sort(start, end, pairs, margin);
+    let (at_start, _) = sort(start, start, pairs, margin);
+    near.extend(at_start);
+    near.extend(fast.iter().map(|contact| contact.pair));
+    near.par_sort_unstable();
+    near.dedup();
+    near
+}
+
+/// The gap along the normal of a contact between its places, m.
+fn gap(end: &Capsules, contact: &Contact) -> f64 {
+    let [first, second] = contact.pair.map(|segment| end.get(segment as usize));
+    let [s, t] = contact.fractions;
+    (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
+}
+
+/// Pairs with gaps up to `margin`, m, at the end that cannot have passed through each other, and
+/// contacts of those that would.
+fn sort(
+    start: &Capsules,
+    end: &Capsules,
+    pairs: &[Pair],
+    margin: f64,
+) -> (Vec<Pair>, Vec<Contact>) {
     let chunk = |pairs: &[Pair]| {
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        squared_distances(start, pairs, &mut before);
+        squared_distances(end, pairs, &mut after);
         let (mut near, mut fast) = (Vec::new(), Vec::new());
-        for &pair in pairs {
-            match passing(start, end, pair) {
+        for (&pair, squared) in pairs.iter().zip(before.iter().zip(&after)) {
+            let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
+            let (reach, travel) = (r + q, travel(start, end, pair));
+            // Axes that were apart by more than the way cannot have crossed.
+            let crosses = travel > 0.25 * reach * reach && travel >= *squared.0;
+            // The fast distances may be off by roundings.
+            let close = (reach + margin) * (1.0 + 1e-6);
+            match crosses.then(|| passing(start, end, pair)).flatten() {
                 Some(contact) => fast.push(contact),
-                None => near.push(pair),
+                None if *squared.1 <= close * close => near.push(pair),
+                None => (),
             }
         }
         (near, fast)
@@ -123,31 +174,27 @@ fn sort(start: &Capsules, end: &Capsules, pairs: &[Pair]) -> (Vec<Pair>, Vec<Con
     (near, fast)
 }
 
+/// The largest squared way, m^2, of a point of one segment relative to one of the other.
+fn travel(start: &Capsules, end: &Capsules, pair: Pair) -> f64 {
+    let ways = pair.map(|segment| {
+        let nodes = start.layout().segment_nodes(segment as usize);
+        nodes.map(|node| end.positions()[node] - start.positions()[node])
+    });
+    let squared = |i: usize, j: usize| (ways[0][i] - ways[1][j]).norm_squared();
+    squared(0, 0).max(squared(0, 1)).max(squared(1, 0)).max(squared(1, 1))
+}
+
 /// Where two segments would pass through each other: the place of their impact, with the normal at
 /// that time and the gap along it at the end.
 fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
-    let [i, j] = pair.map(|s| s as usize);
+    let [i, j] = pair.map(|segment| segment as usize);
     let (a0, b0, a1, b1) = (start.get(i), start.get(j), end.get(i), end.get(j));
     let reach = a0.radius + b0.radius;
-    let ways = [a1.start - a0.start, a1.end - a0.end];
-    let others = [b1.start - b0.start, b1.end - b0.end];
-    let mut travel: f64 = 0.0;
-    for way in ways {
-        for other in others {
-            travel = travel.max((way - other).norm_squared());
-        }
-    }
-    // Axes that were apart by more than the way cannot have crossed.
-    if travel < 0.25 * reach * reach || travel < a0.closest(&b0).offset.norm_squared() {
-        return None;
-    }
     let (a, b) = (MovingSegment::between(&a0, &a1), MovingSegment::between(&b0, &b1));
     let impact = a.impact(&b, 0.9 * reach, 1e-3 * reach)?;
     let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
-    let [s, t] = impact.coordinates;
-    let offset = b1.at(t) - a1.at(s);
-    let gap = offset.dot(&normal) - reach;
-    Some(Contact { pair, fractions: [s, t], normal, gap })
+    let contact = Contact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
+    Some(Contact { gap: gap(end, &contact), ..contact })
 }
 
 /// Whether two places are so near along one fibre that not even the tightest bend, a half turn about
@@ -175,6 +222,26 @@ fn bends(end: &Capsules, contact: &Contact) -> bool {
     between < reach
 }
 
+/// Whether the places of a contact were on the other side of each other at the start.
+fn turned(start: &Capsules, contact: &Contact) -> bool {
+    let [first, second] = contact.pair.map(|segment| start.get(segment as usize));
+    let [s, t] = contact.fractions;
+    (second.at(t) - first.at(s)).dot(&contact.normal) < 0.0
+}
+
+/// Appends the touches of fibres but those that have turned to the other side beside one of their
+/// pair that has not. About a bend one segment may meet a fibre that its neighbor would pass
+/// through, and find it on its far side: between the two normals the fibre could not move at all.
+fn keep_sides(mut found: Vec<(Touch, bool)>, touches: &mut Vec<Touch>) {
+    found.par_sort_unstable_by(|a, b| a.0.order(&b.0));
+    for group in found.chunk_by(|(a, _), (b, _)| (a.fiber, a.partner) == (b.fiber, b.partner)) {
+        let jams =
+            |touch: &Touch| group.iter().any(|(other, turned)| !turned && other.opposes(touch));
+        let kept = group.iter().filter(|(touch, turned)| !(*turned && jams(touch)));
+        touches.extend(kept.map(|(touch, _)| *touch));
+    }
+}
+
 /// The touch of two fibres; the one with the smaller number comes first.
 fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
     let layout = end.layout();
@@ -199,7 +266,9 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         other_axis: other,
         gap: contact.gap,
         drive: Vector3::zeros(),
+        lever: Vector3::zeros(),
         impulse: Vector3::zeros(),
+        working: false,
     };
     if (fiber, s) <= (partner, t) {
         return touch;

@@ -124,9 +124,10 @@ impl World {
         })
     }
 
-    /// Makes the step that has been solved the state of all groups.
+    /// Makes the step that has been solved the state of all groups and objects.
     pub(super) fn accept(&mut self) {
         self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::accept);
+        self.accept_bodies();
     }
 
     /// Takes all groups back to before the step.

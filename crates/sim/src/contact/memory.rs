@@ -20,6 +20,8 @@ pub(crate) struct Remembered {
     partner: Partner,
     segments: [u32; 2],
     fractions: [f64; 2],
+    /// As in a touch.
+    lever: Vector3<f64>,
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
 }
@@ -64,7 +66,9 @@ impl Remembered {
             other_axis: Vector3::zeros(),
             gap: 0.0,
             drive: Vector3::zeros(),
+            lever: self.lever,
             impulse: self.impulse,
+            working: false,
         }
     }
 }
@@ -114,6 +118,7 @@ pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
             partner: touch.partner,
             segments: touch.segments,
             fractions: touch.fractions,
+            lever: touch.lever,
             impulse: touch.impulse,
         })
         .collect()

@@ -15,22 +15,28 @@
 //! rod that buckles under given forces is held by the very contacts that press it. A step that does
 //! not end so is taken in halves (`stepper`).
 //!
+//! Objects are led on a way of their own or move freely (`free`): then they are bodies of the solver
+//! as the fibres are.
+//!
 //! Contacts act on the axes of fibres: friction does not spin them.
 
 mod body;
 mod case;
 mod detect;
+mod free;
 mod gather;
 mod memory;
 mod object;
 mod report;
+mod solid;
 mod stepper;
 mod touch;
 
 pub use memory::Bearing;
 pub(crate) use memory::Memory;
-pub(crate) use object::Object;
-pub use report::ContactReport;
+pub(crate) use object::{Object, Way};
+pub use report::{ContactReport, Unresolved};
+pub(crate) use solid::Surroundings;
 pub(crate) use stepper::Touching;
 pub use touch::Partner;
 pub(crate) use touch::Touch;

@@ -1,16 +1,35 @@
 //! What fibres lie on and bump into.
 
+use super::free::FreeBody;
 use super::touch::{Partner, Touch};
+use crate::scene::Friction;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
-use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search};
+use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search, Soup};
+use rapunzel_contact::ContactError;
 
-/// A surface with its pose over time.
+/// A surface and what moves it.
 pub(crate) struct Object {
-    /// In the object's own frame.
-    pub(crate) field: Box<dyn DistanceField + Send + Sync>,
-    pub(crate) pose: Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>,
+    /// In the object's own frame, as the surface is.
+    field: Box<dyn DistanceField + Send + Sync>,
+    /// What is shown of it.
+    surface: Soup,
+    /// Corners of the box around that.
+    corners: [Point3<f64>; 8],
+    /// Its smallest extent, m; infinite for what has no end.
+    size: f64,
+    /// Of fibres on it; `None` for that of the scene.
+    pub(super) friction: Option<Friction>,
+    pub(crate) way: Way,
+}
+
+/// What moves an object.
+pub(crate) enum Way {
+    /// Its pose at a time, s.
+    Led(Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>),
+    /// Gravity and fibres.
+    Free(Box<FreeBody>),
 }
 
 /// A field somewhere.
@@ -52,17 +71,71 @@ pub(crate) struct Strand<'a> {
 }
 
 impl Object {
-    /// Appends where a fibre touches the object after the step from `time` to `time + dt`, with
+    /// `endless` tells that it reaches on beyond what is shown of it.
+    pub(super) fn new(
+        field: Box<dyn DistanceField + Send + Sync>,
+        surface: Soup,
+        friction: Option<Friction>,
+        way: Way,
+        endless: bool,
+    ) -> Self {
+        let ends = |k: usize| {
+            let along = surface.vertices.iter().map(|p| p[k]);
+            [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let ends = [0, 1, 2].map(ends);
+        let corners = std::array::from_fn(|c| Point3::from([0, 1, 2].map(|k| ends[k][c >> k & 1])));
+        let least = ends.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
+        let size = if endless { f64::INFINITY } else { least };
+        Self { field, surface, corners, size, friction, way }
+    }
+
+    /// Its surface where it is at the time `t`, s.
+    pub(crate) fn surface(&self, t: f64) -> Soup {
+        let pose = match &self.way {
+            Way::Led(pose) => pose(t),
+            Way::Free(body) => body.poses()[0],
+        };
+        let vertices = self.surface.vertices.iter().map(|p| pose * p).collect();
+        Soup { vertices, triangles: self.surface.triangles.clone() }
+    }
+
+    /// Its poses at the start and at the end of the step from `time` by `dt`, s.
+    fn poses(&self, [time, dt]: [f64; 2]) -> [Isometry3<f64>; 2] {
+        match &self.way {
+            Way::Led(pose) => [pose(time), pose(time + dt)],
+            Way::Free(body) => body.poses(),
+        }
+    }
+
+    /// The longest way of a point of its surface in the step from `time` by `dt`, s, if no fibre is
+    /// in the way, and the longest that it may be among segments of the given length, m.
+    pub(super) fn leap(
+        &self,
+        [time, dt]: [f64; 2],
+        gravity: &Vector3<f64>,
+        segment: f64,
+    ) -> Result<[f64; 2], ContactError> {
+        let [start, end] = match &self.way {
+            Way::Led(_) => self.poses([time, dt]),
+            Way::Free(body) => body.fall(dt, gravity)?,
+        };
+        // The way is a convex function of the place: at a corner it is longest.
+        let ways = self.corners.iter().map(|corner| (end * corner - start * corner).norm());
+        Ok([ways.fold(0.0, f64::max), self.size.min(segment)])
+    }
+
+    /// Appends where a fibre touches the object after the step from a time on by another, s, with
     /// gaps up to `margin`, m, or would have passed into it on the way.
     pub(crate) fn touches(
         &self,
         index: u32,
         strand: &Strand,
-        [time, dt]: [f64; 2],
+        span: [f64; 2],
         margin: f64,
         found: &mut Vec<Touch>,
     ) {
-        let poses = [time, time + dt].map(|t| (self.pose)(t));
+        let poses = self.poses(span);
         let placed = Placed { field: &*self.field, pose: poses[1] };
         let slope = placed.lipschitz();
         let values: Vec<f64> = strand.end.iter().map(|node| placed.value(node)).collect();
@@ -80,9 +153,13 @@ impl Object {
                 search.contacts(&placed, &capsule, &mut contacts);
             }
             for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
-                let place = start + contact.fraction * (end - start)
-                    - contact.normal * (contact.gap + radius);
+                let axis = start + contact.fraction * (end - start);
+                let place = axis - contact.normal * (contact.gap + radius);
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
+                let (drive, lever) = match &self.way {
+                    Way::Led(_) => ((place - was) / span[1], Vector3::zeros()),
+                    Way::Free(body) => (Vector3::zeros(), axis - body.center()),
+                };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                 let segment = s as u32;
                 found.push(Touch {
@@ -94,8 +171,10 @@ impl Object {
                     axis: end - start,
                     other_axis: Vector3::zeros(),
                     gap: contact.gap,
-                    drive: (place - was) / dt,
+                    drive,
+                    lever,
                     impulse: Vector3::zeros(),
+                    working: false,
                 });
             }
         }

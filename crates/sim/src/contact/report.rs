@@ -1,3 +1,4 @@
+use super::touch::Partner;
 use serde::{Deserialize, Serialize};
 
 /// What the contacts of a step, or of a run, were and cost.
@@ -17,6 +18,9 @@ pub struct ContactReport {
     pub parts: usize,
     /// Parts that were taken although they missed a tolerance, for want of shorter ones.
     pub unresolved: usize,
+    /// Where the first of these was worst.
+    #[serde(default)]
+    pub first_unresolved: Option<Unresolved>,
     /// Largest Coulomb residual, relative to all impulses.
     pub residual: f64,
     /// Largest error of a normal velocity, m/s.
@@ -24,6 +28,21 @@ pub struct ContactReport {
     /// Largest slip that the friction does not allow, m/s.
     pub slip_error: f64,
     /// Deepest penetration that a step left, m.
+    pub depth: f64,
+}
+
+/// Where contacts missed their tolerances most: the deepest of them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Unresolved {
+    /// Start of the part of a step, s.
+    pub time: f64,
+    /// Index of the fibre.
+    pub fiber: usize,
+    /// The segment, from the root.
+    pub segment: usize,
+    /// What the fibre touches.
+    pub partner: Partner,
+    /// How deep it is in that, m; negative if it is not.
     pub depth: f64,
 }
 
@@ -37,6 +56,7 @@ impl ContactReport {
         self.lists += other.lists;
         self.parts += other.parts;
         self.unresolved += other.unresolved;
+        self.first_unresolved = self.first_unresolved.or(other.first_unresolved);
         self.residual = self.residual.max(other.residual);
         self.normal_error = self.normal_error.max(other.normal_error);
         self.slip_error = self.slip_error.max(other.slip_error);

@@ -1,10 +1,11 @@
 use super::case::Case;
-use super::detect::{Detector, Motion};
+use super::detect::{Detector, Motion, Place};
 use super::memory::{Remembered, recall, remember};
 use super::object::Object;
-use super::touch::Touch;
-use crate::scene::ContactSettings;
-use crate::{SimError, StepReport, Stepper, World};
+use super::report::Unresolved;
+use super::touch::{Partner, Touch};
+use crate::scene::{ContactSettings, Friction};
+use crate::{ContactReport, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Admm, ContactError, Tolerance};
@@ -13,19 +14,24 @@ use rapunzel_rod_dynamic::StepError;
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
 const MOST_LISTS: usize = 9;
+/// From this list on no contact is dropped: some would come and go for ever.
+const PATIENCE: usize = 3;
+/// Iterations with the first list.
+const GUESSES: usize = 2;
 /// Increments below this, rad, end Newton's method: what is left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
 /// By how many radii the second list is wider than the first, at most.
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
+/// A step in which nothing moves, s.
+const INSTANT: f64 = 1e-12;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
 /// Fibres with all contacts among them and with objects.
 pub(crate) struct Touching {
     settings: ContactSettings,
-    objects: Vec<Object>,
     detector: Detector,
     solver: Admm,
     /// Of all segments, m.
@@ -76,17 +82,13 @@ struct Part {
 }
 
 impl Touching {
-    pub(crate) fn new(
-        settings: ContactSettings,
-        objects: Vec<Object>,
-        world: &World,
-    ) -> Result<Self, SimError> {
+    pub(crate) fn new(settings: ContactSettings, world: &World) -> Result<Self, SimError> {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let detector = Detector::new(largest)?;
+        let detector = Detector::new(largest, WIDEST * largest)?;
         let solver = Admm::new(Tolerance::EXACT);
-        let mut touching = Self { settings, objects, detector, solver, radii, radius };
+        let mut touching = Self { settings, detector, solver, radii, radius };
         touching.refuse_overlaps(world)?;
         Ok(touching)
     }
@@ -100,10 +102,10 @@ impl Touching {
             start: &start,
             end: &start,
             time: world.time(),
-            dt: 1.0,
+            dt: INSTANT,
         };
         let mut touches = Vec::new();
-        self.detector.touches(&motion, &self.objects, 0.0, &mut touches)?;
+        self.detector.touches(&motion, &world.objects, Place::End, 0.0, &mut touches)?;
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         match deepest {
             Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
@@ -122,6 +124,7 @@ impl Stepper for Touching {
     /// has come, which the report tells.
     fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
+        refuse_leaps(world, dt)?;
         let mut report =
             StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
         // In shortest parts, so that the last ends exactly.
@@ -140,7 +143,7 @@ impl Stepper for Touching {
                         part *= 2;
                     }
                 }
-                Err(Cut::Fatal(error)) => return Err(error),
+                Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
                 Err(Cut::Rod(source)) if part == 1 => return Err(SimError::Step { time, source }),
                 Err(_) => {
                     part /= 2;
@@ -190,99 +193,120 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
-        let impulses = world.impulses(&expected.iter().map(Remembered::touch).collect::<Vec<_>>());
+        let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
+        let impulses = world.impulses(&touches);
+        world.push(&touches, time, dt)?;
         world.with_impulses(&impulses, |group, own| group.set_out(time, dt, own))?;
-        let depth = self.settings.depth * 2.0 * self.radius;
-        self.list(world, part, expected, 0.0)?;
+        // The first list is that of a guess: it only serves to find a better one.
+        self.list(world, part, expected, Place::Start, WIDEST * self.radius)?;
+        let mut case = self.case(world, part)?;
+        for effort in &EFFORTS[..GUESSES] {
+            world.for_groups(|group| group.linearize())?;
+            self.iterate(world, part, &mut case, *effort, false)?;
+        }
+        // What has moved far since it was listed may move as far again.
+        let before = std::mem::take(&mut part.mean);
+        let bearing = remember(&part.touches);
+        let now = world.mean_velocities();
+        let moved = before.iter().zip(&now).map(|(a, b)| (a - b).norm());
+        let more = (moved.fold(0.0, f64::max) * dt).min(WIDEST * self.radius);
+        self.list(world, part, &bearing, Place::End, more)?;
+        case = self.case(world, part)?;
+        let mut worst_touch = None;
         for list in 0..MOST_LISTS {
-            let settings = &self.settings;
-            let curve = |touch: &Touch| settings.friction.of(touch);
-            let mut case = Case::new(world, &part.touches, &part.mean, dt, curve)?;
-            // The first list is that of a guess: it is soon looked at again.
-            let most = if list == 0 { 1 } else { MOST_ITERATIONS };
-            let solved = self.iterate(world, part, &mut case, list, most)?;
+            let patient = list >= PATIENCE;
+            let solved = self.converge(world, part, &mut case, patient)?;
             let mut bearing = std::mem::take(&mut part.touches);
-            // What has moved far since it was listed may move as far again.
-            let before = std::mem::take(&mut part.mean);
-            let mean = world.mean_velocities();
-            let moved = before.iter().zip(&mean).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            let more = if list == 0 { (moved * dt).min(WIDEST * self.radius) } else { 0.0 };
-            self.list(world, part, &remember(&bearing), more)?;
+            self.list(world, part, &[], Place::End, 0.0)?;
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
             report.depth = deepest;
-            if solved && deepest <= depth {
+            if solved && deepest <= self.depth() {
                 part.touches = bearing;
                 return Ok(());
             }
-            if list + 1 == MOST_LISTS {
-                report.unresolved = 1;
-                part.touches = bearing;
-            } else if list > 0 {
-                case.give_gaps(world, &mean, dt, &mut bearing);
-                part.touches = merged(bearing, &part.touches, 0.5 * depth);
-            }
+            worst_touch = worst(time, &part.touches);
+            case.give_gaps(world, &part.mean, dt, &mut bearing);
+            part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), !patient);
+            case = self.case(world, part)?;
         }
+        part.report.contact.unresolved = 1;
+        part.report.contact.first_unresolved = worst_touch;
         if last { Ok(()) } else { Err(Cut::Contacts) }
     }
 
-    /// Solves the step with the contacts of a case, by at most so many iterations of Newton's
-    /// method. Tells whether rods and contacts are within their tolerances.
+    /// How deep in each other fibres may be after a step, m.
+    fn depth(&self) -> f64 {
+        self.settings.depth * 2.0 * self.radius
+    }
+
+    /// Solves the step with the contacts of a case. Tells whether rods and contacts are within
+    /// their tolerances.
+    fn converge(
+        &mut self,
+        world: &mut World,
+        part: &mut Part,
+        case: &mut Case,
+        patient: bool,
+    ) -> Result<bool, Cut> {
+        for iteration in 0..MOST_ITERATIONS {
+            let own = largest(world.for_groups(|group| group.linearize())?);
+            if iteration > 0 && own < SMALL_TURN && self.reached(&part.report.contact, part.dt) {
+                return Ok(true);
+            }
+            let effort = EFFORTS[iteration.min(EFFORTS.len() - 1)];
+            self.iterate(world, part, case, effort, patient)?;
+        }
+        Ok(false)
+    }
+
+    /// The contacts of a part.
+    fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
+        let (settings, objects) = (&self.settings, &world.objects);
+        let curve = |touch: &Touch| friction(settings, objects, touch).of(touch);
+        Case::new(world, &part.touches, &part.mean, part.dt, curve)
+    }
+
+    /// Whether a step obeys the law as well as it must.
+    fn reached(&self, report: &ContactReport, dt: f64) -> bool {
+        report.residual <= self.settings.residual
+            && report.slip_error <= self.settings.slip
+            && report.normal_error * dt <= self.depth()
+    }
+
+    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
+    /// increment, rad.
     fn iterate(
         &mut self,
         world: &mut World,
         part: &mut Part,
         case: &mut Case,
-        list: usize,
-        most: usize,
-    ) -> Result<bool, Cut> {
-        let depth = self.settings.depth * 2.0 * self.radius;
-        for iteration in 0..most {
-            world.for_groups(|group| group.linearize())?;
-            self.solver.tolerance = self.tolerance(list, iteration, depth / part.dt);
-            let one = case.solve(world, &mut self.solver)?;
-            case.give_impulses(&mut part.touches);
-            let impulses = world.impulses(&part.touches);
-            let turns = world.with_impulses(&impulses, |group, own| group.advance(own))?;
-            let turn = turns.into_iter().fold(0.0, f64::max);
-            let found = case.certificate(world, &world.mean_velocities());
-            part.report.iterations += world.assembly().fibers().len();
-            part.report.worst_iterations += 1;
-            let report = &mut part.report.contact;
-            report.iterations += one.iterations;
-            report.solves += 1;
-            report.residual = found.residual;
-            report.normal_error = found.normal_error;
-            report.slip_error = found.slip_error;
-            if turn < SMALL_TURN
-                && found.residual <= self.settings.residual
-                && found.slip_error <= self.settings.slip
-                && found.normal_error * part.dt <= depth
-            {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    /// How well the contacts are solved in an iteration of Newton's method: the first ones are not
-    /// worth exact answers.
-    fn tolerance(&self, list: usize, iteration: usize, normal: f64) -> Tolerance {
-        let (slack, most) = match (list, iteration) {
-            (0, _) => (100.0, 30),
-            (_, 0) => (30.0, 60),
-            (_, 1) => (3.0, 120),
-            _ => (1.0, usize::MAX),
+        effort: Effort,
+        patient: bool,
+    ) -> Result<f64, Cut> {
+        self.solver.tolerance = Tolerance {
+            residual: effort.slack * self.settings.residual,
+            normal: effort.slack * self.depth() / part.dt,
+            slip: effort.slack * self.settings.slip,
+            iterations: effort.most.min(self.settings.iterations),
         };
-        let slack = 0.5 * slack;
-        Tolerance {
-            residual: slack * self.settings.residual,
-            normal: slack * normal,
-            slip: slack * self.settings.slip,
-            iterations: most.min(self.settings.iterations),
-        }
+        let one = case.solve(world, &mut self.solver, patient)?;
+        case.give_impulses(&mut part.touches);
+        let impulses = world.impulses(&part.touches);
+        let turn = largest(world.with_impulses(&impulses, |group, own| group.advance(own))?);
+        world.push(&part.touches, part.time, part.dt)?;
+        let found = case.certificate(world, &world.mean_velocities());
+        part.report.iterations += world.assembly().fibers().len();
+        part.report.worst_iterations += 1;
+        let report = &mut part.report.contact;
+        report.iterations += one.iterations;
+        report.solves += 1;
+        report.residual = found.residual;
+        report.normal_error = found.normal_error;
+        report.slip_error = found.slip_error;
+        Ok(turn)
     }
 
     /// Lists the touches where the step has been solved to, with the impulses expected of them.
@@ -291,6 +315,7 @@ impl Touching {
         world: &World,
         part: &mut Part,
         expected: &[Remembered],
+        place: Place,
         more: f64,
     ) -> Result<(), CollisionError> {
         part.mean = world.mean_velocities();
@@ -303,28 +328,88 @@ impl Touching {
             time: part.time,
             dt: part.dt,
         };
-        self.detector.touches(&motion, &self.objects, more, &mut part.touches)?;
+        self.detector.touches(&motion, &world.objects, place, more, &mut part.touches)?;
         recall(expected, &mut part.touches);
         Ok(())
     }
 }
 
-/// The touches of a list, with those of another in place of theirs, or beside them, that are deeper
-/// than `depth`.
-fn merged(mut list: Vec<Touch>, other: &[Touch], depth: f64) -> Vec<Touch> {
-    let old = list.len();
-    for deep in other.iter().filter(|touch| touch.gap < -depth) {
-        let pair = (deep.fiber, deep.partner);
-        let start = list[..old].partition_point(|touch| (touch.fiber, touch.partner) < pair);
-        let known = list[start..old]
-            .iter_mut()
-            .take_while(|touch| (touch.fiber, touch.partner) == pair)
-            .find(|touch| touch.near(deep));
-        match known {
-            Some(touch) => *touch = Touch { impulse: touch.impulse, ..*deep },
-            None => list.push(Touch { impulse: Vector3::zeros(), ..*deep }),
+/// How well the contacts are solved in an iteration of Newton's method, in tolerances, and by how
+/// many iterations at most.
+#[derive(Clone, Copy)]
+struct Effort {
+    slack: f64,
+    most: usize,
+}
+
+/// Efforts of the first iterations, and of all that follow: as long as the rods are far from where
+/// they go, exact answers are wasted.
+const EFFORTS: [Effort; 3] = [
+    Effort { slack: 15.0, most: 60 },
+    Effort { slack: 1.5, most: 120 },
+    Effort { slack: 0.5, most: usize::MAX },
+];
+
+/// Refuses a step of `dt`, s, in which an object would jump over fibres.
+fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
+    let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
+    let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
+    let gravity = world.gravity_at(time + 0.5 * dt);
+    for (object, one) in world.objects.iter().enumerate() {
+        let [way, most] = one.leap([time, dt], &gravity, segment)?;
+        if way > most {
+            return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
         }
     }
-    list.sort_by(Touch::order);
-    list
+    Ok(())
+}
+
+/// The friction of a touch.
+fn friction(settings: &ContactSettings, objects: &[Object], touch: &Touch) -> Friction {
+    let own = match touch.partner {
+        Partner::Object(object) => objects[object as usize].friction,
+        Partner::Fiber(_) => None,
+    };
+    own.unwrap_or(settings.friction)
+}
+
+/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
+fn lost(error: &SimError) -> bool {
+    matches!(error, SimError::Collision(CollisionError::Position { .. }))
+}
+
+/// Where the deepest of some touches is.
+fn worst(time: f64, touches: &[Touch]) -> Option<Unresolved> {
+    let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+    Some(Unresolved {
+        time,
+        fiber: deepest.fiber as usize,
+        segment: deepest.segments[0] as usize,
+        partner: deepest.partner,
+        depth: -deepest.gap,
+    })
+}
+
+fn largest(turns: Vec<f64>) -> f64 {
+    turns.into_iter().fold(0.0, f64::max)
+}
+
+/// The touches of a list together with those of another that are deeper than `depth`, in place of
+/// those that oppose them and, if `replace`, of those near them.
+fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
+    let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
+    let pair = |touch: &Touch| (touch.fiber, touch.partner);
+    let mut merged = Vec::with_capacity(list.len() + new.len());
+    for touch in list {
+        let start = new.partition_point(|deep| pair(deep) < pair(&touch));
+        let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
+        match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
+            Some(deep) if deep.impulse == Vector3::zeros() => deep.impulse = touch.impulse,
+            Some(_) => (),
+            None => merged.push(touch),
+        }
+    }
+    merged.append(&mut new);
+    merged.sort_by(Touch::order);
+    merged
 }

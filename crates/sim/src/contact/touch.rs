@@ -38,10 +38,14 @@ pub(crate) struct Touch {
     pub(crate) other_axis: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
-    /// Mean velocity of the partner's surface over the step if it is an object, m/s, world.
+    /// Mean velocity of the partner's surface over the step if that is led, m/s, world.
     pub(crate) drive: Vector3<f64>,
+    /// From the partner's center of mass to the fibre's axis if that is a free object, m, world.
+    pub(crate) lever: Vector3<f64>,
     /// Impulse on the fibre, N s, world.
     pub(crate) impulse: Vector3<f64>,
+    /// Whether it has borne something, or would have closed, in this step.
+    pub(crate) working: bool,
 }
 
 impl Touch {
@@ -56,11 +60,13 @@ impl Touch {
         self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
     }
 
-    /// By pair, then by place.
+    /// By pair, then by place, then by segments: of two that name one node the same comes first
+    /// whatever the order in which they were found.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let ([s, t], [u, v]) = (self.at(), other.at());
         let pairs = (self.fiber, self.partner).cmp(&(other.fiber, other.partner));
-        pairs.then(s.total_cmp(&u)).then(t.total_cmp(&v))
+        let places = s.total_cmp(&u).then(t.total_cmp(&v));
+        pairs.then(places).then(self.segments.cmp(&other.segments))
     }
 
     /// Whether two are of one pair, and not far from each other.
@@ -68,6 +74,12 @@ impl Touch {
         let ([s, t], [u, v]) = (self.at(), other.at());
         (self.fiber, self.partner) == (other.fiber, other.partner)
             && (s - u).abs().max((t - v).abs()) < 0.5
+    }
+
+    /// Whether two touches of one pair lie beside each other with normals that face each other.
+    pub(crate) fn opposes(&self, other: &Self) -> bool {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < 0.0
     }
 
     /// Whether two are the same place, named by two segments that share a node.

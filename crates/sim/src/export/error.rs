@@ -30,6 +30,12 @@ pub enum ExportError {
         /// Index in the array.
         index: usize,
     },
+    /// The surface of an object cannot be shown.
+    #[error("a surface {what}")]
+    Surface {
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// The format has no room for this many.
     #[error("{found} {what}, but the format holds at most {limit}; split the frame")]
     TooMany {

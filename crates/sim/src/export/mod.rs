@@ -7,6 +7,7 @@
 //! | [`usda`] | USD `BasisCurves`, all frames in one file | Blender, Houdini, usdview |
 //! | [`hair`] | Cem Yuksel's binary format | LuxCore, hair tools |
 //! | [`pov`] | POV-Ray scene description | POV-Ray |
+//! | [`surface`] | surfaces of objects, as VTK poly data and as USD `Mesh` | the same |
 //! | [`preview`] | a contact sheet as PNG | eyes |
 //!
 //! Writers take any [`std::io::Write`], check what they are given and never touch a file system.
@@ -21,6 +22,7 @@ pub mod preview;
 pub mod pvd;
 #[cfg(test)]
 mod sample;
+pub mod surface;
 pub mod usda;
 pub mod vtp;
 

@@ -3,21 +3,21 @@
 use super::ExportError;
 use std::io::Write;
 
-/// Writes the collection of `files`, each a time in seconds and the file's name as seen from the
-/// folder of the collection.
+/// Writes the collection of `files`, each a time in seconds, the number of a part that is shown
+/// beside the others of that time, and the file's name as seen from the folder of the collection.
 ///
 /// # Errors
 /// If `out` fails.
 pub fn write<'a>(
     out: &mut impl Write,
-    files: impl IntoIterator<Item = (f64, &'a str)>,
+    files: impl IntoIterator<Item = (f64, u32, &'a str)>,
 ) -> Result<(), ExportError> {
     writeln!(out, r#"<?xml version="1.0"?>"#)?;
     writeln!(out, r#"<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">"#)?;
     writeln!(out, "  <Collection>")?;
-    for (time, file) in files {
+    for (time, part, file) in files {
         let file = file.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
-        writeln!(out, r#"    <DataSet timestep="{time}" part="0" file="{file}"/>"#)?;
+        writeln!(out, r#"    <DataSet timestep="{time}" part="{part}" file="{file}"/>"#)?;
     }
     writeln!(out, "  </Collection>\n</VTKFile>")?;
     Ok(())
@@ -28,9 +28,9 @@ mod tests {
     #[test]
     fn every_file_has_its_time() {
         let mut out = Vec::new();
-        super::write(&mut out, [(0.0, "a.vtp"), (0.1, "b&\".vtp")]).expect("memory");
+        super::write(&mut out, [(0.0, 0, "a.vtp"), (0.1, 2, "b&\".vtp")]).expect("memory");
         let text = String::from_utf8(out).expect("text");
         assert!(text.contains(r#"timestep="0" part="0" file="a.vtp""#), "{text}");
-        assert!(text.contains(r#"timestep="0.1" part="0" file="b&amp;&quot;.vtp""#), "{text}");
+        assert!(text.contains(r#"timestep="0.1" part="2" file="b&amp;&quot;.vtp""#), "{text}");
     }
 }

@@ -46,7 +46,7 @@ pub fn write(
 }
 
 /// Time codes per second of evenly spaced times, 1 for a single one.
-fn rate(times: &[f64]) -> Result<f64, ExportError> {
+pub(super) fn rate(times: &[f64]) -> Result<f64, ExportError> {
     let [start, .., end] = times else { return Ok(1.0) };
     let interval = (end - start) / (times.len() - 1) as f64;
     for (index, time) in times.iter().enumerate() {
@@ -168,7 +168,10 @@ def Xform "Hair" (
 }
 
 /// `[a, b, c]`.
-fn list(out: &mut impl Write, items: impl Iterator<Item = String>) -> Result<(), ExportError> {
+pub(super) fn list(
+    out: &mut impl Write,
+    items: impl Iterator<Item = String>,
+) -> Result<(), ExportError> {
     write!(out, "[")?;
     for (i, item) in items.enumerate() {
         write!(out, "{}{item}", if i == 0 { "" } else { ", " })?;
@@ -177,7 +180,7 @@ fn list(out: &mut impl Write, items: impl Iterator<Item = String>) -> Result<(),
     Ok(())
 }
 
-fn triple(p: &Point3<f64>) -> String {
+pub(super) fn triple(p: &Point3<f64>) -> String {
     format!("({}, {}, {})", single(p.x), single(p.y), single(p.z))
 }
 

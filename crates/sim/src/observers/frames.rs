@@ -1,15 +1,47 @@
 use super::Observer;
 use crate::export::{self, ExportError, Frame, Strand};
-use crate::folder::{FRAMES, PREVIEW, PVD, RunFolder, USD};
-use crate::scene::Format;
+use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, USD};
+use crate::scene::{Format, Motion, Moves, Object};
 use crate::storage::save;
 use crate::{SimError, World};
+use rapunzel_collision::field::Soup;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::PathBuf;
 
 /// Frames on the contact sheet.
 const PREVIEW_FRAMES: usize = 12;
+
+/// Which files hold the objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// There are none.
+    None,
+    /// One for all frames: none moves.
+    Once,
+    /// One for each frame.
+    Always,
+}
+
+impl Shown {
+    pub(crate) fn of(objects: &[Object]) -> Self {
+        let still = |one: &Object| one.moves == Moves::Led && one.motion == Motion::Fixed;
+        match objects {
+            [] => Self::None,
+            _ if objects.iter().all(still) => Self::Once,
+            _ => Self::Always,
+        }
+    }
+
+    /// The number of the file for a frame.
+    fn file(self, frame: usize) -> Option<usize> {
+        match self {
+            Self::None => None,
+            Self::Once => Some(0),
+            Self::Always => Some(frame),
+        }
+    }
+}
 
 /// Writes a file for every frame, and at the end those that hold many.
 ///
@@ -19,6 +51,7 @@ const PREVIEW_FRAMES: usize = 12;
 pub(crate) struct FrameWriter {
     folder: PathBuf,
     formats: Vec<Format>,
+    objects: Shown,
     /// Steps between frames.
     every: u64,
     /// Time between frames, s.
@@ -32,13 +65,14 @@ impl FrameWriter {
     pub(crate) fn open(
         folder: &RunFolder,
         formats: &[Format],
+        objects: Shown,
         every: u64,
         interval: f64,
     ) -> Result<Self, SimError> {
         let frames = folder.file(FRAMES);
         fs::create_dir_all(&frames).map_err(SimError::io("make the folder", &frames))?;
         let (folder, formats) = (folder.path().to_owned(), formats.to_vec());
-        Ok(Self { folder, formats, every, interval, count: 0 })
+        Ok(Self { folder, formats, objects, every, interval, count: 0 })
     }
 
     fn file(&self, index: usize, extension: &str) -> PathBuf {
@@ -47,14 +81,34 @@ impl FrameWriter {
 
     /// Lists the frames so far for ParaView.
     fn write_pvd(&self) -> Result<(), SimError> {
-        let names: Vec<_> = (0..self.count).map(|i| name(i, "vtp")).collect();
-        let entries = names.iter().enumerate();
-        let entries = entries.map(|(i, name)| (i as f64 * self.interval, name.as_str()));
+        let mut files = Vec::new();
+        for index in 0..self.count {
+            let time = index as f64 * self.interval;
+            files.push((time, 0, name(index, "vtp")));
+            files.extend(self.objects.file(index).map(|file| (time, 1, objects_name(file))));
+        }
+        let entries = files.iter().map(|(time, part, name)| (*time, *part, name.as_str()));
         save(&self.folder.join(PVD), |to| export::pvd::write(to, entries))
     }
 
     fn read(&self, index: usize) -> Result<Frame, ExportError> {
         export::vtp::read(&mut BufReader::new(File::open(self.file(index, "vtp"))?))
+    }
+
+    fn read_objects(&self, file: usize) -> Result<Soup, ExportError> {
+        let path = self.folder.join(objects_name(file));
+        export::surface::read_vtp(&mut BufReader::new(File::open(path)?))
+    }
+
+    fn write_objects_usd(&self) -> Result<(), SimError> {
+        let files = match self.objects {
+            Shown::None => return Ok(()),
+            Shown::Once => 1,
+            Shown::Always => self.count,
+        };
+        let times: Vec<f64> = (0..files).map(|i| i as f64 * self.interval).collect();
+        let frames = (0..files).map(|file| self.read_objects(file));
+        save(&self.folder.join(OBJECTS_USD), |to| export::surface::write_usda(to, &times, frames))
     }
 
     fn write_usd(&self) -> Result<(), SimError> {
@@ -68,9 +122,13 @@ impl FrameWriter {
 
     fn write_preview(&self) -> Result<(), SimError> {
         let shown = self.count.min(PREVIEW_FRAMES);
-        let frames = (0..shown).map(|i| self.read(i * (self.count - 1) / (shown - 1).max(1)));
+        let indices = || (0..shown).map(|i| i * (self.count - 1) / (shown - 1).max(1));
+        let surfaces = indices().filter_map(|index| self.objects.file(index));
         save(&self.folder.join(PREVIEW), |to| {
-            export::preview::write(to, &frames.collect::<Result<Vec<_>, _>>()?)
+            let frames = indices().map(|index| self.read(index)).collect::<Result<Vec<_>, _>>()?;
+            let surfaces =
+                surfaces.map(|file| self.read_objects(file)).collect::<Result<Vec<_>, _>>()?;
+            export::preview::write(to, &frames, &surfaces)
         })
     }
 }
@@ -90,6 +148,12 @@ impl Observer for FrameWriter {
                 Format::Pov => save(&self.file(index, "pov"), |to| export::pov::write(to, &frame)),
                 Format::Usd => Ok(()),
             }?;
+        }
+        if self.objects.file(index) == Some(index) {
+            let surfaces: Vec<_> = world.surfaces().collect();
+            save(&self.folder.join(objects_name(index)), |to| {
+                export::surface::write_vtp(to, world.time(), &surfaces)
+            })?;
         }
         save(&self.file(index, "vtp"), |to| export::vtp::write(to, &frame))?;
         self.count += 1;
@@ -113,6 +177,7 @@ impl Observer for FrameWriter {
         self.write_pvd()?;
         if self.formats.contains(&Format::Usd) {
             self.write_usd()?;
+            self.write_objects_usd()?;
         }
         self.write_preview()
     }
@@ -121,6 +186,11 @@ impl Observer for FrameWriter {
 /// The name of a frame's file as seen from the folder of the run.
 fn name(index: usize, extension: &str) -> String {
     format!("{FRAMES}/frame-{index:06}.{extension}")
+}
+
+/// The name of a file of objects as seen from the folder of the run.
+fn objects_name(index: usize) -> String {
+    format!("{FRAMES}/objects-{index:06}.vtp")
 }
 
 /// All fibres as they are now.

@@ -3,7 +3,7 @@
 mod frames;
 mod table;
 
-pub(crate) use frames::FrameWriter;
+pub(crate) use frames::{FrameWriter, Shown};
 pub(crate) use table::{Column, Table};
 
 use crate::{SimError, World};

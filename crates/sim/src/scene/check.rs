@@ -156,7 +156,7 @@ impl Check {
     }
 
     fn push(&mut self, field: &str) {
-        if !self.path.is_empty() && !field.starts_with('[') {
+        if !self.path.is_empty() && !field.is_empty() && !field.starts_with('[') {
             self.path.push('.');
         }
         self.path.push_str(field);

@@ -10,13 +10,14 @@ mod fibers;
 mod locate;
 mod mass_spring;
 mod motion;
+mod object;
 mod output;
 mod read;
 mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
-pub use contact::{ContactSettings, Friction, Object, ObjectShape};
+pub use contact::{ContactSettings, Friction};
 pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Obstacle,
@@ -24,6 +25,7 @@ pub use mass_spring::{
 };
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
+pub use object::{Mass, Moves, Object, ObjectShape};
 pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
@@ -33,6 +35,7 @@ pub(crate) use fibers::check_section;
 use nalgebra::Vector3;
 pub(crate) use read::parse;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// The version of the scene format that this crate reads.
 pub const FORMAT: u32 = 1;
@@ -176,6 +179,13 @@ impl Wind {
 }
 
 impl Scene {
+    /// The scene with paths of files as they are seen from its folder.
+    #[must_use]
+    pub fn seen_from(mut self, folder: &Path) -> Self {
+        self.objects.iter_mut().for_each(|object| object.shape.seen_from(folder));
+        self
+    }
+
     /// Number of segments of fibre `fiber`, counted over all bundles.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {

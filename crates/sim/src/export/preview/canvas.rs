@@ -1,6 +1,6 @@
 use super::font;
 use crate::export::ExportError;
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3, Vector2};
 use std::io::Write;
 
 /// Red, green and blue in `[0, 1]`, as shown.
@@ -14,17 +14,29 @@ pub(super) struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<Color>,
+    /// How far from the eye what is drawn in triangles is, m.
+    depths: Vec<f64>,
 }
 
 impl Canvas {
     pub(super) fn new(size: [f64; 2], paper: Color) -> Self {
         let [width, height] = size.map(|x| clamped(x.ceil(), 1 << 14).max(1));
-        Self { width, height, pixels: vec![paper; width * height] }
+        let depths = vec![f64::INFINITY; width * height];
+        Self { width, height, pixels: vec![paper; width * height], depths }
     }
 
-    /// A line of the given width with round ends, antialiased: a pixel is covered by how deep it
-    /// lies within the line, from nothing half a pixel outside to all half a pixel inside.
+    /// A line in front of everything.
     pub(super) fn line(&mut self, a: Point2<f64>, b: Point2<f64>, width: f64, color: Color) {
+        let [a, b] = [a, b].map(|p| Point3::new(p.x, p.y, f64::MIN));
+        self.stroke(a, b, width, color);
+    }
+
+    /// A line of the given width with round ends, as far as no triangle hides it; the third
+    /// coordinate is the distance from the eye. Antialiased: a pixel is covered by how deep it lies
+    /// within the line, from nothing half a pixel outside to all half a pixel inside.
+    pub(super) fn stroke(&mut self, a: Point3<f64>, b: Point3<f64>, width: f64, color: Color) {
+        let depths = [a.z, b.z];
+        let (a, b) = (a.xy(), b.xy());
         let reach = 0.5 * width + 1.0;
         let along = b - a;
         let squared = along.norm_squared();
@@ -36,8 +48,46 @@ impl Canvas {
             for x in columns.clone() {
                 let p = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
                 let t = if squared > 0.0 { (p.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+                if self.depths[y * self.width + x] < depths[0] + t * (depths[1] - depths[0]) {
+                    continue;
+                }
                 let cover = 0.5 * width + 0.5 - (p - t * along).norm();
                 self.blend(x, y, color, cover.clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// A triangle, as far as it lies in a window and no other hides it; the third coordinate is the
+    /// distance from the eye.
+    pub(super) fn triangle(
+        &mut self,
+        corners: [Point3<f64>; 3],
+        [low, high]: [[f64; 2]; 2],
+        color: Color,
+    ) {
+        let [a, b, c] = corners.map(|p| p.xy());
+        let (ab, ac) = (b - a, c - a);
+        let area = ab.perp(&ac);
+        if area.abs() < 1e-12 {
+            return;
+        }
+        let range = |k: usize, limit: usize| {
+            let (least, most) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
+            let first = clamped((least - 0.5).ceil().max(low[k]), limit);
+            first..clamped((most + 0.5).floor().min(high[k]), limit).max(first)
+        };
+        let (columns, rows) = (range(0, self.width), range(1, self.height));
+        for y in rows {
+            for x in columns.clone() {
+                let p: Vector2<f64> = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
+                let (s, t) = (p.perp(&ac) / area, ab.perp(&p) / area);
+                let [az, bz, cz] = corners.map(|p| p.z);
+                let depth = az + s * (bz - az) + t * (cz - az);
+                let pixel = y * self.width + x;
+                if s.min(t).min(1.0 - s - t) >= 0.0 && depth < self.depths[pixel] {
+                    self.depths[pixel] = depth;
+                    self.pixels[pixel] = color;
+                }
             }
         }
     }

@@ -4,9 +4,10 @@ mod canvas;
 mod font;
 mod view;
 
-use super::{ExportError, Frame, Strand};
+use super::{ExportError, Frame, Strand, surface};
 use canvas::{Canvas, Color};
 use nalgebra::{Point2, Point3, Vector3};
+use rapunzel_collision::field::Soup;
 use std::io::Write;
 use view::View;
 
@@ -28,27 +29,40 @@ const INK: Color = [0.25, 0.25, 0.27];
 const FRAME: Color = [0.84, 0.83, 0.81];
 const FIBER: Color = [0.33, 0.19, 0.10];
 const GLOSS: Color = [0.75, 0.58, 0.38];
+const SURFACE: Color = [0.66, 0.71, 0.76];
+/// How much a surface is seen beyond the box around all fibres, in largest sides of that.
+const BEYOND: f64 = 0.25;
 
 /// Writes a sheet of up to twelve of `frames`, evenly chosen, the first and the last among them.
 ///
 /// All pictures share one orthographic view, from the side that shows the most of the box around
 /// all frames, and one scale, which the bar at the bottom gives for lengths across the view. Near
-/// fibres are dark, far ones fade; a gloss shows how they lie. Cost: linear in the pixels that the
-/// fibres cover.
+/// fibres are dark, far ones fade; a gloss shows how they lie. Behind and between the fibres are
+/// `surfaces`: one for each frame, or one for all, or none; what of them is far from all fibres is
+/// cut off. Cost: linear in the pixels that fibres and surfaces cover.
 ///
 /// # Errors
-/// Refuses no frames, frames without strands and unsound frames; fails if `out` does.
-pub fn write(out: &mut impl Write, frames: &[Frame]) -> Result<(), ExportError> {
+/// Refuses no frames, frames without strands, unsound frames and surfaces, and surfaces that are
+/// neither one nor as many as the frames; fails if `out` does.
+pub fn write(out: &mut impl Write, frames: &[Frame], surfaces: &[Soup]) -> Result<(), ExportError> {
     frames.iter().try_for_each(Frame::validate)?;
-    let points = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.points);
+    surfaces.iter().try_for_each(surface::check)?;
+    if surfaces.len() > 1 && surfaces.len() != frames.len() {
+        return Err(ExportError::Surface { what: "is missing for some of the frames" });
+    }
+    let mut points: Vec<Point3<f64>> =
+        frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.points).copied().collect();
+    points.extend(seen(&points, surfaces));
+    let points = points.iter();
     let radii = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.radii);
     let thickest = radii.fold(0.0, |a: f64, r| a.max(*r));
-    let view = View::of(points, thickest).ok_or(ExportError::Empty)?;
+    let view = View::of(points, thickest, !surfaces.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
     let grid = Grid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
     for cell in 0..count {
-        let frame = &frames[cell * (frames.len() - 1) / (count - 1).max(1)];
+        let index = cell * (frames.len() - 1) / (count - 1).max(1);
+        let (frame, surface) = (&frames[index], surfaces.get(index).or(surfaces.first()));
         let corner = grid.corner(cell);
         canvas.rectangle(corner, grid.picture, FRAME);
         // One picture alone is of no certain time.
@@ -56,10 +70,20 @@ pub fn write(out: &mut impl Write, frames: &[Frame]) -> Result<(), ExportError> 
             let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
             canvas.text(caption, &format!("{:.3} s", frame.time), INK);
         }
+        surface.iter().for_each(|surface| draw_surface(&mut canvas, surface, &view, &grid, corner));
         draw(&mut canvas, frame, &view, &grid, corner);
     }
     grid.scale_bar(&mut canvas);
     canvas.write(out)
+}
+
+/// The vertices of surfaces, moved into the box that is seen around some points.
+fn seen(points: &[Point3<f64>], surfaces: &[Soup]) -> Vec<Point3<f64>> {
+    let Some(&first) = points.first() else { return Vec::new() };
+    let bounds = points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    let more = Vector3::repeat(BEYOND * (bounds[1] - bounds[0]).max());
+    let [low, high] = [bounds[0] - more, bounds[1] + more];
+    surfaces.iter().flat_map(|s| &s.vertices).map(|p| p.sup(&low).inf(&high)).collect()
 }
 
 /// Where the pictures are.
@@ -88,6 +112,12 @@ impl Grid {
 
     fn pitch(&self) -> [f64; 2] {
         [self.picture[0] + MARGIN, self.picture[1] + MARGIN + CAPTION]
+    }
+
+    /// Where a point is in the picture with the given corner, pixels, and how far away, m.
+    fn place(&self, p: &Point3<f64>, view: &View, corner: [f64; 2]) -> Point3<f64> {
+        let [x, y] = view.project(p);
+        Point3::new(corner[0] + self.scale * x, corner[1] + self.scale * y, view.distance(p))
     }
 
     /// Upper left corner of a picture, pixels.
@@ -130,14 +160,27 @@ fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f
     segments.sort_by(|a, b| b.0.total_cmp(&a.0));
     let thinnest = if frame.strands.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
     for (depth, strand, j) in segments {
-        let place = |p: &Point3<f64>| {
-            let [x, y] = view.project(p);
-            Point2::new(corner[0] + grid.scale * x, corner[1] + grid.scale * y)
-        };
         let (a, b) = (&strand.points[j], &strand.points[j + 1]);
         let width = 2.0 * strand.radii[j] * grid.scale;
         let color = shade(&(b - a), view, depth);
-        canvas.line(place(a), place(b), width.max(thinnest), color);
+        // What lies on a surface is in front of it, also where the axis is hidden by half.
+        let nearer = Vector3::z() * (2.0 * strand.radii[j] + 1.0 / grid.scale);
+        let [a, b] = [a, b].map(|p| grid.place(p, view, corner) - nearer);
+        canvas.stroke(a, b, width.max(thinnest), color);
+    }
+}
+
+/// Draws a surface, bright where it faces between light and eye; without haze, which would show its
+/// triangles.
+fn draw_surface(canvas: &mut Canvas, surface: &Soup, view: &View, grid: &Grid, corner: [f64; 2]) {
+    let window = [corner, [0, 1].map(|k| corner[k] + grid.picture[k])];
+    for triangle in &surface.triangles {
+        let corners = triangle.map(|v| surface.vertices[v as usize]);
+        let [a, b, c] = corners;
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
+        let bright = 0.45 + 0.55 * normal.dot(&view.half_way).abs();
+        let color = SURFACE.map(|x| bright * x);
+        canvas.triangle(corners.map(|p| grid.place(&p, view, corner)), window, color);
     }
 }
 
@@ -146,8 +189,11 @@ fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f
 fn shade(tangent: &Vector3<f64>, view: &View, depth: f64) -> Color {
     let along = tangent.normalize().dot(&view.half_way);
     let gloss = if along.is_finite() { (1.0 - along * along).max(0.0).powi(12) } else { 0.0 };
-    let mix = |a: Color, b: Color, t: f64| [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]));
     mix(mix(FIBER, GLOSS, 0.8 * gloss), PAPER, 0.5 * depth)
+}
+
+fn mix(a: Color, b: Color, t: f64) -> Color {
+    [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))
 }
 
 #[cfg(test)]
@@ -165,14 +211,14 @@ mod tests {
     fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
         let frames: Vec<Frame> = (0..30).map(sample::frame).collect();
         let mut bytes = Vec::new();
-        write(&mut bytes, &frames).expect("a sheet");
+        write(&mut bytes, &frames, &[]).expect("a sheet");
         let (info, pixels) = decode(&bytes);
         assert!(info.width <= 1650 && info.height <= 1050, "{info:?}");
         let dark = pixels.chunks(3).filter(|p| p[0] < 130).count();
         assert!(dark > 2000, "{dark} pixels of fibres");
         assert_eq!(pixels[..3], [246, 245, 242], "paper in the corner");
         let mut again = Vec::new();
-        write(&mut again, &frames).expect("a sheet");
+        write(&mut again, &frames, &[]).expect("a sheet");
         assert_eq!(bytes, again);
     }
 
@@ -186,9 +232,30 @@ mod tests {
         dot.strands.iter_mut().flat_map(|s| &mut s.points).for_each(|p| p.z = 0.0);
         for frame in [line, dot] {
             let mut bytes = Vec::new();
-            write(&mut bytes, &[frame]).expect("a sheet");
+            write(&mut bytes, &[frame], &[]).expect("a sheet");
             assert!(decode(&bytes).0.width >= 20);
         }
-        assert!(matches!(write(&mut Vec::new(), &[]), Err(ExportError::Empty)));
+        assert!(matches!(write(&mut Vec::new(), &[], &[]), Err(ExportError::Empty)));
+    }
+
+    /// A wall hides what is behind it, and nothing of what is before it.
+    #[test]
+    fn surfaces_hide_what_is_behind_them() {
+        let frame = sample::frame(0);
+        let dark = |offset: f64| {
+            let wall = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+            let wall = Soup {
+                vertices: wall.map(|[x, z]| Point3::new(x, offset - 0.05 * x, z)).to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+            };
+            let mut bytes = Vec::new();
+            write(&mut bytes, std::slice::from_ref(&frame), &[wall]).expect("a sheet");
+            decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 20).count()
+        };
+        let (before, behind) = (dark(-0.5), dark(0.5));
+        assert!(before == 0 && behind > 1000, "{before}, {behind}");
+        let two = [Soup::default(), Soup::default()];
+        let refused = write(&mut Vec::new(), &[frame.clone(), frame.clone(), frame], &two);
+        assert!(matches!(refused, Err(ExportError::Surface { .. })));
     }
 }

@@ -18,17 +18,20 @@ pub(super) struct View {
 /// Turn of the eye about the vertical, and then its rise over what it looks at, degrees.
 const TURN: f64 = 25.0;
 const RISE: f64 = 15.0;
+/// The least rise over surfaces, degrees: hills would hide what lies on them.
+const RISE_OVER_SURFACES: f64 = 30.0;
 /// Scenes with less depth than this part of their width are looked at squarely.
 const FLAT: f64 = 0.25;
 
 impl View {
     /// The view of everything in `points`, balls of the given radius (m), with z up: across the
     /// longer horizontal side of the box around them, from a little to the right where the box is
-    /// deep and a little above where it is also low, and from straight above where it is flat.
-    /// `None` without points.
+    /// deep and a little above where it is also low, and from straight above where it is flat. Over
+    /// surfaces it is from higher above. `None` without points.
     pub(super) fn of<'a>(
         points: impl Iterator<Item = &'a Point3<f64>> + Clone,
         radius: f64,
+        over_surfaces: bool,
     ) -> Option<Self> {
         // A nanometre keeps a single point of no size from being shown infinitely large.
         let around = radius.max(1e-9);
@@ -47,6 +50,7 @@ impl View {
         // Looking down only where that clearly shows more: hair hangs.
         let (turn, rise) = match narrow {
             _ if high < 0.2 * narrow => (0.0, 90.0),
+            _ if over_surfaces => (TURN, RISE_OVER_SURFACES),
             _ if narrow < FLAT * wide => (0.0, 0.0),
             _ => (TURN, if high < wide { RISE } else { 0.0 }),
         };
@@ -75,9 +79,14 @@ impl View {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
+    /// Distance behind the near side of the box, m.
+    pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
+        self.away.dot(&p.coords) - self.origin.z
+    }
+
     /// 0 at the near side of the box, up to 1 at the far side of a deep one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
-        ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
+        (self.distance(p) / self.depth).clamp(0.0, 1.0)
     }
 }
 
@@ -89,7 +98,7 @@ mod tests {
     fn what_is_flat_is_seen_squarely_and_what_is_deep_is_turned() {
         let away = |size: [f64; 3]| {
             let corners = [Point3::origin(), Point3::from(size)];
-            View::of(corners.iter(), 1e-6).expect("points").away
+            View::of(corners.iter(), 1e-6, false).expect("points").away
         };
         for (size, expected) in [
             ([3.0, 0.1, 1.0], Vector3::y()),

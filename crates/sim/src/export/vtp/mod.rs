@@ -7,14 +7,14 @@
 //!
 //! [`read()`] reads what [`write()`] wrote, to the last bit.
 
-mod read;
-mod write;
+pub(super) mod read;
+pub(super) mod write;
 
 pub use read::read;
 pub use write::write;
 
 /// What follows the raw data; without it, a file is cut short.
-const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
+pub(super) const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
 
 /// Names and components of the point data, in the order in which they are stored; positions come
 /// before them, connectivity, offsets and fibre numbers after them.

@@ -25,11 +25,7 @@ pub fn read(input: &mut impl BufRead) -> Result<Frame, ExportError> {
     block(input, 1, points)?;
     let ends = block(input, 1, lines)?;
     block(input, 1, lines)?;
-    let mut end = Vec::new();
-    input.take(END.len() as u64 + 1).read_to_end(&mut end)?;
-    if end != END {
-        return Err(ExportError::Malformed { what: "the file does not end after its last array" });
-    }
+    ended(input)?;
 
     let mut strands = Vec::new();
     let mut first = 0;
@@ -49,8 +45,18 @@ pub fn read(input: &mut impl BufRead) -> Result<Frame, ExportError> {
     Ok(frame)
 }
 
+/// Checks that nothing follows but the end of the file.
+pub(in crate::export) fn ended(input: &mut impl BufRead) -> Result<(), ExportError> {
+    let mut end = Vec::new();
+    input.take(END.len() as u64 + 1).read_to_end(&mut end)?;
+    if end == END {
+        return Ok(());
+    }
+    Err(ExportError::Malformed { what: "the file does not end after its last array" })
+}
+
 /// The text up to the mark of the appended data.
-fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
+pub(in crate::export) fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
     const LONGEST: u64 = 1 << 16;
     let mut bytes = Vec::new();
     let mut limited = input.take(LONGEST);
@@ -68,7 +74,7 @@ fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
 }
 
 /// What stands between `open` and `close`, after the first `anchor`.
-fn field<'a>(
+pub(in crate::export) fn field<'a>(
     header: &'a str,
     anchor: &str,
     open: &str,
@@ -82,12 +88,16 @@ fn field<'a>(
         .ok_or(ExportError::Malformed { what: "a count or a time is missing in the header" })
 }
 
-fn number<T: std::str::FromStr>(text: &str) -> Result<T, ExportError> {
+pub(in crate::export) fn number<T: std::str::FromStr>(text: &str) -> Result<T, ExportError> {
     text.parse().map_err(|_| ExportError::Malformed { what: "a number in the header" })
 }
 
 /// One array of `parts * count` numbers of eight bytes, after its size.
-fn block(input: &mut impl Read, parts: usize, count: usize) -> Result<Vec<[u8; 8]>, ExportError> {
+pub(in crate::export) fn block(
+    input: &mut impl Read,
+    parts: usize,
+    count: usize,
+) -> Result<Vec<[u8; 8]>, ExportError> {
     let mut size = [0; 8];
     input.read_exact(&mut size)?;
     let size = u64::from_le_bytes(size);

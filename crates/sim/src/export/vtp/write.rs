@@ -92,7 +92,7 @@ fn header(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
 }
 
 /// A number of eight bytes.
-trait Bytes {
+pub(in crate::export) trait Bytes {
     fn bytes(self) -> [u8; 8];
 }
 
@@ -109,7 +109,7 @@ impl Bytes for u64 {
 }
 
 /// One array of the appended data: its size in bytes, then its numbers.
-fn block<T: Bytes>(
+pub(in crate::export) fn block<T: Bytes>(
     out: &mut impl Write,
     numbers: impl Iterator<Item = T>,
 ) -> Result<(), ExportError> {

@@ -1,0 +1,330 @@
+//! Arithmetic with a number in each SIMD lane, in the notation of scalars.
+
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// Most lanes of any register.
+pub(crate) const LANES: usize = 8;
+
+/// A number in each lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes<S: Simd> {
+    pub(crate) simd: S,
+    pub(crate) values: S::f64s,
+}
+
+/// A vector in each lane.
+pub(crate) type Vectors<S> = [Lanes<S>; 3];
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $simd:ident) => {
+        impl<S: Simd> $trait for Lanes<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { values: self.simd.$simd(self.values, other.values), ..self }
+            }
+        }
+    };
+}
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { values: self.simd.neg_f64s(self.values), ..self }
+    }
+}
+
+impl<S: Simd> Lanes<S> {
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat(simd: S, value: f64) -> Self {
+        Self { simd, values: simd.splat_f64s(value) }
+    }
+
+    /// Another number in all lanes. Kernels name their steps by functions that are always inlined, as
+    /// closures are not compiled for the kernel's machine.
+    #[inline(always)]
+    pub(crate) fn of(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    /// The first lanes of an array.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, values: &[f64; LANES]) -> Self {
+        Self { simd, values: S::as_simd_f64s(values).0[0] }
+    }
+
+    /// The lanes one after another; those beyond the register are zero.
+    #[inline(always)]
+    pub(crate) fn store(self) -> [f64; LANES] {
+        let mut out = [0.0; LANES];
+        S::as_mut_simd_f64s(&mut out).0[0] = self.values;
+        out
+    }
+
+    /// `self * factor + summand`, rounded once where the machine can.
+    #[inline(always)]
+    pub(crate) fn times_plus(self, factor: Self, summand: Self) -> Self {
+        let values = self.simd.mul_add_e_f64s(self.values, factor.values, summand.values);
+        Self { values, ..self }
+    }
+
+    /// `summand - self * factor`.
+    #[inline(always)]
+    pub(crate) fn times_from(self, factor: Self, summand: Self) -> Self {
+        let values = self.simd.negate_mul_add_e_f64s(self.values, factor.values, summand.values);
+        Self { values, ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Self { values: self.simd.abs_f64s(self.values), ..self }
+    }
+
+    /// `yes` in the lanes where this is below `limit`, `no` in the others.
+    #[inline(always)]
+    pub(crate) fn below(self, limit: Self, yes: Self, no: Self) -> Self {
+        let mask = self.simd.less_than_f64s(self.values, limit.values);
+        Self { values: self.simd.select_f64s(mask, yes.values, no.values), ..self }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Lanes<S> {
+    a[2].times_plus(b[2], a[1].times_plus(b[1], a[0] * b[0]))
+}
+
+#[inline(always)]
+pub(crate) fn cross<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Vectors<S> {
+    [
+        a[2].times_from(b[1], a[1] * b[2]),
+        a[0].times_from(b[2], a[2] * b[0]),
+        a[1].times_from(b[0], a[0] * b[1]),
+    ]
+}
+
+#[inline(always)]
+pub(crate) fn minus<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Vectors<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn scaled<S: Simd>(a: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// `a + b * factor`.
+#[inline(always)]
+pub(crate) fn along<S: Simd>(a: &Vectors<S>, b: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
+    [b[0].times_plus(factor, a[0]), b[1].times_plus(factor, a[1]), b[2].times_plus(factor, a[2])]
+}
+
+/// Roots and reciprocals as the machine makes them best.
+pub(crate) trait Roots<S: Simd>: Copy {
+    /// `1/sqrt(x)` to 6e-13, and zero for zero.
+    fn inverse_root(self, x: Lanes<S>) -> Lanes<S>;
+    /// `sqrt(x)` of positive numbers, to rounding.
+    fn root(self, x: Lanes<S>) -> Lanes<S>;
+    /// `1/x`, to rounding.
+    fn reciprocal(self, x: Lanes<S>) -> Lanes<S>;
+}
+
+/// By division and square roots.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable;
+
+impl<S: Simd> Roots<S> for Portable {
+    #[inline(always)]
+    fn inverse_root(self, x: Lanes<S>) -> Lanes<S> {
+        let zero = x.of(0.0);
+        zero.below(x, self.reciprocal(self.root(x)), zero)
+    }
+
+    #[inline(always)]
+    fn root(self, x: Lanes<S>) -> Lanes<S> {
+        Lanes { values: x.simd.sqrt_f64s(x.values), ..x }
+    }
+
+    #[inline(always)]
+    fn reciprocal(self, x: Lanes<S>) -> Lanes<S> {
+        Lanes { values: x.simd.div_f64s(x.simd.splat_f64s(1.0), x.values), ..x }
+    }
+}
+
+/// By estimates of 14 bits and iterations: the inverse root by one of third order.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+pub(crate) struct Estimate;
+
+#[cfg(target_arch = "x86_64")]
+impl Roots<pulp::x86::V4> for Estimate {
+    #[inline(always)]
+    fn inverse_root(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
+        let simd = x.simd;
+        let (one, half) = (x.of(1.0), x.of(0.5));
+        let positive = simd.greater_than_f64s(x.values, simd.splat_f64s(0.0));
+        let estimate = simd.avx512f._mm512_maskz_rsqrt14_pd(positive.0, pulp::cast(x.values));
+        let y = Lanes { simd, values: pulp::cast(estimate) };
+        let e = (x * y).times_from(y, one);
+        (y * e).times_plus(e.times_plus(x.of(0.375), half), y)
+    }
+
+    #[inline(always)]
+    fn root(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
+        let y = self.inverse_root(x);
+        let root = x * y;
+        (y * x.of(0.5)).times_plus(root.times_from(root, x), root)
+    }
+
+    #[inline(always)]
+    fn reciprocal(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
+        let simd = x.simd;
+        let one = x.of(1.0);
+        let estimate = simd.avx512f._mm512_rcp14_pd(pulp::cast(x.values));
+        let y = Lanes { simd, values: pulp::cast(estimate) };
+        let y = y.times_plus(x.times_from(y, one), y);
+        y.times_plus(x.times_from(y, one), y)
+    }
+}
+
+/// Work that is compiled for each kind of machine.
+pub(crate) trait Kernel {
+    fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R);
+}
+
+/// Runs `kernel` with the widest registers of this machine.
+pub(crate) fn dispatch<K: Kernel>(kernel: K) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V4::try_new() {
+        return simd.vectorize(Widest { simd, kernel });
+    }
+    Arch::new().dispatch(Usual(kernel));
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Widest<K> {
+    simd: pulp::x86::V4,
+    kernel: K,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<K: Kernel> pulp::NullaryFnOnce for Widest<K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.kernel.run(self.simd, Estimate);
+    }
+}
+
+struct Usual<K>(K);
+
+impl<K: Kernel> WithSimd for Usual<K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.run(simd, Portable);
+    }
+}
+
+/// Natural logarithms of positive normal numbers, to some units in the last place.
+#[inline(always)]
+pub(crate) fn ln<S: Simd, R: Roots<S>>(roots: R, x: Lanes<S>) -> Lanes<S> {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    const ONE: u64 = 1023 << 52;
+    const ROOT: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    // 2^52 as bits: adding a small integer to these bits adds it to the number.
+    const SHIFTED: u64 = 0x4330_0000_0000_0000;
+    let [mut exponent, mut mantissa] = [[0.0; LANES]; 2];
+    for ((x, exponent), mantissa) in x.store().iter().zip(&mut exponent).zip(&mut mantissa) {
+        // Mantissas run from sqrt(1/2) to sqrt(2).
+        let bits = x.to_bits().wrapping_add(ONE - ROOT);
+        *exponent = f64::from_bits((bits >> 52) | SHIFTED);
+        *mantissa = f64::from_bits((bits & MANTISSA) + ROOT);
+    }
+    let (m, one) = (Lanes::load(x.simd, &mantissa), x.of(1.0));
+    let exponent = Lanes::load(x.simd, &exponent) - x.of(4_503_599_627_370_496.0 + 1023.0);
+    let f = (m - one) * roots.reciprocal(m + one);
+    let w = f * f;
+    let mut sum = x.of(1.0 / 21.0);
+    for n in (0..=9).rev() {
+        sum = sum.times_plus(w, x.of(1.0 / (2 * n + 1) as f64));
+    }
+    exponent.times_plus(x.of(std::f64::consts::LN_2), (f + f) * sum)
+}
+
+/// Angles of the points `(x, y)` between 0 and `2 pi`; those that are below zero by rounding stay so.
+#[inline(always)]
+pub(crate) fn angle<S: Simd, R: Roots<S>>(roots: R, x: Lanes<S>, y: Lanes<S>) -> Lanes<S> {
+    use std::f64::consts::{FRAC_PI_4, FRAC_PI_8, PI};
+    const ROUNDING: f64 = -1e-10;
+    let (width, height) = (x.abs(), y.abs());
+    // Seen from the nearest of 0, 45 and 90 degrees the angle is at most 22.5 degrees.
+    let (steep, flat) = (width * x.of(FRAC_PI_8.tan()), height * x.of(FRAC_PI_8.tan()));
+    let middle = [x.of(1.0), height - width, height + width];
+    let mut pick = [x.of(0.0); 3];
+    for (k, [low, high]) in
+        [[x.of(0.0), x.of(2.0)], [height, -width], [width, height]].into_iter().enumerate()
+    {
+        pick[k] = height.below(steep, low, width.below(flat, high, middle[k]));
+    }
+    let [base, opposite, adjacent] = pick;
+    let t = opposite * roots.reciprocal(adjacent);
+    let w = t * t;
+    let mut sum = x.of(1.0 / 41.0);
+    for n in (0..20).rev() {
+        let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+        sum = sum.times_plus(w, x.of(sign / (2 * n + 1) as f64));
+    }
+    let acute = base.times_plus(x.of(FRAC_PI_4), t * sum);
+    let half = x.below(x.of(0.0), x.of(PI) - acute, acute);
+    let signed = y.below(x.of(0.0), -half, half);
+    signed.below(x.of(ROUNDING), signed + x.of(2.0 * PI), signed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Check;
+
+    impl Kernel for Check {
+        fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
+            let splat = |value: f64| Lanes::splat(simd, value);
+            for x in [1.0, 1.0 + 1e-9, 0.7, 1.414, 2.0, 1e-200, 3e17, 12.5] {
+                let [log, root, inverse] = [
+                    ln(roots, splat(x)).store()[0],
+                    roots.root(splat(x)).store()[0],
+                    roots.inverse_root(splat(x)).store()[0],
+                ];
+                assert!((log - x.ln()).abs() <= 5e-16 * x.ln().abs().max(0.3), "ln {x} = {log}");
+                assert!((root / x.sqrt() - 1.0).abs() < 4e-16, "sqrt {x} = {root}");
+                assert!((inverse * x.sqrt() - 1.0).abs() < 6e-13, "{x}: {inverse}");
+                let reciprocal = roots.reciprocal(splat(x)).store()[0];
+                assert!((reciprocal * x - 1.0).abs() < 4e-16, "1/{x} = {reciprocal}");
+            }
+            assert!(roots.inverse_root(splat(0.0)).store()[0] == 0.0);
+            for k in 0..200 {
+                let exact = 0.0314 * f64::from(k);
+                let found = angle(roots, splat(3.0 * exact.cos()), splat(3.0 * exact.sin()));
+                assert!((found.store()[0] - exact).abs() < 1e-15 * exact.max(1.0), "{exact}");
+            }
+            let rounded = angle(roots, splat(1.0), splat(-1e-15)).store()[0];
+            assert!((rounded + 1e-15).abs() < 1e-20, "{rounded}");
+        }
+    }
+
+    #[test]
+    fn functions_are_exact() {
+        dispatch(Check);
+        Arch::new().dispatch(Usual(Check));
+    }
+}

@@ -1,0 +1,375 @@
+//! Two straight charged lines in closed form, a pair in each lane.
+
+use crate::lanes::{Lanes, Roots, Vectors, along, angle, cross, dot, ln, minus, scaled};
+use pulp::Simd;
+
+/// Sine of the angle at which lines are nearly parallel, for each unit of their distance over their
+/// length: the error of interpolation grows as its sixth power.
+const SMOOTH: f64 = 0.025;
+
+/// Turns at which nearly parallel lines are interpolated, in units of this angle.
+const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+
+/// Its least value: the error of rounding grows as the cube of its inverse.
+const LEAST: f64 = 1.5e-3;
+
+/// Roundings that [`skew`] errs by, times the cube of the sine.
+const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
+
+/// The sine of the angle up to which lines are nearly parallel for forces within `tolerance`, of which
+/// rounding may take a hundredth.
+pub(super) fn nearly_parallel(tolerance: f64) -> f64 {
+    (ROUNDINGS / (0.01 * tolerance)).cbrt().clamp(LEAST, 0.03)
+}
+
+/// Lines from `start` along the unit vector `tangent`.
+#[derive(Clone, Copy)]
+pub(super) struct Line<S: Simd> {
+    pub(super) start: Vectors<S>,
+    pub(super) tangent: Vectors<S>,
+    pub(super) length: Lanes<S>,
+}
+
+/// What two lines with a charge of 1 each do to each other, with the kernel
+/// `1/sqrt(r^2 + softening)`, r from the second to the first: means over both lines, whose shares u
+/// and v run from 0 at the start to 1 at the end.
+#[derive(Clone, Copy)]
+pub(super) struct Means<S: Simd> {
+    /// Of `1/r`: their energy.
+    pub(super) energy: Lanes<S>,
+    /// Of `r/r^3`: the force on the first.
+    pub(super) force: Vectors<S>,
+    /// Of `u r/r^3`: the part of it that the end of the first takes.
+    pub(super) first_end: Vectors<S>,
+    /// Of `v r/r^3`: less the force on the end of the second.
+    pub(super) second_end: Vectors<S>,
+}
+
+impl<S: Simd> Means<S> {
+    #[inline(always)]
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Self { energy: zero, force: [zero; 3], first_end: [zero; 3], second_end: [zero; 3] }
+    }
+
+    #[inline(always)]
+    pub(super) fn less(&self, other: &Self) -> Self {
+        self.plus(other, Lanes::splat(self.energy.simd, -1.0))
+    }
+
+    /// `self + other * factor`.
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self, factor: Lanes<S>) -> Self {
+        Self {
+            energy: other.energy.times_plus(factor, self.energy),
+            force: along(&self.force, &other.force, factor),
+            first_end: along(&self.first_end, &other.first_end, factor),
+            second_end: along(&self.second_end, &other.second_end, factor),
+        }
+    }
+}
+
+/// The means over two lines at an angle whose sine is less than `most`. Relative error: at most
+/// 7e-7, ten roundings over the cube of [`LEAST`], and `(LEAST/d)^6` for lines that are closer than
+/// d = 0.03 of their length. Cost: seven times that of [`skew`].
+#[inline(always)]
+pub(super) fn parallel<S: Simd, R: Roots<S>>(
+    roots: R,
+    first: &Line<S>,
+    second: &Line<S>,
+    softening: Lanes<S>,
+    most: Lanes<S>,
+) -> Means<S> {
+    let normal = cross(&first.tangent, &second.tangent);
+    let sine2 = dot(&normal, &normal);
+    let limit = limit(roots, first, second, softening, most);
+    let limit2 = limit * limit;
+    let direct = skew(roots, first, second, softening);
+    let turned = interpolated(roots, first, second, softening, limit);
+    let mut means = direct;
+    means.energy = sine2.below(limit2, turned.energy, direct.energy);
+    for c in 0..3 {
+        means.force[c] = sine2.below(limit2, turned.force[c], direct.force[c]);
+        means.first_end[c] = sine2.below(limit2, turned.first_end[c], direct.first_end[c]);
+        means.second_end[c] = sine2.below(limit2, turned.second_end[c], direct.second_end[c]);
+    }
+    means
+}
+
+/// The sine of the angle between lines below which [`skew`], whose rounding errors grow as its
+/// cube, is interpolated: as large as their distance lets turned lines be smooth.
+#[inline(always)]
+fn limit<S: Simd, R: Roots<S>>(
+    roots: R,
+    first: &Line<S>,
+    second: &Line<S>,
+    softening: Lanes<S>,
+    most: Lanes<S>,
+) -> Lanes<S> {
+    let half = softening.of(0.5);
+    let lengths = (first.length + second.length) * half;
+    let middle = along(&first.start, &first.tangent, first.length * half);
+    let other = along(&second.start, &second.tangent, second.length * half);
+    let r = minus(&other, &middle);
+    let beside = dot(&r, &first.tangent);
+    let beyond = beside.abs() - lengths;
+    let beyond = beyond.below(softening.of(0.0), softening.of(0.0), beyond);
+    let across = along(&r, &first.tangent, -beside);
+    let distance2 = beyond.times_plus(beyond, dot(&across, &across) + softening);
+    let limit = roots.root(distance2) * roots.reciprocal(lengths) * softening.of(SMOOTH);
+    let least = softening.of(LEAST);
+    limit.below(least, least, limit.below(most, limit, most))
+}
+
+/// Nearly parallel lines, by the polynomial through six turns of the second about its middle.
+#[inline(always)]
+fn interpolated<S: Simd, R: Roots<S>>(
+    roots: R,
+    first: &Line<S>,
+    second: &Line<S>,
+    softening: Lanes<S>,
+    limit: Lanes<S>,
+) -> Means<S> {
+    let (zero, one, tiny) = (softening.of(0.0), softening.of(1.0), softening.of(1e-30));
+    let t = &first.tangent;
+    let cosine = dot(t, &second.tangent);
+    let across = along(&second.tangent, t, -cosine);
+    let sine2 = dot(&across, &across);
+    // Exactly parallel lines are turned in any plane.
+    let steep = t[0].abs();
+    let axis = [steep.below(one.of(0.7), one, zero), steep.below(one.of(0.7), zero, one), zero];
+    let any = along(&axis, t, -dot(&axis, t));
+    let across = [
+        sine2.below(tiny, any[0], across[0]),
+        sine2.below(tiny, any[1], across[1]),
+        sine2.below(tiny, any[2], across[2]),
+    ];
+    let across = scaled(&across, roots.reciprocal(roots.root(dot(&across, &across))));
+    let sine = sine2.below(tiny, zero, roots.root(sine2.below(tiny, one, sine2)));
+    let sign = cosine.below(zero, -one, one);
+    let half = second.length * one.of(0.5);
+    let middle = along(&second.start, &second.tangent, half);
+    let x = sine * roots.reciprocal(limit);
+    let mut sum = Means::zero(one.simd);
+    for node in NODES {
+        let mut weight = one;
+        for other in NODES.into_iter().filter(|other| *other != node) {
+            weight = weight * (x - one.of(other)) * one.of(1.0 / (node - other));
+        }
+        let turn = limit * one.of(node);
+        let straight = sign * roots.root(turn.times_from(turn, one));
+        let tangent = along(&scaled(t, straight), &across, turn);
+        let turned = Line { start: along(&middle, &tangent, -half), tangent, ..*second };
+        sum = sum.plus(&skew(roots, first, &turned, softening), weight);
+    }
+    sum
+}
+
+/// `ln((R1 + w1)/(R0 + w0))` in the form that does not cancel, where `R^2 - w^2` is the same for both.
+#[inline(always)]
+fn log<S: Simd, R: Roots<S>>(roots: R, w: [Lanes<S>; 2], r: [Lanes<S>; 2]) -> Lanes<S> {
+    let sign = (w[0] + w[1]).below(w[0].of(0.0), w[0].of(-1.0), w[0].of(1.0));
+    let (a, b) = (sign.times_plus(w[0], r[0]), sign.times_plus(w[1], r[1]));
+    sign * ln(roots, b * roots.reciprocal(a))
+}
+
+/// The product of complex numbers.
+#[inline(always)]
+fn product<S: Simd>(a: [Lanes<S>; 2], b: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+    [a[1].times_from(b[1], a[0] * b[0]), a[0].times_plus(b[1], a[1] * b[0])]
+}
+
+/// `n a + s y + t z`.
+#[inline(always)]
+fn combined<S: Simd>(axes: &[Vectors<S>; 3], [a, y, z]: [Lanes<S>; 3]) -> Vectors<S> {
+    along(&along(&scaled(&axes[0], a), &axes[1], y), &axes[2], z)
+}
+
+/// The means over two lines that are not parallel. Relative error: [`ROUNDINGS`] over the cube
+/// of the sine of their angle. Cost: some 350 operations.
+///
+/// With the second line reversed, `r = h n + y s + z t`: n is the common normal, s and t are the
+/// tangents with the product c, and `R^2 = d^2 + y^2 + z^2 + 2 c y z` with `d^2 = h^2 +
+/// softening`. Of `1/R^3` the integral is an angle, `A = atan((y z q^2 - c d^2)/(d q R))/(d q)` with
+/// `q^2 = 1 - c^2`; all others follow from it and from the logarithms `M = ln(R + z + c y)`
+/// and `N = ln(R + y + c z)` by integration by parts: the derivatives of `1/R`, `y/R` and `z/R` by y
+/// and z give `Y + c Z = -M` and so on. All are differences over the four corners.
+#[inline(always)]
+pub(super) fn skew<S: Simd, R: Roots<S>>(
+    roots: R,
+    first: &Line<S>,
+    second: &Line<S>,
+    softening: Lanes<S>,
+) -> Means<S> {
+    let s = first.tangent;
+    let t = scaled(&second.tangent, softening.of(-1.0));
+    let r = minus(&first.start, &second.start);
+    let (c, normal) = (dot(&s, &t), cross(&s, &t));
+    let q2 = dot(&normal, &normal);
+    let inverse = roots.reciprocal(q2);
+    let (rs, rt) = (dot(&r, &s), dot(&r, &t));
+    let y0 = c.times_from(rt, rs) * inverse;
+    let z0 = c.times_from(rs, rt) * inverse;
+    // Times q, the distance of the lines.
+    let height = dot(&r, &normal);
+    let d2 = (height * height).times_plus(inverse, softening);
+    let (y, z) = ([y0, y0 + first.length], [z0, z0 + second.length]);
+    let dq = roots.root(d2 * q2);
+
+    let mut radius = [[y0; 2]; 2];
+    // The cosine and sine of the four angles, not normalized; their product has the sum of them.
+    let mut turn = [y0.of(1.0), y0.of(0.0)];
+    let cd2 = c * d2;
+    for i in 0..2 {
+        for j in 0..2 {
+            let square = y[i].times_plus(y[i], z[j].times_plus(z[j], d2));
+            radius[i][j] = roots.root((c * y[i]).times_plus(z[j] + z[j], square));
+            let sine = (y[i] * z[j]).times_plus(q2, -cd2);
+            turn = product(turn, [dq * radius[i][j], if i == j { sine } else { -sine }]);
+        }
+    }
+    let a = angle(roots, turn[0], turn[1]) * roots.reciprocal(dq);
+    let (mut m, mut n) = ([y0; 2], [y0; 2]);
+    for k in 0..2 {
+        let w = [c.times_plus(y[k], z[0]), c.times_plus(y[k], z[1])];
+        m[k] = log(roots, w, radius[k]);
+        let w = [c.times_plus(z[k], y[0]), c.times_plus(z[k], y[1])];
+        n[k] = log(roots, w, [radius[0][k], radius[1][k]]);
+    }
+
+    let (dm, dn) = (m[1] - m[0], n[1] - n[0]);
+    let ym = y[1].times_plus(m[1], -(y0 * m[0]));
+    let zn = z[1].times_plus(n[1], -(z0 * n[0]));
+    let dr = (radius[1][1] - radius[0][1]) - (radius[1][0] - radius[0][0]);
+    let energy = d2.times_from(a, ym + zn);
+    let iy = c.times_from(dn, dm) * -inverse;
+    let iz = c.times_from(dm, dn) * -inverse;
+    let (ey, ez) = (energy - ym, energy - zn);
+    let (gy, gz) = (c.times_from(ym, dr), c.times_from(zn, dr));
+    let yy = c.times_plus(gz, ey) * inverse;
+    let zz = c.times_plus(gy, ez) * inverse;
+    let yz = c.times_plus(ey, gz) * -inverse;
+
+    let over = roots.reciprocal(first.length * second.length);
+    let over_first = second.length * over * over;
+    let over_second = first.length * over * over;
+    let axes = [scaled(&normal, height * inverse), s, t];
+    let first_end = [y0.times_from(a, iy), y0.times_from(iy, yy), y0.times_from(iz, yz)];
+    let second_end = [z0.times_from(a, iz), z0.times_from(iy, yz), z0.times_from(iz, zz)];
+    Means {
+        energy: energy * over,
+        force: scaled(&combined(&axes, [a, iy, iz]), over),
+        first_end: scaled(&combined(&axes, first_end), over_first),
+        second_end: scaled(&combined(&axes, second_end), over_second),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Kernel, dispatch};
+    use crate::quadrature::gauss_legendre;
+    use nalgebra::Vector3;
+
+    type Ends = [Vector3<f64>; 2];
+
+    struct Check {
+        lines: [Ends; 2],
+        softening: f64,
+        tolerance: f64,
+    }
+
+    impl Kernel for Check {
+        fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
+            let of = |value: f64| Lanes::splat(simd, value);
+            let line = |[a, b]: Ends| {
+                let tangent = (b - a).normalize();
+                let lanes = |v: Vector3<f64>| [of(v.x), of(v.y), of(v.z)];
+                Line { start: lanes(a), tangent: lanes(tangent), length: of((b - a).norm()) }
+            };
+            let [first, second] = self.lines.map(line);
+            let normal = cross(&first.tangent, &second.tangent);
+            let sine = dot(&normal, &normal).store()[0].sqrt();
+            let softening = of(self.softening);
+            let means = if sine < 4e-3 {
+                parallel(roots, &first, &second, softening, of(4e-3))
+            } else {
+                skew(roots, &first, &second, softening)
+            };
+            let vectors = [means.force, means.first_end, means.second_end].concat();
+            let exact = self.quadrature();
+            let size = exact[1..].iter().map(|x| x.abs()).fold(0.0, f64::max);
+            assert!((means.energy.store()[0] - exact[0]).abs() < self.tolerance * exact[0]);
+            for (k, found) in vectors.iter().enumerate() {
+                let error = (found.store()[0] - exact[1 + k]).abs() / size;
+                assert!(error < self.tolerance, "{:?}: {k}: {error:e}", self.lines);
+            }
+        }
+    }
+
+    impl Check {
+        /// Gauss's rule of 6 points in intervals that are finer toward all ends.
+        fn quadrature(&self) -> [f64; 10] {
+            let mut points = Vec::new();
+            for k in 0..120 {
+                let at = |k: i32| 0.5 - 0.5 * (std::f64::consts::PI * f64::from(k) / 120.0).cos();
+                let (low, high) = (at(k), at(k + 1));
+                for [x, w] in gauss_legendre(6) {
+                    let half = 0.5 * (high - low);
+                    points.push((0.5 * (low + high) + half * x, half * w));
+                }
+            }
+            let [[a, b], [c, d]] = self.lines;
+            let mut sums = [0.0; 10];
+            for (u, w) in &points {
+                for (v, x) in &points {
+                    let r = a + (b - a) * *u - c - (d - c) * *v;
+                    let inverse = 1.0 / (r.norm_squared() + self.softening).sqrt();
+                    let share = w * x * inverse;
+                    sums[0] += share;
+                    for k in 0..3 {
+                        let force = share * inverse * inverse * r[k];
+                        sums[1 + k] += force;
+                        sums[4 + k] += u * force;
+                        sums[7 + k] += v * force;
+                    }
+                }
+            }
+            sums
+        }
+    }
+
+    fn check(first: [[f64; 3]; 2], second: [[f64; 3]; 2], softening: f64, tolerance: f64) {
+        let lines = [first, second].map(|ends| ends.map(Vector3::from));
+        dispatch(Check { lines, softening, tolerance });
+    }
+
+    #[test]
+    fn skew_lines_are_the_integrals() {
+        let first = [[0.0, 0.0, 0.0], [0.2, -0.1, 1.0]];
+        check(first, [[0.5, 0.3, 0.2], [-0.4, 0.8, 0.9]], 1e-6, 1e-11);
+        check(first, [[0.9, 0.3, 2.2], [-0.4, 1.8, 0.1]], 1e-2, 1e-11);
+        // At a right angle, from an end, and against the first.
+        check([[0.0; 3], [1.0, 0.0, 0.0]], [[0.3, 0.1, 0.2], [0.3, 1.4, 0.2]], 1e-9, 1e-11);
+        check([[0.0; 3], [1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [1.5, 0.8, 0.2]], 1e-2, 1e-10);
+        check(first, [[0.3, 0.0, 0.9], [0.1, 0.2, -0.3]], 1e-6, 1e-9);
+    }
+
+    /// Lines at small angles, down to none, beside each other and one behind the other.
+    #[test]
+    fn nearly_parallel_lines_are_the_integrals() {
+        let first = [[0.0; 3], [0.0, 0.0, 1.0]];
+        // Rounding, and the rest of the polynomial for the kernel 1/(d^2 + x^2)^(3/2), whose sixth
+        // derivative is 1575 at most, over the nodes at which an end is moved.
+        let bound = |distance: f64| {
+            let moved = (0.5 * LEAST).max(0.5 * SMOOTH * distance) / distance;
+            ROUNDINGS / LEAST.powi(3) + 36.0 / 720.0 * 1575.0 * moved.powi(6)
+        };
+        for sine in [0.0, 1e-9, 1e-5, 1e-3, 2e-3, 3.9e-3, 4.1e-3, 1e-2] {
+            check(first, [[0.1, 0.02, 0.3], [0.1, 0.02 + sine, 1.3]], 1e-9, bound(0.1));
+            check(first, [[0.1, 0.02, 0.9], [0.1 + sine, 0.02, -0.1]], 1e-9, bound(0.1));
+            check(first, [[0.0, 0.0, 1.0], [sine, 0.0, 2.0]], 2e-4, bound(2e-4f64.sqrt()));
+            check(first, [[0.03, 0.0, 0.0], [0.03, sine, 1.0]], 1e-9, bound(0.03));
+        }
+    }
+}

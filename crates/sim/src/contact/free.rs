@@ -1,0 +1,170 @@
+//! Objects that move freely: rigid bodies on SE(3) (thesis 8.4.1) within the step of the fibres.
+//!
+//! A body has no stiffness, so that its step is explicit in the impulses: what gravity and fibres
+//! give it changes its momenta, and its new velocities move it, as backward Euler does for fibres.
+//! To a solver it is one more body, whose points are where fibres touch it.
+//!
+//! Fibres touch on their axes, and so they do here: the lever of an impulse ends on the axis, so
+//! that what the body gets of angular momentum is what the fibre loses.
+
+use super::object::Way;
+use super::touch::{Partner, Touch};
+use crate::World;
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
+use rapunzel_contact::{ContactError, RigidBody, RigidPoints};
+use rapunzel_rod_dynamic::Energy;
+
+/// Numbers of a saved body.
+const NUMBERS: usize = 13;
+
+/// A free body, between steps and within one.
+#[derive(Debug)]
+pub(crate) struct FreeBody {
+    /// At the start of the step.
+    state: RigidBody,
+    /// At its end, as it has been solved so far.
+    solved: RigidBody,
+    /// From the object's frame to the body's, whose origin is the center of mass.
+    to_body: Translation3<f64>,
+}
+
+impl FreeBody {
+    /// A body whose center of mass is at `center` in the frame of its object.
+    pub(crate) fn new(body: RigidBody, center: Vector3<f64>) -> Self {
+        Self { solved: body.clone(), state: body, to_body: Translation3::from(-center) }
+    }
+
+    /// Poses of the object at the start and, as solved so far, at the end of the step.
+    pub(super) fn poses(&self) -> [Isometry3<f64>; 2] {
+        [&self.state, &self.solved].map(|body| body.pose * self.to_body)
+    }
+
+    /// Center of mass at the end of the step, world, m.
+    pub(super) fn center(&self) -> Point3<f64> {
+        self.solved.center()
+    }
+
+    /// Poses of the object now and after `dt`, s, in free fall.
+    pub(super) fn fall(
+        &self,
+        dt: f64,
+        gravity: &Vector3<f64>,
+    ) -> Result<[Isometry3<f64>; 2], ContactError> {
+        let fallen = moved(&self.state, &Vector6::zeros(), dt, gravity)?;
+        Ok([&self.state, &fallen].map(|body| body.pose * self.to_body))
+    }
+
+    /// Energy, J, with that in `gravity` zero at the world's origin.
+    pub(crate) fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        Energy {
+            kinetic: self.state.kinetic_energy(),
+            elastic: 0.0,
+            gravitational: -self.state.mass() * gravity.dot(&self.state.center().coords),
+        }
+    }
+
+    /// The body as it is between steps.
+    pub(crate) fn body(&self) -> &RigidBody {
+        &self.state
+    }
+
+    /// All numbers that change.
+    pub(crate) fn save(&self, numbers: &mut Vec<f64>) {
+        let RigidBody { pose, velocity, angular_momentum, .. } = &self.state;
+        numbers.extend(pose.translation.vector.iter());
+        numbers.extend(pose.rotation.coords.iter());
+        numbers.extend(velocity.iter().chain(angular_momentum));
+    }
+
+    /// Goes back to saved numbers and returns what is left of them; `None` if there are too few.
+    pub(crate) fn restore<'a>(&mut self, numbers: &'a [f64]) -> Option<&'a [f64]> {
+        let (&[x, y, z, i, j, k, w, u, v, n, l, m, o], rest) =
+            numbers.split_first_chunk::<NUMBERS>()?;
+        // Not normalized again: the same bits must come back.
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
+        self.state.pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+        self.state.velocity = Vector3::new(u, v, n);
+        self.state.angular_momentum = Vector3::new(l, m, o);
+        self.solved = self.state.clone();
+        Some(rest)
+    }
+}
+
+/// A body after a step of `dt`, s, in which it got a wrench (N s, N m s, about its center of mass).
+fn moved(
+    body: &RigidBody,
+    wrench: &Vector6<f64>,
+    dt: f64,
+    gravity: &Vector3<f64>,
+) -> Result<RigidBody, ContactError> {
+    let mut body = body.clone();
+    body.velocity += dt * gravity;
+    body.apply_wrench(wrench);
+    body.step(&Vector3::zeros(), &Vector3::zeros(), dt)?;
+    Ok(body)
+}
+
+impl World {
+    /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some touches.
+    pub(super) fn push<'a>(
+        &mut self,
+        touches: impl IntoIterator<Item = &'a Touch>,
+        time: f64,
+        dt: f64,
+    ) -> Result<(), ContactError> {
+        let mut wrenches = vec![Vector6::zeros(); self.objects.len()];
+        for touch in touches {
+            if let Partner::Object(object) = touch.partner {
+                let (impulse, moment) = (-touch.impulse, touch.lever.cross(&-touch.impulse));
+                let wrench = &mut wrenches[object as usize];
+                *wrench += Vector6::from_iterator(impulse.iter().chain(&moment).copied());
+            }
+        }
+        let gravity = self.gravity_at(time + 0.5 * dt);
+        for (object, wrench) in self.objects.iter_mut().zip(&wrenches) {
+            if let Way::Free(body) = &mut object.way {
+                body.solved = moved(&body.state, wrench, dt, &gravity)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the step that has been solved the state of all free bodies.
+    pub(super) fn accept_bodies(&mut self) {
+        for object in &mut self.objects {
+            if let Way::Free(body) = &mut object.way {
+                body.state = body.solved.clone();
+            }
+        }
+    }
+
+    /// Velocities, as solved so far, at levers on every object; those of led objects have none.
+    pub(super) fn at_levers(&self, levers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+        let mut velocities = Vec::new();
+        for (object, levers) in self.objects.iter().zip(levers) {
+            if let Way::Free(body) = &object.way {
+                // With the inertia at the start of the step, as the solver has it.
+                let velocity = body.solved.velocity;
+                let omega = body.state.inverse_inertia() * body.solved.angular_momentum;
+                velocities.extend(levers.iter().map(|lever| velocity + omega.cross(lever)));
+            }
+        }
+        velocities
+    }
+
+    /// All free bodies as a solver sees them, touched at levers from their centers of mass.
+    pub(super) fn free_bodies(
+        &self,
+        levers: &[Vec<Vector3<f64>>],
+    ) -> Result<Vec<RigidPoints>, ContactError> {
+        let mut bodies = Vec::new();
+        for (object, levers) in self.objects.iter().zip(levers) {
+            if let Way::Free(body) = &object.way {
+                let center = body.state.center();
+                let points: Vec<_> = levers.iter().map(|lever| center + lever).collect();
+                bodies.push(body.state.with_points(&points)?);
+            }
+        }
+        Ok(bodies)
+    }
+}

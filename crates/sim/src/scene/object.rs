@@ -1,0 +1,190 @@
+use super::check::{Allowed, Check};
+use super::{Friction, Motion};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Something that fibres lie on or bump into. Objects pass through each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Object {
+    /// Its surface, about its own origin.
+    pub shape: ObjectShape,
+    /// Where its origin is at the start, m.
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// How it is turned at the start: about the world's fixed x, then y, then z axes, degrees.
+    #[serde(default)]
+    pub turn: [f64; 3],
+    /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis.
+    #[serde(default)]
+    pub friction: Option<Friction>,
+    /// The way on which it is led.
+    #[serde(default)]
+    pub motion: Motion,
+    /// Whether it is led, or moves freely.
+    #[serde(default)]
+    pub moves: Moves,
+}
+
+/// What moves an object.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Moves {
+    /// Its `motion`, whatever is in the way.
+    #[default]
+    Led,
+    /// Gravity and fibres, as a rigid body (thesis 8.4.1) of even density.
+    Free {
+        /// How heavy it is; its inertia follows from the shape.
+        mass: Mass,
+        /// Velocity of its center of mass at the start, m/s.
+        #[serde(default)]
+        velocity: [f64; 3],
+        /// Angular velocity at the start, degrees/s, world.
+        #[serde(default)]
+        spin: [f64; 3],
+    },
+}
+
+/// How heavy an object is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Mass {
+    /// By its density, kg/m^3.
+    Density(f64),
+    /// By its mass, kg.
+    Mass(f64),
+}
+
+/// The surface of an object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ObjectShape {
+    /// All that lies below a plane.
+    Plane {
+        /// Upward, any length.
+        normal: [f64; 3],
+    },
+    /// A ball.
+    Ball {
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// A round bar with round ends, along its z axis, the origin in the middle.
+    Capsule {
+        /// Distance of the centers of its ends, m.
+        length: f64,
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// A box along its axes, the origin in the middle.
+    Cuboid {
+        /// Lengths of its sides, m.
+        sides: [f64; 3],
+    },
+    /// The ground below smooth random hills, up along its z axis, the origin in the middle at mean
+    /// height. Beyond its sides the heights at its rim go on.
+    HeightField {
+        /// Lengths along x and y, m.
+        sides: [f64; 2],
+        /// Distance of the points between which the ground is flat, m; at most a quarter of the
+        /// wavelength.
+        spacing: f64,
+        /// Bound of the heights, up and down, m.
+        amplitude: f64,
+        /// Mean distance from crest to crest, m.
+        wavelength: f64,
+        /// Seed of the hills.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// A closed surface of triangles in a file, in metres.
+    Mesh {
+        /// A `.ply`, `.stl` or `.obj`, as seen from the folder of the scene.
+        file: PathBuf,
+        /// Distance of the points at which its distance field is stored, m: finer details of the
+        /// surface are rounded.
+        spacing: f64,
+    },
+}
+
+/// The fastest that a free object may spin at the start, degrees/s.
+const FASTEST_SPIN: f64 = 3.6e5;
+
+impl Object {
+    pub(super) fn check(&self, check: &mut Check) {
+        check.vector("position", &self.position, "m");
+        check.vector("turn", &self.turn, "degrees");
+        check.within("motion", |c| self.motion.check(c));
+        check.within("shape", |c| self.shape.check(c));
+        if let Some(friction) = &self.friction {
+            check.within("friction", |c| friction.check(c));
+        }
+        let Moves::Free { mass, velocity, spin } = self.moves else { return };
+        check.within("moves", |c| {
+            let (Mass::Density(mass) | Mass::Mass(mass)) = mass;
+            c.number("mass", mass, Allowed::Positive, "kg, or kg/m^3");
+            for (i, &x) in velocity.iter().enumerate() {
+                c.number(&format!("velocity[{i}]"), x, Allowed::Within(-100.0, 100.0), "m/s");
+            }
+            for (i, &x) in spin.iter().enumerate() {
+                let allowed = Allowed::Within(-FASTEST_SPIN, FASTEST_SPIN);
+                c.number(&format!("spin[{i}]"), x, allowed, "degrees/s");
+            }
+        });
+        if self.motion != Motion::Fixed {
+            check.refuse("motion", "is given, but the object moves freely: leave one out".into());
+        }
+        if matches!(self.shape, ObjectShape::Plane { .. } | ObjectShape::HeightField { .. }) {
+            check.refuse("moves", "is Free, but the shape has no end: it cannot fall".into());
+        }
+    }
+}
+
+impl ObjectShape {
+    fn check(&self, check: &mut Check) {
+        let mut positive = |field: &str, length: f64| {
+            check.number(field, length, Allowed::Positive, "m");
+        };
+        match self {
+            Self::Plane { normal } => check.direction("normal", normal),
+            Self::Ball { radius } => positive("radius", *radius),
+            Self::Capsule { length, radius } => {
+                positive("radius", *radius);
+                check.number("length", *length, Allowed::NonNegative, "m");
+            }
+            Self::Cuboid { sides } => {
+                sides.iter().enumerate().for_each(|(i, x)| positive(&format!("sides[{i}]"), *x));
+            }
+            Self::HeightField { sides, spacing, amplitude, wavelength, .. } => {
+                sides.iter().enumerate().for_each(|(i, x)| positive(&format!("sides[{i}]"), *x));
+                positive("spacing", *spacing);
+                positive("wavelength", *wavelength);
+                check.number("amplitude", *amplitude, Allowed::Finite, "m");
+                if *spacing > 0.25 * wavelength {
+                    let message = format!(
+                        "is {spacing:?}, but must be at most a quarter of the \
+                                           wavelength (m)"
+                    );
+                    check.refuse("spacing", message);
+                }
+            }
+            Self::Mesh { spacing, .. } => positive("spacing", *spacing),
+        }
+    }
+
+    /// The file that holds it, if any does.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Mesh { file, .. } => Some(file),
+            _ => None,
+        }
+    }
+
+    /// Takes a path as seen from the folder of the scene.
+    pub(super) fn seen_from(&mut self, folder: &Path) {
+        if let Self::Mesh { file, .. } = self {
+            *file = folder.join(&*file);
+        }
+    }
+}
