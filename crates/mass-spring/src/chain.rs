@@ -32,6 +32,19 @@ impl Chain {
         self.multipliers.iter().zip(lengths).map(tension).collect()
     }
 
+    /// What the tensions of the last step add to the [power](System::support_power) of supports, W.
+    #[must_use]
+    pub fn support_power<const D: usize>(&self, system: &System<D>) -> f64 {
+        let mut forces = Columns::zeros(system.nodes());
+        for (s, tension) in self.tensions(system).into_iter().enumerate() {
+            let edge = system.positions.get(s + 1) - system.positions.get(s);
+            let pull = edge * (tension / system.springs.rest_length[s]);
+            forces.add(s, &pull);
+            forces.add(s + 1, &-pull);
+        }
+        system.driven_power(|node| forces.get(node))
+    }
+
     /// Moves the system by `steps` steps of `dt` seconds. Springs `0, 1, ...` must connect nodes
     /// 0 and 1, 1 and 2, ..., as in a [`Rope`](crate::Rope).
     ///

@@ -1,3 +1,4 @@
+use crate::supports::Guide;
 use crate::{Columns, System};
 use nalgebra::SVector;
 
@@ -55,8 +56,12 @@ impl<const D: usize> System<D> {
     }
 
     /// Power that drag and dampers take from the motion, and that the wind gives back through the
-    /// drag, W; negative where the wind gives more. With supports at rest and no contacts the
-    /// [total](Energy::total) energy falls at this rate.
+    /// drag, W; negative where the wind gives more. The [total](Energy::total) energy falls at this
+    /// rate less [that of the supports](Self::support_power).
+    ///
+    /// Not in this ledger are what happens at once (contacts, springs that give way, supports that
+    /// take a node which moves), the controller of an [`Enclosure`](crate::Enclosure), loads and
+    /// gravity that change in time, and what the implicit integrator damps by itself.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
         let air = self.wind.at(self.time);
@@ -74,5 +79,31 @@ impl<const D: usize> System<D> {
         };
         let drags: f64 = (0..self.nodes()).map(drag).sum();
         drags + (0..self.springs()).map(damper).sum::<f64>()
+    }
+
+    /// Power that supports put into what they move, W: they give what the forces on its nodes lack.
+    /// Costs an evaluation of forces. The tensions of a [`Chain`](crate::Chain) count with
+    /// [its own](crate::Chain::support_power).
+    #[must_use]
+    pub fn support_power(&self) -> f64 {
+        let (x, v) = (&self.positions, &self.velocities);
+        let mut forces = self.internal_forces(x, v);
+        self.loads.iter().for_each(|(&node, load)| forces.add(node, load));
+        let air = self.wind.at(self.time);
+        let push = |node: usize| {
+            let field = self.gravity - (v.get(node) - air) * self.drag;
+            forces.get(node) + field * self.masses[node]
+        };
+        self.driven_power(push)
+    }
+
+    /// The power against forces where components are driven, W.
+    pub(crate) fn driven_power(&self, force: impl Fn(usize) -> SVector<f64, D>) -> f64 {
+        let of_node = |&(node, guides): &(usize, [Guide; D])| {
+            let (force, velocity) = (force(node), self.velocities.get(node));
+            let driven = (0..D).filter(|&axis| guides[axis] == Guide::Driven);
+            driven.map(|axis| -force[axis] * velocity[axis]).sum::<f64>()
+        };
+        self.supports.guided.iter().map(of_node).sum()
     }
 }

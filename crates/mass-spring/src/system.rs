@@ -4,7 +4,7 @@ use crate::spring::Springs;
 use crate::supports::Supports;
 use crate::{Bend, Columns, Spring, SpringError, Wind};
 use nalgebra::{Point, SVector};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Point masses in `D` dimensions, the springs between them, and what acts on them.
 ///
@@ -286,90 +286,7 @@ impl<const D: usize> System<D> {
         self.wind.at(self.time)
     }
 
-    /// Fixes `node` where it is.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`]; so do the others.
-    pub fn pin(&mut self, node: usize) -> Result<(), SpringError> {
-        self.hold(node, SVector::zeros())
-    }
-
-    /// Moves `node` at a velocity (world), m/s, whatever pulls at it: what a mouse does. Nodes that
-    /// are tied to it follow.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    pub fn hold(&mut self, node: usize, velocity: SVector<f64, D>) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.hold_axis(node, axis, velocity[axis]))
-    }
-
-    /// Moves `node` at a velocity along one axis, m/s; along the others it stays free.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn hold_axis(
-        &mut self,
-        node: usize,
-        axis: usize,
-        velocity: f64,
-    ) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        finite("the velocity of a held node (m/s)", &SVector::<f64, 1>::new(velocity))?;
-        self.supports.drive(node, axis..axis + 1);
-        for partner in self.supports.partners(node, axis) {
-            self.velocities.0[axis][partner] = velocity;
-        }
-        Ok(())
-    }
-
-    /// Lets go of `node`, which keeps its velocity and its ties.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn release(&mut self, node: usize) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        self.supports.release(node);
-        Ok(())
-    }
-
-    /// Lets nodes move along `axis` only together: a clamp that slides. They keep their offsets and
-    /// take their mean velocity, by mass.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn tie(&mut self, nodes: &[usize], axis: usize) -> Result<(), SpringError> {
-        nodes.iter().try_for_each(|&node| self.known("tie", node))?;
-        let Some(&first) = nodes.first() else { return Ok(()) };
-        self.supports.tie(axis, nodes.iter().copied().collect::<BTreeSet<_>>());
-        let all = self.supports.partners(first, axis);
-        let column = &mut self.velocities.0[axis];
-        let driven = all.iter().find(|&&node| self.supports.driven(node, axis));
-        let velocity = driven.map_or_else(
-            || {
-                let mass: f64 = all.iter().map(|&node| self.masses[node]).sum();
-                all.iter().map(|&node| self.masses[node] * column[node]).sum::<f64>() / mass
-            },
-            |&node| column[node],
-        );
-        all.iter().for_each(|&node| column[node] = velocity);
-        Ok(())
-    }
-
-    /// Fixes `node` relative to another one: both move as one body without rotation.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn pin_to(&mut self, node: usize, other: usize) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.tie(&[node, other], axis))
-    }
-
-    fn known(&self, what: &'static str, node: usize) -> Result<(), SpringError> {
+    pub(crate) fn known(&self, what: &'static str, node: usize) -> Result<(), SpringError> {
         let nodes = self.nodes();
         if node < nodes {
             Ok(())
@@ -410,7 +327,10 @@ impl<const D: usize> System<D> {
     }
 }
 
-fn finite<const N: usize>(what: &'static str, vector: &SVector<f64, N>) -> Result<(), SpringError> {
+pub(crate) fn finite<const N: usize>(
+    what: &'static str,
+    vector: &SVector<f64, N>,
+) -> Result<(), SpringError> {
     match vector.iter().find(|x| !x.is_finite()) {
         Some(&value) => Err(SpringError::Parameter { what, value, allowed: "finite" }),
         None => Ok(()),

@@ -1,11 +1,11 @@
 //! Nets and bodies: cells that fold, beams that bend and buckle, balls that keep their volume.
 
 use approx::assert_relative_eq;
-use nalgebra::{DVector, Point2, Point3, Unit, Vector2, Vector3};
-use rapunzel_collision::field::{DistanceField, HalfSpace};
+use nalgebra::{DVector, Point2, Point3, Vector2, Vector3};
+use rapunzel_collision::field::HalfSpace;
 use rapunzel_mass_spring::{
-    Ball, Body, Cells, Columns, Contacts, Element, Lattice, Leapfrog, Place, Spring, SpringError,
-    Surface, System, runge_kutta,
+    Ball, Body, Cells, Columns, Contacts, Element, Lattice, Leapfrog, Obstacle, Place, Spring,
+    SpringError, Surface, System, runge_kutta,
 };
 use std::f64::consts::TAU;
 
@@ -192,12 +192,14 @@ fn all_five_bodies_stand_in_gravity() {
     }
 }
 
-fn ground<const D: usize>(system: &System<D>, axis: usize, friction: f64) -> Contacts {
-    let normal = Unit::new_normalize(Vector3::from_fn(|k, _| f64::from(u8::from(k == axis))));
-    let plane: Box<dyn DistanceField + Send> =
-        Box::new(HalfSpace { point: Point3::origin(), normal });
+/// The half of the world below z = 0.
+fn ground() -> HalfSpace {
+    HalfSpace { point: Point3::origin(), normal: Vector3::z_axis() }
+}
+
+fn touching<const D: usize>(system: &System<D>, friction: f64) -> Contacts {
     let surface = Surface { radius: 0.01, restitution: 0.0, friction };
-    Contacts::new(system, surface, vec![plane], false).expect("a surface")
+    Contacts::new(system, surface, false).expect("a surface")
 }
 
 #[test]
@@ -206,13 +208,13 @@ fn a_ring_on_the_ground_keeps_its_area() {
     ball.element.damping_ratio = 0.1;
     let (mut ring, area) = ball.ring(Point2::new(0.0, 0.8), 14).expect("a ring");
     ring.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-    let mut contacts = ground(&ring, 1, 0.5);
+    let (mut contacts, ground) = (touching(&ring, 0.5), ground());
     let mut leapfrog = Leapfrog::new();
     // Frames of 1/60 s with four steps each, as in the text.
     for _ in 0..6 * 60 {
         for _ in 0..4 {
             leapfrog.advance(&mut ring, 1.0 / 240.0, 1).expect("stable");
-            contacts.resolve(&mut ring).expect("finite");
+            contacts.resolve(&mut ring, &[Obstacle::at_rest(&ground)]).expect("finite");
         }
         area.control(&mut ring).expect("rest lengths stay positive");
     }
@@ -263,11 +265,11 @@ fn nodes_that_meet_exchange_their_momentum() {
     let velocities = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(-0.5, 0.0, 0.0)];
     system.set_velocities(&Columns::of(&velocities)).expect("finite");
     let surface = Surface { radius: 0.02, restitution: 1.0, friction: 0.0 };
-    let mut contacts = Contacts::new(&system, surface, vec![], true).expect("a surface");
+    let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
     let mut count = 0;
     for _ in 0..300 {
         runge_kutta(&mut system, 1e-3, 1).expect("finite");
-        count += contacts.resolve(&mut system).expect("finite");
+        count += contacts.resolve(&mut system, &[]).expect("finite");
     }
     assert_eq!(count, 1);
     assert_relative_eq!(system.velocity(0), velocities[1], epsilon = 1e-12);
@@ -281,10 +283,10 @@ fn friction_holds_on_a_slope_below_its_angle() {
         let mut system = System::new(&[Point2::new(0.0, 0.01)], &[1.0], &[]).expect("a mass");
         let lean = 20.0_f64.to_radians();
         system.set_gravity(9.81 * Vector2::new(lean.sin(), -lean.cos())).expect("finite");
-        let mut contacts = ground(&system, 1, friction);
+        let (mut contacts, ground) = (touching(&system, friction), ground());
         for _ in 0..1000 {
             Leapfrog::new().advance(&mut system, 1e-3, 1).expect("finite");
-            contacts.resolve(&mut system).expect("finite");
+            contacts.resolve(&mut system, &[Obstacle::at_rest(&ground)]).expect("finite");
         }
         let slid = if holds { 0.0 } else { 9.81 * (lean.sin() - 0.2 * lean.cos()) };
         assert!((system.velocity(0).x - slid).abs() < 1e-2, "{}", system.velocity(0));
@@ -302,9 +304,9 @@ fn friction_between_nodes_turns_sliding_into_half_of_it() {
         let velocities = [Vector3::zeros(), Vector3::new(1.0, 0.0, -1.0)];
         system.set_velocities(&Columns::of(&velocities)).expect("finite");
         let surface = Surface { radius: 0.02, restitution: 0.0, friction };
-        let mut contacts = Contacts::new(&system, surface, vec![], true).expect("a surface");
+        let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
         runge_kutta(&mut system, 2e-4, 1).expect("finite");
-        assert_eq!(contacts.resolve(&mut system).expect("finite"), 1);
+        assert_eq!(contacts.resolve(&mut system, &[]).expect("finite"), 1);
         // The line of centers leans by 2e-4 / 0.04.
         assert_relative_eq!(system.velocity(0), Vector3::new(rubbed, 0.0, -0.5), epsilon = 6e-3);
         assert_relative_eq!(system.momentum(), Vector3::new(1.0, 0.0, -1.0), epsilon = 1e-14);

@@ -339,3 +339,42 @@ fn stiff_springs_tend_to_the_chain() {
     // Stretch goes as 1 / k.
     assert!(stiff < 1e-5 && (3.0..5.0).contains(&(soft / stiff)), "{soft} and {stiff}");
 }
+
+#[test]
+fn the_ledger_of_energy_closes_with_supports_that_move() {
+    // One corner is led away, at once with its clamp, from a net that it pulls along.
+    let error = |dt: f64| {
+        let mut net = Lattice::net(Place::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
+        net.element = Element { drag: 0.5, ..Element::unit(5.0) };
+        let mut system = net.build(Point2::origin()).expect("a net");
+        system.set_gravity(Vector2::new(0.0, -1.0)).expect("finite");
+        system.tie(&[0, 5], 0).expect("there");
+        system.hold(0, Vector2::new(0.4, 0.3)).expect("there");
+        let power = |system: &System<2>| system.support_power() - system.dissipation();
+        let (start, mut given) = (system.energy().total(), 0.0);
+        let mut leapfrog = Leapfrog::new();
+        for _ in 0..(0.5 / dt).round() as usize {
+            let before = power(&system);
+            leapfrog.advance(&mut system, dt, 1).expect("stable");
+            given += 0.5 * dt * (before + power(&system));
+        }
+        assert!(given > 1e-3, "{given} J");
+        (system.energy().total() - start - given).abs()
+    };
+    let [coarse, fine] = [4e-4, 2e-4].map(error);
+    assert!((3.9..4.1).contains(&(coarse / fine)), "{coarse} J and {fine} J are not accounted for");
+}
+
+#[test]
+fn the_ledger_of_a_chain_counts_its_tensions() {
+    // A hanging chain is drawn up evenly: the support lifts all of its weight.
+    let rope = Rope { nodes: 5, rigid: true, ..Rope::of_the_text(10.0) };
+    let mut system = rope.build(Point2::origin(), -Vector2::y()).expect("a chain");
+    system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
+    system.set_velocities(&Columns::of(&[Vector2::new(0.0, 0.5); 5])).expect("finite");
+    system.hold(0, Vector2::new(0.0, 0.5)).expect("there");
+    let mut chain = Chain::new();
+    chain.advance(&mut system, 1e-3, 10).expect("of the right length");
+    let power = system.support_power() + chain.support_power(&system);
+    assert_relative_eq!(power, 0.05 * 9.81 * 0.5, max_relative = 1e-9);
+}

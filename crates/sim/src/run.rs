@@ -177,7 +177,9 @@ fn observers(
     let every = plan.steps_per_record;
     let interval = plan.dt * plan.steps_per_frame as f64;
     let shown = Shown::of(&scene.objects);
-    let frames = FrameWriter::open(folder, &output.formats, shown, plan.steps_per_frame, interval)?;
+    let wind = scene.mass_spring.as_ref().map_or(scene.environment.wind, |springs| springs.wind);
+    let (formats, every_frame) = (&output.formats, plan.steps_per_frame);
+    let frames = FrameWriter::open(folder, formats, shown, wind, every_frame, interval)?;
     let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
     let columns = [Column::Energies].into_iter().chain(readings.map(Column::Springs)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;

@@ -1,6 +1,6 @@
 //! Mass-spring systems in scenes.
 
-use rapunzel_sim::scene::{Integrator, Model};
+use rapunzel_sim::scene::{Integrator, Mass, Model, Motion, Moves, ObjectShape};
 use rapunzel_sim::{
     Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper, run,
 };
@@ -83,7 +83,7 @@ fn a_run_gives_frames_probes_energies_and_the_area() {
     let header = energies.lines().next().expect("a header");
     assert!(
         header.ends_with(
-            "total (J),load (J),dissipation (W),wind x (m/s),wind y (m/s),wind z (m/s),\
+            "total (J),load (J),dissipation (W),supports (W),wind x (m/s),wind y (m/s),wind z (m/s),\
          area (m^2),area at rest (m^2)"
         ),
         "{header}"
@@ -91,7 +91,7 @@ fn a_run_gives_frames_probes_energies_and_the_area() {
     let areas: Vec<Vec<f64>> = energies
         .lines()
         .skip(1)
-        .map(|row| row.split(',').skip(10).map(|x| x.parse().expect("a number")).collect())
+        .map(|row| row.split(',').skip(11).map(|x| x.parse().expect("a number")).collect())
         .collect();
     assert_eq!(areas.len(), 31);
     assert!(areas.iter().all(|a| (a[0] / a[1] - 1.0).abs() < 0.3), "{areas:?}");
@@ -134,7 +134,7 @@ fn the_wind_is_in_the_table() {
     for row in table.lines().skip(1) {
         let row: Vec<f64> = row.split(',').map(|x| x.parse().expect("a number")).collect();
         let gust = 0.5 * (1.0 - (std::f64::consts::TAU * row[0] / 1.5).cos());
-        assert!((row[7] - 2.0 - 4.0 * gust).abs() < 1e-9 && row[8..10] == [0.0, 0.0], "{row:?}");
+        assert!((row[8] - 2.0 - 4.0 * gust).abs() < 1e-9 && row[9..11] == [0.0, 0.0], "{row:?}");
     }
 }
 
@@ -215,4 +215,57 @@ fn nonsense_is_refused_with_its_place() {
     scene.mass_spring.as_mut().expect("a net").holds[0].node = 100;
     let message = scene.build().map(|_| ()).expect_err("no such node").to_string();
     assert!(message.contains("names node 100") && message.contains("0 to 99"), "{message}");
+}
+
+/// A free node of a rope of two, over a plane below it.
+fn node_over_a_plane() -> Scene {
+    Scene::from_ron(
+        r#"(
+            format: 1, duration: 1.0, stepper: (dt: 1e-3),
+            mass_spring: (
+                model: Rope(nodes: 2, spacing: 1.0, direction: (1.0, 0.0, 0.0)),
+                mass: 0.1, frequency: 1e-6, contacts: (radius: 0.01),
+            ),
+            objects: [(
+                shape: Plane(normal: (0.0, 0.0, 1.0)), position: (0.0, 0.0, -0.035),
+                motion: Translate(velocity: (0.0, 0.0, 0.5), until: 0.08),
+            )],
+            environment: (gravity: (0.0, 0.0, 0.0)),
+        )"#,
+    )
+    .expect("a sound scene")
+}
+
+#[test]
+fn an_object_that_moves_pushes_nodes_and_comes_to_rest() {
+    let mut world = node_over_a_plane().build().expect("sound");
+    let mut rises = |steps: usize| {
+        (0..steps).for_each(|_| drop(MassSprings.step(&mut world, 1e-3).expect("finite")));
+        world.node(0, Some(1))
+    };
+    // The plane meets the node, 2.5 cm above it, after 50 ms, and from then on it has its velocity.
+    let (position, velocity) = rises(45);
+    assert!(position.z == 0.0 && velocity.z == 0.0, "{position}, {velocity}");
+    let (position, velocity) = rises(20);
+    assert!((velocity.z - 0.5).abs() < 1e-9, "{velocity}");
+    assert!((position.z - 0.0075).abs() < 1e-9, "{position}");
+    // When the plane rests, the node flies on.
+    let (position, velocity) = rises(35);
+    assert!((velocity.z - 0.5).abs() < 1e-9 && (position.z - 0.025).abs() < 1e-9, "{position}");
+    // The other node is pinned in the way and stays.
+    assert_eq!(world.node(0, Some(0)).0.z, 0.0);
+}
+
+#[test]
+fn objects_that_nodes_cannot_move_or_touch_are_refused() {
+    let mut scene = node_over_a_plane();
+    scene.objects[0].shape = ObjectShape::Ball { radius: 0.1 };
+    scene.objects[0].motion = Motion::Fixed;
+    let (mass, velocity, spin) = (Mass::Mass(1.0), [0.0; 3], [0.0; 3]);
+    scene.objects[0].moves = Moves::Free { mass, velocity, spin };
+    scene.mass_spring.as_mut().expect("a rope").contacts = None;
+    let message = scene.validate().expect_err("two problems").to_string();
+    for part in ["objects[0].moves", "nothing touches them"] {
+        assert!(message.contains(part), "{part} in {message}");
+    }
 }

@@ -216,7 +216,8 @@ pub struct NodeLoad {
     pub force: [f64; 3],
 }
 
-/// Contacts of nodes as balls.
+/// Contacts of nodes as balls, with each other, with a level ground and with the objects of the
+/// scene, which are led on their ways.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeContacts {
@@ -234,19 +235,6 @@ pub struct NodeContacts {
     /// Height of a level ground, m.
     #[serde(default)]
     pub ground: Option<f64>,
-    /// Balls in the way.
-    #[serde(default)]
-    pub balls: Vec<Obstacle>,
-}
-
-/// A ball that does not move.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Obstacle {
-    /// Center (world), m.
-    pub center: [f64; 3],
-    /// Radius, m.
-    pub radius: f64,
 }
 
 impl MassSpring {
@@ -352,9 +340,5 @@ impl NodeContacts {
         if let Some(height) = self.ground {
             check.number("ground", height, Allowed::Finite, "m");
         }
-        check.each("balls", &self.balls, |c, ball| {
-            c.vector("center", &ball.center, "m");
-            c.number("radius", ball.radius, Allowed::Positive, "m");
-        });
     }
 }
