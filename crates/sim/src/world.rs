@@ -89,8 +89,13 @@ impl World {
         self.springs.as_ref().map_or_else(|| self.assembly.layout().nodes(), |s| s.nodes())
     }
 
-    /// Position and velocity (world) of a node of a fibre, or of the mass-spring system.
-    pub(crate) fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
+    /// Position (m) and velocity (m/s) of a node of a fibre, or of the mass-spring system (world);
+    /// without a number, of the last.
+    ///
+    /// # Panics
+    /// If there is no such fibre or node, as indexing does.
+    #[must_use]
+    pub fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
         if let Some(springs) = &self.springs {
             return springs.node(node.unwrap_or(springs.nodes() - 1));
         }

@@ -59,8 +59,11 @@ fn what_is_restored_goes_on_to_the_same_bits() {
         again.restore(&snapshot).expect("of the same scene");
         steps(&mut again, 30);
         assert_eq!(again.snapshot(), world.snapshot(), "{}", path.display());
-        let other = named(if path.ends_with("rope.ron") { "cube" } else { "rope" });
-        assert!(other.build().expect("sound").restore(&snapshot).is_err());
+        // A system of as many nodes and springs would pass for the same.
+        let other =
+            named(if scene.build().expect("sound").nodes() == 40 { "cube" } else { "rope" });
+        let refused = other.build().expect("sound").restore(&snapshot);
+        assert!(refused.is_err(), "{}", path.display());
     }
 }
 
@@ -119,7 +122,8 @@ fn the_ledger_of_a_loaded_beam_closes() {
     let lost: f64 = rows.windows(2).map(|w| 0.5 * (w[1][0] - w[0][0]) * (w[0][6] + w[1][6])).sum();
     let [first, last] = [&rows[0], &rows[rows.len() - 1]];
     let fallen = sum(first) - sum(last);
-    assert!(lost > 0.1 && last[5] > 1.0, "{lost} J lost, the load at {} J", last[5]);
+    let sunk = first[5] - last[5];
+    assert!(lost > 0.1 && sunk > 0.1, "{lost} J lost, {sunk} J from the load");
     assert!((fallen / lost - 1.0).abs() < 0.02, "{fallen} J are gone, {lost} J were lost");
 }
 
