@@ -51,7 +51,8 @@ impl Chain {
     /// # Errors
     /// [`SpringError::Parameter`] for the step; [`SpringError::Count`] if the springs are no chain or
     /// nodes are tied; [`SpringError::NotConverged`] where the ends are farther apart than the chain
-    /// is long; [`SpringError::BlownUp`].
+    /// is long; [`SpringError::BlownUp`]. After the last two the system is in the middle of a step:
+    /// go back to a copy.
     pub fn advance<const D: usize>(
         &mut self,
         system: &mut System<D>,
@@ -179,6 +180,11 @@ fn solve<const D: usize>(
     };
     let mut above = vec![0.0; count];
     for s in 0..count {
+        if weights.get(s).max() == 0.0 && weights.get(s + 1).max() == 0.0 {
+            // Both ends are held: no impulse moves them, nor comes from them to their neighbors.
+            excess[s] = 0.0;
+            continue;
+        }
         let mut pivot = product(s, &new[s], &old[s]) + product(s + 1, &new[s], &old[s]);
         excess[s] = -excess[s];
         if s > 0 {

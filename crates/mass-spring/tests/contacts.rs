@@ -1,9 +1,11 @@
-//! Nodes against obstacles that rest or move, and nodes on guides.
+//! Nodes against each other and obstacles that rest or move, and nodes on guides.
 
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use rapunzel_collision::field::HalfSpace;
-use rapunzel_mass_spring::{Columns, Contacts, Leapfrog, Obstacle, SpringError, Surface, System};
+use rapunzel_mass_spring::{
+    Columns, Contacts, Leapfrog, Obstacle, SpringError, Surface, System, runge_kutta,
+};
 
 fn below(normal: Vector3<f64>) -> HalfSpace {
     HalfSpace { point: Point3::origin(), normal: Unit::new_normalize(normal) }
@@ -34,7 +36,7 @@ fn a_block_slides_its_stopping_distance() {
         let (mut contacts, ground) = (contacts(&block, 0.0, friction, false), below(Vector3::z()));
         let expected = speed * speed / (2.0 * friction * 9.81);
         let stopped = speed / (friction * 9.81);
-        for _ in 0..(1.2 * stopped / dt) as usize {
+        while block.time() < 1.2 * stopped {
             Leapfrog::new().advance(&mut block, dt, 1).expect("finite");
             contacts.resolve(&mut block, &[Obstacle::at_rest(&ground)]).expect("finite");
         }
@@ -138,4 +140,59 @@ fn nodes_at_the_same_point_part() {
     let mut system = System::new(&[Point2::origin(); 2], &[1.0; 2], &[]).expect("two masses");
     system.pin_to(0, 1).expect("there");
     assert_eq!(contacts.resolve(&mut system, &[]).expect("finite"), 0);
+}
+
+#[test]
+fn nodes_that_meet_exchange_their_momentum() {
+    let positions = [Point3::new(-0.1, 0.0, 0.0), Point3::new(0.1, 0.0, 0.0)];
+    let mut system = System::new(&positions, &[1.0, 1.0], &[]).expect("two masses");
+    let velocities = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(-0.5, 0.0, 0.0)];
+    system.set_velocities(&Columns::of(&velocities)).expect("finite");
+    let surface = Surface { radius: 0.02, restitution: 1.0, friction: 0.0 };
+    let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
+    let mut count = 0;
+    for _ in 0..300 {
+        runge_kutta(&mut system, 1e-3, 1).expect("finite");
+        count += contacts.resolve(&mut system, &[]).expect("finite");
+    }
+    assert_eq!(count, 1);
+    assert_relative_eq!(system.velocity(0), velocities[1], epsilon = 1e-12);
+    assert_relative_eq!(system.velocity(1), velocities[0], epsilon = 1e-12);
+}
+
+#[test]
+fn friction_holds_on_a_slope_below_its_angle() {
+    // Gravity leans by 20 degrees; friction holds up to atan(0.5), 26.6 degrees.
+    for (friction, holds) in [(0.5, true), (0.2, false)] {
+        let mut system = System::new(&[Point2::new(0.0, 0.01)], &[1.0], &[]).expect("a mass");
+        let lean = 20.0_f64.to_radians();
+        system.set_gravity(9.81 * Vector2::new(lean.sin(), -lean.cos())).expect("finite");
+        let (mut contacts, ground) = (contacts(&system, 0.0, friction, false), below(Vector3::z()));
+        for _ in 0..1000 {
+            Leapfrog::new().advance(&mut system, 1e-3, 1).expect("finite");
+            contacts.resolve(&mut system, &[Obstacle::at_rest(&ground)]).expect("finite");
+        }
+        let slid = if holds { 0.0 } else { 9.81 * (lean.sin() - 0.2 * lean.cos()) };
+        assert!((system.velocity(0).x - slid).abs() < 1e-2, "{}", system.velocity(0));
+        assert_relative_eq!(system.position(0).y, 0.01, epsilon = 1e-4);
+    }
+}
+
+#[test]
+fn friction_between_nodes_turns_sliding_into_half_of_it() {
+    // The second glances off the first from above: the impulse along the line of centers is 1 / 2 for
+    // a normal velocity of 1, and friction takes at most its part of it.
+    for (friction, rubbed) in [(0.1, 0.05), (10.0, 0.5)] {
+        let positions = [Point3::origin(), Point3::new(0.0, 0.0, 0.0401)];
+        let mut system = System::new(&positions, &[1.0, 1.0], &[]).expect("two masses");
+        let velocities = [Vector3::zeros(), Vector3::new(1.0, 0.0, -1.0)];
+        system.set_velocities(&Columns::of(&velocities)).expect("finite");
+        let surface = Surface { radius: 0.02, restitution: 0.0, friction };
+        let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
+        runge_kutta(&mut system, 2e-4, 1).expect("finite");
+        assert_eq!(contacts.resolve(&mut system, &[]).expect("finite"), 1);
+        // The line of centers leans by 2e-4 / 0.04.
+        assert_relative_eq!(system.velocity(0), Vector3::new(rubbed, 0.0, -0.5), epsilon = 6e-3);
+        assert_relative_eq!(system.momentum(), Vector3::new(1.0, 0.0, -1.0), epsilon = 1e-14);
+    }
 }

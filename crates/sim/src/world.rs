@@ -115,7 +115,7 @@ impl World {
     }
 
     /// Surfaces of all objects where they are now (world), as far as they are shown: of a plane a
-    /// square of twice the longest fibre. Copies them.
+    /// square of twice the longest fibre, or the length of a mass-spring system. Copies them.
     pub fn surfaces(&self) -> impl Iterator<Item = Soup> {
         self.objects.iter().map(|object| object.surface(self.time()))
     }
