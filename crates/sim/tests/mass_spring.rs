@@ -145,14 +145,16 @@ fn the_wind_is_in_the_table() {
 #[test]
 fn springs_yield_for_good_and_ties_hold_in_a_scene() {
     let mut scene = named("net-beyond-its-limit");
-    let offset = |scene: &Scene, steps: usize| {
+    let offset = |scene: &Scene, steps: u64| {
         let mut world = scene.build().expect("sound");
         let dt = Plan::new(scene).dt;
-        (0..steps).for_each(|_| drop(MassSprings.step(&mut world, dt).expect("finite")));
+        for _ in 0..steps {
+            MassSprings.step(&mut world, dt).expect("finite");
+        }
         let at = |node| world.node(0, Some(node)).0;
         ((at(99) - at(9)).norm(), at(55) - at(44))
     };
-    let steps = Plan::new(&scene).steps as usize;
+    let steps = Plan::new(&scene).steps;
     let (start, tied) = offset(&scene, 0);
     let (yielded, later) = offset(&scene, steps);
     assert!((later - tied).norm() < 1e-9, "{tied} became {later}");
@@ -244,7 +246,9 @@ fn node_over_a_plane() -> Scene {
 fn an_object_that_moves_pushes_nodes_and_comes_to_rest() {
     let mut world = node_over_a_plane().build().expect("sound");
     let mut rises = |steps: usize| {
-        (0..steps).for_each(|_| drop(MassSprings.step(&mut world, 1e-3).expect("finite")));
+        for _ in 0..steps {
+            MassSprings.step(&mut world, 1e-3).expect("finite");
+        }
         world.node(0, Some(1))
     };
     // The plane meets the node, 2.5 cm above it, after 50 ms, and from then on it has its velocity.
