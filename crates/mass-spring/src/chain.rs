@@ -32,13 +32,27 @@ impl Chain {
         self.multipliers.iter().zip(lengths).map(tension).collect()
     }
 
+    /// What the tensions of the last step add to the [power](System::support_power) of supports, W.
+    #[must_use]
+    pub fn support_power<const D: usize>(&self, system: &System<D>) -> f64 {
+        let mut forces = Columns::zeros(system.nodes());
+        for (s, tension) in self.tensions(system).into_iter().enumerate() {
+            let edge = system.positions.get(s + 1) - system.positions.get(s);
+            let pull = edge * (tension / system.springs.rest_length[s]);
+            forces.add(s, &pull);
+            forces.add(s + 1, &-pull);
+        }
+        system.driven_power(|node| forces.get(node))
+    }
+
     /// Moves the system by `steps` steps of `dt` seconds. Springs `0, 1, ...` must connect nodes
     /// 0 and 1, 1 and 2, ..., as in a [`Rope`](crate::Rope).
     ///
     /// # Errors
     /// [`SpringError::Parameter`] for the step; [`SpringError::Count`] if the springs are no chain or
     /// nodes are tied; [`SpringError::NotConverged`] where the ends are farther apart than the chain
-    /// is long; [`SpringError::BlownUp`].
+    /// is long; [`SpringError::BlownUp`]. After the last two the system is in the middle of a step:
+    /// go back to a copy.
     pub fn advance<const D: usize>(
         &mut self,
         system: &mut System<D>,
@@ -166,6 +180,11 @@ fn solve<const D: usize>(
     };
     let mut above = vec![0.0; count];
     for s in 0..count {
+        if weights.get(s).max() == 0.0 && weights.get(s + 1).max() == 0.0 {
+            // Both ends are held: no impulse moves them, nor comes from them to their neighbors.
+            excess[s] = 0.0;
+            continue;
+        }
         let mut pivot = product(s, &new[s], &old[s]) + product(s + 1, &new[s], &old[s]);
         excess[s] = -excess[s];
         if s > 0 {

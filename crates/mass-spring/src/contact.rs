@@ -1,8 +1,7 @@
-use crate::error::non_negative;
-use crate::supports::Guide;
-use crate::{SpringError, System};
+use crate::error::{non_negative, positive};
+use crate::system::finite;
+use crate::{Obstacle, SpringError, System};
 use nalgebra::{Point3, SVector, Vector3};
-use rapunzel_collision::field::{DistanceField, Sample};
 use rapunzel_collision::{Candidates, Capsules};
 use rapunzel_fiber::Layout;
 use std::collections::BTreeSet;
@@ -21,11 +20,11 @@ pub struct Surface {
 /// Contacts of nodes as balls, after every step: velocities change by impulses, positions are moved
 /// out of what they are in.
 ///
-/// Nodes on supports do not yield. Nodes that share a spring do not touch each other. In the plane
-/// the world is that with z = 0.
+/// Nodes yield as far as their supports let them: a guided node along its guide, tied nodes
+/// together, a held one not at all. Nodes that share a spring do not touch each other; two at the
+/// same point part along an axis. In the plane, the second axis is the world's third.
 pub struct Contacts {
     surface: Surface,
-    obstacles: Vec<Box<dyn DistanceField + Send>>,
     mutual: Option<Mutual>,
 }
 
@@ -39,6 +38,10 @@ struct Mutual {
     connected: BTreeSet<[usize; 2]>,
 }
 
+/// Guides that lean against a normal by less than this, as a squared cosine, do not yield: nodes
+/// would be thrown far along them.
+const LEAST_LEAN: f64 = 1e-6;
+
 impl Contacts {
     /// Contacts with obstacles, and with each other if `mutual`.
     ///
@@ -47,7 +50,6 @@ impl Contacts {
     pub fn new<const D: usize>(
         system: &System<D>,
         surface: Surface,
-        obstacles: Vec<Box<dyn DistanceField + Send>>,
         mutual: bool,
     ) -> Result<Self, SpringError> {
         non_negative("the radius of the nodes (m)", surface.radius)?;
@@ -57,43 +59,50 @@ impl Contacts {
             return Err(SpringError::Parameter { what, value, allowed: "between 0 and 1" });
         }
         let mutual = if mutual {
-            crate::error::positive(
-                "the radius of nodes that touch each other (m)",
-                surface.radius,
-            )?;
+            positive("the radius of nodes that touch each other (m)", surface.radius)?;
             Some(Mutual::new(system, surface.radius)?)
         } else {
             None
         };
-        Ok(Self { surface, obstacles, mutual })
+        Ok(Self { surface, mutual })
     }
 
-    /// Resolves all contacts of the present state and returns how many there were. Call it after
-    /// every step.
+    /// Resolves all contacts of the present state, among nodes and then with one obstacle after the
+    /// other, and returns how many there were. Call it after every step; what a step carries through
+    /// an obstacle, from outside to outside, is not seen.
     ///
     /// # Errors
-    /// [`SpringError::Collision`] if positions are not finite.
+    /// [`SpringError::Collision`] if positions are not finite; [`SpringError::Parameter`] if the
+    /// motion of an obstacle is not; [`SpringError::Count`] in more than three dimensions.
     pub fn resolve<const D: usize>(
         &mut self,
         system: &mut System<D>,
+        obstacles: &[Obstacle<'_>],
     ) -> Result<usize, SpringError> {
+        if D > 3 {
+            let expected = "at most the three of the world".to_owned();
+            return Err(SpringError::Count { what: "dimensions", found: D, expected });
+        }
         let mut count = 0;
         if let Some(mutual) = &mut self.mutual {
             count += mutual.resolve(system, &self.surface)?;
         }
-        for obstacle in &self.obstacles {
+        for obstacle in obstacles {
             for node in 0..system.nodes() {
-                let Sample { value, gradient } = obstacle.sample(&in_space(system, node));
-                let gap = value - self.surface.radius;
-                let normal = SVector::<f64, D>::from_fn(|axis, _| {
-                    gradient.get(axis).copied().unwrap_or(0.0)
-                });
-                if gap < 0.0 && normal.norm_squared() > 0.0 && yields(system, node) {
+                let place = in_world(&system.positions.get(node));
+                let touch = obstacle.touch(&place);
+                let gap = touch.value - self.surface.radius;
+                let normal: SVector<f64, D> = of_world(&touch.gradient);
+                if gap < 0.0 && normal.norm_squared() > 0.0 {
                     let normal = normal.normalize();
-                    let velocity = system.velocities.get(node);
-                    let change = self.surface.change(&velocity, &normal);
-                    system.velocities.add(node, &change);
-                    system.positions.add(node, &(normal * -gap));
+                    let away = of_world(&obstacle.velocity(&place));
+                    finite("the velocity of an obstacle (m/s)", &away)?;
+                    let yielding = system.yielding(node);
+                    let velocity = system.velocities.get(node) - away;
+                    let Some(lean) = lean(&normal, &yielding) else { continue };
+                    let impulse = self.surface.impulse(&velocity, &normal, &yielding);
+                    system.impel(node, &impulse);
+                    system.shift(node, &(normal * (-gap / lean)));
                     count += 1;
                 }
             }
@@ -103,31 +112,50 @@ impl Contacts {
 }
 
 impl Surface {
-    /// The change of a velocity relative to a surface with a normal that points out of it.
-    fn change<const D: usize>(
+    /// The impulse on what moves at a velocity relative to a surface with a normal that points out
+    /// of it, and changes its velocity by `yielding` times the impulse, axis by axis.
+    fn impulse<const D: usize>(
         &self,
         velocity: &SVector<f64, D>,
         normal: &SVector<f64, D>,
+        yielding: &SVector<f64, D>,
     ) -> SVector<f64, D> {
         let approach = -velocity.dot(normal);
-        if approach <= 0.0 {
+        let Some(lean) = lean(normal, yielding).filter(|_| approach > 0.0) else {
             return SVector::zeros();
-        }
-        let pressed = (1.0 + self.restitution) * approach;
-        let sliding = velocity + normal * approach;
-        let speed = sliding.norm();
-        let rubbed = if speed > 0.0 { (self.friction * pressed / speed).min(1.0) } else { 0.0 };
-        normal * pressed - sliding * rubbed
+        };
+        let pressed = (1.0 + self.restitution) * approach / lean;
+        let after = velocity + yielding.component_mul(normal) * pressed;
+        let sliding = after - normal * after.dot(normal);
+        let Some(along) = sliding.try_normalize(0.0) else { return normal * pressed };
+        let slows = along.dot(&along.component_mul(yielding));
+        let limit = self.friction * pressed;
+        let rubbed = if slows * limit > sliding.norm() { sliding.norm() / slows } else { limit };
+        normal * pressed - along * rubbed
     }
 }
 
-fn in_space<const D: usize>(system: &System<D>, node: usize) -> Point3<f64> {
-    let position = system.positions.get(node);
-    Vector3::from_fn(|axis, _| position.get(axis).copied().unwrap_or(0.0)).into()
+/// By how much an impulse along a normal changes the velocity along it; `None` for next to nothing.
+fn lean<const D: usize>(normal: &SVector<f64, D>, yielding: &SVector<f64, D>) -> Option<f64> {
+    let lean = normal.dot(&normal.component_mul(yielding));
+    (lean > LEAST_LEAN * yielding.max()).then_some(lean)
 }
 
-fn yields<const D: usize>(system: &System<D>, node: usize) -> bool {
-    (0..D).all(|axis| system.supports.guide(node, axis) == Guide::Free)
+/// The axis of the world for one of the system.
+fn world_axis<const D: usize>(axis: usize) -> usize {
+    if axis + 1 == D { 2 } else { axis }
+}
+
+fn in_world<const D: usize>(point: &SVector<f64, D>) -> Point3<f64> {
+    let mut result = Point3::origin();
+    for axis in 0..D {
+        result[world_axis::<D>(axis)] = point[axis];
+    }
+    result
+}
+
+fn of_world<const D: usize>(vector: &Vector3<f64>) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| vector[world_axis::<D>(axis)])
 }
 
 impl Mutual {
@@ -148,7 +176,9 @@ impl Mutual {
         surface: &Surface,
     ) -> Result<usize, SpringError> {
         self.positions.clear();
-        self.positions.extend((0..system.nodes()).flat_map(|node| [in_space(system, node); 2]));
+        self.positions.extend(
+            (0..system.nodes()).flat_map(|node| [in_world(&system.positions.get(node)); 2]),
+        );
         self.candidates.update(&Capsules::new(&self.layout, &self.positions, &self.radii)?)?;
         // Which nodes touch is settled before any moves, and they come in order, so that the result
         // does not depend on when the list of candidates was made.
@@ -164,26 +194,24 @@ impl Mutual {
         let mut count = 0;
         for [i, j] in touching {
             let apart = system.positions.get(j) - system.positions.get(i);
+            let yielding = system.yielding_apart(i, j);
             let distance = apart.norm();
             let gap = (distance - 2.0 * surface.radius).min(0.0);
-            if distance == 0.0 {
-                continue;
-            }
-            let weight =
-                |node| if yields(system, node) { system.inverse_masses[node] } else { 0.0 };
-            let [first, second] = [weight(i), weight(j)];
-            let both = first + second;
-            if both == 0.0 {
-                continue;
-            }
-            let normal = apart / distance;
+            // No direction is better than another where there is none, but one must not be barred.
+            let normal = if distance > 0.0 {
+                apart / distance
+            } else {
+                let free = yielding.imax();
+                SVector::from_fn(|axis, _| if axis == free { 1.0 } else { 0.0 })
+            };
+            let Some(lean) = lean(&normal, &yielding) else { continue };
             let velocity = system.velocities.get(j) - system.velocities.get(i);
-            let change = surface.change(&velocity, &normal) / both;
-            let shift = normal * (-gap / both);
-            system.velocities.add(i, &(change * -first));
-            system.velocities.add(j, &(change * second));
-            system.positions.add(i, &(shift * -first));
-            system.positions.add(j, &(shift * second));
+            let impulse = surface.impulse(&velocity, &normal, &yielding);
+            let shift = normal * (-gap / lean);
+            system.impel(i, &-impulse);
+            system.impel(j, &impulse);
+            system.shift(i, &-shift);
+            system.shift(j, &shift);
             count += 1;
         }
         Ok(count)

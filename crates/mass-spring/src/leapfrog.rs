@@ -123,8 +123,7 @@ fn one_step<const D: usize>(
         }
     }
     sound &= move_free(system, forces, kick, done..system.nodes());
-    move_guided(system, forces, kick);
-    sound
+    sound & move_guided(system, forces, kick)
 }
 
 /// Moves the free nodes among some.
@@ -186,9 +185,14 @@ fn move_column<const D: usize>(
     bits
 }
 
-/// Moves the nodes on supports, once all forces are known.
+/// Moves the nodes on supports, once all forces are known, and says whether they are still sound.
 #[inline(always)]
-fn move_guided<const D: usize>(system: &mut System<D>, forces: &mut Columns<D>, kick: &Kick<D>) {
+fn move_guided<const D: usize>(
+    system: &mut System<D>,
+    forces: &mut Columns<D>,
+    kick: &Kick<D>,
+) -> bool {
+    let mut sound = true;
     let kicked = |velocity: f64, acceleration: f64, axis: usize| {
         (velocity * kick.keep + kick.dt * (acceleration + kick.common[axis])) * kick.share
     };
@@ -212,6 +216,8 @@ fn move_guided<const D: usize>(system: &mut System<D>, forces: &mut Columns<D>, 
             }
             system.positions.0[axis][node] += kick.drift * *v;
             forces.0[axis][node] = 0.0;
+            sound &= v.abs() < BEYOND;
         }
     }
+    sound
 }

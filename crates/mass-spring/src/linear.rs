@@ -120,7 +120,7 @@ impl<const D: usize> System<D> {
     pub fn warn_of_step(&self, dt: f64) -> Option<StepTooLong> {
         let limit = self.stability_limit();
         // A step at the limit itself grows without bound, if slowly.
-        (dt >= limit).then_some(StepTooLong { dt, limit })
+        (dt >= limit).then_some(StepTooLong { dt, limit, method: "leapfrog" })
     }
 
     /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses.
@@ -200,22 +200,24 @@ impl Linearized {
     }
 }
 
-/// A warning: the leapfrog will not be stable.
+/// A warning: an explicit method will not be stable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepTooLong {
     /// The step, s.
     pub dt: f64,
     /// The limit, s.
     pub limit: f64,
+    /// The method.
+    pub method: &'static str,
 }
 
 impl fmt::Display for StepTooLong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { dt, limit } = self;
+        let Self { dt, limit, method } = self;
         write!(
             f,
             "the time step of {dt:e} s is not below the stability limit of {limit:e} s: the \
-             leapfrog will blow up; take smaller steps or the implicit integrator"
+             {method} will blow up; take smaller steps or the implicit integrator"
         )
     }
 }

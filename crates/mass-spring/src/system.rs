@@ -4,7 +4,7 @@ use crate::spring::Springs;
 use crate::supports::Supports;
 use crate::{Bend, Columns, Spring, SpringError, Wind};
 use nalgebra::{Point, SVector};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Point masses in `D` dimensions, the springs between them, and what acts on them.
 ///
@@ -25,27 +25,6 @@ pub struct System<const D: usize> {
     pub(crate) drag: f64,
     pub(crate) wind: Wind<D>,
     pub(crate) loads: BTreeMap<usize, SVector<f64, D>>,
-}
-
-/// Energy of a system, J.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Energy {
-    /// Of motion.
-    pub kinetic: f64,
-    /// Of springs and bends.
-    pub elastic: f64,
-    /// In gravity, zero at the world's origin.
-    pub gravitational: f64,
-    /// In the loads, zero at the world's origin.
-    pub load: f64,
-}
-
-impl Energy {
-    /// The sum.
-    #[must_use]
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.gravitational + self.load
-    }
 }
 
 impl<const D: usize> System<D> {
@@ -301,127 +280,19 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Fixes `node` where it is.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`]; so do the others.
-    pub fn pin(&mut self, node: usize) -> Result<(), SpringError> {
-        self.hold(node, SVector::zeros())
+    /// Velocity of the air now (world), m/s: what the wind rose of the texts shows.
+    #[must_use]
+    pub fn wind(&self) -> SVector<f64, D> {
+        self.wind.at(self.time)
     }
 
-    /// Moves `node` at a velocity (world), m/s, whatever pulls at it: what a mouse does. Nodes that
-    /// are tied to it follow.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    pub fn hold(&mut self, node: usize, velocity: SVector<f64, D>) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.hold_axis(node, axis, velocity[axis]))
-    }
-
-    /// Moves `node` at a velocity along one axis, m/s; along the others it stays free.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn hold_axis(
-        &mut self,
-        node: usize,
-        axis: usize,
-        velocity: f64,
-    ) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        finite("the velocity of a held node (m/s)", &SVector::<f64, 1>::new(velocity))?;
-        self.supports.drive(node, axis..axis + 1);
-        for partner in self.supports.partners(node, axis) {
-            self.velocities.0[axis][partner] = velocity;
-        }
-        Ok(())
-    }
-
-    /// Lets go of `node`, which keeps its velocity and its ties.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn release(&mut self, node: usize) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        self.supports.release(node);
-        Ok(())
-    }
-
-    /// Lets nodes move along `axis` only together: a clamp that slides. They keep their offsets and
-    /// take their mean velocity, by mass.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn tie(&mut self, nodes: &[usize], axis: usize) -> Result<(), SpringError> {
-        nodes.iter().try_for_each(|&node| self.known("tie", node))?;
-        let Some(&first) = nodes.first() else { return Ok(()) };
-        self.supports.tie(axis, nodes.iter().copied().collect::<BTreeSet<_>>());
-        let all = self.supports.partners(first, axis);
-        let column = &mut self.velocities.0[axis];
-        let driven = all.iter().find(|&&node| self.supports.driven(node, axis));
-        let velocity = driven.map_or_else(
-            || {
-                let mass: f64 = all.iter().map(|&node| self.masses[node]).sum();
-                all.iter().map(|&node| self.masses[node] * column[node]).sum::<f64>() / mass
-            },
-            |&node| column[node],
-        );
-        all.iter().for_each(|&node| column[node] = velocity);
-        Ok(())
-    }
-
-    /// Fixes `node` relative to another one: both move as one body without rotation.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn pin_to(&mut self, node: usize, other: usize) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.tie(&[node, other], axis))
-    }
-
-    fn known(&self, what: &'static str, node: usize) -> Result<(), SpringError> {
+    pub(crate) fn known(&self, what: &'static str, node: usize) -> Result<(), SpringError> {
         let nodes = self.nodes();
         if node < nodes {
             Ok(())
         } else {
             Err(SpringError::MissingNode { what, index: node, node, nodes })
         }
-    }
-
-    /// Energy, J; costs a pass over springs and nodes.
-    #[must_use]
-    pub fn energy(&self) -> Energy {
-        let (x, v) = (&self.positions, &self.velocities);
-        let mut energy = Energy { elastic: self.elastic_energy(x), ..Energy::default() };
-        for (node, mass) in self.masses.iter().enumerate() {
-            energy.kinetic += 0.5 * mass * v.get(node).norm_squared();
-            energy.gravitational -= mass * self.gravity.dot(&x.get(node));
-        }
-        energy.load = -self.loads.iter().map(|(&node, f)| f.dot(&x.get(node))).sum::<f64>();
-        energy
-    }
-
-    /// Energy of springs and bends at other positions, J.
-    pub(crate) fn elastic_energy(&self, x: &Columns<D>) -> f64 {
-        let spring = |s: usize| {
-            let [i, j] = self.springs.nodes[s];
-            let length = (x.get(j) - x.get(i)).norm();
-            0.5 * self.springs.stiffness[s] * (length - self.springs.rest_length[s]).powi(2)
-        };
-        let springs: f64 = (0..self.springs()).map(spring).sum();
-        springs + self.bends.iter().map(|bend| bend.energy(x)).sum::<f64>()
-    }
-
-    /// Total momentum (world), kg m/s.
-    #[must_use]
-    pub fn momentum(&self) -> SVector<f64, D> {
-        let masses = self.masses.iter().enumerate();
-        masses.map(|(node, &mass)| self.velocities.get(node) * mass).sum()
     }
 
     /// Forces of springs and bends at given positions (m) and velocities (m/s), N (world).
@@ -456,7 +327,10 @@ impl<const D: usize> System<D> {
     }
 }
 
-fn finite<const N: usize>(what: &'static str, vector: &SVector<f64, N>) -> Result<(), SpringError> {
+pub(crate) fn finite<const N: usize>(
+    what: &'static str,
+    vector: &SVector<f64, N>,
+) -> Result<(), SpringError> {
     match vector.iter().find(|x| !x.is_finite()) {
         Some(&value) => Err(SpringError::Parameter { what, value, allowed: "finite" }),
         None => Ok(()),

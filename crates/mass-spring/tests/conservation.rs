@@ -311,3 +311,31 @@ fn stiff_springs_tend_to_the_chain() {
     // Stretch goes as 1 / k.
     assert!(stiff < 1e-5 && (3.0..5.0).contains(&(soft / stiff)), "{soft} and {stiff}");
 }
+
+#[test]
+fn a_chain_hangs_from_two_neighbors_that_are_held() {
+    // From there on it is a chain that is held by one node.
+    let rope = Rope { nodes: 6, rigid: true, ..Rope::of_the_text(10.0) };
+    let mut held: System<2> = rope.build(Point2::origin(), Vector2::x()).expect("a chain");
+    held.pin(1).expect("there");
+    let shorter = Rope { nodes: 5, ..rope };
+    let mut short = shorter.build(Point2::new(rope.spacing, 0.0), Vector2::x()).expect("a chain");
+    for system in [&mut held, &mut short] {
+        system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
+        Chain::new().advance(system, 1e-3, 500).expect("of the right length");
+    }
+    for node in 0..5 {
+        assert_relative_eq!(held.position(node + 1), short.position(node), epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn a_guided_node_that_blows_up_is_named() {
+    let spring = rapunzel_mass_spring::Spring::new([0, 1], 1e6, 1.0);
+    let positions = [Point2::origin(), Point2::new(1.1, 0.0)];
+    let mut system = System::new(&positions, &[1.0; 2], &[spring]).expect("a spring");
+    system.pin(0).expect("there");
+    system.hold_axis(1, 1, 0.0).expect("there");
+    let error = Leapfrog::new().advance(&mut system, 1.0, 1000).expect_err("far above the limit");
+    assert!(matches!(error, SpringError::BlownUp { node: 1, .. }), "{error}");
+}

@@ -30,23 +30,28 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
     let world = scene.build().map_err(Failure::of(path))?;
     let plan = Plan::new(&scene);
     let (fibers, nodes) = (world.assembly().fibers().len(), world.nodes());
+    let warning = world.warning(plan.dt);
     if json {
         let object = serde_json::json!({
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
-            "steps": plan.steps, "frames": plan.frames(),
+            "steps": plan.steps, "frames": plan.frames(), "warning": warning,
         });
         say(&object.to_string())?;
     } else {
         let title = if scene.name.is_empty() { "the scene is sound" } else { &scene.name };
-        let lines = [
+        let mut lines = vec![
             title.to_owned(),
-            format!("  fibres    {fibers}, with {nodes} nodes"),
+            match fibers {
+                0 => format!("  nodes     {nodes}, of a mass-spring system"),
+                _ => format!("  fibres    {fibers}, with {nodes} nodes"),
+            },
             format!(
                 "  time      {} s in {} steps of {:.6e} s",
                 scene.duration, plan.steps, plan.dt
             ),
             format!("  frames    {}", plan.frames()),
         ];
+        lines.extend(warning.map(|warning| format!("  warning   {warning}")));
         say(&lines.join("\n"))?;
     }
     Ok(ExitCode::SUCCESS)

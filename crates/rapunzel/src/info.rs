@@ -32,7 +32,10 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
     let mut lines = vec![
         summary.scene.clone(),
         format!("  outcome     {outcome}"),
-        format!("  fibres      {fibers}, with {nodes} nodes"),
+        match fibers {
+            0 => format!("  nodes       {nodes}, of a mass-spring system"),
+            _ => format!("  fibres      {fibers}, with {nodes} nodes"),
+        },
         format!("  time        {time:.6} s, step {steps} of {planned_steps}, {frames} frames"),
         format!("  step        {dt:.6e} s, halved {halvings} times for a fibre"),
         format!(

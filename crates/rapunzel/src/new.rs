@@ -10,11 +10,9 @@ use std::process::ExitCode;
 /// Writes a scene that ships into a file.
 pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
-    // A case is copied here, not into a folder of its own.
-    let (verb, file) = match name.strip_prefix("static/") {
-        Some(case) => ("solve", case),
-        None => ("run", name.as_str()),
-    };
+    let verb = if name.starts_with("static/") { "solve" } else { "run" };
+    // It is copied here, not into a folder of its own.
+    let file = name.rsplit('/').next().unwrap_or(name);
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{file}.ron")));
     let text = templates::text(name)
         .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;

@@ -70,7 +70,7 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     }
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.inc")?, &frames[4])?;
-    preview::write(&mut create("preview.png")?, frames, &[])?;
+    preview::write(&mut create("preview.png")?, frames, &[], &[])?;
     Ok(())
 }
 

@@ -79,23 +79,36 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         let mut world = World::new(self.environment.clone(), assembly, groups);
-        let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
-        let around = Surroundings {
-            longest: lengths.fold(0.0, f64::max),
-            thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
-        };
-        let objects = self.objects.iter().enumerate();
-        world.objects =
-            objects.map(|(i, object)| object.build(i, &around)).collect::<Result<_, _>>()?;
         if let Some(springs) = &self.mass_spring {
             let refused = |source| SimError::MassSpring { time: 0.0, source };
             let springs = mass_spring::build(springs).map_err(refused)?;
-            if let Some(warning) = springs.warning(Plan::new(self).dt) {
+            world.springs = Some(springs);
+            if let Some(warning) = world.warning(Plan::new(self).dt) {
                 tracing::warn!("{warning}");
             }
-            world.springs = Some(springs);
         }
+        let around = self.surroundings(&world);
+        let objects = self.objects.iter().enumerate();
+        world.objects =
+            objects.map(|(i, object)| object.build(i, &around)).collect::<Result<_, _>>()?;
         Ok(world)
+    }
+
+    /// The sizes of what is around objects.
+    fn surroundings(&self, world: &World) -> Surroundings {
+        if let Some(springs) = &world.springs {
+            let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
+            let contacts = self.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
+            return Surroundings {
+                longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
+                thickest: contacts.map_or(0.0, |contacts| contacts.radius),
+            };
+        }
+        let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
+        Surroundings {
+            longest: lengths.fold(0.0, f64::max),
+            thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
+        }
     }
 
     /// What moves the world of this scene.

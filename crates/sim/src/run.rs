@@ -177,11 +177,13 @@ fn observers(
     let every = plan.steps_per_record;
     let interval = plan.dt * plan.steps_per_frame as f64;
     let shown = Shown::of(&scene.objects);
-    let frames = FrameWriter::open(folder, &output.formats, shown, plan.steps_per_frame, interval)?;
-    let enclosed = scene.mass_spring.as_ref().and_then(mass_spring::measured);
+    let wind = scene.mass_spring.as_ref().map_or(scene.environment.wind, |springs| springs.wind);
+    let (formats, every_frame) = (&output.formats, plan.steps_per_frame);
+    let frames = FrameWriter::open(folder, formats, shown, wind, every_frame, interval)?;
+    let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
     let work = scene.contact.as_ref().map(|_| Column::ContactWork);
     let columns = [Column::Energies].into_iter().chain(work);
-    let columns = columns.chain(enclosed.map(Column::Enclosed)).collect();
+    let columns = columns.chain(readings.map(Column::Springs)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
     if scene.contact.is_some() {

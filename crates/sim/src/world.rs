@@ -89,8 +89,13 @@ impl World {
         self.springs.as_ref().map_or_else(|| self.assembly.layout().nodes(), |s| s.nodes())
     }
 
-    /// Position and velocity (world) of a node of a fibre, or of the mass-spring system.
-    pub(crate) fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
+    /// Position (m) and velocity (m/s) of a node of a fibre, or of the mass-spring system (world);
+    /// without a number, of the last.
+    ///
+    /// # Panics
+    /// If there is no such fibre or node, as indexing does.
+    #[must_use]
+    pub fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
         if let Some(springs) = &self.springs {
             return springs.node(node.unwrap_or(springs.nodes() - 1));
         }
@@ -110,7 +115,7 @@ impl World {
     }
 
     /// Surfaces of all objects where they are now (world), as far as they are shown: of a plane a
-    /// square of twice the longest fibre. Copies them.
+    /// square of twice the longest fibre, or the length of a mass-spring system. Copies them.
     pub fn surfaces(&self) -> impl Iterator<Item = Soup> {
         self.objects.iter().map(|object| object.surface(self.time()))
     }
@@ -132,6 +137,13 @@ impl World {
     pub fn state(&self, i: usize) -> RodState {
         let (group, lane) = self.lanes[i];
         self.groups[group].batch.state(lane)
+    }
+
+    /// What speaks against steps of `dt` (s): the stability limit of an explicit mass-spring system
+    /// below it. Costs some hundred passes over the springs.
+    #[must_use]
+    pub fn warning(&self, dt: f64) -> Option<String> {
+        Some(self.springs.as_ref()?.warning(dt)?.to_string())
     }
 
     /// Energy of all fibres and free objects, J, in the gravity of the instant. Costs one pass over all nodes.

@@ -8,6 +8,7 @@ use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search, Soup};
 use rapunzel_contact::ContactError;
+use rapunzel_mass_spring::Obstacle;
 
 /// A surface and what moves it.
 pub(crate) struct Object {
@@ -109,6 +110,11 @@ impl Object {
             Way::Led(pose) => [pose(time), pose(time + dt)],
             Way::Free(body) => body.poses(),
         }
+    }
+
+    /// What nodes of a mass-spring system bump into, at the end of the step from `time` by `dt`, s.
+    pub(crate) fn obstacle(&self, [time, dt]: [f64; 2]) -> Obstacle<'_> {
+        Obstacle { field: &*self.field, poses: self.poses([time, dt]), dt }
     }
 
     /// The longest way of a point of its surface in the step from `time` by `dt`, s, if no fibre is

@@ -36,6 +36,12 @@ pub enum ExportError {
         /// What is wrong with it.
         what: &'static str,
     },
+    /// The wind of a preview cannot be shown.
+    #[error("the wind {what}")]
+    Wind {
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// The format has no room for this many.
     #[error("{found} {what}, but the format holds at most {limit}; split the frame")]
     TooMany {

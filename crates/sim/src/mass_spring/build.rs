@@ -1,7 +1,6 @@
-use super::motion::{Measured, Moving, Springs};
+use super::motion::{Moving, Springs};
 use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
-use nalgebra::{Point, Point3, SVector, UnitVector3, Vector3};
-use rapunzel_collision::field::{self, DistanceField, HalfSpace};
+use nalgebra::{Point, Point3, SVector, Vector3};
 use rapunzel_mass_spring::{
     self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError, Surface,
     System,
@@ -82,14 +81,17 @@ where
     for load in &scene.loads {
         system.set_load(load.node, flat(&load.force))?;
     }
+    for tie in &scene.ties {
+        system.pin_to(tie.node, tie.to)?;
+    }
     for hold in &scene.holds {
         // Only to find out whether there is such a node.
         system.clone().pin(hold.node)?;
     }
-    let contacts = match &scene.contacts {
-        Some(contacts) => Some(touching(contacts, &system)?),
-        None => None,
+    let touching = |&NodeContacts { radius, restitution, friction, mutual, .. }: &NodeContacts| {
+        Contacts::new(&system, Surface { radius, restitution, friction }, mutual)
     };
+    let contacts = scene.contacts.as_ref().map(touching).transpose()?;
     let chain = matches!(scene.model, Model::Rope { inextensible: true, .. });
     Ok(Box::new(Moving::new(scene, system, enclosure, contacts, chain)))
 }
@@ -103,35 +105,20 @@ fn wind<const D: usize>(wind: &Wind) -> spring::Wind<D> {
     }
 }
 
-fn touching<const D: usize>(
-    contacts: &NodeContacts,
-    system: &System<D>,
-) -> Result<Contacts, SpringError> {
-    // In the plane, the crate has the world's z as its y.
-    let seen = |point: &[f64; 3]| {
-        let inner: SVector<f64, D> = flat(point);
-        Point3::from(Vector3::from_fn(|axis, _| inner.get(axis).copied().unwrap_or(0.0)))
-    };
-    let mut obstacles: Vec<Box<dyn DistanceField + Send>> = Vec::new();
-    if let Some(height) = contacts.ground {
-        let normal = UnitVector3::new_normalize(seen(&[0.0, 0.0, 1.0]).coords);
-        obstacles.push(Box::new(HalfSpace { point: seen(&[0.0, 0.0, height]), normal }));
-    }
-    for ball in &contacts.balls {
-        let center = seen(&ball.center);
-        obstacles.push(Box::new(field::Ball { center, radius: ball.radius }));
-    }
-    let NodeContacts { radius, restitution, friction, mutual, .. } = *contacts;
-    Contacts::new(system, Surface { radius, restitution, friction }, obstacles, mutual)
-}
-
-/// What encloses something, by its name and unit.
-pub(crate) fn measured(scene: &MassSpring) -> Option<Measured> {
-    match scene.model {
-        Model::Ring { .. } => Some(Measured { what: "area", unit: "m^2" }),
-        Model::Ball { .. } => Some(Measured { what: "volume", unit: "m^3" }),
+/// Names and units of the [readings](Springs::readings) of a scene.
+pub(crate) fn readings(scene: &MassSpring) -> Vec<String> {
+    let ledger = ["load (J)", "dissipation (W)", "supports (W)"];
+    let wind = ["wind x (m/s)", "wind y (m/s)", "wind z (m/s)"];
+    let mut names: Vec<_> = ledger.into_iter().chain(wind).map(str::to_owned).collect();
+    let enclosed = match scene.model {
+        Model::Ring { .. } => Some(("area", "m^2")),
+        Model::Ball { .. } => Some(("volume", "m^3")),
         _ => None,
+    };
+    if let Some((what, unit)) = enclosed {
+        names.extend([format!("{what} ({unit})"), format!("{what} at rest ({unit})")]);
     }
+    names
 }
 
 /// A point of a system in the world.

@@ -4,6 +4,6 @@ mod build;
 mod motion;
 mod strands;
 
-pub(crate) use build::{build, measured};
+pub(crate) use build::{build, readings};
 pub use motion::MassSprings;
-pub(crate) use motion::{Measured, Springs};
+pub(crate) use motion::Springs;

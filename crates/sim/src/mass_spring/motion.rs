@@ -1,12 +1,14 @@
 use super::build::{flat, in_world, spatial};
 use super::strands::{Polyline, polylines, strand};
+use crate::contact::Object;
 use crate::export::Strand;
 use crate::scene::{Hold, Integrator, MassSpring};
 use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, SVector, Vector3};
+use rapunzel_collision::field::HalfSpace;
 use rapunzel_mass_spring::{
-    Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, SpringError, StepTooLong, System,
-    runge_kutta,
+    Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, Obstacle, SpringError,
+    StepTooLong, System, runge_kutta,
 };
 use rapunzel_rod_dynamic::Energy;
 
@@ -22,7 +24,7 @@ impl Stepper for MassSprings {
         let mut report = StepReport::default();
         if let Some(springs) = &mut world.springs {
             let iterations = springs
-                .step(time, dt, &gravity)
+                .step([time, dt], &gravity, &world.objects)
                 .map_err(|source| SimError::MassSpring { time, source })?;
             report = StepReport::of_one(iterations, 0, 0);
         }
@@ -31,17 +33,16 @@ impl Stepper for MassSprings {
     }
 }
 
-/// What is enclosed by a ring or ball.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Measured {
-    pub(crate) what: &'static str,
-    pub(crate) unit: &'static str,
-}
-
 /// A mass-spring system of any dimension in the world.
 pub(crate) trait Springs: Send + Sync {
-    /// Moves it by `dt` from `time` on and returns the iterations of Newton's method.
-    fn step(&mut self, time: f64, dt: f64, gravity: &Vector3<f64>) -> Result<usize, SpringError>;
+    /// Moves it from a time by a step, s, among objects, and returns the iterations of Newton's
+    /// method.
+    fn step(
+        &mut self,
+        step: [f64; 2],
+        gravity: &Vector3<f64>,
+        objects: &[Object],
+    ) -> Result<usize, SpringError>;
     /// Number of nodes.
     fn nodes(&self) -> usize;
     /// Position and velocity of a node (world).
@@ -50,8 +51,10 @@ pub(crate) trait Springs: Send + Sync {
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
     /// Its springs as lines.
     fn strands(&self) -> Vec<Strand>;
-    /// Area or volume now and at rest.
-    fn enclosed(&self) -> Option<[f64; 2]>;
+    /// Energy of the loads (J), which is not in that of the system; power that is dissipated and
+    /// power of the supports (W), by which the sum of both changes; wind (world, m/s), and area or
+    /// volume now and at rest.
+    fn readings(&self) -> Vec<f64>;
     /// All numbers that change.
     fn save(&self) -> Vec<f64>;
     /// Goes back to saved numbers; false if they are those of another system.
@@ -67,6 +70,7 @@ pub(crate) struct Moving<const D: usize> {
     substeps: usize,
     holds: Vec<Hold>,
     contacts: Option<Contacts>,
+    ground: Option<HalfSpace>,
     enclosure: Option<Enclosure<D>>,
     yields: bool,
     lines: Vec<Polyline>,
@@ -100,6 +104,9 @@ impl<const D: usize> Moving<D> {
         };
         let springs = system.springs();
         let mean = (0..springs).map(|s| system.spring(s).rest_length).sum::<f64>() / springs as f64;
+        let ground = scene.contacts.as_ref().and_then(|contacts| contacts.ground);
+        let ground = ground
+            .map(|z| HalfSpace { point: Point3::new(0.0, 0.0, z), normal: Vector3::z_axis() });
         let lines = polylines((0..springs).map(|s| system.spring(s).nodes));
         Self {
             system,
@@ -107,6 +114,7 @@ impl<const D: usize> Moving<D> {
             substeps: scene.substeps,
             holds: scene.holds.clone(),
             contacts,
+            ground,
             enclosure,
             yields: scene.yield_strain.is_some(),
             lines,
@@ -129,11 +137,24 @@ impl<const D: usize> Moving<D> {
     }
 }
 
+/// An error of a call after `done` sub-steps, with the sub-step counted from the first.
+fn after(done: usize, error: SpringError) -> SpringError {
+    match error {
+        SpringError::BlownUp { step, node } => SpringError::BlownUp { step: done + step, node },
+        error => error,
+    }
+}
+
 impl<const D: usize> Springs for Moving<D>
 where
     Enclosure<D>: Send + Sync,
 {
-    fn step(&mut self, time: f64, dt: f64, gravity: &Vector3<f64>) -> Result<usize, SpringError> {
+    fn step(
+        &mut self,
+        [time, dt]: [f64; 2],
+        gravity: &Vector3<f64>,
+        objects: &[Object],
+    ) -> Result<usize, SpringError> {
         self.apply_holds(time)?;
         self.system.set_time(time);
         self.system.set_gravity(flat(&(*gravity).into()))?;
@@ -142,20 +163,24 @@ where
         let together = self.contacts.is_none() && !self.yields;
         let (rounds, steps) = if together { (1, self.substeps) } else { (self.substeps, 1) };
         let mut iterations = 0;
-        for _ in 0..rounds {
+        for round in 0..rounds {
             let system = &mut self.system;
+            let start = system.time();
             match &mut self.method {
-                Method::Chain(chain) => chain.advance(system, dt, steps)?,
-                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps)?,
-                Method::RungeKutta => runge_kutta(system, dt, steps)?,
-                Method::ImplicitEuler(euler) => {
-                    for _ in 0..steps {
-                        iterations += euler.step(system, dt)?;
-                    }
-                }
+                Method::Chain(chain) => chain.advance(system, dt, steps),
+                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps),
+                Method::RungeKutta => runge_kutta(system, dt, steps),
+                Method::ImplicitEuler(euler) => (0..steps).try_for_each(|step| {
+                    iterations += euler.step(system, dt).map_err(|e| after(step, e))?;
+                    Ok(())
+                }),
             }
+            .map_err(|e| after(round, e))?;
             if let Some(contacts) = &mut self.contacts {
-                contacts.resolve(system)?;
+                let objects = objects.iter().map(|object| object.obstacle([start, dt]));
+                let obstacles: Vec<_> =
+                    self.ground.iter().map(|g| Obstacle::at_rest(g)).chain(objects).collect();
+                contacts.resolve(system, &obstacles)?;
             }
             if self.yields {
                 system.give_way();
@@ -190,8 +215,17 @@ where
         self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
     }
 
-    fn enclosed(&self) -> Option<[f64; 2]> {
-        self.enclosure.as_ref().map(|e| [e.measure(&self.system), e.rest_measure()])
+    fn readings(&self) -> Vec<f64> {
+        let mut supports = self.system.support_power();
+        if let Method::Chain(chain) = &self.method {
+            supports += chain.support_power(&self.system);
+        }
+        let mut numbers = vec![self.system.energy().load, self.system.dissipation(), supports];
+        numbers.extend(spatial(&self.system.wind()).iter());
+        if let Some(enclosure) = &self.enclosure {
+            numbers.extend([enclosure.measure(&self.system), enclosure.rest_measure()]);
+        }
+        numbers
     }
 
     fn save(&self) -> Vec<f64> {
@@ -218,10 +252,12 @@ where
     }
 
     fn warning(&self, dt: f64) -> Option<StepTooLong> {
+        let dt = dt / self.substeps as f64;
         match self.method {
-            Method::Leapfrog(_) => self.system.warn_of_step(dt / self.substeps as f64),
-            // Stable for any step, or up to sqrt(2) times as long; a chain has no stiff springs.
-            _ => None,
+            Method::Leapfrog(_) => self.system.warn_of_step(dt),
+            Method::RungeKutta => self.system.warn_of_runge_kutta_step(dt),
+            // A chain has no stiff springs.
+            Method::ImplicitEuler(_) | Method::Chain(_) => None,
         }
     }
 }

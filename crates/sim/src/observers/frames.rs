@@ -1,7 +1,7 @@
 use super::Observer;
 use crate::export::{self, ExportError, Frame, Strand};
 use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, USD};
-use crate::scene::{Format, Motion, Moves, Object};
+use crate::scene::{Format, Motion, Moves, Object, Wind};
 use crate::storage::save;
 use crate::{SimError, World};
 use rapunzel_collision::field::Soup;
@@ -52,6 +52,8 @@ pub(crate) struct FrameWriter {
     folder: PathBuf,
     formats: Vec<Format>,
     objects: Shown,
+    /// Which previews show.
+    wind: Wind,
     /// Steps between frames.
     every: u64,
     /// Time between frames, s.
@@ -66,13 +68,14 @@ impl FrameWriter {
         folder: &RunFolder,
         formats: &[Format],
         objects: Shown,
+        wind: Wind,
         every: u64,
         interval: f64,
     ) -> Result<Self, SimError> {
         let frames = folder.file(FRAMES);
         fs::create_dir_all(&frames).map_err(SimError::io("make the folder", &frames))?;
         let (folder, formats) = (folder.path().to_owned(), formats.to_vec());
-        Ok(Self { folder, formats, objects, every, interval, count: 0 })
+        Ok(Self { folder, formats, objects, wind, every, interval, count: 0 })
     }
 
     fn file(&self, index: usize, extension: &str) -> PathBuf {
@@ -128,7 +131,8 @@ impl FrameWriter {
             let frames = indices().map(|index| self.read(index)).collect::<Result<Vec<_>, _>>()?;
             let surfaces =
                 surfaces.map(|file| self.read_objects(file)).collect::<Result<Vec<_>, _>>()?;
-            export::preview::write(to, &frames, &surfaces)
+            let winds: Vec<_> = frames.iter().map(|frame| self.wind.at(frame.time)).collect();
+            export::preview::write(to, &frames, &surfaces, &winds)
         })
     }
 }

@@ -1,5 +1,4 @@
 use super::Observer;
-use crate::mass_spring::Measured;
 use crate::scene::{Node, Probe, Quantity};
 use crate::{SimError, World};
 use std::fs::File;
@@ -24,14 +23,14 @@ pub(crate) struct Table {
 }
 
 /// One or several numbers of a row.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Column {
     /// Kinetic, elastic, gravitational energy and their sum.
     Energies,
     /// Work of contacts since the start: friction, normal, led objects.
     ContactWork,
-    /// Area or volume that a ring or ball encloses, now and at rest.
-    Enclosed(Measured),
+    /// What a mass-spring system shows besides, by the names with their units.
+    Springs(Vec<String>),
     /// What a probe reads.
     Probe(Probe),
     /// What the contacts of the last step were and cost.
@@ -123,9 +122,7 @@ impl Column {
             Self::ContactWork => ",work of friction (J),work of normal impulses (J),\
                                   work of led objects (J)"
                 .to_owned(),
-            Self::Enclosed(Measured { what, unit }) => {
-                format!(",{what} ({unit}),{what} at rest ({unit})")
-            }
+            Self::Springs(names) => names.iter().map(|name| format!(",{name}")).collect(),
             Self::Probe(Probe { fiber, node, quantity }) => {
                 let node = match node {
                     Node::Tip => "tip".to_owned(),
@@ -154,9 +151,8 @@ impl Column {
                 let work = world.contact_work();
                 vec![work.friction, work.normal, work.led]
             }
-            Self::Enclosed(_) => {
-                let enclosed = world.springs.as_ref().and_then(|springs| springs.enclosed());
-                enclosed.into_iter().flatten().collect()
+            Self::Springs(_) => {
+                world.springs.as_ref().map(|springs| springs.readings()).unwrap_or_default()
             }
             Self::Probe(probe) => {
                 let node = match probe.node {

@@ -39,6 +39,9 @@ pub struct MassSpring {
     /// Sub-steps of every step.
     #[serde(default = "one")]
     pub substeps: usize,
+    /// Nodes that are fixed relative to others.
+    #[serde(default)]
+    pub ties: Vec<Tie>,
     /// Nodes that are taken and moved: what a mouse does.
     #[serde(default)]
     pub holds: Vec<Hold>,
@@ -175,6 +178,16 @@ pub enum Integrator {
     ImplicitEuler,
 }
 
+/// A node that keeps its offset from another one: both move as one body without rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tie {
+    /// The node.
+    pub node: usize,
+    /// The other one.
+    pub to: usize,
+}
+
 /// A node that is taken, moved, and let go or kept.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -203,7 +216,8 @@ pub struct NodeLoad {
     pub force: [f64; 3],
 }
 
-/// Contacts of nodes as balls.
+/// Contacts of nodes as balls, with each other, with a level ground and with the objects of the
+/// scene, which are led on their ways.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeContacts {
@@ -221,19 +235,6 @@ pub struct NodeContacts {
     /// Height of a level ground, m.
     #[serde(default)]
     pub ground: Option<f64>,
-    /// Balls in the way.
-    #[serde(default)]
-    pub balls: Vec<Obstacle>,
-}
-
-/// A ball that does not move.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Obstacle {
-    /// Center (world), m.
-    pub center: [f64; 3],
-    /// Radius, m.
-    pub radius: f64,
 }
 
 impl MassSpring {
@@ -339,9 +340,5 @@ impl NodeContacts {
         if let Some(height) = self.ground {
             check.number("ground", height, Allowed::Finite, "m");
         }
-        check.each("balls", &self.balls, |c, ball| {
-            c.vector("center", &ball.center, "m");
-            c.number("radius", ball.radius, Allowed::Positive, "m");
-        });
     }
 }

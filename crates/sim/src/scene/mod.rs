@@ -20,8 +20,7 @@ pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactSettings, Friction};
 pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
-    Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Obstacle,
-    Shape as BodyShape,
+    Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
@@ -60,7 +59,7 @@ pub struct Scene {
     /// The fibres.
     #[serde(default)]
     pub fibers: Vec<Bundle>,
-    /// What fibres lie on and bump into; needs `contact`.
+    /// What fibres lie on and bump into; needs `contact`, or those of `mass_spring`.
     #[serde(default)]
     pub objects: Vec<Object>,
     /// What fibres do where they touch; left out, they pass through each other.
@@ -221,6 +220,14 @@ impl Scene {
         if self.contact.is_some() {
             refuse(check, "contact");
         }
+        check.each("objects", &self.objects, |c, object| {
+            if object.moves != Moves::Led {
+                c.refuse("moves", "is Free, but nodes of a mass_spring system move nothing".into());
+            }
+            if object.friction.is_some() {
+                c.refuse("friction", "is for fibres; give that of the nodes in `contacts`".into());
+            }
+        });
     }
 
     /// Notes everything that makes no sense: numbers out of range, directions without length,
@@ -253,8 +260,11 @@ impl Scene {
                                fibers touch";
                 check.refuse("stepper.method", message.into());
             }
-        } else if !self.objects.is_empty() {
-            let message = "are given, but nothing touches them; say what happens with `contact`";
+        } else if !self.objects.is_empty()
+            && self.mass_spring.as_ref().is_none_or(|springs| springs.contacts.is_none())
+        {
+            let message = "are given, but nothing touches them; say what happens with `contact`, \
+                           or `contacts` of a mass_spring system";
             check.refuse("objects", message.into());
         }
         check.within("environment", |c| self.environment.check(c));

@@ -103,6 +103,11 @@ impl Canvas {
         }
     }
 
+    /// Width of a text, pixels.
+    pub(super) fn text_width(text: &str) -> f64 {
+        (text.chars().count() * (font::SIZE[0] + 1) * LETTER_SCALE) as f64
+    }
+
     /// Text with its upper left corner at `corner`.
     pub(super) fn text(&mut self, corner: [f64; 2], text: &str, color: Color) {
         let [left, top] = corner.map(|x| clamped(x.round(), 1 << 14));

@@ -2,6 +2,7 @@
 
 mod canvas;
 mod font;
+mod rose;
 mod view;
 
 use super::{ExportError, Frame, Strand, surface};
@@ -39,16 +40,29 @@ const BEYOND: f64 = 0.25;
 /// all frames, and one scale, which the bar at the bottom gives for lengths across the view. Near
 /// fibres are dark, far ones fade; a gloss shows how they lie. Behind and between the fibres are
 /// `surfaces`: one for each frame, or one for all, or none; what of them is far from all fibres is
-/// cut off. Cost: linear in the pixels that fibres and surfaces cover.
+/// cut off. `winds`, velocities of the air (world), m/s, one for each frame or none, are shown by a
+/// wind rose each. Cost: linear in the pixels that fibres and surfaces cover.
 ///
 /// # Errors
-/// Refuses no frames, frames without strands, unsound frames and surfaces, and surfaces that are
-/// neither one nor as many as the frames; fails if `out` does.
-pub fn write(out: &mut impl Write, frames: &[Frame], surfaces: &[Soup]) -> Result<(), ExportError> {
+/// Refuses no frames, frames without strands, unsound frames and surfaces, surfaces that are neither
+/// one nor as many as the frames, and winds that are not as many or not finite; fails if `out` does.
+pub fn write(
+    out: &mut impl Write,
+    frames: &[Frame],
+    surfaces: &[Soup],
+    winds: &[Vector3<f64>],
+) -> Result<(), ExportError> {
     frames.iter().try_for_each(Frame::validate)?;
     surfaces.iter().try_for_each(surface::check)?;
     if surfaces.len() > 1 && surfaces.len() != frames.len() {
         return Err(ExportError::Surface { what: "is missing for some of the frames" });
+    }
+    if !winds.is_empty() && winds.len() != frames.len() {
+        return Err(ExportError::Wind { what: "is missing for some of the frames" });
+    }
+    let strongest = winds.iter().map(Vector3::norm).fold(0.0, f64::max);
+    if !winds.iter().all(|wind| wind.norm().is_finite()) {
+        return Err(ExportError::Wind { what: "is not finite" });
     }
     let mut points: Vec<Point3<f64>> =
         frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.points).copied().collect();
@@ -72,6 +86,10 @@ pub fn write(out: &mut impl Write, frames: &[Frame], surfaces: &[Soup]) -> Resul
         }
         surface.iter().for_each(|surface| draw_surface(&mut canvas, surface, &view, &grid, corner));
         draw(&mut canvas, frame, &view, &grid, corner);
+        if let Some(wind) = winds.get(index).filter(|_| strongest > 0.0) {
+            let corner = [corner[0] + grid.picture[0], corner[1]];
+            rose::draw(&mut canvas, corner, &view, wind, strongest, INK);
+        }
     }
     grid.scale_bar(&mut canvas);
     canvas.write(out)
@@ -211,14 +229,14 @@ mod tests {
     fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
         let frames: Vec<Frame> = (0..30).map(sample::frame).collect();
         let mut bytes = Vec::new();
-        write(&mut bytes, &frames, &[]).expect("a sheet");
+        write(&mut bytes, &frames, &[], &[]).expect("a sheet");
         let (info, pixels) = decode(&bytes);
         assert!(info.width <= 1650 && info.height <= 1050, "{info:?}");
         let dark = pixels.chunks(3).filter(|p| p[0] < 130).count();
         assert!(dark > 2000, "{dark} pixels of fibres");
         assert_eq!(pixels[..3], [246, 245, 242], "paper in the corner");
         let mut again = Vec::new();
-        write(&mut again, &frames, &[]).expect("a sheet");
+        write(&mut again, &frames, &[], &[]).expect("a sheet");
         assert_eq!(bytes, again);
     }
 
@@ -232,10 +250,10 @@ mod tests {
         dot.strands.iter_mut().flat_map(|s| &mut s.points).for_each(|p| p.z = 0.0);
         for frame in [line, dot] {
             let mut bytes = Vec::new();
-            write(&mut bytes, &[frame], &[]).expect("a sheet");
+            write(&mut bytes, &[frame], &[], &[]).expect("a sheet");
             assert!(decode(&bytes).0.width >= 20);
         }
-        assert!(matches!(write(&mut Vec::new(), &[], &[]), Err(ExportError::Empty)));
+        assert!(matches!(write(&mut Vec::new(), &[], &[], &[]), Err(ExportError::Empty)));
     }
 
     /// A wall hides what is behind it, and nothing of what is before it.
@@ -249,13 +267,46 @@ mod tests {
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
             };
             let mut bytes = Vec::new();
-            write(&mut bytes, std::slice::from_ref(&frame), &[wall]).expect("a sheet");
+            write(&mut bytes, std::slice::from_ref(&frame), &[wall], &[]).expect("a sheet");
             decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 20).count()
         };
         let (before, behind) = (dark(-0.5), dark(0.5));
         assert!(before == 0 && behind > 1000, "{before}, {behind}");
         let two = [Soup::default(), Soup::default()];
-        let refused = write(&mut Vec::new(), &[frame.clone(), frame.clone(), frame], &two);
+        let refused = write(&mut Vec::new(), &[frame.clone(), frame.clone(), frame], &two, &[]);
         assert!(matches!(refused, Err(ExportError::Surface { .. })));
+    }
+
+    /// The dark pixels of a rose come where wind blows, and its arrow lies the way it blows.
+    #[test]
+    fn a_rose_shows_the_wind() {
+        let frame = sample::frame(0);
+        let sheet = |winds: &[Vector3<f64>]| {
+            let mut bytes = Vec::new();
+            write(&mut bytes, std::slice::from_ref(&frame), &[], winds).map(|()| decode(&bytes))
+        };
+        let calm = sheet(&[]).expect("a sheet");
+        assert_eq!(sheet(&[Vector3::zeros()]).expect("a sheet").1, calm.1);
+        let width = calm.0.width as usize;
+        // Pixels that changed in a window below the upper right corner, left to right and down.
+        let changed = |wind: Vector3<f64>| {
+            let (_, pixels) = sheet(&[wind]).expect("a sheet");
+            let pairs = pixels.chunks(3).zip(calm.1.chunks(3)).enumerate();
+            let places = pairs.filter(|(_, (a, b))| a != b).map(|(i, _)| [i % width, i / width]);
+            places.collect::<Vec<_>>()
+        };
+        let up = changed(Vector3::new(0.0, 0.0, 3.0));
+        let down = changed(Vector3::new(0.0, 0.0, -3.0));
+        assert!(up.len() > 100 && up.iter().all(|[x, _]| *x > width / 2), "{}", up.len());
+        // Both arrows have their shafts in common; the heads lie at opposite ends.
+        let only = |a: &[[usize; 2]], b: &[[usize; 2]]| {
+            let rows: Vec<_> = a.iter().filter(|p| !b.contains(p)).map(|p| p[1] as f64).collect();
+            rows.iter().sum::<f64>() / rows.len() as f64
+        };
+        assert!(only(&up, &down) + 5.0 < only(&down, &up));
+        let refused = [vec![Vector3::x(); 2], vec![Vector3::repeat(f64::NAN)]];
+        for winds in refused {
+            assert!(matches!(sheet(&winds), Err(ExportError::Wind { .. })));
+        }
     }
 }

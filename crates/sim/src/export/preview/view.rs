@@ -1,4 +1,4 @@
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// An orthographic view of everything in a box.
 pub(super) struct View {
@@ -77,6 +77,11 @@ impl View {
     /// Position in the picture, m from its upper left corner: right, down.
     pub(super) fn project(&self, p: &Point3<f64>) -> [f64; 2] {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
+    }
+
+    /// The part of a vector across the view: right, down.
+    pub(super) fn across(&self, v: &Vector3<f64>) -> Vector2<f64> {
+        Vector2::new(self.right.dot(v), self.down.dot(v))
     }
 
     /// Distance behind the near side of the box, m.

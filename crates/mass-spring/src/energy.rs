@@ -1,0 +1,109 @@
+use crate::supports::Guide;
+use crate::{Columns, System};
+use nalgebra::SVector;
+
+/// Energy of a system, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of springs and bends.
+    pub elastic: f64,
+    /// In gravity, zero at the world's origin.
+    pub gravitational: f64,
+    /// In the loads, zero at the world's origin.
+    pub load: f64,
+}
+
+impl Energy {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravitational + self.load
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Energy, J; costs a pass over springs and nodes.
+    #[must_use]
+    pub fn energy(&self) -> Energy {
+        let (x, v) = (&self.positions, &self.velocities);
+        let mut energy = Energy { elastic: self.elastic_energy(x), ..Energy::default() };
+        for (node, mass) in self.masses.iter().enumerate() {
+            energy.kinetic += 0.5 * mass * v.get(node).norm_squared();
+            energy.gravitational -= mass * self.gravity.dot(&x.get(node));
+        }
+        energy.load = -self.loads.iter().map(|(&node, f)| f.dot(&x.get(node))).sum::<f64>();
+        energy
+    }
+
+    /// Energy of springs and bends at other positions, J.
+    pub(crate) fn elastic_energy(&self, x: &Columns<D>) -> f64 {
+        let spring = |s: usize| {
+            let [i, j] = self.springs.nodes[s];
+            let length = (x.get(j) - x.get(i)).norm();
+            0.5 * self.springs.stiffness[s] * (length - self.springs.rest_length[s]).powi(2)
+        };
+        let springs: f64 = (0..self.springs()).map(spring).sum();
+        springs + self.bends.iter().map(|bend| bend.energy(x)).sum::<f64>()
+    }
+
+    /// Total momentum (world), kg m/s.
+    #[must_use]
+    pub fn momentum(&self) -> SVector<f64, D> {
+        let masses = self.masses.iter().enumerate();
+        masses.map(|(node, &mass)| self.velocities.get(node) * mass).sum()
+    }
+
+    /// Power that drag and dampers take from the motion, and that the wind gives back through the
+    /// drag, W; negative where the wind gives more. The [total](Energy::total) energy falls at this
+    /// rate less [that of the supports](Self::support_power).
+    ///
+    /// Not in this ledger are what happens at once (contacts, springs that give way, supports that
+    /// take a node which moves), the controller of an [`Enclosure`](crate::Enclosure), loads and
+    /// gravity that change in time, and what the implicit integrator damps by itself.
+    #[must_use]
+    pub fn dissipation(&self) -> f64 {
+        let air = self.wind.at(self.time);
+        let drag = |node: usize| {
+            let velocity = self.velocities.get(node);
+            self.drag * self.masses[node] * velocity.dot(&(velocity - air))
+        };
+        let damper = |s: usize| {
+            let [i, j] = self.springs.nodes[s];
+            let apart = self.positions.get(j) - self.positions.get(i);
+            let parting = self.velocities.get(j) - self.velocities.get(i);
+            let length = apart.norm();
+            let rate = if length > 0.0 { parting.dot(&apart) / length } else { 0.0 };
+            self.springs.damping[s] * rate * rate
+        };
+        let drags: f64 = (0..self.nodes()).map(drag).sum();
+        drags + (0..self.springs()).map(damper).sum::<f64>()
+    }
+
+    /// Power that supports put into what they move, W: they give what the forces on its nodes lack.
+    /// Costs an evaluation of forces. The tensions of a [`Chain`](crate::Chain) count with
+    /// [its own](crate::Chain::support_power).
+    #[must_use]
+    pub fn support_power(&self) -> f64 {
+        let (x, v) = (&self.positions, &self.velocities);
+        let mut forces = self.internal_forces(x, v);
+        self.loads.iter().for_each(|(&node, load)| forces.add(node, load));
+        let air = self.wind.at(self.time);
+        let push = |node: usize| {
+            let field = self.gravity - (v.get(node) - air) * self.drag;
+            forces.get(node) + field * self.masses[node]
+        };
+        self.driven_power(push)
+    }
+
+    /// The power against forces where components are driven, W.
+    pub(crate) fn driven_power(&self, force: impl Fn(usize) -> SVector<f64, D>) -> f64 {
+        let of_node = |&(node, guides): &(usize, [Guide; D])| {
+            let (force, velocity) = (force(node), self.velocities.get(node));
+            let driven = (0..D).filter(|&axis| guides[axis] == Guide::Driven);
+            driven.map(|axis| -force[axis] * velocity[axis]).sum::<f64>()
+        };
+        self.supports.guided.iter().map(of_node).sum()
+    }
+}

@@ -1,0 +1,35 @@
+use nalgebra::{Isometry3, Point3, Vector3};
+use rapunzel_collision::field::{DistanceField, Sample};
+
+/// A body that nodes do not enter, at the end of a step. Nodes do not move it.
+pub struct Obstacle<'a> {
+    /// Its surface, about its own origin.
+    pub field: &'a dyn DistanceField,
+    /// Where it was at the start of the step, and where it is: from its own frame to the world.
+    pub poses: [Isometry3<f64>; 2],
+    /// Length of the step, s.
+    pub dt: f64,
+}
+
+impl<'a> Obstacle<'a> {
+    /// One that rests where its field is.
+    #[must_use]
+    pub fn at_rest(field: &'a dyn DistanceField) -> Self {
+        Self { field, poses: [Isometry3::identity(); 2], dt: 1.0 }
+    }
+
+    /// The field, with its gradient, at a place (world).
+    pub(crate) fn touch(&self, place: &Point3<f64>) -> Sample {
+        let sample = self.field.sample(&self.poses[1].inverse_transform_point(place));
+        Sample { gradient: self.poses[1] * sample.gradient, ..sample }
+    }
+
+    /// Mean velocity in the step of what of it is at a place now (world), m/s.
+    pub(crate) fn velocity(&self, place: &Point3<f64>) -> Vector3<f64> {
+        let [before, now] = &self.poses;
+        if before == now {
+            return Vector3::zeros();
+        }
+        (place - before * now.inverse_transform_point(place)) / self.dt
+    }
+}

@@ -1,0 +1,39 @@
+use super::canvas::{Canvas, Color};
+use super::view::View;
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// Radius of the ring, pixels.
+const RADIUS: f64 = 15.0;
+/// Sides of the polygon that stands for it.
+const SIDES: usize = 24;
+/// Room right and below of the caption with the speed, pixels.
+const ROOM: f64 = 4.0;
+
+/// Draws a wind rose into the upper right corner of a picture: in a ring, an arrow the way the wind
+/// blows as the view shows it, as long as its part across the view by the strongest speed, and below
+/// its speed.
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    corner: [f64; 2],
+    view: &View,
+    wind: &Vector3<f64>,
+    strongest: f64,
+    ink: Color,
+) {
+    let center = Point2::new(corner[0] - RADIUS - ROOM, corner[1] + RADIUS + ROOM);
+    let rim = |k: usize| {
+        center
+            + RADIUS * Rotation2::new(TAU * k as f64 / SIDES as f64).transform_vector(&Vector2::x())
+    };
+    (0..SIDES).for_each(|k| canvas.line(rim(k), rim(k + 1), 1.0, ink));
+    let across = view.across(wind) * (RADIUS / strongest);
+    let tip = center + across;
+    canvas.line(center - across, tip, 1.5, ink);
+    for angle in [0.85 * PI, -0.85 * PI] {
+        canvas.line(tip, tip + Rotation2::new(angle) * across * 0.7, 1.5, ink);
+    }
+    let speed = format!("{:.1} m/s", wind.norm());
+    let left = corner[0] - Canvas::text_width(&speed) - ROOM;
+    canvas.text([left, corner[1] + 2.0 * RADIUS + 2.0 * ROOM], &speed, ink);
+}
