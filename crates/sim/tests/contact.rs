@@ -1,54 +1,13 @@
 //! Fibres that touch, through the scene: what must hold of any step.
 
+mod common;
+
+use common::Run;
 use nalgebra::{Point3, Vector3};
-use rapunzel_sim::{Scene, StepReport, Stepper, World};
+use rapunzel_sim::Scene;
 
 /// Diameter of the hairs of this file, m.
 const DIAMETER: f64 = 7e-5;
-
-struct Run {
-    world: World,
-    stepper: Box<dyn Stepper>,
-    dt: f64,
-}
-
-impl Run {
-    fn new(scene: &str) -> Self {
-        let scene = Scene::from_ron(scene).expect("a sound scene");
-        let world = scene.build().expect("a world");
-        let stepper = scene.stepper_of(&world).expect("a stepper");
-        Self { dt: scene.stepper.dt, world, stepper }
-    }
-
-    fn step(&mut self) -> StepReport {
-        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
-        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
-        report
-    }
-
-    fn fibers(&self) -> usize {
-        self.world.assembly().fibers().len()
-    }
-
-    fn positions(&self, fiber: usize) -> Vec<Point3<f64>> {
-        self.world.state(fiber).positions
-    }
-
-    /// Momentum of the nodes of all fibres, and its moment about the origin.
-    fn momenta(&self) -> [Vector3<f64>; 2] {
-        let mut sum = [Vector3::zeros(); 2];
-        for (i, fiber) in self.world.assembly().fibers().iter().enumerate() {
-            let state = self.world.state(i);
-            let n = fiber.segments();
-            for (a, (x, v)) in state.positions.iter().zip(&state.velocities).enumerate() {
-                let mass = fiber.mass() / n as f64 * if a == 0 || a == n { 0.5 } else { 1.0 };
-                sum[0] += mass * v;
-                sum[1] += x.coords.cross(&(mass * v));
-            }
-        }
-        sum
-    }
-}
 
 fn hair(segments: usize, rest: &str) -> String {
     format!("(length: 0.06, segments: {segments}, section: Circle(radius: 3.5e-5), {rest})")
@@ -94,7 +53,7 @@ fn no_hair_passes_through_another() {
                 -speed
             ),
         );
-        let mut run = Run::new(&scene(&[target, shot], "", 0.3, 0.0, 1e-3));
+        let mut run = Run::read(&scene(&[target, shot], "", 0.3, 0.0, 1e-3));
         let mut touched = false;
         // Later the shot may slip off the free end.
         let steps = if speed < 1.0 {
@@ -131,13 +90,13 @@ fn free_hairs_that_collide_keep_their_momentum() {
         "root_joint: Free, velocity: (0.1, 0.05, -0.2), \
          root: (position: (0.0, -0.03, 0.01), orientation: Along(direction: (0.2, 1.0, 0.1)))",
     );
-    let mut run = Run::new(&scene(&[first, second], "", 0.4, 0.0, 1e-3));
-    let [before, _] = run.momenta();
+    let mut run = Run::read(&scene(&[first, second], "", 0.4, 0.0, 1e-3));
+    let before = run.momentum();
     let (mut active, mut size) = (0, 0.0_f64);
     for _ in 0..60 {
         let step = run.step();
         active += step.contact.active;
-        let [now, _] = run.momenta();
+        let now = run.momentum();
         size = size.max(now.norm()).max(before.norm());
         assert!((now - before).norm() < 1e-11 * size.max(1e-8), "{now} {before}");
     }
@@ -162,7 +121,7 @@ fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
         ),
     );
     for mu in [0.5, 0.0, 0.2] {
-        let mut run = Run::new(&scene(std::slice::from_ref(&lying), &plane, mu, -9.81, 1e-3));
+        let mut run = Run::read(&scene(std::slice::from_ref(&lying), &plane, mu, -9.81, 1e-3));
         let start = run.positions(0)[10];
         for _ in 0..100 {
             run.step();
@@ -183,7 +142,7 @@ fn a_tress_lands_on_a_ball() {
         shape: Helix(radius: 0.003, pitch: 0.015), velocity: (0, 0, -0.4), root_joint: Free, \
         arrangement: EllipseAtDensity(semi_axes: (0.0015, 0.0015), density: 1.5e6))";
     let ball = "(shape: Ball(radius: 0.02), position: (0, 0, -0.0605))";
-    let mut run = Run::new(&scene(&[tress.into()], ball, 0.4, -9.81, 1e-3));
+    let mut run = Run::read(&scene(&[tress.into()], ball, 0.4, -9.81, 1e-3));
     assert_eq!(run.fibers(), 11);
     let mut energy = run.world.energy().total();
     let mut active = 0;
@@ -249,7 +208,7 @@ fn scales_hold_one_way_only() {
         );
         let text = scene(&[lying], &plane, 0.0, -9.81, 1e-3)
             .replace("Isotropic(0.0)", "Cuticle(with: 0.2, against: 0.5, across: 0.3)");
-        let mut run = Run::new(&text);
+        let mut run = Run::read(&text);
         let start = run.positions(0)[10];
         for _ in 0..50 {
             run.step();

@@ -2,41 +2,22 @@
 
 #![expect(clippy::print_stdout, reason = "a test tells what it measured")]
 
-use nalgebra::{Point3, Vector3};
-use rapunzel_sim::{Scene, StepReport, Stepper, World};
+mod common;
+
+use common::Run;
+use nalgebra::Vector3;
+use rapunzel_sim::Scene;
 
 /// Radius of the hairs of this file, m.
 const RADIUS: f64 = 3.5e-5;
 const G: f64 = 9.81;
 
-struct Run {
-    world: World,
-    stepper: Box<dyn Stepper>,
-    dt: f64,
-}
-
-impl Run {
-    fn new(fiber: &str, object: &str, laws: &str, gravity: f64, dt: f64) -> Self {
-        let text = format!(
-            "(format: 1, duration: 1.0, fibers: [{fiber}], objects: [{object}],
-            contact: ({laws}),
-            environment: (gravity: (0.0, 0.0, {gravity:?})), stepper: (dt: {dt:?}))"
-        );
-        let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{e} in {text}"));
-        let world = scene.build().expect("a world");
-        let stepper = scene.stepper_of(&world).expect("a stepper");
-        Self { world, stepper, dt }
-    }
-
-    fn step(&mut self) -> StepReport {
-        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
-        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
-        report
-    }
-
-    fn middle(&self) -> Point3<f64> {
-        self.world.state(0).positions[2]
-    }
+fn run_of(fiber: &str, object: &str, laws: &str, gravity: f64, dt: f64) -> Run {
+    Run::read(&format!(
+        "(format: 1, duration: 1.0, fibers: [{fiber}], objects: [{object}],
+        contact: ({laws}),
+        environment: (gravity: (0.0, 0.0, {gravity:?})), stepper: (dt: {dt:?}))"
+    ))
 }
 
 /// A free short hair that starts at a place, along a direction.
@@ -55,7 +36,7 @@ const GROUND: &str = "(shape: Plane(normal: (0.0, 0.0, 1.0)))";
 fn bounce(object: &str, laws: &str) -> [f64; 2] {
     let height = 2e-3;
     let start = Vector3::new(0.0, 0.0, RADIUS + height);
-    let mut run = Run::new(&hair(&start, &Vector3::x()), object, laws, -G, 5e-5);
+    let mut run = run_of(&hair(&start, &Vector3::x()), object, laws, -G, 5e-5);
     let (mut energy, mut struck, mut highest) = (run.world.energy().total(), false, 0.0_f64);
     let scale = 1e-9 * energy;
     for _ in 0..2000 {
@@ -63,13 +44,14 @@ fn bounce(object: &str, laws: &str) -> [f64; 2] {
         let now = run.world.energy().total();
         assert!(now <= energy + scale, "energy is gained: {now} after {energy}");
         energy = now;
-        let (velocity, above) = (run.world.state(0).velocities[2].z, run.middle().z - RADIUS);
+        let (velocity, above) =
+            (run.world.state(0).velocities[2].z, run.positions(0)[2].z - RADIUS);
         struck |= velocity >= 0.0;
         if struck {
             highest = highest.max(above);
         }
     }
-    [highest / height, run.middle().z - RADIUS]
+    [highest / height, run.positions(0)[2].z - RADIUS]
 }
 
 #[test]
@@ -94,12 +76,12 @@ fn slid(slope: f64, friction: &str, steps: usize) -> f64 {
     let (up, down) = (Vector3::new(sin, 0.0, cos), Vector3::new(cos, 0.0, -sin));
     let plane = format!("(shape: Plane(normal: ({sin:?}, 0.0, {cos:?})))");
     let lying = hair(&(up * (RADIUS + 1e-7)), &Vector3::y());
-    let mut run = Run::new(&lying, &plane, &format!("friction: {friction}"), -G, 1e-3);
-    let start = run.middle();
+    let mut run = run_of(&lying, &plane, &format!("friction: {friction}"), -G, 1e-3);
+    let start = run.positions(0)[2];
     for _ in 0..steps {
         run.step();
     }
-    (run.middle() - start).dot(&down)
+    (run.positions(0)[2] - start).dot(&down)
 }
 
 /// A hair at rest stays on a slope that it could not stop on, and once it slides it slides with the
@@ -125,7 +107,7 @@ fn resting_friction_is_overcome_once() {
 fn drawn_up(way: &Vector3<f64>, adhesion: &str, steps: usize) -> f64 {
     let lying = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), way);
     let laws = format!("friction: Isotropic(0.3), adhesion: {adhesion}");
-    let mut run = Run::new(&lying, GROUND, &laws, G, 1e-3);
+    let mut run = run_of(&lying, GROUND, &laws, G, 1e-3);
     for _ in 0..steps {
         run.step();
     }
@@ -135,7 +117,7 @@ fn drawn_up(way: &Vector3<f64>, adhesion: &str, steps: usize) -> f64 {
 /// Weight of the hair, N.
 fn weight() -> f64 {
     let run =
-        Run::new(&hair(&Vector3::zeros(), &Vector3::x()), "", "friction: Isotropic(0.3)", G, 1.0);
+        run_of(&hair(&Vector3::zeros(), &Vector3::x()), "", "friction: Isotropic(0.3)", G, 1.0);
     G * run.world.assembly().fibers()[0].mass()
 }
 
@@ -207,7 +189,7 @@ fn contacts_account_for_the_energy() {
             Vector3::z(),
         ),
     ] {
-        let mut run = Run::new(&hair(&start, &way), object, laws, -G, 1e-3);
+        let mut run = run_of(&hair(&start, &way), object, laws, -G, 1e-3);
         let masses = {
             let fiber = &run.world.assembly().fibers()[0];
             [0.5, 1.0, 1.0, 1.0, 0.5].map(|share| share * fiber.mass() / 4.0)
@@ -264,7 +246,7 @@ fn a_film_joins_a_pair() {
         "friction: Isotropic(0.3), adhesion: Line(force: {force:?}, range: {:?})",
         2.0 * gap
     );
-    let mut run = Run::new(&pair.join(", "), "", &laws, 0.0, 1e-3);
+    let mut run = run_of(&pair.join(", "), "", &laws, 0.0, 1e-3);
     let distance = |run: &Run, node: usize| {
         let [a, b] = [0, 1].map(|i| run.world.state(i).positions[node]);
         (b - a).norm() - 2.0 * RADIUS
@@ -294,7 +276,7 @@ fn bonds_survive_a_snapshot() {
             share * weight()
         );
         let standing = hair(&Vector3::new(0.0, 0.0, RADIUS + 1e-7), &Vector3::z());
-        let new = || Run::new(&standing, GROUND, &laws, G, 1e-3);
+        let new = || run_of(&standing, GROUND, &laws, G, 1e-3);
         let mut run = new();
         for _ in 0..5 {
             run.step();

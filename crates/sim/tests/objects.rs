@@ -1,55 +1,19 @@
 //! Objects of all kinds among fibres: their friction, shapes and motion.
 
+mod common;
+
+use common::Run;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Soup, Terrain, shapes};
-use rapunzel_sim::{Bearing, Partner, Scene, SimError, StepReport, Stepper, World};
+use rapunzel_sim::{Bearing, Partner, Scene, SimError};
 use std::fmt::Write;
 use std::path::Path;
 
 /// Radius of the hairs of this file, m.
 const RADIUS: f64 = 3.5e-5;
 
-struct Run {
-    world: World,
-    stepper: Box<dyn Stepper>,
-    dt: f64,
-}
-
-impl Run {
-    fn new(scene: &Scene) -> Self {
-        let world = scene.build().expect("a world");
-        let stepper = scene.stepper_of(&world).expect("a stepper");
-        Self { dt: scene.stepper.dt, world, stepper }
-    }
-
-    fn step(&mut self) -> StepReport {
-        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
-        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
-        report
-    }
-
-    fn steps(&mut self, count: usize) {
-        for _ in 0..count {
-            self.step();
-        }
-    }
-
-    fn nodes(&self) -> impl Iterator<Item = Point3<f64>> {
-        (0..self.world.assembly().fibers().len()).flat_map(|i| self.world.state(i).positions)
-    }
-
-    /// Momentum of all fibres and free objects.
-    fn momentum(&self) -> Vector3<f64> {
-        let mut sum = Vector3::zeros();
-        for (i, fiber) in self.world.assembly().fibers().iter().enumerate() {
-            let n = fiber.segments();
-            for (a, v) in self.world.state(i).velocities.iter().enumerate() {
-                sum += fiber.mass() / n as f64 * if a == 0 || a == n { 0.5 } else { 1.0 } * v;
-            }
-        }
-        let bodies = (0..).map_while(|i| self.world.body(i));
-        sum + bodies.map(|body| body.mass() * body.velocity).sum::<Vector3<f64>>()
-    }
+fn nodes(run: &Run) -> impl Iterator<Item = Point3<f64>> {
+    (0..run.fibers()).flat_map(|fiber| run.positions(fiber))
 }
 
 fn hair(rest: &str) -> String {
@@ -126,7 +90,7 @@ fn hairs_land_on_a_terrain() {
     }
     assert!(active >= 3, "they lie on it: {active}");
     let field = ground.field(0.002).expect("a terrain");
-    for p in run.nodes() {
+    for p in nodes(&run) {
         let gap = field.value(&(p + Vector3::new(0.0, 0.0, 0.012))) - RADIUS;
         assert!(gap > -0.02 * 2.0 * RADIUS, "{gap}");
     }
@@ -175,7 +139,7 @@ fn a_mesh_is_read_from_beside_the_scene() {
         let mut run = Run::new(&scene(shape, folder.path()));
         let active = (0..40).map(|_| run.step().contact.active).max();
         assert!(active >= Some(2), "{shape}");
-        run.nodes().collect::<Vec<_>>()
+        nodes(&run).collect::<Vec<_>>()
     });
     // The grid of distances rounds edges by no more than half a diagonal of a cell.
     let error = ends[0].iter().zip(&ends[1]).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -316,7 +280,7 @@ fn a_clamped_root_that_is_pressed_is_told() {
     assert_eq!((found.fiber, found.segment), (0, 0));
     assert_eq!(found.partner, Partner::Object(0));
     assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");
-    assert!(run.nodes().all(|p| p.iter().all(|x| x.is_finite())));
+    assert!(nodes(&run).all(|p| p.iter().all(|x| x.is_finite())));
 }
 
 #[test]

@@ -85,20 +85,31 @@ impl Batch {
         }
     }
 
+    #[inline(always)]
+    fn axes(&self, k: usize) -> Axes {
+        let first = [self.first[0][k], self.first[1][k], self.first[2][k]];
+        let second = [self.second[0][k], self.second[1][k], self.second[2][k]];
+        let between = [self.between[0][k], self.between[1][k], self.between[2][k]];
+        Axes {
+            a: positive(dot(&first, &first)),
+            b: dot(&first, &second),
+            c: dot(&first, &between),
+            e: positive(dot(&second, &second)),
+            f: dot(&second, &between),
+            first,
+            second,
+            between,
+        }
+    }
+
     /// Sets all squared distances; whether these are good for all, as no axes are nearly parallel
     /// (or so large that their squares overflow).
     #[inline(always)]
     fn measure(&mut self) -> bool {
         let mut oblique = true;
         for k in 0..BATCH {
-            let (x, y, z) = (self.first[0][k], self.first[1][k], self.first[2][k]);
-            let (u, v, w) = (self.second[0][k], self.second[1][k], self.second[2][k]);
-            let (l, m, n) = (self.between[0][k], self.between[1][k], self.between[2][k]);
-            let a = positive(x * x + y * y + z * z);
-            let e = positive(u * u + v * v + w * w);
-            let b = x * u + y * v + z * w;
-            let c = x * l + y * m + z * n;
-            let f = u * l + v * m + w * n;
+            let pair = self.axes(k);
+            let Axes { a, b, c, e, f, .. } = pair;
             // One division for all three fractions.
             let determinant = a * e - b * b;
             let parallel = PARALLEL * a * e;
@@ -109,8 +120,7 @@ impl Batch {
             let s = clamped((c * e - b * f) * (inverse * a * e));
             let t = clamped((s * b - f) * per_e);
             let s = clamped((c + t * b) * per_a);
-            let (l, m, n) = (l + t * u - s * x, m + t * v - s * y, n + t * w - s * z);
-            self.squared[k] = l * l + m * m + n * n;
+            self.squared[k] = pair.squared(s, t);
             let sine = determinant * inverse * safe;
             self.sines[k] = sine;
             oblique &= sine >= PARALLEL;
@@ -124,26 +134,16 @@ impl Batch {
     #[inline(always)]
     fn measure_parallel(&mut self) {
         for k in 0..BATCH {
-            let (x, y, z) = (self.first[0][k], self.first[1][k], self.first[2][k]);
-            let (u, v, w) = (self.second[0][k], self.second[1][k], self.second[2][k]);
-            let (l, m, n) = (self.between[0][k], self.between[1][k], self.between[2][k]);
-            let a = positive(x * x + y * y + z * z);
-            let e = positive(u * u + v * v + w * w);
-            let b = x * u + y * v + z * w;
-            let c = x * l + y * m + z * n;
-            let f = u * l + v * m + w * n;
+            let pair = self.axes(k);
+            let Axes { a, b, c, e, f, .. } = pair;
             let (per_a, per_e) = (1.0 / a, 1.0 / e);
-            let squared = |s: f64, t: f64| {
-                let (l, m, n) = (l + t * u - s * x, m + t * v - s * y, n + t * w - s * z);
-                l * l + m * m + n * n
-            };
             let t = clamped((clamped((c * e - b * f) / (a * e - b * b)) * b - f) * per_e);
-            let mut least = squared(clamped((c + t * b) * per_a), t);
+            let mut least = pair.squared(clamped((c + t * b) * per_a), t);
             for other in [
-                squared(0.0, clamped(-f * per_e)),
-                squared(1.0, clamped((b - f) * per_e)),
-                squared(clamped(c * per_a), 0.0),
-                squared(clamped((c + b) * per_a), 1.0),
+                pair.squared(0.0, clamped(-f * per_e)),
+                pair.squared(1.0, clamped((b - f) * per_e)),
+                pair.squared(clamped(c * per_a), 0.0),
+                pair.squared(clamped((c + b) * per_a), 1.0),
             ] {
                 least = if other < least { other } else { least };
             }
@@ -151,6 +151,32 @@ impl Batch {
             self.squared[k] = if oblique { self.squared[k] } else { least };
         }
     }
+}
+
+/// The axes of one pair with their products, named as in [`crate::Capsule::closest`].
+struct Axes {
+    first: [f64; 3],
+    second: [f64; 3],
+    between: [f64; 3],
+    a: f64,
+    b: f64,
+    c: f64,
+    e: f64,
+    f: f64,
+}
+
+impl Axes {
+    /// Squared distance of the points at fractions `s` and `t`.
+    #[inline(always)]
+    fn squared(&self, s: f64, t: f64) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|i| self.between[i] + t * self.second[i] - s * self.first[i]);
+        x * x + y * y + z * z
+    }
+}
+
+#[inline(always)]
+fn dot(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
 #[inline(always)]

@@ -1,0 +1,57 @@
+//! A scene that is stepped, as the tests of contacts ask for it.
+#![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
+
+use nalgebra::{Point3, Vector3};
+use rapunzel_sim::{Scene, StepReport, Stepper, World};
+
+pub struct Run {
+    pub world: World,
+    pub stepper: Box<dyn Stepper>,
+    pub dt: f64,
+}
+
+impl Run {
+    pub fn new(scene: &Scene) -> Self {
+        let world = scene.build().expect("a world");
+        let stepper = scene.stepper_of(&world).expect("a stepper");
+        Self { dt: scene.stepper.dt, world, stepper }
+    }
+
+    pub fn read(text: &str) -> Self {
+        Self::new(&Scene::from_ron(text).unwrap_or_else(|error| panic!("{error} in {text}")))
+    }
+
+    /// A step whose contacts are all resolved.
+    pub fn step(&mut self) -> StepReport {
+        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
+        assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
+        report
+    }
+
+    pub fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            self.step();
+        }
+    }
+
+    pub fn fibers(&self) -> usize {
+        self.world.assembly().fibers().len()
+    }
+
+    pub fn positions(&self, fiber: usize) -> Vec<Point3<f64>> {
+        self.world.state(fiber).positions
+    }
+
+    /// Momentum of all fibres and free objects, kg m/s.
+    pub fn momentum(&self) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for (i, fiber) in self.world.assembly().fibers().iter().enumerate() {
+            let n = fiber.segments();
+            for (a, v) in self.world.state(i).velocities.iter().enumerate() {
+                sum += fiber.mass() / n as f64 * if a == 0 || a == n { 0.5 } else { 1.0 } * v;
+            }
+        }
+        let bodies = (0..).map_while(|i| self.world.body(i));
+        sum + bodies.map(|body| body.mass() * body.velocity).sum::<Vector3<f64>>()
+    }
+}
