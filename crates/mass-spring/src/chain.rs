@@ -81,8 +81,9 @@ impl Chain {
             system.time += dt;
             kick(system, 0.5 * dt);
             turn(system, &weights, &mut rates);
-            let wrong = system.positions.first_beyond();
-            if let Some(node) = wrong.or_else(|| system.velocities.first_beyond()) {
+            let all = 0..system.nodes();
+            let wrong = system.positions.first_beyond(all.clone());
+            if let Some(node) = wrong.or_else(|| system.velocities.first_beyond(all)) {
                 return Err(SpringError::BlownUp { step, node });
             }
         }

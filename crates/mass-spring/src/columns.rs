@@ -1,4 +1,5 @@
 use nalgebra::SVector;
+use std::ops::Range;
 
 /// Vectors of dimension `D`, stored component by component, so that loops over neighbors run in
 /// SIMD lanes.
@@ -103,10 +104,10 @@ impl<const D: usize> Columns<D> {
         self.0.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()))
     }
 
-    /// The first vector with a component beyond [`BEYOND`].
-    pub(crate) fn first_beyond(&self) -> Option<usize> {
+    /// The first vector among some with a component beyond [`BEYOND`].
+    pub(crate) fn first_beyond(&self, mut vectors: Range<usize>) -> Option<usize> {
         let sound = |column: &Vec<f64>, i: usize| column[i].abs() < BEYOND;
-        (0..self.len()).find(|&i| !self.0.iter().all(|column| sound(column, i)))
+        vectors.find(|&i| !self.0.iter().all(|column| sound(column, i)))
     }
 
     /// The first vector that is not finite.

@@ -65,43 +65,34 @@ fn add_chunk<const D: usize, const DAMPED: bool, const UNIFORM: bool>(
     forces: &mut Columns<D>,
 ) {
     let count = count.min(CHUNK);
-    let mut apart = [[0.0; CHUNK]; D];
-    let mut squared = [TINY; CHUNK];
-    let mut parting = [0.0; CHUNK];
-    for axis in 0..D {
-        let [a, b] = [i, j].map(|node| &x.0[axis][node..node + count]);
-        let [va, vb] = [i, j].map(|node| &v.0[axis][node..node + count]);
-        let apart = &mut apart[axis];
-        for s in 0..count {
-            let d = b[s] - a[s];
-            apart[s] = d;
-            squared[s] += d * d;
-            if DAMPED {
-                parting[s] += d * (vb[s] - va[s]);
-            }
-        }
-    }
+    let [a, b] = [i, j].map(|node| std::array::from_fn::<_, D, _>(|k| &x.0[k][node..node + count]));
+    let [va, vb] =
+        [i, j].map(|node| std::array::from_fn::<_, D, _>(|k| &v.0[k][node..node + count]));
     let stiffness = &springs.stiffness[first..first + count];
     let rest_length = &springs.rest_length[first..first + count];
     let damping = &springs.damping[first..first + count];
-    let mut factor = [0.0; CHUNK];
+    let mut pulls = [[0.0; CHUNK]; D];
     for s in 0..count {
         let of = if UNIFORM { 0 } else { s };
-        factor[s] = stiffness[of] * (1.0 - rest_length[of] / squared[s].sqrt());
+        let apart: [f64; D] = std::array::from_fn(|k| b[k][s] - a[k][s]);
+        let squared = apart.iter().fold(TINY, |sum, d| sum + d * d);
+        let mut factor = stiffness[of] * (1.0 - rest_length[of] / squared.sqrt());
         if DAMPED {
-            factor[s] += damping[of] * parting[s] / squared[s];
+            let parting: f64 = (0..D).map(|k| apart[k] * (vb[k][s] - va[k][s])).sum();
+            factor += damping[of] * parting / squared;
+        }
+        for k in 0..D {
+            pulls[k][s] = factor * apart[k];
         }
     }
-    for axis in 0..D {
-        let apart = &mut apart[axis];
-        let to = &mut forces.0[axis][i..i + count];
+    for (pulls, forces) in pulls.iter().zip(&mut forces.0) {
+        let to = &mut forces[i..i + count];
         for s in 0..count {
-            apart[s] *= factor[s];
-            to[s] += apart[s];
+            to[s] += pulls[s];
         }
-        let to = &mut forces.0[axis][j..j + count];
+        let to = &mut forces[j..j + count];
         for s in 0..count {
-            to[s] -= apart[s];
+            to[s] -= pulls[s];
         }
     }
 }

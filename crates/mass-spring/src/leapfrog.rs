@@ -26,8 +26,8 @@ impl<const D: usize> Leapfrog<D> {
 
     /// Moves the system by `steps` steps of `dt` seconds each: the sub-steps of the texts.
     ///
-    /// Every step goes through the system once: nodes move as soon as the last of their springs has
-    /// been seen, so that nothing comes from memory twice.
+    /// Every step goes through the system once, and nodes move as soon as the last of their springs
+    /// has been seen; so the next steps can follow while the numbers are still in the cache.
     ///
     /// # Errors
     /// [`SpringError::Parameter`] for the step; [`SpringError::BlownUp`], and then the system is not
@@ -58,8 +58,22 @@ struct Advance<'a, const D: usize> {
     steps: usize,
 }
 
+/// Steps of one call that follow each other through the system, a few runs of springs apart, so
+/// that its numbers come from memory once for all of them.
+const DEPTH: usize = 4;
+
+/// How far a step has come.
+struct Front<const D: usize> {
+    kick: Kick<D>,
+    /// The next run of springs.
+    run: usize,
+    /// Nodes that have moved.
+    done: usize,
+    /// The first node whose numbers are not sound any more.
+    fault: Option<usize>,
+}
+
 /// What a node does in a step once its forces are known.
-#[derive(Clone, Copy)]
 struct Kick<const D: usize> {
     dt: f64,
     /// Time by which positions move then.
@@ -78,52 +92,103 @@ impl<const D: usize> WithSimd for Advance<'_, D> {
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { system, forces, dt, steps } = self;
         system.positions.add_scaled(0.5 * dt, &system.velocities);
-        for step in 1..=steps {
-            let air = system.wind.at(system.time + 0.5 * dt) * system.drag;
-            let half = 0.5 * dt * system.drag;
-            let kick = Kick {
-                dt,
-                drift: if step < steps { dt } else { 0.5 * dt },
-                keep: 1.0 - half,
-                share: 1.0 / (1.0 + half),
-                common: std::array::from_fn(|axis| system.gravity[axis] + air[axis]),
-            };
-            let sound = one_step(system, forces, &kick);
-            system.time += dt;
-            if !sound {
-                let velocities = system.velocities.first_beyond();
-                let node = velocities.or_else(|| system.positions.first_beyond()).unwrap_or(0);
+        // Ties and bends wait for all nodes.
+        let tied = !system.supports.ties.is_empty();
+        let depth = if tied || !system.bends.is_empty() { 1 } else { DEPTH };
+        let mut begun = 0;
+        while begun < steps {
+            let together = depth.min(steps - begun);
+            let mut fronts: Vec<_> = (begun + 1..=begun + together)
+                .map(|step| {
+                    let drift = if step < steps { dt } else { 0.5 * dt };
+                    let kick = Kick::new(system, dt, drift);
+                    system.time += dt;
+                    Front { kick, run: 0, done: 0, fault: None }
+                })
+                .collect();
+            system.bends.iter().for_each(|bend| bend.add_forces(&system.positions, forces));
+            go_together(system, forces, &mut fronts, tied);
+            let faults = fronts.iter().zip(begun + 1..);
+            if let Some((node, step)) = faults.filter_map(|(f, step)| Some((f.fault?, step))).next()
+            {
                 return Err(SpringError::BlownUp { step, node });
             }
+            begun += together;
         }
         Ok(())
     }
 }
 
-/// Whether the numbers are still sound.
-#[inline(always)]
-fn one_step<const D: usize>(
-    system: &mut System<D>,
-    forces: &mut Columns<D>,
-    kick: &Kick<D>,
-) -> bool {
-    for (&node, load) in &system.loads {
-        forces.add(node, load);
-    }
-    system.bends.iter().for_each(|bend| bend.add_forces(&system.positions, forces));
-    let mut sound = true;
-    let mut done = 0;
-    for k in 0..system.springs.runs.len() {
-        let run = system.springs.runs[k];
-        add_run(&system.springs, &run, &system.positions, &system.velocities, forces);
-        let frontier = run.frontier.min(system.nodes());
-        if frontier > done {
-            sound &= move_free(system, forces, kick, done..frontier);
-            done = frontier;
+impl<const D: usize> Kick<D> {
+    fn new(system: &System<D>, dt: f64, drift: f64) -> Self {
+        let air = system.wind.at(system.time + 0.5 * dt) * system.drag;
+        let half = 0.5 * dt * system.drag;
+        Self {
+            dt,
+            drift,
+            keep: 1.0 - half,
+            share: 1.0 / (1.0 + half),
+            common: std::array::from_fn(|axis| system.gravity[axis] + air[axis]),
         }
     }
-    sound &= move_free(system, forces, kick, done..system.nodes());
-    sound & move_guided(system, forces, kick)
+}
+
+/// Takes steps that follow each other through the system.
+#[inline(always)]
+fn go_together<const D: usize>(
+    system: &mut System<D>,
+    forces: &mut Columns<D>,
+    fronts: &mut [Front<D>],
+    tied: bool,
+) {
+    let nodes = system.nodes();
+    while fronts.last().is_some_and(|last| last.done < nodes) {
+        for k in 0..fronts.len() {
+            let bound = if k == 0 { nodes } else { fronts[k - 1].done };
+            while fronts[k].go(system, forces, bound, tied) && k > 0 {}
+        }
+    }
+}
+
+impl<const D: usize> Front<D> {
+    /// Takes the next run of springs and moves the nodes that it was the last one of. Does nothing,
+    /// and says so, where the step is over or needs nodes from `bound` on.
+    #[inline(always)]
+    fn go(
+        &mut self,
+        system: &mut System<D>,
+        forces: &mut Columns<D>,
+        bound: usize,
+        tied: bool,
+    ) -> bool {
+        let nodes = system.nodes();
+        let run = system.springs.runs.get(self.run).copied();
+        let (end, frontier) = match run {
+            Some(run) if tied => (run.end(), 0),
+            Some(run) => (run.end(), run.frontier.min(nodes)),
+            None => (nodes, nodes),
+        };
+        if self.done == nodes || end.max(frontier) > bound {
+            return false;
+        }
+        if let Some(run) = run {
+            add_run(&system.springs, &run, &system.positions, &system.velocities, forces);
+            self.run += 1;
+        }
+        if frontier > self.done {
+            let range = self.done..frontier;
+            self.done = frontier;
+            for (&node, load) in system.loads.range(range.clone()) {
+                forces.add(node, load);
+            }
+            let sound = move_free(system, forces, &self.kick, range.clone())
+                & move_guided(system, forces, &self.kick, range.clone());
+            if !sound && self.fault.is_none() {
+                self.fault = system.velocities.first_beyond(range);
+            }
+        }
+        true
+    }
 }
 
 /// Moves the free nodes among some.
@@ -185,12 +250,14 @@ fn move_column<const D: usize>(
     bits
 }
 
-/// Moves the nodes on supports, once all forces are known, and says whether they are still sound.
+/// Moves the nodes on supports among some, and says whether they are still sound. Tied nodes ask
+/// for the forces of all.
 #[inline(always)]
 fn move_guided<const D: usize>(
     system: &mut System<D>,
     forces: &mut Columns<D>,
     kick: &Kick<D>,
+    nodes: Range<usize>,
 ) -> bool {
     let mut sound = true;
     let kicked = |velocity: f64, acceleration: f64, axis: usize| {
@@ -208,7 +275,11 @@ fn move_guided<const D: usize>(
         let velocity = kicked(v[first], force / mass, tie.axis);
         tie.nodes.iter().for_each(|&node| v[node] = velocity);
     }
-    for &(node, guides) in &supports.guided {
+    let from = supports.guided.partition_point(|(node, _)| *node < nodes.start);
+    for &(node, guides) in &supports.guided[from..] {
+        if node >= nodes.end {
+            break;
+        }
         for axis in 0..D {
             let v = &mut system.velocities.0[axis][node];
             if guides[axis] == Guide::Free {

@@ -70,7 +70,9 @@ pub fn runge_kutta<const D: usize>(
             at_x.add_scaled(next * dt, &velocity);
             at_v.add_scaled(next * dt, &a);
         }
-        if let Some(node) = new_x.first_beyond().or_else(|| new_v.first_beyond()) {
+        let all = 0..system.nodes();
+        let wrong = new_x.first_beyond(all.clone()).or_else(|| new_v.first_beyond(all));
+        if let Some(node) = wrong {
             return Err(SpringError::BlownUp { step, node });
         }
         (system.positions, system.velocities) = (new_x, new_v);

@@ -82,6 +82,13 @@ pub(crate) struct Run {
     pub(crate) frontier: usize,
 }
 
+impl Run {
+    /// No node from here on is touched.
+    pub(crate) fn end(&self) -> usize {
+        self.i.max(self.j) + self.count
+    }
+}
+
 /// Longer runs are cut, so that what they touch stays in the cache until it is used again.
 const LONGEST_RUN: usize = 1024;
 
