@@ -210,27 +210,23 @@ fn apply_chunk<const D: usize>(
         return;
     }
     let count = count.min(CHUNK);
+    let [a, b] = [i, j].map(|node| std::array::from_fn::<_, D, _>(|k| &z.0[k][node..node + count]));
+    let w: [_; D] = std::array::from_fn(|k| &tangent.axial.0[k][first..first + count]);
+    let isotropic = &tangent.isotropic[first..first + count];
     let mut change = [[0.0; CHUNK]; D];
-    let mut along = [0.0; CHUNK];
-    for axis in 0..D {
-        let [a, b] = [i, j].map(|node| &z.0[axis][node..node + count]);
-        let w = &tangent.axial.0[axis][first..first + count];
-        let change = &mut change[axis];
-        for s in 0..count {
-            change[s] = b[s] - a[s];
-            along[s] += w[s] * change[s];
+    for s in 0..count {
+        let apart: [f64; D] = std::array::from_fn(|k| b[k][s] - a[k][s]);
+        let along: f64 = (0..D).map(|k| w[k][s] * apart[k]).sum();
+        for k in 0..D {
+            change[k][s] = isotropic[s] * apart[k] + w[k][s] * along;
         }
     }
-    let isotropic = &tangent.isotropic[first..first + count];
-    for axis in 0..D {
-        let w = &tangent.axial.0[axis][first..first + count];
-        let change = &mut change[axis];
-        let to = &mut y.0[axis][i..i + count];
+    for (change, y) in change.iter().zip(&mut y.0) {
+        let to = &mut y[i..i + count];
         for s in 0..count {
-            change[s] = isotropic[s] * change[s] + w[s] * along[s];
             to[s] -= change[s];
         }
-        let to = &mut y.0[axis][j..j + count];
+        let to = &mut y[j..j + count];
         for s in 0..count {
             to[s] += change[s];
         }
