@@ -15,6 +15,6 @@ pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
 pub use linear::{Linearization, Mode, linearize};
-pub use response::{ImpulseResponse, Point};
+pub use response::{ImpulseResponse, Point, PointResponses};
 pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
 pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};

@@ -5,7 +5,8 @@ use nalgebra::{
 };
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Point, Rod, StaggeredBatch, Steady, StepReport,
+    Conditions, ImpulseResponse, Instant, Point, PointResponses, Rod, StaggeredBatch, Steady,
+    StepReport,
 };
 
 const SEGMENTS: usize = 40;
@@ -191,6 +192,37 @@ fn weights_add_to_the_inverse() {
     assert!((&weighted - &expected).amax() < 1e-7 * w.amax(), "weighted response");
     assert!((&weighted - &w).amax() > 1e-2 * w.amax(), "the weights matter");
     assert_eq!(matrix(&mut batch), w, "the rods' own response is left alone");
+}
+
+/// What is written out is what each point answers by itself, whoever else is in the batch.
+#[test]
+fn points_that_are_written_out_answer_alike() {
+    let (mut batch, _) = falling(3, 1e-3);
+    let points = [(2, 39, 1.0), (0, 20, 0.5), (1, 17, 0.3), (1, 17, 0.8), (0, 5, 0.0), (2, 0, 0.4)]
+        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+    let all = batch.write_out(&points).expect("points on the fibres");
+    assert_eq!(
+        all.iter().map(|one| one.points.clone()).collect::<Vec<_>>(),
+        [[4, 1], [2, 3], [5, 0]]
+    );
+    for PointResponses { points: own, matrix } in &all {
+        assert_eq!(matrix, &matrix.transpose());
+        for (row, &i) in own.iter().enumerate() {
+            for k in 0..3 {
+                let mut impulses = [Vector3::zeros(); 6];
+                impulses[i][k] = 1.0;
+                let mut velocities = [Vector3::zeros(); 6];
+                batch.respond_at(&points, &impulses, &mut velocities).expect("lengths");
+                for (column, &j) in own.iter().enumerate() {
+                    let found = matrix.fixed_view::<3, 1>(3 * column, 3 * row + k);
+                    let away = (found - velocities[j]).amax();
+                    assert!(away <= 1e-12 * matrix.amax(), "{i} to {j}: {away}");
+                }
+            }
+        }
+    }
+    let off = Point { fiber: 3, ..points[0] };
+    assert!(batch.write_out(&[off]).is_err());
 }
 
 /// An impulse at a point is its shares on the two nodes, and its velocity is interpolated alike.

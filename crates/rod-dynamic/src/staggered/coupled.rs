@@ -4,7 +4,7 @@ use super::batch::StaggeredBatch;
 use super::response::Inertia;
 use super::scheme::Problem;
 use super::search::Outcome;
-use crate::{Conditions, ImpulseResponse, Point, RodError, StepError, StepReport};
+use crate::{Conditions, ImpulseResponse, Point, PointResponses, RodError, StepError, StepReport};
 use nalgebra::{Matrix3, Vector3};
 
 impl StaggeredBatch {
@@ -290,6 +290,11 @@ impl ImpulseResponse for StaggeredBatch {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError> {
         self.answer(points, impulses, Inertia::Weighted, velocities)
+    }
+
+    fn write_out(&mut self, points: &[Point]) -> Result<Vec<PointResponses>, RodError> {
+        self.check_points(points)?;
+        Ok(self.engine.write_out(points))
     }
 
     fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError> {

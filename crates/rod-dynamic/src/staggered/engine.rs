@@ -7,7 +7,7 @@ use super::response::Inertia;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Energy, Instant, Point, Rod, RodState};
+use crate::{Energy, Instant, Point, PointResponses, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
@@ -53,6 +53,8 @@ pub(super) trait Engine: Send {
         inertia: Inertia,
         out: &mut [Vector3<f64>],
     );
+    /// How points of the same fibre answer impulses on each other, for fibres with any.
+    fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses>;
     fn weigh(&mut self, points: &[Point], masses: &[f64]);
     /// Sets the impulses on the nodes of one lane at the start of the step; none acts any more
     /// once a step is set out on anew.
@@ -214,6 +216,9 @@ impl<S: Simd> Engine for Pack<S> {
                 out[i] = before + point.fraction * (behind - before);
             }
         }
+    }
+    fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses> {
+        Self::write_out(self, points)
     }
     fn weigh(&mut self, points: &[Point], masses: &[f64]) {
         Self::weigh(self, points, masses);

@@ -165,47 +165,55 @@ impl<S: Simd> Factor<S> {
             right_ft: self.matrix(simd, at + 21),
             right_tt: self.matrix(simd, at + 30),
             w: Lane::new(simd, row[39]),
-            rhs: [V3::load(simd, &row[RHS..], 0), V3::load(simd, &row[RHS..], 1)],
         }
     }
 
     /// Solves backward from the eliminated right-hand sides; `x` has 6 entries a segment.
     #[inline(always)]
     pub(super) fn back_substitute(&self, simd: S, x: &mut [S::f64s]) {
-        self.back_substitute_to(simd, 0, x);
-    }
-
-    /// The same for segment `first` and those behind it.
-    #[inline(always)]
-    fn back_substitute_to(&self, simd: S, first: usize, x: &mut [S::f64s]) {
-        let mut force = V3::splat(simd, 0.0);
-        let mut turn = force;
-        for e in (first..self.n).rev() {
-            let row = self.row(simd, e);
-            // Behind the last segment there is nothing: its coupling multiplies zeros.
-            let [df, dt] = row.right(force, turn);
-            force = row.rhs[0] - df;
-            turn = row.rhs[1] - dt;
-            store(x, 2 * e, force);
-            store(x, 2 * e + 1, turn);
+        let mut behind = [V3::splat(simd, 0.0); 2];
+        for e in (0..self.n).rev() {
+            let rhs = &self.data[STRIDE * e + RHS..];
+            let rhs = [V3::load(simd, rhs, 0), V3::load(simd, rhs, 1)];
+            behind = self.row(simd, e).substitute(rhs, behind);
+            store(x, 2 * e, behind[0]);
+            store(x, 2 * e + 1, behind[1]);
         }
     }
 
-    /// Solves for loads on the constraint rows (3 a segment), without torques, in segment `first` and
-    /// those behind it. Segments before it must have no load.
+    /// Solves for `K` sets of loads on the constraint rows (3 a segment), without torques, in
+    /// segment `first` and those behind it. Segments before it must have no load.
     #[inline(always)]
-    pub(super) fn solve(&mut self, simd: S, first: usize, loads: &[S::f64s], x: &mut [S::f64s]) {
+    pub(super) fn solve<const K: usize>(
+        &self,
+        simd: S,
+        first: usize,
+        loads: &[S::f64s],
+        x: &mut [S::f64s],
+    ) {
         let zero = V3::splat(simd, 0.0);
-        let mut carry = [zero; 2];
+        let mut carry = [[zero; 2]; K];
         for e in first..self.n {
             let row = self.row(simd, e);
-            let (load, torque) = (V3::load(simd, loads, e) - carry[0], zero - carry[1]);
-            let [force, turn] = row.inverse.apply(load, torque);
-            store(&mut self.data[STRIDE * e + RHS..], 0, force);
-            store(&mut self.data[STRIDE * e + RHS..], 1, turn);
-            carry = row.right_transposed(force, load, torque);
+            for (k, carry) in carry.iter_mut().enumerate() {
+                let i = K * e + k;
+                let (load, torque) = (V3::load(simd, loads, i) - carry[0], zero - carry[1]);
+                let [force, turn] = row.inverse.apply(load, torque);
+                store(x, 2 * i, force);
+                store(x, 2 * i + 1, turn);
+                *carry = row.right_transposed(force, load, torque);
+            }
         }
-        self.back_substitute_to(simd, first, x);
+        let mut behind = [[zero; 2]; K];
+        for e in (first..self.n).rev() {
+            let row = self.row(simd, e);
+            for (k, behind) in behind.iter_mut().enumerate() {
+                let i = 2 * (K * e + k);
+                *behind = row.substitute([V3::load(simd, x, i), V3::load(simd, x, i + 1)], *behind);
+                store(x, i, behind[0]);
+                store(x, i + 1, behind[1]);
+            }
+        }
     }
 
     /// The force-force blocks of the inverse: diagonal (6 a segment) and, in the row of the
@@ -249,23 +257,23 @@ impl<S: Simd> Inverse<S> {
     }
 }
 
-/// The factors of one segment: `D^-1`, the columns of turns of `D^-1 B`, `w`, right-hand side.
+/// The factors of one segment: `D^-1`, the columns of turns of `D^-1 B`, `w`.
 struct Row<S: Simd> {
     inverse: Inverse<S>,
     right_ft: M3<S>,
     right_tt: M3<S>,
     w: Lane<S>,
-    rhs: [V3<S>; 2],
 }
 
 impl<S: Simd> Row<S> {
-    /// `D^-1 B [force; turn]`.
+    /// The solution here, from the eliminated right-hand side and the solution of the segment
+    /// behind. Behind the last one there is nothing: its coupling multiplies zeros.
     #[inline(always)]
-    fn right(&self, force: V3<S>, turn: V3<S>) -> [V3<S>; 2] {
-        let force = force.scale(self.w);
+    fn substitute(&self, [force, turn]: [V3<S>; 2], behind: [V3<S>; 2]) -> [V3<S>; 2] {
+        let pull = behind[0].scale(self.w);
         [
-            self.inverse.ff.apply(force) + self.right_ft.apply(turn),
-            self.inverse.ft.apply_transposed(force) + self.right_tt.apply(turn),
+            force - (self.inverse.ff.apply(pull) + self.right_ft.apply(behind[1])),
+            turn - (self.inverse.ft.apply_transposed(pull) + self.right_tt.apply(behind[1])),
         ]
     }
 

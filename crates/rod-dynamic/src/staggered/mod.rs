@@ -17,6 +17,7 @@ mod coupled;
 mod ends;
 mod engine;
 mod equilibrium;
+mod explicit;
 mod factor;
 mod lanes;
 mod pack;

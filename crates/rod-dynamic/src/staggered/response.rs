@@ -62,10 +62,64 @@ pub(super) enum Inertia {
 }
 
 /// What is asked of the factorised step.
-enum Question<'a> {
+enum Question<'a, S: Simd> {
     Respond(Inertia, usize),
+    RespondThrice(usize, &'a mut Columns<S>),
     Blocks,
     Weigh(&'a [Point], &'a [f64]),
+}
+
+/// Three sets of impulses on all nodes, to be replaced by mean velocities: `3 a + k` is the vector
+/// of node `a` in set `k`.
+pub(super) struct Columns<S: Simd> {
+    pub(super) values: Array<S>,
+    loads: Array<S>,
+    solution: Array<S>,
+}
+
+impl<S: Simd> Columns<S> {
+    pub(super) fn new(n: usize) -> Self {
+        let (values, loads) = (zeros::<S>(9 * (n + 1)), zeros::<S>(9 * n));
+        Self { values, loads, solution: zeros::<S>(18 * n) }
+    }
+}
+
+/// Replaces `K` sets of impulses by the mean velocities that they cause, from node `from` on, with
+/// the inverse masses `w` and the factors of their inertia. The columns are the values, and room for
+/// loads and solutions.
+#[inline(always)]
+fn answer<S: Simd, const K: usize>(
+    stage: &Stage<S>,
+    w: &[S::f64s],
+    factor: &Factor<S>,
+    from: usize,
+    [values, loads, solution]: [&mut [S::f64s]; 3],
+) {
+    let simd = stage.dt.simd();
+    let n = w.len() - 1;
+    let gain = stage.c1 * stage.dt;
+    let first = from.saturating_sub(1);
+    for e in first..n {
+        let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
+        for i in K * e..K * (e + 1) {
+            let (before, here) = (V3::load(simd, values, i), V3::load(simd, values, i + K));
+            store(loads, i, (before.scale(w0) - here.scale(w1)).scale(gain));
+        }
+    }
+    factor.solve::<K>(simd, first, loads, solution);
+    let rate = stage.dt.recip();
+    for a in from..=n {
+        for i in K * a..K * (a + 1) {
+            let mut sum = V3::load(simd, values, i).scale(gain);
+            if a < n {
+                sum += V3::load(simd, solution, 2 * i);
+            }
+            if a > 0 {
+                sum -= V3::load(simd, solution, 2 * (i - K));
+            }
+            store(values, i, sum.scale(Lane::new(simd, w[a]) * rate));
+        }
+    }
 }
 
 impl<S: Simd> Pack<S> {
@@ -73,6 +127,11 @@ impl<S: Simd> Pack<S> {
     /// it. No node before it may have an impulse; what is theirs in the workspace is left alone.
     pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
         self.ask(Question::Respond(inertia, from));
+    }
+
+    /// The same for three sets of impulses at once, in columns of their own.
+    pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut Columns<S>) {
+        self.ask(Question::RespondThrice(from, columns));
     }
 
     /// Computes the diagonal blocks of all nodes.
@@ -85,8 +144,8 @@ impl<S: Simd> Pack<S> {
         self.ask(Question::Weigh(points, masses));
     }
 
-    fn ask(&mut self, question: Question<'_>) {
-        struct Ask<'a, 'b, S: Simd>(&'a mut Pack<S>, Question<'b>);
+    fn ask(&mut self, question: Question<'_, S>) {
+        struct Ask<'a, 'b, S: Simd>(&'a mut Pack<S>, Question<'b, S>);
         impl<S: Simd> NullaryFnOnce for Ask<'_, '_, S> {
             type Output = ();
             #[inline(always)]
@@ -95,6 +154,12 @@ impl<S: Simd> Pack<S> {
                 match self.1 {
                     Question::Respond(inertia, from) => {
                         self.0.solve_response(&stage, inertia, from);
+                    }
+                    Question::RespondThrice(from, columns) => {
+                        let Columns { values, loads, solution } = columns;
+                        let chain = &self.0.chain;
+                        let columns = [&mut values[..], &mut loads[..], &mut solution[..]];
+                        answer::<S, 3>(&stage, &chain.w, &chain.factor, from, columns);
                     }
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
@@ -108,32 +173,13 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
-        let (simd, n) = (self.chain.simd, self.chain.n);
-        let (chain, work) = (&mut self.chain, &mut self.work);
+        let (chain, work) = (&self.chain, &mut self.work);
         let (w, factor) = match inertia {
-            Inertia::Own => (&chain.w, &mut chain.factor),
-            Inertia::Weighted => (&work.w, &mut work.weighted),
+            Inertia::Own => (&chain.w, &chain.factor),
+            Inertia::Weighted => (&work.w, &work.weighted),
         };
-        let gain = stage.c1 * stage.dt;
-        let first = from.saturating_sub(1);
-        for e in first..n {
-            let (before, here) =
-                (V3::load(simd, &work.values, e), V3::load(simd, &work.values, e + 1));
-            let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
-            store(&mut work.loads, e, (before.scale(w0) - here.scale(w1)).scale(gain));
-        }
-        factor.solve(simd, first, &work.loads, &mut work.solution);
-        let rate = stage.dt.recip();
-        for a in from..=n {
-            let mut sum = V3::load(simd, &work.values, a).scale(gain);
-            if a < n {
-                sum += V3::load(simd, &work.solution, 2 * a);
-            }
-            if a > 0 {
-                sum -= V3::load(simd, &work.solution, 2 * (a - 1));
-            }
-            store(&mut work.values, a, sum.scale(Lane::new(simd, w[a]) * rate));
-        }
+        let columns = [&mut work.values[..], &mut work.loads[..], &mut work.solution[..]];
+        answer::<S, 1>(stage, w, factor, from, columns);
     }
 
     #[inline(always)]

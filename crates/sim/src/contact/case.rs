@@ -160,10 +160,10 @@ impl Case {
         let points = select(&self.points, &mut used);
         let levers = select(&self.levers, &mut used);
         let mut free = world.free_bodies(&levers)?;
-        let groups = world.groups.iter_mut().zip(&points);
+        let groups = world.groups.par_iter_mut().zip(&points);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
-            .collect();
+            .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
