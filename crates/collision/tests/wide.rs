@@ -148,19 +148,22 @@ proptest! {
         let mut list = Candidates::new(reach, margin).expect("valid");
         let mut positions = start;
         for (ways, size) in steps {
-            // By more than the margin, or by less.
+            // By more than the margin, or by less; then to nearly the same place, or less nearly.
             let next = displaced(&positions, &ways, size);
-            let [start, end] = [&positions, &next].map(|p| Capsules::new(&layout, p, &radii));
-            let found = list.on_the_way(&start.expect("valid"), &end.expect("valid"));
-            let mut found = found.expect("the same segments").to_vec();
-            found.sort_unstable();
-            prop_assert!(found.windows(2).all(|two| two[0] != two[1]), "a pair is found twice");
-            for time in [0.0, 0.2, 0.5, 0.9, 1.0] {
-                let between: Vec<_> =
-                    positions.iter().zip(&next).map(|(a, b)| a + time * (b - a)).collect();
-                let capsules = Capsules::new(&layout, &between, &radii).expect("valid");
-                for contact in all_contacts(&capsules, reach) {
-                    prop_assert!(found.binary_search(&contact.pair).is_ok(), "{:?}", contact);
+            let ends = [0.0, 0.2, 1.0].map(|part| displaced(&next, &ways, part * margin));
+            for next in &ends {
+                let [start, end] = [&positions, next].map(|p| Capsules::new(&layout, p, &radii));
+                let found = list.on_the_way(&start.expect("valid"), &end.expect("valid"));
+                let mut found = found.expect("the same segments").to_vec();
+                found.sort_unstable();
+                prop_assert!(found.windows(2).all(|two| two[0] != two[1]), "a pair is found twice");
+                for time in [0.0, 0.2, 0.5, 0.9, 1.0] {
+                    let between: Vec<_> =
+                        positions.iter().zip(next).map(|(a, b)| a + time * (b - a)).collect();
+                    let capsules = Capsules::new(&layout, &between, &radii).expect("valid");
+                    for contact in all_contacts(&capsules, reach) {
+                        prop_assert!(found.binary_search(&contact.pair).is_ok(), "{:?}", contact);
+                    }
                 }
             }
             positions = next;

@@ -51,7 +51,21 @@ impl Anderson {
         residual: &[Vector3<f64>],
         state: &mut [Vector3<f64>],
     ) {
-        let norm = dot(weights, residual, residual).sqrt();
+        let remembers = self.norm.is_some();
+        let slot = self.steps % self.depth;
+        if remembers {
+            if self.residuals.len() <= slot {
+                self.residuals.push(Vec::new());
+                self.images.push(Vec::new());
+            }
+            let old = (&self.residual, &self.image);
+            difference(&mut self.residuals[slot], residual, old.0, None);
+            difference(&mut self.images[slot], residual, old.1, Some(state));
+        }
+        let count = (self.steps + usize::from(remembers)).min(self.depth);
+        let newest = remembers.then_some(slot);
+        let products = products(weights, &self.residuals[..count], newest, residual);
+        let norm = products.norm.sqrt();
         if let Some(before) = self.norm
             && (norm > GROWTH * before || norm.is_nan())
         {
@@ -60,19 +74,9 @@ impl Anderson {
             self.forget();
             return;
         }
-        if self.norm.is_some() {
-            let slot = self.steps % self.depth;
-            if self.residuals.len() <= slot {
-                self.residuals.push(Vec::new());
-                self.images.push(Vec::new());
-            }
-            let old = (&self.residual, &self.image);
-            difference(&mut self.residuals[slot], residual, old.0, None);
-            difference(&mut self.images[slot], residual, old.1, Some(state));
+        if remembers {
             self.steps += 1;
-            let count = self.steps.min(self.depth);
-            for i in 0..count {
-                let entry = dot(weights, &self.residuals[slot], &self.residuals[i]);
+            for (i, &entry) in products.with_newest.iter().enumerate() {
                 (self.gram[(slot, i)], self.gram[(i, slot)]) = (entry, entry);
             }
         }
@@ -81,16 +85,12 @@ impl Anderson {
         self.residual.extend_from_slice(residual);
         self.image.clear();
         self.image.extend(state.iter().zip(residual).map(|(h, f)| h + f));
-        let count = self.steps.min(self.depth);
-        let right = DVector::from_iterator(
-            count,
-            (0..count).map(|i| dot(weights, &self.residuals[i], residual)),
-        );
         let mut gram = self.gram.view((0, 0), (count, count)).into_owned();
         let ridge = RIDGE * gram.amax();
         for i in 0..count {
             gram[(i, i)] += ridge;
         }
+        let right = DVector::from_vec(products.with_residual);
         let shares = gram.cholesky().map(|cholesky| cholesky.solve(&right));
         state.copy_from_slice(&self.image);
         if let Some(shares) = shares.filter(|shares| shares.iter().all(|x| x.is_finite())) {
@@ -104,6 +104,46 @@ impl Anderson {
                 }
             });
         }
+    }
+}
+
+/// Weighted products of what is remembered.
+struct Products {
+    /// Of the residual with itself.
+    norm: f64,
+    /// Of every difference of residuals with the newest one, if there is one.
+    with_newest: Vec<f64>,
+    /// Of every difference with the residual.
+    with_residual: Vec<f64>,
+}
+
+/// All products in one pass, summed in a fixed order.
+fn products(
+    weights: &[f64],
+    differences: &[Vec<Vector3<f64>>],
+    newest: Option<usize>,
+    residual: &[Vector3<f64>],
+) -> Products {
+    let part = |start: usize| {
+        let range = start..residual.len().min(start + CHUNK);
+        let (weights, residual) = (&weights[range.clone()], &residual[range.clone()]);
+        let newest = newest.map(|slot| &differences[slot][range.clone()]);
+        let mut sums = vec![dot(weights, residual, residual)];
+        sums.extend(differences.iter().map(|d| dot(weights, &d[range.clone()], residual)));
+        let with = |newest| differences.iter().map(move |d| (d, newest));
+        let pairs = newest.into_iter().flat_map(with);
+        sums.extend(pairs.map(|(d, newest)| dot(weights, &d[range.clone()], newest)));
+        sums
+    };
+    let starts: Vec<usize> = (0..residual.len()).step_by(CHUNK).collect();
+    let parts: Vec<Vec<f64>> = starts.into_par_iter().map(part).collect();
+    let sum = |i: usize| parts.iter().map(|sums| sums[i]).sum::<f64>();
+    let count = differences.len();
+    let newest = if newest.is_some() { count } else { 0 };
+    Products {
+        norm: sum(0),
+        with_residual: (1..=count).map(sum).collect(),
+        with_newest: (count + 1..=count + newest).map(sum).collect(),
     }
 }
 
@@ -123,13 +163,7 @@ fn difference(
     }
 }
 
-/// The weighted product, summed in a fixed order.
+/// The weighted product.
 fn dot(weights: &[f64], a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    let parts: Vec<f64> = a
-        .par_chunks(CHUNK)
-        .zip(b.par_chunks(CHUNK))
-        .zip(weights.par_chunks(CHUNK))
-        .map(|((a, b), w)| a.iter().zip(b).zip(w).map(|((a, b), w)| w * a.dot(b)).sum())
-        .collect();
-    parts.iter().sum()
+    a.iter().zip(b).zip(weights).map(|((a, b), w)| w * a.dot(b)).sum()
 }

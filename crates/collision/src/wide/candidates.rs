@@ -1,6 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
+use super::way::Way;
 use super::{NONE, Tree};
 use crate::capsules::length;
 use crate::narrow::{self, Contact, squared_distances};
@@ -10,6 +11,8 @@ use rayon::prelude::*;
 
 /// A tree that has grown this much costlier than it was when new is built anew.
 const WORN: f64 = 1.5;
+/// By how many margins ends of motions may be apart to have the same pairs.
+const SLACK: f64 = 2.0;
 /// Parts in which motion is followed, each by one thread at a time.
 const PARTS: usize = 16;
 
@@ -40,8 +43,8 @@ struct List {
     hulls: Vec<Bounds>,
     /// Region of every segment: its block of the tree's second level.
     regions: Vec<u32>,
-    /// Pairs of the last motion that the list did not cover.
-    swept: Vec<Pair>,
+    /// The last motion.
+    way: Way,
     /// Room for the squared distances of all pairs, m².
     squared: Vec<f64>,
 }
@@ -102,24 +105,29 @@ impl Candidates {
         start: &Capsules,
         end: &Capsules,
     ) -> Result<&[Pair], CollisionError> {
-        let margin = self.margin;
+        let (grow, slack) = (self.reach + self.margin, SLACK * self.margin);
         if self.list.is_none() {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
-        if list.stays_complete([start, end], margin)? {
-            return Ok(&list.pairs);
-        }
-        if list.positions != start.positions() {
-            let grow = self.reach + margin;
-            list.renew(start, grow)?;
-            if list.stays_complete([start, end], margin)? {
-                return Ok(&list.pairs);
+        let begun = list.way.begins(start);
+        if !(begun && list.way.ends_near(end, slack)) {
+            let mut complete = list.stays_complete([start, end], self.margin)?;
+            if !complete && list.positions != start.positions() {
+                list.renew(start, grow)?;
+                complete = list.stays_complete([start, end], self.margin)?;
+            }
+            if !complete {
+                list.tree.refit_swept(start, end, 0.5 * (self.reach + slack))?;
+                let mut swept = Vec::new();
+                list.tree.pairs(&mut swept);
+                list.way = Way::new(start, Some(end), swept);
+            } else if !(begun && list.way.listed()) {
+                list.way = Way::new(start, None, list.pairs.clone());
             }
         }
-        list.tree.refit_swept(start, end, 0.5 * self.reach)?;
-        list.tree.pairs(&mut list.swept);
-        Ok(&list.swept)
+        list.way.go(start, end, self.reach);
+        Ok(&list.way.near)
     }
 
     /// All contacts with gaps of at most the reach, as [`crate::contacts`] finds them.
@@ -165,7 +173,7 @@ impl List {
             positions: Vec::new(),
             hulls: Vec::new(),
             regions,
-            swept: Vec::new(),
+            way: Way::default(),
             squared: Vec::new(),
         };
         list.search(capsules, grow);
@@ -185,6 +193,7 @@ impl List {
 
     /// Lists all pairs whose grown boxes meet, but those with gaps of more than `grow`, m.
     fn search(&mut self, capsules: &Capsules, grow: f64) {
+        self.way = Way::default();
         self.tree.pairs(&mut self.pairs);
         self.sift(capsules, grow);
         self.hulls.clone_from(&self.tree.levels[1].hulls);

@@ -11,6 +11,7 @@ mod build;
 mod candidates;
 mod pairs;
 mod refit;
+mod way;
 
 use crate::capsules::{count, length};
 use crate::{Capsules, CollisionError, Pair};

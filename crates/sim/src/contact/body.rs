@@ -1,6 +1,7 @@
 //! Fibres as bodies of the contact solver.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use pulp::{Arch, NullaryFnOnce};
 use rapunzel_contact::{Body, ContactError};
 use rapunzel_rod_dynamic::{ImpulseResponse, Point, PointResponses, RodError, StaggeredBatch};
 
@@ -24,7 +25,7 @@ struct Explicit {
     /// With the masses added.
     weighted: DMatrix<f64>,
     /// Impulses and velocities.
-    room: [DVector<f64>; 2],
+    room: [Vec<f64>; 2],
 }
 
 impl<'a> Fibers<'a> {
@@ -49,7 +50,7 @@ impl<'a> Fibers<'a> {
 impl Explicit {
     fn new(own: PointResponses) -> Self {
         let size = own.matrix.nrows();
-        let room = [DVector::zeros(size), DVector::zeros(size)];
+        let room = [vec![0.0; size], vec![0.0; size]];
         Self { own, weighted: DMatrix::zeros(size, size), room }
     }
 
@@ -68,21 +69,33 @@ impl Explicit {
         self.weighted.gemm_tr(-1.0, &half, &half, 1.0);
         solved
     }
+}
 
-    fn answer(
-        &mut self,
-        weighted: bool,
-        impulses: &[Vector3<f64>],
-        velocities: &mut [Vector3<f64>],
-    ) {
-        let [from, to] = &mut self.room;
-        for (i, &point) in self.own.points.iter().enumerate() {
-            from.fixed_rows_mut::<3>(3 * i).copy_from(&impulses[point]);
-        }
-        let matrix = if weighted { &self.weighted } else { &self.own.matrix };
-        to.gemv(1.0, matrix, from, 0.0);
-        for (i, &point) in self.own.points.iter().enumerate() {
-            velocities[point].copy_from(&to.fixed_rows::<3>(3 * i));
+/// Replaces impulses on points by the velocities that they cause, fibre by fibre.
+struct Answer<'a> {
+    explicit: &'a mut [Explicit],
+    weighted: bool,
+    impulses: &'a [Vector3<f64>],
+    velocities: &'a mut [Vector3<f64>],
+}
+
+impl NullaryFnOnce for Answer<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for Explicit { own, weighted, room: [from, to] } in self.explicit {
+            let matrix = if self.weighted { weighted } else { &own.matrix };
+            for (&point, from) in own.points.iter().zip(from.as_chunks_mut::<3>().0) {
+                *from = self.impulses[point].into();
+            }
+            to.fill(0.0);
+            for (column, x) in matrix.as_slice().chunks_exact(to.len()).zip(&*from) {
+                to.iter_mut().zip(column).for_each(|(y, a)| *y += a * x);
+            }
+            for (&point, to) in own.points.iter().zip(to.as_chunks::<3>().0) {
+                self.velocities[point] = (*to).into();
+            }
         }
     }
 }
@@ -107,7 +120,12 @@ impl Body for Fibers<'_> {
 
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
         if let Some(explicit) = &mut self.explicit {
-            return explicit.iter_mut().for_each(|one| one.answer(false, impulses, velocities));
+            return Arch::new().dispatch(Answer {
+                explicit,
+                weighted: false,
+                impulses,
+                velocities,
+            });
         }
         let answered = self.batch.respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
@@ -115,7 +133,7 @@ impl Body for Fibers<'_> {
 
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
         if let Some(explicit) = &mut self.explicit {
-            return explicit.iter_mut().for_each(|one| one.answer(true, impulses, velocities));
+            return Arch::new().dispatch(Answer { explicit, weighted: true, impulses, velocities });
         }
         let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
@@ -139,5 +157,58 @@ impl Body for Fibers<'_> {
             let [before, behind] = [first, first + 1].map(|i| blocks[i].trace());
             *trace = before + point.fraction * (behind - before);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Isometry3;
+    use rapunzel_fiber::{Fiber, Material, Section};
+    use rapunzel_rod_dynamic::{Conditions, Instant, Rod, Steady, StepReport};
+
+    /// Whether the answers are written out or not is only a matter of time.
+    #[test]
+    fn answers_that_are_written_out_are_those_of_the_fibers() {
+        let (segments, count) = (25, 3);
+        let section = Section::Circle { radius: 3.5e-5 };
+        let fiber = Fiber::uniform(0.05, segments, section, &Material::HAIR).expect("a fiber");
+        let rods = vec![Rod::new(fiber); count];
+        let mut batch = StaggeredBatch::new(rods, 0.3).expect("a batch");
+        let hold = Steady(Instant::clamped(Isometry3::identity(), Vector3::new(0.0, 2.0, -9.81)));
+        let conditions: Vec<&dyn Conditions> = vec![&hold; count];
+        let mut reports = vec![StepReport::default(); count];
+        let impulses = vec![Vector3::zeros(); count * (segments + 1)];
+        batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
+        batch.linearize().expect("sound");
+
+        let points = [(2, 24, 1.0), (0, 5, 0.5), (2, 7, 0.3), (0, 5, 0.6), (0, 0, 0.0)]
+            .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+        let mass = batch.rods()[0].fiber.mass();
+        let masses = [0.3, 0.1, 0.0, 2.0, 1.0].map(|share| share * mass);
+        let asked = [1.0, -2.0, 0.5, 0.7, 3.0].map(|x| Vector3::new(x, 1.0, -x) * mass);
+        let mut answers = Vec::new();
+        for written_out in [true, false] {
+            let mut fibers = Fibers::new(&mut batch, &points).expect("points on the fibers");
+            assert!(fibers.explicit.is_some());
+            if !written_out {
+                fibers.explicit = None;
+            }
+            fibers.set_weights(&masses).expect("positive");
+            let (mut free, mut weighted) = ([Vector3::zeros(); 5], [Vector3::zeros(); 5]);
+            fibers.respond(&asked, &mut free);
+            fibers.weighted_respond(&asked, &mut weighted);
+            let mut traces = [0.0; 5];
+            fibers.own_traces(&mut traces);
+            answers.push((free, weighted, traces));
+        }
+        let (one, other) = (&answers[0], &answers[1]);
+        for i in 0..5 {
+            assert!((one.0[i] - other.0[i]).norm() < 1e-10 * other.0[i].norm().max(1.0), "{i}");
+            assert!((one.1[i] - other.1[i]).norm() < 1e-10 * other.0[i].norm().max(1.0), "{i}");
+        }
+        assert!((one.1[0] - one.0[0]).norm() > 1e-2 * one.0[0].norm(), "masses matter");
+        // At nodes the traces are exact too.
+        assert!((one.2[0] - other.2[0]).abs() < 1e-10 * other.2[0]);
     }
 }

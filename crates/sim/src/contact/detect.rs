@@ -81,7 +81,7 @@ impl Detector {
                 touches.extend(moved.map(|contact| fiber_touch(&start, &contact)));
             }
             Place::End => {
-                let (near, fast) = sort(&start, &end, pairs, margin);
+                let (near, fast) = sort(&start, &end, pairs, margin, place);
                 contacts(&end, &near, margin, &mut self.contacts)?;
                 let found = self.contacts.iter().chain(&fast);
                 let found = found.filter(|contact| !bends(&end, contact));
@@ -121,9 +121,7 @@ fn fiber_number(fiber: usize) -> u32 {
 /// Pairs with gaps up to `margin`, m, at the start or the end, or that would pass through each other
 /// between.
 fn within_reach(start: &Capsules, end: &Capsules, pairs: &[Pair], margin: f64) -> Vec<Pair> {
-    let (mut near, fast) = sort(start, end, pairs, margin);
-    let (at_start, _) = sort(start, start, pairs, margin);
-    near.extend(at_start);
+    let (mut near, fast) = sort(start, end, pairs, margin, Place::Start);
     near.extend(fast.iter().map(|contact| contact.pair));
     near.par_sort_unstable();
     near.dedup();
@@ -137,13 +135,14 @@ fn gap(end: &Capsules, contact: &Contact) -> f64 {
     (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
 }
 
-/// Pairs with gaps up to `margin`, m, at the end that cannot have passed through each other, and
-/// contacts of those that would.
+/// Pairs with gaps up to `margin`, m, at the end, or at either place if it is the start, that cannot
+/// have passed through each other, and contacts of those that would.
 fn sort(
     start: &Capsules,
     end: &Capsules,
     pairs: &[Pair],
     margin: f64,
+    place: Place,
 ) -> (Vec<Pair>, Vec<Contact>) {
     let chunk = |pairs: &[Pair]| {
         let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -155,11 +154,12 @@ fn sort(
             let (reach, travel) = (r + q, travel(start, end, pair));
             // Axes that were apart by more than the way cannot have crossed.
             let crosses = travel > 0.25 * reach * reach && travel >= *squared.0;
+            let least = if place == Place::Start { squared.0.min(*squared.1) } else { *squared.1 };
             // The fast distances may be off by roundings.
             let close = (reach + margin) * (1.0 + 1e-6);
             match crosses.then(|| passing(start, end, pair)).flatten() {
                 Some(contact) => fast.push(contact),
-                None if *squared.1 <= close * close => near.push(pair),
+                None if least <= close * close => near.push(pair),
                 None => (),
             }
         }
