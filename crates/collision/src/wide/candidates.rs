@@ -110,8 +110,7 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
-        let begun = list.way.begins(start);
-        if !(begun && list.way.ends_near(end, slack)) {
+        if !list.way.leads(start, end, slack) {
             let mut complete = list.stays_complete([start, end], self.margin)?;
             if !complete && list.positions != start.positions() {
                 list.renew(start, grow)?;
@@ -122,7 +121,7 @@ impl Candidates {
                 let mut swept = Vec::new();
                 list.tree.pairs(&mut swept);
                 list.way = Way::new(start, Some(end), swept);
-            } else if !(begun && list.way.listed()) {
+            } else if !list.way.listed(start) {
                 list.way = Way::new(start, None, list.pairs.clone());
             }
         }

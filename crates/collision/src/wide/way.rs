@@ -39,19 +39,17 @@ impl Way {
         }
     }
 
-    pub(super) fn begins(&self, start: &Capsules) -> bool {
-        self.start == start.positions()
+    /// Whether the pairs are those of a list, from this start.
+    pub(super) fn listed(&self, start: &Capsules) -> bool {
+        self.end.is_none() && self.start == start.positions()
     }
 
-    /// Whether the pairs are those of a list.
-    pub(super) fn listed(&self) -> bool {
-        self.end.is_none()
-    }
-
-    /// Whether a motion ends where its pairs were searched for, but for half of `slack`, m.
-    pub(super) fn ends_near(&self, end: &Capsules, slack: f64) -> bool {
+    /// Whether the pairs were searched for a motion from this start to this end, but for half of
+    /// `slack`, m.
+    pub(super) fn leads(&self, start: &Capsules, end: &Capsules, slack: f64) -> bool {
         let near = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm() <= 0.5 * slack;
-        self.end.as_ref().is_some_and(|points| points.iter().zip(end.positions()).all(near))
+        let Some(points) = &self.end else { return false };
+        self.start == start.positions() && points.iter().zip(end.positions()).all(near)
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other until `end`.
