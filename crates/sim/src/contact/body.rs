@@ -111,9 +111,11 @@ impl Body for Fibers<'_> {
 
     fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError> {
         if let Some(explicit) = &mut self.explicit {
-            let positive = explicit.iter_mut().all(|one| one.weigh(weights));
-            let why = "its answer to impulses is not positive".into();
-            return if positive { Ok(()) } else { Err(ContactError::Body { body: 0, why }) };
+            if explicit.iter_mut().all(|one| one.weigh(weights)) {
+                return Ok(());
+            }
+            // Far from where it goes a step may be no minimum, and its answer not positive.
+            self.explicit = None;
         }
         self.batch.set_weights(self.points, weights).map_err(|error| refused(&error))
     }
