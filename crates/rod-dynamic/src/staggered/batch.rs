@@ -3,7 +3,7 @@ use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport,
+    Conditions, End, Energy, Instant, Ledger, Load, Rod, RodError, RodState, StepError, StepReport,
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
@@ -35,6 +35,8 @@ pub struct StaggeredBatch {
     pub(super) fresh: [bool; 8],
     /// The same before the step that has been predicted.
     pub(super) fresh_before: [bool; 8],
+    /// Of the last step, if they are kept.
+    ledgers: Option<[Ledger; 8]>,
 }
 
 impl StaggeredBatch {
@@ -80,8 +82,16 @@ impl StaggeredBatch {
         let engine = build(&rods, scheme);
         let memory = scheme.has_memory();
         let (fresh, fresh_before) = ([true; 8], [true; 8]);
-        let mut batch =
-            Self { engine, rods, time: 0.0, predicted: 0.0, memory, fresh, fresh_before };
+        let mut batch = Self {
+            engine,
+            rods,
+            time: 0.0,
+            predicted: 0.0,
+            memory,
+            fresh,
+            fresh_before,
+            ledgers: None,
+        };
         for fiber in 0..batch.rods.len() {
             let state = natural_state(&batch.rods[fiber]);
             batch.set_state(fiber, &state)?;
@@ -117,6 +127,18 @@ impl StaggeredBatch {
     #[must_use]
     pub fn energy(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
         self.engine.energy(fiber, gravity)
+    }
+
+    /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the rods
+    /// in each step, and change nothing in it.
+    pub fn keep_ledgers(&mut self, keep: bool) {
+        self.ledgers = keep.then(Default::default);
+    }
+
+    /// What the energy of one fibre became in the last step that was taken, if ledgers are kept.
+    #[must_use]
+    pub fn ledger(&self, fiber: usize) -> Option<Ledger> {
+        self.ledgers.map(|ledgers| ledgers[fiber])
     }
 
     /// Starts one fibre again from `state`; the batch takes over its time.
@@ -194,7 +216,7 @@ impl StaggeredBatch {
                 lengths[fiber] = dt;
             }
         }
-        self.engine.commit(&lengths, &whole, Problem::Step);
+        self.commit(&lengths, &whole);
         self.advance_time(dt);
         Ok(())
     }
@@ -216,6 +238,7 @@ impl StaggeredBatch {
         for fiber in 0..count {
             ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
         }
+        self.open_ledgers(conditions)?;
         self.engine.remember();
         self.engine.set_out(&[true; 8]);
         let fresh = self.fresh;
@@ -231,6 +254,29 @@ impl StaggeredBatch {
             }
         }
         Ok(used)
+    }
+
+    /// Begins the ledgers of a step, if they are kept.
+    fn open_ledgers(&mut self, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
+        if self.ledgers.is_some() {
+            for (fiber, conditions) in conditions.iter().enumerate().take(self.rods.len()) {
+                let now = self.conditions(fiber, self.time, *conditions)?;
+                self.engine.open_ledger(fiber, &now, !self.fresh[fiber]);
+            }
+            self.ledgers = Some(Default::default());
+        }
+        Ok(())
+    }
+
+    /// Makes the last attempt the state of some fibres, and books it.
+    pub(super) fn commit(&mut self, lengths: &[f64; 8], done: &[bool; 8]) {
+        if let Some(ledgers) = &mut self.ledgers {
+            let booked = self.engine.account(lengths, done);
+            for fiber in (0..self.rods.len()).filter(|&fiber| done[fiber]) {
+                ledgers[fiber] += booked[fiber];
+            }
+        }
+        self.engine.commit(lengths, done, Problem::Step);
     }
 
     /// Takes back all that a failed step has changed.
@@ -288,7 +334,7 @@ impl StaggeredBatch {
             self.engine.attempt(lengths, &only, Problem::Step, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
-                self.engine.commit(lengths, &only, Problem::Step);
+                self.commit(lengths, &only);
                 done += part;
             } else {
                 self.engine.restore(fiber, &before);

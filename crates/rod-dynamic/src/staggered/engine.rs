@@ -7,7 +7,7 @@ use super::response::Inertia;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Energy, Instant, Point, Rod, RodState};
+use crate::{Energy, Instant, Ledger, Point, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
@@ -24,6 +24,11 @@ pub(super) trait Engine: Send {
     fn set_out(&mut self, wanted: &[bool; 8]);
     fn measure(&mut self, wanted: &[bool; 8]);
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem);
+    /// Notes how the ends of a lane are before a step whose ledger is wanted; `known` tells whether
+    /// their reactions are those now.
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
+    /// Ledgers of an attempt that is about to be committed in the lanes that are `done`.
+    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
@@ -90,6 +95,12 @@ impl<S: Simd> Engine for Pack<S> {
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
         Self::commit(self, dt, done, problem);
     }
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
+        Self::open_ledger(self, lane, now, known);
+    }
+    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8] {
+        Self::account(self, dt, done)
+    }
     fn set_conditions(&mut self, lane: usize, now: &Instant) {
         Self::set_conditions(self, lane, now);
     }
@@ -146,6 +157,7 @@ impl<S: Simd> Engine for Pack<S> {
         }
         self.backup = backup;
         self.impulses.fill(S::f64s::zeroed());
+        self.absorbed = [[S::f64s::zeroed(); 3]; 2];
         self.q_start.copy_from_slice(&self.chain.q);
         self.reaction_start = self.chain.ends.tip_reaction;
     }
@@ -222,11 +234,14 @@ impl<S: Simd> Engine for Pack<S> {
         let held = self.held[lane];
         let (last, free) = (impulses.len() - 1, Vector3::zeros());
         for (a, impulse) in impulses.iter().enumerate() {
-            let absorbed =
+            let is_held =
                 (a == 0 && held.root != Kind::Loaded) || (a == last && held.tip != Kind::Loaded);
-            let impulse = if absorbed { &free } else { impulse };
+            let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };
             for i in 0..3 {
                 set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
+                if a == 0 || a == last {
+                    set(&mut self.absorbed[usize::from(a == last)], i, lane, absorbed[i]);
+                }
             }
         }
     }

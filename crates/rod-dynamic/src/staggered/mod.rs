@@ -19,6 +19,7 @@ mod engine;
 mod equilibrium;
 mod factor;
 mod lanes;
+mod ledger;
 mod pack;
 mod readout;
 mod response;

@@ -1,0 +1,63 @@
+//! What a rod's energy becomes.
+
+use std::ops::AddAssign;
+
+/// The ledger of a step of one rod, J: what its energy gained, and all work done on it. The first
+/// two lines are the sum of the others, to rounding and the tolerance of Newton's method.
+///
+/// Loads, drag and gravity are those at the end of the step, as the equations of motion have them.
+/// Work of what is prescribed and of what damps is taken so that it is of the order of the method:
+/// see each line.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Ledger {
+    /// Change of the kinetic energy.
+    pub kinetic: f64,
+    /// Change of the elastic energy.
+    pub elastic: f64,
+    /// Work of gravity: what the energy in it loses where gravity is steady.
+    pub gravity: f64,
+    /// Work of forces and moments at the ends, along the rod and on its nodes.
+    pub loads: f64,
+    /// Work of the air, at the mean velocity over the step: negative but for what wind gives.
+    pub drag: f64,
+    /// Work of internal viscosity, at the mean rate over the step. Never positive.
+    pub damping: f64,
+    /// Work of held and pinned ends, zero where they rest, with the mean of the reactions before
+    /// and after the step (backward Euler: with that after it); what an elastic end stores when it
+    /// is clamped, and loses when it is let go; and the impulses that it takes up.
+    pub supports: f64,
+    /// Impulses on the nodes times their mean velocities.
+    pub contacts: f64,
+    /// Work of the method in time: what its end values leave of the work over the step. Where the
+    /// forces have a convex potential backward Euler has only losses.
+    pub integrator: f64,
+}
+
+impl Ledger {
+    /// What the rod gained, J.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        self.kinetic + self.elastic
+    }
+
+    /// All work done on the rod, J.
+    #[must_use]
+    pub fn work(&self) -> f64 {
+        let outside = self.gravity + self.loads + self.drag + self.supports + self.contacts;
+        outside + self.damping + self.integrator
+    }
+}
+
+impl AddAssign for Ledger {
+    fn add_assign(&mut self, other: Self) {
+        self.kinetic += other.kinetic;
+        self.elastic += other.elastic;
+        self.gravity += other.gravity;
+        self.loads += other.loads;
+        self.drag += other.drag;
+        self.damping += other.damping;
+        self.supports += other.supports;
+        self.contacts += other.contacts;
+        self.integrator += other.integrator;
+    }
+}
