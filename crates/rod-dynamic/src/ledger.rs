@@ -3,11 +3,11 @@
 use std::ops::AddAssign;
 
 /// The ledger of a step of one rod, J: what its energy gained, and all work done on it. The first
-/// two lines are the sum of the others, to rounding and the tolerance of Newton's method.
+/// two lines are the sum of the others, to rounding and the tolerance of Newton's method: every line
+/// is computed by itself, from the equations that the step has solved.
 ///
-/// Loads, drag and gravity are those at the end of the step, as the equations of motion have them.
-/// Work of what is prescribed and of what damps is taken so that it is of the order of the method:
-/// see each line.
+/// Gravity, loads and wind are those at the end of the step, as these equations have them. Where they
+/// are steady all lines but that of the integrator are of the order of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ledger {
     /// Change of the kinetic energy.
@@ -28,8 +28,11 @@ pub struct Ledger {
     pub supports: f64,
     /// Impulses on the nodes times their mean velocities.
     pub contacts: f64,
-    /// Work of the method in time: what its end values leave of the work over the step. Where the
-    /// forces have a convex potential backward Euler has only losses.
+    /// Work of the method in time, for which the values at the end of a step stand for those over
+    /// it. Backward Euler only loses where the potential of its step is convex: half the mass times the
+    /// squared change of velocity, and the elastic energy of the change of curvature. Summed over a
+    /// time this vanishes as the step, that of the second-order method as its square; as the step too
+    /// where drag differs along and across the rod, whose difference is explicit.
     pub integrator: f64,
 }
 
