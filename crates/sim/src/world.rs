@@ -1,12 +1,12 @@
 use crate::contact::{Bearing, ContactWork, Memory, Object, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
-use crate::{SimError, scene::Environment};
+use crate::{SimError, Works, scene::Environment};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, RodError, RodState};
+use rapunzel_rod_dynamic::{Energy, Ledger, RodError, RodState};
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.
@@ -19,6 +19,8 @@ pub struct World {
     clock: Clock,
     /// What fibres touched in the last step.
     pub(crate) contacts: Memory,
+    /// Since the start, if they are kept.
+    works: Option<Works>,
     /// What fibres touch beside each other.
     pub(crate) objects: Vec<Object>,
     /// In place of fibres.
@@ -41,6 +43,7 @@ pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
     contacts: Memory,
+    works: Option<Works>,
     objects: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -56,8 +59,17 @@ impl World {
         }
         let clock = Clock::default();
         let contacts = Memory::default();
-        let objects = Vec::new();
-        Self { environment, assembly, groups, lanes, clock, contacts, objects, springs: None }
+        Self {
+            environment,
+            assembly,
+            groups,
+            lanes,
+            clock,
+            contacts,
+            works: None,
+            objects: Vec::new(),
+            springs: None,
+        }
     }
 
     /// Time, s.
@@ -182,6 +194,29 @@ impl World {
         self.contacts.work
     }
 
+    /// All other work done on fibres and free objects since the start, if the scene's output asks for
+    /// the ledger.
+    #[must_use]
+    pub fn works(&self) -> Option<Works> {
+        self.works
+    }
+
+    /// Keeps the ledger from now on.
+    pub(crate) fn keep_works(&mut self) {
+        self.works = Some(Works::default());
+        self.groups.iter_mut().for_each(|group| group.batch.keep_ledgers());
+    }
+
+    /// Books the step, or part of one, that all groups and the free objects have taken.
+    pub(crate) fn book(&mut self, objects: &Ledger) {
+        let Some(works) = &mut self.works else { return };
+        works.book(objects);
+        for group in &self.groups {
+            let lanes = (0..group.fibers.len()).filter_map(|lane| group.batch.ledger(lane));
+            lanes.for_each(|ledger| works.book(&ledger));
+        }
+    }
+
     /// All numbers that determine what follows.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
@@ -198,7 +233,8 @@ impl World {
                 body.save(&mut objects);
             }
         }
-        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone(), objects, springs }
+        let (clock, contacts, works) = (self.clock, self.contacts.clone(), self.works);
+        Snapshot { clock, groups, contacts, works, objects, springs }
     }
 
     /// Goes back to a snapshot of this world.
@@ -231,6 +267,7 @@ impl World {
         }
         self.clock = snapshot.clock;
         self.contacts = snapshot.contacts.clone();
+        self.works = snapshot.works;
         Ok(())
     }
 
