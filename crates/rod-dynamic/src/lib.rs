@@ -18,5 +18,5 @@ pub use error::{RodError, StepError};
 pub use ledger::Ledger;
 pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point};
-pub use rod::{Energy, Rod, RodIntegrator, RodState, StepReport};
+pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, StepReport};
 pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};

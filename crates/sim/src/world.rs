@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, Ledger, RodError, RodState};
+use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.
@@ -180,6 +180,22 @@ impl World {
             }
         }
         sum
+    }
+
+    /// Momentum of all fibres and free objects, if the method is `Staggered` or `BackwardEuler` without a
+    /// tolerance. Costs one pass over all nodes.
+    #[must_use]
+    pub fn momentum(&self) -> Option<Momentum> {
+        let mut sum = Momentum::default();
+        for group in &self.groups {
+            let batch = group.batch.as_coupled()?;
+            (0..group.fibers.len()).for_each(|lane| sum += batch.momentum(lane));
+        }
+        for body in (0..self.objects.len()).filter_map(|i| self.body(i)) {
+            let angular = body.angular_momentum_about(&Point3::origin());
+            sum += Momentum { linear: body.mass() * body.velocity, angular };
+        }
+        Some(sum)
     }
 
     /// What fibres touched in the last part of a step, with what force: by fibre, then by partner

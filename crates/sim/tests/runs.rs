@@ -105,12 +105,13 @@ fn tables_hold_what_the_world_does() {
 }
 
 /// Also of fibres that lie on something, or are hit by a ball that flies: what touched is part of a
-/// checkpoint, and so is the ball.
+/// checkpoint, and so are the ball and the ledger.
 #[test]
 fn interruptions_change_no_byte() {
     let free = "shape: Ball(radius: 0.01), moves: Free(mass: Mass(1e-5), velocity: (0, 0, 0.8), \
                 spin: (0, 500, 0))";
     let flying = touching().replace("shape: Plane(normal: (0, 0, 1))", free);
+    let flying = flying.replace("frame_rate", "ledger: true, frame_rate");
     for text in [SCENE.into(), touching(), flying] {
         interrupt(&Scene::from_ron(&text).expect("a sound scene"));
     }

@@ -3,7 +3,8 @@ use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Ledger, Load, Rod, RodError, RodState, StepError, StepReport,
+    Conditions, End, Energy, Instant, Ledger, Load, Momentum, Rod, RodError, RodState, StepError,
+    StepReport,
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
@@ -127,6 +128,12 @@ impl StaggeredBatch {
     #[must_use]
     pub fn energy(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
         self.engine.energy(fiber, gravity)
+    }
+
+    /// Momentum of one fibre.
+    #[must_use]
+    pub fn momentum(&self, fiber: usize) -> Momentum {
+        self.engine.momentum(fiber)
     }
 
     /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the rods

@@ -7,7 +7,7 @@ use super::response::Inertia;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Energy, Instant, Ledger, Point, Rod, RodState};
+use crate::{Energy, Instant, Ledger, Momentum, Point, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
@@ -34,6 +34,7 @@ pub(super) trait Engine: Send {
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    fn momentum(&self, lane: usize) -> Momentum;
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
     /// How far the last attempt moves a node.
     fn displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
@@ -117,6 +118,9 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
         Self::energy(self, lane, gravity)
+    }
+    fn momentum(&self, lane: usize) -> Momentum {
+        Self::momentum(self, lane)
     }
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
