@@ -11,6 +11,9 @@ use rapunzel_fiber::so3;
 
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
+/// By which part of its length a rod that is held at both ends must be longer than the way between
+/// them: without slack Newton's matrix is singular.
+const TAUT: f64 = 1e-9;
 /// Length of the solve for the initial acceleration, as a part of the step.
 const START: f64 = 1.0;
 
@@ -517,8 +520,12 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
     };
     match (position(&now.root), position(&now.tip)) {
         (None, Some(_)) => error("root", "a free root with a held tip: reverse the rod"),
-        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 + 1e-12) => {
-            error("tip", "further from the root than the rod is long, which cannot stretch")
+        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
+            error(
+                "tip",
+                "as far from the root as the rod is long, or further: it cannot stretch, and pulled straight \
+             it cannot move and has any tension; bring the ends closer",
+            )
         }
         _ => Ok(()),
     }

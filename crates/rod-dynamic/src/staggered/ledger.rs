@@ -222,26 +222,33 @@ impl<S: Simd> Pack<S> {
         lines.gravity = lines.gravity + weight.dot(way);
         let loads = distributed.scale(length) + chain.vec(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
-        if a != 0 && a != n {
-            return;
+        if a == 0 || a == n {
+            let forces = weight + loads + air(rates.v, rates.v, tangent);
+            let before = rates.acceleration.scale(mass) - forces;
+            self.book_end(a, before, way, motion.mean, lines);
         }
+    }
+
+    /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start of
+    /// the step beside that of its segment.
+    #[inline(always)]
+    fn book_end(&self, a: usize, before: V3<S>, way: V3<S>, mean: V3<S>, lines: &mut Lines<S>) {
+        let (simd, n, chain, ends) = (self.chain.simd, self.chain.n, &self.chain, &self.chain.ends);
         let k = usize::from(a == n);
-        let ends = &chain.ends;
+        let one = Lane::splat(simd, 1.0);
         let (load, held, sign, segment) = if a == 0 {
-            let held = mass.lift(1.0) - Lane::new(simd, ends.root_free);
-            (ends.root_force, held, mass.lift(-1.0), 0)
+            (ends.root_force, one - Lane::new(simd, ends.root_free), -one, 0)
         } else {
-            (ends.tip_force, Lane::new(simd, ends.tip_held), mass.lift(1.0), n - 1)
+            (ends.tip_force, Lane::new(simd, ends.tip_held), one, n - 1)
         };
         let load = chain.world(load, chain.directors(segment));
         lines.loads = lines.loads + load.dot(way);
-        let inner = chain.vec(&chain.force, segment).scale(sign);
-        let inner_before = V3::load(simd, &self.outset.forces[k], 0).scale(sign);
-        let after = way.scale(chain.one(&chain.mu, a)) - chain.vec(&chain.b, a) + inner;
-        let drag_before = air(rates.v, rates.v, tangent);
-        let before = rates.acceleration.scale(mass) - weight - loads - drag_before + inner_before;
+        let force = |array: &[S::f64s], i: usize| V3::load(simd, array, i).scale(sign);
+        let before = before + force(&self.outset.forces[k], 0);
+        let after = way.scale(chain.one(&chain.mu, a)) - chain.vec(&chain.b, a)
+            + force(&chain.force, segment);
         self.support([before.scale(held), after.scale(held)], way, lines);
-        let absorbed = V3::load(simd, &self.absorbed[k], 0).dot(motion.mean);
+        let absorbed = V3::load(simd, &self.absorbed[k], 0).dot(mean);
         lines.contacts = lines.contacts + absorbed;
         lines.supports = lines.supports - absorbed;
     }
