@@ -3,8 +3,8 @@
 use std::ops::AddAssign;
 
 /// The ledger of a step of one rod, J: what its energy gained, and all work done on it. The first
-/// two lines are the sum of the others, to rounding and the tolerance of Newton's method: every line
-/// is computed by itself, from the equations that the step has solved.
+/// two lines are the sum of the others, to rounding: every line is computed by itself, from the
+/// equations that the step has solved.
 ///
 /// Gravity, loads and wind are those at the end of the step, as these equations have them. Where they
 /// are steady all lines but that of the integrator are of the order of the method.
@@ -34,6 +34,9 @@ pub struct Ledger {
     /// time this vanishes as the step, that of the second-order method as its square; as the step too
     /// where drag differs along and across the rod, whose difference is explicit.
     pub integrator: f64,
+    /// Work of what Newton's method left unbalanced: nearly rounding in steps that are solved at once,
+    /// more in those that a solver of contacts ends as soon as its own tolerance is met.
+    pub solver: f64,
 }
 
 impl Ledger {
@@ -47,7 +50,7 @@ impl Ledger {
     #[must_use]
     pub fn work(&self) -> f64 {
         let outside = self.gravity + self.loads + self.drag + self.supports + self.contacts;
-        outside + self.damping + self.integrator
+        outside + self.damping + self.integrator + self.solver
     }
 }
 
@@ -62,5 +65,6 @@ impl AddAssign for Ledger {
         self.supports += other.supports;
         self.contacts += other.contacts;
         self.integrator += other.integrator;
+        self.solver += other.solver;
     }
 }

@@ -17,6 +17,8 @@ pub struct Works {
     pub supports: f64,
     /// Of the method in time, as [`Ledger::integrator`].
     pub integrator: f64,
+    /// Of what the search for a step left unbalanced, as [`Ledger::solver`].
+    pub solver: f64,
 }
 
 impl Works {
@@ -24,7 +26,7 @@ impl Works {
     #[must_use]
     pub fn total(&self) -> f64 {
         let outside = self.gravity + self.loads + self.drag + self.supports;
-        outside + self.damping + self.integrator
+        outside + self.damping + self.integrator + self.solver
     }
 
     /// Adds those of a step of a fibre.
@@ -35,5 +37,6 @@ impl Works {
         self.damping += step.damping;
         self.supports += step.supports;
         self.integrator += step.integrator;
+        self.solver += step.solver;
     }
 }

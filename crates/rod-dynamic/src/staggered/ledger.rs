@@ -12,7 +12,8 @@
 //! Kinetic energy grows by `(v' - v) (v' + v) / 2` for each unit of mass; of an impulse `P = m p`
 //! and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w - (v' +
 //! v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the integrator's, with
-//! what works of forces at the end have over those at the mean.
+//! what works of forces at the end have over those at the mean. Nodes are in balance to rounding;
+//! where Newton's method left a torque on a segment, its product with `c` is the solver's.
 
 use super::chain::{get, moment, slope_of_log};
 use super::ends;
@@ -53,6 +54,7 @@ struct Lines<S: Simd> {
     supports: Lane<S>,
     contacts: Lane<S>,
     integrator: Lane<S>,
+    solver: Lane<S>,
 }
 
 /// How a coordinate of mass 1 moves in a step.
@@ -128,26 +130,32 @@ impl<S: Simd> Pack<S> {
         let clamps_before = [&self.outset.frames[0], &self.outset.frames[1]].map(frame);
         let turns = [0, 1].map(|k| turn(clamps_before[k], clamps[k]));
         let mut stored = [lines.kinetic; 2];
-        let mut before = turns[0];
+        let zero = V3::splat(simd, 0.0);
+        let (mut before, mut torque, mut left) = (turns[0], zero, zero);
         for j in 0..=n {
-            let after = if j < n { self.book_segment(stage, j, &mut lines) } else { turns[1] };
+            let [after, inner] =
+                if j < n { self.book_segment(stage, j, &mut lines) } else { [turns[1], zero] };
             let frames = if j < n {
                 [self.chain.directors_before(j), self.chain.directors(j)]
             } else {
                 [clamps_before[1], clamps[1]]
             };
             let bend = self.book_joint(stage, j, after - before, frames, &mut lines);
+            let right = bend.moments[1];
+            let mut outer = zero;
             if j == 0 {
-                let moment = self.chain.world(ends.root_moment, frames[1]);
-                lines.loads = lines.loads + moment.dot(after);
-                let zero = V3::splat(simd, 0.0);
-                let away = [zero - bend.moments[0], zero - bend.moments[1]];
-                self.support(away, turns[0], &mut lines);
-            }
-            if j == n {
+                outer = self.chain.world(ends.root_moment, frames[1]);
+                lines.loads = lines.loads + outer.dot(after);
+                self.support([zero - bend.moments[0], zero - right], turns[0], &mut lines);
+            } else if j == n {
                 let moment = self.chain.world(ends.tip_moment, self.chain.directors(n - 1));
                 lines.loads = lines.loads + moment.dot(before);
+                torque += moment;
                 self.support(bend.moments, turns[1], &mut lines);
+            }
+            if j > 0 {
+                // The segment before the joint is complete with it.
+                lines.solver = lines.solver - (torque + right - left).dot(before);
             }
             if j == 0 || j == n {
                 let k = usize::from(j == n);
@@ -156,7 +164,7 @@ impl<S: Simd> Pack<S> {
                 lines.elastic = lines.elastic + made;
                 stored[k] = bend.stored[1];
             }
-            before = after;
+            (before, torque, left) = (after, inner + outer, right);
         }
         self.move_outset(stored, done);
         lines
@@ -253,15 +261,19 @@ impl<S: Simd> Pack<S> {
         lines.supports = lines.supports - absorbed;
     }
 
-    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn.
+    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and the
+    /// torque on it but for that of its joints.
     #[inline(always)]
-    fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut Lines<S>) -> V3<S> {
+    fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut Lines<S>) -> [V3<S>; 2] {
         let (simd, chain) = (self.chain.simd, &self.chain);
         let (before, after) = (chain.directors_before(e), chain.directors(e));
         let turn = turn(before, after);
         let ways = [0, 1, 2].map(|k| after[k] - before[k]);
         let chord = |k: usize| ways[k] - turn.cross(after[k]);
         let zero = V3::splat(simd, 0.0);
+        let force = chain.vec(&chain.force, e).scale(chain.one(&chain.h, e));
+        lines.integrator = lines.integrator - force.dot(chord(2));
+        let mut torque = after[2].cross(force);
         for k in 0..2 {
             let inertia = Lane::new(simd, self.inertia[2 * e + k]);
             let rates = self.directors.rates(chain, 2 * e + k);
@@ -269,10 +281,9 @@ impl<S: Simd> Pack<S> {
             lines.kinetic = inertia.fma(motion.gain, lines.kinetic);
             let kept = motion.acceleration.dot(chord(k)) - motion.loss;
             lines.integrator = inertia.fma(kept, lines.integrator);
+            torque -= after[k].cross(motion.acceleration).scale(inertia);
         }
-        let force = chain.vec(&chain.force, e).scale(chain.one(&chain.h, e));
-        lines.integrator = lines.integrator - force.dot(chord(2));
-        turn
+        [turn, torque]
     }
 
     /// Books a joint whose segments turn by `apart` from each other; `frames` are those of the one
@@ -358,6 +369,7 @@ impl<S: Simd> Lines<S> {
             supports: zero,
             contacts: zero,
             integrator: zero,
+            solver: zero,
         }
     }
 
@@ -375,6 +387,7 @@ impl<S: Simd> Lines<S> {
                 supports: of(self.supports),
                 contacts: of(self.contacts),
                 integrator: of(self.integrator),
+                solver: of(self.solver),
             };
         }
         ledgers

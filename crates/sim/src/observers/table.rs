@@ -125,7 +125,8 @@ impl Column {
                                   work of led objects (J)"
                 .to_owned(),
             Self::Works => ",work of gravity (J),work of loads (J),work of drag (J),\
-                            work of damping (J),work of supports (J),work of the integrator (J)"
+                            work of damping (J),work of supports (J),work of the integrator (J),\
+                            work of the solver (J)"
                 .to_owned(),
             Self::Springs(names) => names.iter().map(|name| format!(",{name}")).collect(),
             Self::Probe(Probe { fiber, node, quantity }) => {
@@ -158,8 +159,8 @@ impl Column {
             }
             Self::Works => {
                 let works = world.works().unwrap_or_default();
-                let Works { gravity, loads, drag, damping, supports, integrator } = works;
-                vec![gravity, loads, drag, damping, supports, integrator]
+                let Works { gravity, loads, drag, damping, supports, integrator, solver } = works;
+                vec![gravity, loads, drag, damping, supports, integrator, solver]
             }
             Self::Springs(_) => {
                 world.springs.as_ref().map(|springs| springs.readings()).unwrap_or_default()
