@@ -130,7 +130,7 @@ fn the_ledger_of_hairs_that_touch_closes() {
             books.run.world.contact_work()
         );
         assert!(active > 3, "{name}: they touch");
-        assert!(books.worst < 1e-6, "{name}: {:e}", books.worst);
+        assert!(books.worst < 1e-9, "{name}: {:e}", books.worst);
     }
 }
 
