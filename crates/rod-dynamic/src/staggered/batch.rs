@@ -523,8 +523,8 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
         (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
             error(
                 "tip",
-                "as far from the root as the rod is long, or further, which cannot stretch; pulled straight \
-             it cannot move and has any tension: bring the ends closer",
+                "as far from the root as the rod is long, or further, which cannot stretch; \
+                 pulled straight it cannot move and has any tension: bring the ends closer",
             )
         }
         _ => Ok(()),
