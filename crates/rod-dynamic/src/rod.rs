@@ -1,6 +1,7 @@
 use crate::{Conditions, RodError, StepError};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, so3};
+use std::ops::AddAssign;
 
 /// A fibre with the internal damping of its material.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +73,22 @@ impl Energy {
     #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.gravitational
+    }
+}
+
+/// Momentum of a rod or of many.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Momentum {
+    /// Mass times velocity, kg m/s, world.
+    pub linear: Vector3<f64>,
+    /// About the world's origin, kg m^2/s, world: of the nodes, and of the spin of the sections.
+    pub angular: Vector3<f64>,
+}
+
+impl AddAssign for Momentum {
+    fn add_assign(&mut self, other: Self) {
+        self.linear += other.linear;
+        self.angular += other.angular;
     }
 }
 

@@ -5,9 +5,11 @@
 mod common;
 
 use common::GRAVITY;
-use nalgebra::Vector3;
+use nalgebra::{Translation3, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
-use rapunzel_rod_dynamic::{Instant, Rod, RodIntegrator, Staggered};
+use rapunzel_rod_dynamic::{
+    End, Instant, Rod, RodIntegrator, Staggered, StaggeredBatch, Steady, StepError, StepReport,
+};
 
 /// What a run cost, and the largest energy above that of its start in parts of the weight times
 /// the length.
@@ -116,5 +118,25 @@ fn sizes(segments: usize, steps: usize) {
 fn rods_of_all_sizes_run() {
     for (segments, steps) in [(6, 100), (100, 100), (1000, 10), (10_000, 2)] {
         sizes(segments, steps);
+    }
+}
+
+/// Held straight at both ends a rod cannot move, and has any tension: that is told before a step.
+#[test]
+fn a_taut_rod_is_refused() {
+    let rod = Rod::new(common::hair(20));
+    for slack in [0.0, 1e-10, -1e-10] {
+        for batch in [
+            StaggeredBatch::new(vec![rod.clone()], 0.3),
+            StaggeredBatch::backward_euler(vec![rod.clone()]),
+        ] {
+            let mut batch = batch.expect("a valid rod");
+            let root = *rod.fiber.root();
+            let tip = root * Translation3::new(0.0, 0.0, rod.fiber.length() * (1.0 - slack));
+            let taut = Instant { tip: End::Held(tip), ..Instant::clamped(root, GRAVITY) };
+            let mut reports = [StepReport::default()];
+            let error = batch.step(1e-3, &[&Steady(taut)], &mut reports).expect_err("it is taut");
+            assert!(matches!(error, StepError::Conditions { what: "tip", .. }), "{error}");
+        }
     }
 }

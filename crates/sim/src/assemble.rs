@@ -79,6 +79,9 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         let mut world = World::new(self.environment.clone(), assembly, groups);
+        if self.output.ledger {
+            world.keep_works();
+        }
         if let Some(springs) = &self.mass_spring {
             let refused = |source| SimError::MassSpring { time: 0.0, source };
             let springs = mass_spring::build(springs).map_err(refused)?;

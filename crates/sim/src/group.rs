@@ -2,8 +2,8 @@ use crate::StepReport;
 use crate::conditions::FiberConditions;
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{
-    self as rod, Conditions, Energy, RodError, RodIntegrator, RodState, StaggeredBatch, StepError,
-    adaptive,
+    self as rod, Conditions, Energy, Ledger, RodError, RodIntegrator, RodState, StaggeredBatch,
+    StepError, adaptive,
 };
 
 /// Rods that are stepped together.
@@ -18,6 +18,12 @@ pub(crate) trait Batch: Send {
     }
     /// The same to be read.
     fn as_coupled(&self) -> Option<&StaggeredBatch> {
+        None
+    }
+    /// Keeps ledgers of the steps from now on, if it can.
+    fn keep_ledgers(&mut self) {}
+    /// That of the last step of a lane, if they are kept.
+    fn ledger(&self, _lane: usize) -> Option<Ledger> {
         None
     }
     fn save(&self, numbers: &mut Vec<f64>);
@@ -50,6 +56,14 @@ impl Batch for StaggeredBatch {
 
     fn as_coupled(&self) -> Option<&StaggeredBatch> {
         Some(self)
+    }
+
+    fn keep_ledgers(&mut self) {
+        self.keep_ledgers(true);
+    }
+
+    fn ledger(&self, lane: usize) -> Option<Ledger> {
+        self.ledger(lane)
     }
 
     fn save(&self, numbers: &mut Vec<f64>) {

@@ -17,6 +17,7 @@ pub mod statics;
 mod stepper;
 mod storage;
 mod summary;
+mod works;
 mod world;
 
 pub use contact::{Bearing, ContactReport, ContactWork, Partner, Unresolved};
@@ -28,4 +29,5 @@ pub use run::{Control, Progress, run};
 pub use scene::Scene;
 pub use stepper::{FreeFibers, StepReport, Stepper};
 pub use summary::{Outcome, Statistics, Summary};
+pub use works::Works;
 pub use world::{Snapshot, World};

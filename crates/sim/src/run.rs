@@ -182,7 +182,8 @@ fn observers(
     let frames = FrameWriter::open(folder, formats, shown, wind, every_frame, interval)?;
     let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
     let work = scene.contact.as_ref().map(|_| Column::ContactWork);
-    let columns = [Column::Energies].into_iter().chain(work);
+    let works = output.ledger.then_some(Column::Works);
+    let columns = [Column::Energies].into_iter().chain(work).chain(works);
     let columns = columns.chain(readings.map(Column::Springs)).collect();
     let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];

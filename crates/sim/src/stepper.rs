@@ -1,5 +1,6 @@
 use crate::contact::ContactReport;
 use crate::{SimError, World};
+use rapunzel_rod_dynamic::Ledger;
 use rayon::prelude::*;
 
 /// What a step of many fibres cost.
@@ -67,6 +68,7 @@ impl Stepper for FreeFibers {
         for result in results {
             report.add(&result.map_err(|source| SimError::Step { time, source })?);
         }
+        world.book(&Ledger::default());
         world.advance_clock(dt);
         Ok(report)
     }

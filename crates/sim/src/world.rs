@@ -1,12 +1,12 @@
 use crate::contact::{Bearing, ContactWork, Memory, Object, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
-use crate::{SimError, scene::Environment};
+use crate::{SimError, Works, scene::Environment};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, RodError, RodState};
+use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
 use serde::{Deserialize, Serialize};
 
 /// All fibres of a scene at one instant, and what acts on them.
@@ -19,6 +19,8 @@ pub struct World {
     clock: Clock,
     /// What fibres touched in the last step.
     pub(crate) contacts: Memory,
+    /// Since the start, if they are kept.
+    works: Option<Works>,
     /// What fibres touch beside each other.
     pub(crate) objects: Vec<Object>,
     /// In place of fibres.
@@ -41,6 +43,7 @@ pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
     contacts: Memory,
+    works: Option<Works>,
     objects: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -56,8 +59,17 @@ impl World {
         }
         let clock = Clock::default();
         let contacts = Memory::default();
-        let objects = Vec::new();
-        Self { environment, assembly, groups, lanes, clock, contacts, objects, springs: None }
+        Self {
+            environment,
+            assembly,
+            groups,
+            lanes,
+            clock,
+            contacts,
+            works: None,
+            objects: Vec::new(),
+            springs: None,
+        }
     }
 
     /// Time, s.
@@ -170,6 +182,22 @@ impl World {
         sum
     }
 
+    /// Momentum of all fibres and free objects, if the method is `Staggered` or `BackwardEuler` without a
+    /// tolerance. Costs one pass over all nodes.
+    #[must_use]
+    pub fn momentum(&self) -> Option<Momentum> {
+        let mut sum = Momentum::default();
+        for group in &self.groups {
+            let batch = group.batch.as_coupled()?;
+            (0..group.fibers.len()).for_each(|lane| sum += batch.momentum(lane));
+        }
+        for body in (0..self.objects.len()).filter_map(|i| self.body(i)) {
+            let angular = body.angular_momentum_about(&Point3::origin());
+            sum += Momentum { linear: body.mass() * body.velocity, angular };
+        }
+        Some(sum)
+    }
+
     /// What fibres touched in the last part of a step, with what force: by fibre, then by partner
     /// and place.
     pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
@@ -180,6 +208,29 @@ impl World {
     #[must_use]
     pub fn contact_work(&self) -> ContactWork {
         self.contacts.work
+    }
+
+    /// All other work done on fibres and free objects since the start, if the scene's output asks for
+    /// the ledger.
+    #[must_use]
+    pub fn works(&self) -> Option<Works> {
+        self.works
+    }
+
+    /// Keeps the ledger from now on.
+    pub(crate) fn keep_works(&mut self) {
+        self.works = Some(Works::default());
+        self.groups.iter_mut().for_each(|group| group.batch.keep_ledgers());
+    }
+
+    /// Books the step, or part of one, that all groups and the free objects have taken.
+    pub(crate) fn book(&mut self, objects: &Ledger) {
+        let Some(works) = &mut self.works else { return };
+        works.book(objects);
+        for group in &self.groups {
+            let lanes = (0..group.fibers.len()).filter_map(|lane| group.batch.ledger(lane));
+            lanes.for_each(|ledger| works.book(&ledger));
+        }
     }
 
     /// All numbers that determine what follows.
@@ -198,7 +249,8 @@ impl World {
                 body.save(&mut objects);
             }
         }
-        Snapshot { clock: self.clock, groups, contacts: self.contacts.clone(), objects, springs }
+        let (clock, contacts, works) = (self.clock, self.contacts.clone(), self.works);
+        Snapshot { clock, groups, contacts, works, objects, springs }
     }
 
     /// Goes back to a snapshot of this world.
@@ -231,6 +283,7 @@ impl World {
         }
         self.clock = snapshot.clock;
         self.contacts = snapshot.contacts.clone();
+        self.works = snapshot.works;
         Ok(())
     }
 

@@ -3,13 +3,17 @@ use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Load, Rod, RodError, RodState, StepError, StepReport,
+    Conditions, End, Energy, Instant, Ledger, Load, Momentum, Rod, RodError, RodState, StepError,
+    StepReport,
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
 
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
+/// By which part of its length a rod that is held at both ends must be longer than the way between
+/// them: without slack Newton's matrix is singular.
+const TAUT: f64 = 1e-9;
 /// Length of the solve for the initial acceleration, as a part of the step.
 const START: f64 = 1.0;
 
@@ -35,6 +39,8 @@ pub struct StaggeredBatch {
     pub(super) fresh: [bool; 8],
     /// The same before the step that has been predicted.
     pub(super) fresh_before: [bool; 8],
+    /// Of the last step, if they are kept.
+    ledgers: Option<[Ledger; 8]>,
 }
 
 impl StaggeredBatch {
@@ -80,8 +86,16 @@ impl StaggeredBatch {
         let engine = build(&rods, scheme);
         let memory = scheme.has_memory();
         let (fresh, fresh_before) = ([true; 8], [true; 8]);
-        let mut batch =
-            Self { engine, rods, time: 0.0, predicted: 0.0, memory, fresh, fresh_before };
+        let mut batch = Self {
+            engine,
+            rods,
+            time: 0.0,
+            predicted: 0.0,
+            memory,
+            fresh,
+            fresh_before,
+            ledgers: None,
+        };
         for fiber in 0..batch.rods.len() {
             let state = natural_state(&batch.rods[fiber]);
             batch.set_state(fiber, &state)?;
@@ -117,6 +131,24 @@ impl StaggeredBatch {
     #[must_use]
     pub fn energy(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
         self.engine.energy(fiber, gravity)
+    }
+
+    /// Momentum of one fibre.
+    #[must_use]
+    pub fn momentum(&self, fiber: usize) -> Momentum {
+        self.engine.momentum(fiber)
+    }
+
+    /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the rods
+    /// in each step, and change nothing in it.
+    pub fn keep_ledgers(&mut self, keep: bool) {
+        self.ledgers = keep.then(Default::default);
+    }
+
+    /// What the energy of one fibre became in the last step that was taken, if ledgers are kept.
+    #[must_use]
+    pub fn ledger(&self, fiber: usize) -> Option<Ledger> {
+        self.ledgers.map(|ledgers| ledgers[fiber])
     }
 
     /// Starts one fibre again from `state`; the batch takes over its time.
@@ -194,7 +226,7 @@ impl StaggeredBatch {
                 lengths[fiber] = dt;
             }
         }
-        self.engine.commit(&lengths, &whole, Problem::Step);
+        self.commit(&lengths, &whole);
         self.advance_time(dt);
         Ok(())
     }
@@ -216,6 +248,7 @@ impl StaggeredBatch {
         for fiber in 0..count {
             ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
         }
+        self.open_ledgers(conditions)?;
         self.engine.remember();
         self.engine.set_out(&[true; 8]);
         let fresh = self.fresh;
@@ -231,6 +264,29 @@ impl StaggeredBatch {
             }
         }
         Ok(used)
+    }
+
+    /// Begins the ledgers of a step, if they are kept.
+    fn open_ledgers(&mut self, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
+        if self.ledgers.is_some() {
+            for (fiber, conditions) in conditions.iter().enumerate().take(self.rods.len()) {
+                let now = self.conditions(fiber, self.time, *conditions)?;
+                self.engine.open_ledger(fiber, &now, !self.fresh[fiber]);
+            }
+            self.ledgers = Some(Default::default());
+        }
+        Ok(())
+    }
+
+    /// Makes the last attempt the state of some fibres, and books it.
+    pub(super) fn commit(&mut self, lengths: &[f64; 8], done: &[bool; 8]) {
+        if let Some(ledgers) = &mut self.ledgers {
+            let booked = self.engine.account(lengths, done);
+            for fiber in (0..self.rods.len()).filter(|&fiber| done[fiber]) {
+                ledgers[fiber] += booked[fiber];
+            }
+        }
+        self.engine.commit(lengths, done, Problem::Step);
     }
 
     /// Takes back all that a failed step has changed.
@@ -288,7 +344,7 @@ impl StaggeredBatch {
             self.engine.attempt(lengths, &only, Problem::Step, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
-                self.engine.commit(lengths, &only, Problem::Step);
+                self.commit(lengths, &only);
                 done += part;
             } else {
                 self.engine.restore(fiber, &before);
@@ -464,8 +520,12 @@ fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError
     };
     match (position(&now.root), position(&now.tip)) {
         (None, Some(_)) => error("root", "a free root with a held tip: reverse the rod"),
-        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 + 1e-12) => {
-            error("tip", "further from the root than the rod is long, which cannot stretch")
+        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
+            error(
+                "tip",
+                "as far from the root as the rod is long, or further, which cannot stretch; \
+                 pulled straight it cannot move and has any tension: bring the ends closer",
+            )
         }
         _ => Ok(()),
     }

@@ -96,16 +96,21 @@ impl<S: Simd> Chain<S> {
         V3::load(self.simd, a, i)
     }
     #[inline(always)]
-    fn quat(&self, a: &[S::f64s]) -> Quat<S> {
+    pub(super) fn quat(&self, a: &[S::f64s]) -> Quat<S> {
         Quat { v: self.vec(a, 0), w: Lane::new(self.simd, a[3]) }
     }
     #[inline(always)]
-    fn directors(&self, e: usize) -> [V3<S>; 3] {
-        [self.vec(&self.d, 3 * e), self.vec(&self.d, 3 * e + 1), self.vec(&self.d, 3 * e + 2)]
+    pub(super) fn directors(&self, e: usize) -> [V3<S>; 3] {
+        [0, 1, 2].map(|k| self.vec(&self.d, 3 * e + k))
+    }
+    /// The same at the start of the step.
+    #[inline(always)]
+    pub(super) fn directors_before(&self, e: usize) -> [V3<S>; 3] {
+        [0, 1, 2].map(|k| self.vec(&self.d_start, 3 * e + k))
     }
     /// A load given in world and follower components, in the world.
     #[inline(always)]
-    fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
+    pub(super) fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
         let [x, y, z] = self.vec(&load[1], 0).0;
         frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.vec(&load[0], 0))))
     }
@@ -282,11 +287,8 @@ impl<S: Simd> Chain<S> {
         let one = fw.lift(1.0);
         let half = fw.lift(0.5);
         let angle2 = phi.dot(phi);
-        // (1 - (a/2) cot(a/2)) / a^2; the error of the quotient is multiplied by a^2 below.
-        let c = half.nma(fw, one) * (angle2 + fw.lift(1e-200)).recip();
-        let turned = phi.cross(m);
-        let local = phi.cross(turned).fma(c, m) - turned.scale(half);
-        let moment = combine(d, local);
+        let c = slope_of_log(angle2, fw);
+        let moment = moment(phi, m, c, d);
         // Rows of J^-1 R^T, J^-1 = E + hat(phi)/2 + c (phi phi^T - a^2 E).
         let [x, y, z] = phi.0;
         let s = c.nma(angle2, one);
@@ -302,6 +304,16 @@ impl<S: Simd> Chain<S> {
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
         let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
         Joint { moment, energy: half * m.dot(strain), hessian }
+    }
+
+    /// Rotation vector of joint `j`, with what [`Quat::log`] gives beside it.
+    #[inline(always)]
+    pub(super) fn joint_turn(&self, j: usize) -> (V3<S>, Lane<S>) {
+        let before =
+            self.quat(if j > 0 { &self.q[4 * (j - 1)..4 * j] } else { &self.ends.root_frame });
+        let after =
+            self.quat(if j < self.n { &self.q[4 * j..4 * j + 4] } else { &self.ends.tip_frame });
+        before.inverse_times(after).log()
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
@@ -355,13 +367,9 @@ impl<S: Simd> Chain<S> {
     /// Rotation vectors of the joints at the present rotations.
     #[inline(always)]
     pub(super) fn measure_joints(&mut self) {
-        let mut before = self.quat(&self.ends.root_frame);
         for j in 0..=self.n {
-            let tip = self.ends.tip_frame;
-            let after = self.quat(if j < self.n { &self.q[4 * j..4 * j + 4] } else { &tip });
-            let (phi, _) = before.inverse_times(after).log();
+            let (phi, _) = self.joint_turn(j);
             store(&mut self.phi, j, phi);
-            before = after;
         }
     }
 
@@ -444,6 +452,22 @@ impl<S: Simd> Joint<S> {
         let sym = Sym::diagonal(zero);
         Self { moment: v, energy: zero, hessian: sym }
     }
+}
+
+/// `c = (1 - (a/2) cot(a/2)) / a^2` of `J^-1 = E + hat(phi)/2 + c hat(phi)^2`, for a rotation vector
+/// of the squared length `angle2` and what [`Quat::log`] gives beside it. Where the angle is small the
+/// error of the quotient is great, but only products of `c` with squares of the vector are used.
+#[inline(always)]
+pub(super) fn slope_of_log<S: Simd>(angle2: Lane<S>, fw: Lane<S>) -> Lane<S> {
+    fw.lift(0.5).nma(fw, fw.lift(1.0)) * (angle2 + fw.lift(1e-200)).recip()
+}
+
+/// Moment on the segment before a joint, world components: `J^-T m`, `m` the derivative of the
+/// joint's energy by its rotation vector, in the frame `d` of the segment behind it.
+#[inline(always)]
+pub(super) fn moment<S: Simd>(phi: V3<S>, m: V3<S>, c: Lane<S>, d: [V3<S>; 3]) -> V3<S> {
+    let turned = phi.cross(m);
+    combine(d, phi.cross(turned).fma(c, m) - turned.scale(c.lift(0.5)))
 }
 
 /// What the second derivative of the logarithm adds to the Hessian of a joint with rotation vector

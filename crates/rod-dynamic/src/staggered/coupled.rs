@@ -131,7 +131,7 @@ impl StaggeredBatch {
     pub fn accept(&mut self) {
         let mut all = [false; 8];
         all[..self.rods().len()].fill(true);
-        self.engine.commit(&[self.predicted; 8], &all, Problem::Step);
+        self.commit(&[self.predicted; 8], &all);
         self.advance_time(self.predicted);
     }
 

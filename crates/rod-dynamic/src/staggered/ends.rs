@@ -135,6 +135,11 @@ impl<S: Simd> Ends<S> {
     }
 }
 
+/// The frame in which an end is clamped, as a quaternion; that of the world where it is not.
+pub(super) fn frame(end: &End) -> [f64; 4] {
+    Part::of(end).frame
+}
+
 /// One end, with zeros for what it does not have.
 struct Part {
     kind: Kind,

@@ -7,7 +7,7 @@ use super::response::Inertia;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
-use crate::{Energy, Instant, Point, PointResponses, Rod, RodState};
+use crate::{Energy, Instant, Ledger, Momentum, Point, PointResponses, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
@@ -24,11 +24,17 @@ pub(super) trait Engine: Send {
     fn set_out(&mut self, wanted: &[bool; 8]);
     fn measure(&mut self, wanted: &[bool; 8]);
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem);
+    /// Notes how the ends of a lane are before a step whose ledger is wanted; `known` tells whether
+    /// their reactions are those now.
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
+    /// Ledgers of an attempt that is about to be committed in the lanes that are `done`.
+    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    fn momentum(&self, lane: usize) -> Momentum;
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
     /// How far the last attempt moves a node.
     fn displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
@@ -92,6 +98,12 @@ impl<S: Simd> Engine for Pack<S> {
     fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
         Self::commit(self, dt, done, problem);
     }
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
+        Self::open_ledger(self, lane, now, known);
+    }
+    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8] {
+        Self::account(self, dt, done)
+    }
     fn set_conditions(&mut self, lane: usize, now: &Instant) {
         Self::set_conditions(self, lane, now);
     }
@@ -108,6 +120,9 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
         Self::energy(self, lane, gravity)
+    }
+    fn momentum(&self, lane: usize) -> Momentum {
+        Self::momentum(self, lane)
     }
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
@@ -148,6 +163,7 @@ impl<S: Simd> Engine for Pack<S> {
         }
         self.backup = backup;
         self.impulses.fill(S::f64s::zeroed());
+        self.absorbed = [[S::f64s::zeroed(); 3]; 2];
         self.q_start.copy_from_slice(&self.chain.q);
         self.reaction_start = self.chain.ends.tip_reaction;
     }
@@ -227,11 +243,14 @@ impl<S: Simd> Engine for Pack<S> {
         let held = self.held[lane];
         let (last, free) = (impulses.len() - 1, Vector3::zeros());
         for (a, impulse) in impulses.iter().enumerate() {
-            let absorbed =
+            let is_held =
                 (a == 0 && held.root != Kind::Loaded) || (a == last && held.tip != Kind::Loaded);
-            let impulse = if absorbed { &free } else { impulse };
+            let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };
             for i in 0..3 {
                 set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
+                if a == 0 || a == last {
+                    set(&mut self.absorbed[usize::from(a == last)], i, lane, absorbed[i]);
+                }
             }
         }
     }

@@ -20,6 +20,7 @@ mod equilibrium;
 mod explicit;
 mod factor;
 mod lanes;
+mod ledger;
 mod pack;
 mod readout;
 mod response;

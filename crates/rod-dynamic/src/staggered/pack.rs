@@ -3,6 +3,7 @@
 use super::chain::{Chain, get, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
+use super::ledger::Outset;
 use super::response::{Inertia, Workspace};
 use super::scheme::{Problem, Scheme, Stage};
 use super::search::{Outcome, Search};
@@ -39,6 +40,8 @@ pub(super) struct Pack<S: Simd> {
     pub(super) joints: Track<S>,
     /// Impulses on the nodes at the start of the step (3).
     pub(super) impulses: Array<S>,
+    /// Those on the root and the tip that what holds them takes up.
+    pub(super) absorbed: [[S::f64s; 3]; 2],
     /// Forces on the nodes from outside (3).
     pub(super) node_forces: Array<S>,
     /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
@@ -54,6 +57,8 @@ pub(super) struct Pack<S: Simd> {
     /// Lengths of the last attempt, for what follows from its factors.
     pub(super) last_dt: [f64; 8],
     pub(super) work: Workspace<S>,
+    /// For the ledger of a step.
+    pub(super) outset: Outset<S>,
 }
 
 impl<S: Simd> Pack<S> {
@@ -74,6 +79,7 @@ impl<S: Simd> Pack<S> {
             directors: Track::new(2 * n),
             joints: Track::new(n + 1),
             impulses: zeros::<S>(3 * (n + 1)),
+            absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(3 * (n + 1)),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::CLAMPED; 8],
@@ -82,6 +88,7 @@ impl<S: Simd> Pack<S> {
             backup: zeros::<S>(0),
             last_dt: [1.0; 8],
             work: Workspace::new(n),
+            outset: Outset::new(),
             any_damping: rods.iter().any(|rod| rod.damping_time > 0.0),
         };
         for lane in 0..S::F64_LANES {
@@ -274,7 +281,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn flags(&self, flags: &[bool; 8]) -> Lane<S> {
+    pub(super) fn flags(&self, flags: &[bool; 8]) -> Lane<S> {
         let numbers = flags.map(f64::from);
         Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&numbers[..S::F64_LANES]))
     }
@@ -307,7 +314,6 @@ impl<S: Simd> Pack<S> {
         let n = self.chain.n;
         let one = Lane::splat(simd, 1.0);
         let zero = Lane::splat(simd, 0.0);
-        let half = Lane::splat(simd, 0.5);
         let fields = &self.fields;
         let gravity = V3::load(simd, fields, 0);
         let distributed = V3::load(simd, fields, 1);
@@ -318,15 +324,7 @@ impl<S: Simd> Pack<S> {
             let mass = Lane::new(simd, self.mass[a]);
             rates.v += self.jump(a);
             let (du, vc) = self.scheme.predict(stage, rates);
-            let mut length = zero;
-            let mut tangent = V3::splat(simd, 0.0);
-            for e in [a.wrapping_sub(1), a] {
-                if e < n {
-                    let h = self.chain.one(&self.chain.h, e);
-                    length = h.fma(half, length);
-                    tangent = self.chain.vec(&self.chain.d_start, 3 * e + 2).fma(h * half, tangent);
-                }
-            }
+            let (length, tangent) = self.reach(&self.chain.d_start, a);
             let drag = across * length;
             let inertial = mass * stage.c1;
             let mu = drag.fma(stage.cv, inertial);
@@ -379,9 +377,25 @@ impl<S: Simd> Pack<S> {
         }
     }
 
+    /// The length of rod that node `a` stands for, and that length along the tangent of `directors`.
+    #[inline(always)]
+    pub(super) fn reach(&self, directors: &[S::f64s], a: usize) -> (Lane<S>, V3<S>) {
+        let half = Lane::splat(self.chain.simd, 0.5);
+        let mut length = half.lift(0.0);
+        let mut tangent = V3::splat(self.chain.simd, 0.0);
+        for e in [a.wrapping_sub(1), a] {
+            if e < self.chain.n {
+                let h = self.chain.one(&self.chain.h, e);
+                length = h.fma(half, length);
+                tangent = self.chain.vec(directors, 3 * e + 2).fma(h * half, tangent);
+            }
+        }
+        (length, tangent)
+    }
+
     /// How much the impulse on a node changes its velocity.
     #[inline(always)]
-    fn jump(&self, a: usize) -> V3<S> {
+    pub(super) fn jump(&self, a: usize) -> V3<S> {
         let impulse = self.chain.vec(&self.impulses, a);
         impulse.scale(Lane::new(self.chain.simd, self.mass[a]).recip())
     }

@@ -2,7 +2,7 @@
 
 use super::pack::{Pack, at, set};
 use crate::joint::Joint;
-use crate::{Energy, Rod, RodState};
+use crate::{Energy, Momentum, Rod, RodState};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
@@ -115,6 +115,26 @@ impl<S: Simd> Pack<S> {
         for i in 0..3 {
             set(&mut self.phi, 3 * joint + i, lane, turn[i]);
         }
+    }
+
+    /// Momentum of one lane: the spin of a section is that of its directors, which have the mass.
+    pub(super) fn momentum(&self, lane: usize) -> Momentum {
+        let n = self.chain.n;
+        let mut sum = Momentum::default();
+        for a in 0..=n {
+            let linear = at(&self.mass, a, lane) * self.vector(&self.nodes.v, a, lane);
+            let angular = self.vector(&self.r, a, lane).cross(&linear);
+            sum += Momentum { linear, angular };
+        }
+        for e in 0..n {
+            let frame = self.rotation(e, lane).to_rotation_matrix();
+            for k in 0..2 {
+                let rate = self.vector(&self.directors.v, 2 * e + k, lane);
+                let spin = frame.matrix().column(k).cross(&rate);
+                sum.angular += at(&self.inertia, 2 * e + k, lane) * spin;
+            }
+        }
+        sum
     }
 
     pub(super) fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {

@@ -12,7 +12,7 @@ use super::touch::{Partner, Touch};
 use crate::World;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidBody, RigidPoints};
-use rapunzel_rod_dynamic::Energy;
+use rapunzel_rod_dynamic::{Energy, Ledger};
 
 /// Numbers of a saved body.
 const NUMBERS: usize = 13;
@@ -61,6 +61,23 @@ impl FreeBody {
             elastic: 0.0,
             gravitational: -self.state.mass() * gravity.dot(&self.state.center().coords),
         }
+    }
+
+    /// Works of gravity and of the integrator in the step as it has been solved. Contacts act on the velocity at its end
+    /// with the inertia at its start, as the solver has it: what is left is half the mass times the
+    /// squared change of velocity, the same of the rotation, and what turning the inertia changes.
+    fn works(&self, gravity: &Vector3<f64>) -> Ledger {
+        let (before, after) = (&self.state, &self.solved);
+        let mass = after.mass();
+        let change = after.velocity - before.velocity;
+        let (turned, turn) =
+            (after.angular_momentum, after.angular_momentum - before.angular_momentum);
+        let (inverse, inverse_after) = (before.inverse_inertia(), after.inverse_inertia());
+        let turning =
+            turn.dot(&(inverse * turn)) + turned.dot(&((inverse - inverse_after) * turned));
+        let integrator = -0.5 * (mass * change.norm_squared() + turning);
+        let gravity = mass * gravity.dot(&(after.center() - before.center()));
+        Ledger { gravity, integrator, ..Ledger::default() }
     }
 
     /// The body as it is between steps.
@@ -129,13 +146,18 @@ impl World {
         Ok(())
     }
 
-    /// Makes the step that has been solved the state of all free bodies.
-    pub(super) fn accept_bodies(&mut self) {
+    /// Makes the step from `time` by `dt`, s, that has been solved the state of all free bodies, and
+    /// returns what gravity and the integrator did to them.
+    pub(super) fn accept_bodies(&mut self, time: f64, dt: f64) -> Ledger {
+        let gravity = self.gravity_at(time + 0.5 * dt);
+        let mut sum = Ledger::default();
         for object in &mut self.objects {
             if let Way::Free(body) = &mut object.way {
+                sum += body.works(&gravity);
                 body.state = body.solved.clone();
             }
         }
+        sum
     }
 
     /// Velocities, as solved so far, at levers on every object; those of led objects have none.

@@ -134,10 +134,12 @@ impl World {
         })
     }
 
-    /// Makes the step that has been solved the state of all groups and objects.
-    pub(super) fn accept(&mut self) {
+    /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and objects,
+    /// and books it.
+    pub(super) fn accept(&mut self, time: f64, dt: f64) {
         self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::accept);
-        self.accept_bodies();
+        let objects = self.accept_bodies(time, dt);
+        self.book(&objects);
     }
 
     /// Takes all groups back to before the step.

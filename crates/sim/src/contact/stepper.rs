@@ -201,7 +201,7 @@ impl Touching {
             world.abandon();
             return Err(cut);
         }
-        world.accept();
+        world.accept(time, dt);
         world.contacts.bearing = remember(&part.touches);
         world.contacts.dt = Some(dt);
         world.contacts.work += part.work;

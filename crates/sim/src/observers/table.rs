@@ -1,6 +1,6 @@
 use super::Observer;
 use crate::scene::{Node, Probe, Quantity};
-use crate::{SimError, World};
+use crate::{SimError, Works, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -29,6 +29,8 @@ pub(crate) enum Column {
     Energies,
     /// Work of contacts since the start: friction, normal, led objects.
     ContactWork,
+    /// All other work since the start.
+    Works,
     /// What a mass-spring system shows besides, by the names with their units.
     Springs(Vec<String>),
     /// What a probe reads.
@@ -122,6 +124,10 @@ impl Column {
             Self::ContactWork => ",work of friction (J),work of normal impulses (J),\
                                   work of led objects (J)"
                 .to_owned(),
+            Self::Works => ",work of gravity (J),work of loads (J),work of drag (J),\
+                            work of damping (J),work of supports (J),work of the integrator (J),\
+                            work of the solver (J)"
+                .to_owned(),
             Self::Springs(names) => names.iter().map(|name| format!(",{name}")).collect(),
             Self::Probe(Probe { fiber, node, quantity }) => {
                 let node = match node {
@@ -150,6 +156,11 @@ impl Column {
             Self::ContactWork => {
                 let work = world.contact_work();
                 vec![work.friction, work.normal, work.led]
+            }
+            Self::Works => {
+                let works = world.works().unwrap_or_default();
+                let Works { gravity, loads, drag, damping, supports, integrator, solver } = works;
+                vec![gravity, loads, drag, damping, supports, integrator, solver]
             }
             Self::Springs(_) => {
                 world.springs.as_ref().map(|springs| springs.readings()).unwrap_or_default()

@@ -267,6 +267,11 @@ impl Scene {
                            or `contacts` of a mass_spring system";
             check.refuse("objects", message.into());
         }
+        if self.output.ledger && (self.mass_spring.is_some() || !self.stepper.keeps_ledgers()) {
+            let message = "is kept of fibres alone, by the methods Staggered and BackwardEuler without \
+                           a tolerance: leave it out";
+            check.refuse("output.ledger", message.into());
+        }
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));
         check.within("output", |c| self.output.check(c, |fiber| self.segments_of(fiber)));

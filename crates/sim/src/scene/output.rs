@@ -14,13 +14,23 @@ pub struct Output {
     /// Time between the rows of `energies.csv` and `probes.csv`, s, rounded to steps; 0 for a row
     /// at every step.
     pub record_interval: f64,
+    /// Whether `energies.csv` has all work done on the fibres: with that of contacts it sums up to what
+    /// the kinetic and elastic energy gain. Needs the method `Staggered` or `BackwardEuler`, without a
+    /// tolerance.
+    pub ledger: bool,
     /// Columns of `probes.csv`.
     pub probes: Vec<Probe>,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frame_rate: 30.0, formats: Vec::new(), record_interval: 0.0, probes: Vec::new() }
+        Self {
+            frame_rate: 30.0,
+            formats: Vec::new(),
+            record_interval: 0.0,
+            ledger: false,
+            probes: Vec::new(),
+        }
     }
 }
 

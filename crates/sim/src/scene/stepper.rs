@@ -116,6 +116,11 @@ impl StepperSettings {
         self.method(true) == Method::BackwardEuler && self.tolerance.is_none()
     }
 
+    /// Whether it can tell what the energy of fibres becomes.
+    pub(crate) fn keeps_ledgers(&self) -> bool {
+        !matches!(self.method, Some(Method::Box { .. })) && self.tolerance.is_none()
+    }
+
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("dt", self.dt, Allowed::Within(1e-9, 1.0), "s");

@@ -1,0 +1,395 @@
+//! What the energy of a step becomes, by the step's own equations.
+//!
+//! A node obeys `m A = n_(a+1) - n_a + F + R` at the end of the step, `A` its acceleration there,
+//! `F` what loads it and `R` the reaction of a support; a segment obeys
+//! `sum I d_k x A_k = h d3 x n + M_(j=e) - M_(j=e-1)`. The first is multiplied with the displacement
+//! `u`, the second with a vector `c` that turns the segment's directors over the step but for terms
+//! of higher order, `c = sum d_k x d_k' / 2`, and all are added. Nodes being where the segments put
+//! them, forces leave only `h n (d d3 - c x d3)` of each segment: the chord for the tangent. The same
+//! is left of the inertia of directors, and of a joint `M (c_(j+1) - c_j)` against `m dphi`.
+//!
+//! With `m` the joint's moment at the end, elastic energy grows by `m_elastic dphi - dphi K dphi/2`.
+//! Kinetic energy grows by `(v' - v) (v' + v) / 2` for each unit of mass; of an impulse `P = m p`
+//! and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w - (v' +
+//! v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the integrator's, with
+//! what works of forces at the end have over those at the mean. Nodes are in balance to rounding;
+//! where Newton's method left a torque on a segment, its product with `c` is the solver's.
+
+use super::chain::{get, moment, slope_of_log};
+use super::ends;
+use super::lanes::{Lane, V3};
+use super::pack::{Pack, at, set};
+use super::scheme::{Problem, Rates, Stage};
+use crate::{End, Instant, Ledger};
+use pulp::bytemuck::Zeroable;
+use pulp::{NullaryFnOnce, Simd};
+
+/// The ends when the step set out: first the root, then the tip.
+pub(super) struct Outset<S: Simd> {
+    frames: [[S::f64s; 4]; 2],
+    /// Forces in the segments beside them.
+    forces: [[S::f64s; 3]; 2],
+    /// Elastic energies of their joints, zero where there is none.
+    stored: [S::f64s; 2],
+    /// The share of the reactions after the step in their mean; the rest is that of those before.
+    share: S::f64s,
+}
+
+impl<S: Simd> Outset<S> {
+    pub(super) fn new() -> Self {
+        let zero = S::f64s::zeroed();
+        Self { frames: [[zero; 4]; 2], forces: [[zero; 3]; 2], stored: [zero; 2], share: zero }
+    }
+}
+
+/// A [`Ledger`] for each lane.
+#[derive(Clone, Copy)]
+struct Lines<S: Simd> {
+    kinetic: Lane<S>,
+    elastic: Lane<S>,
+    gravity: Lane<S>,
+    loads: Lane<S>,
+    drag: Lane<S>,
+    damping: Lane<S>,
+    supports: Lane<S>,
+    contacts: Lane<S>,
+    integrator: Lane<S>,
+    solver: Lane<S>,
+}
+
+/// How a coordinate of mass 1 moves in a step.
+struct Motion<S: Simd> {
+    /// Velocity at the end, mean velocity, acceleration at the end.
+    end: V3<S>,
+    mean: V3<S>,
+    acceleration: V3<S>,
+    /// Kinetic energy gained, and work that is lost on the way to it.
+    gain: Lane<S>,
+    loss: Lane<S>,
+}
+
+/// A joint as the step sees it.
+struct Bend<S: Simd> {
+    /// Moments on the segment before, world components, before and after the step.
+    moments: [V3<S>; 2],
+    /// Elastic energies before and after the step.
+    stored: [Lane<S>; 2],
+}
+
+impl<S: Simd> Pack<S> {
+    /// Notes in one lane how the ends are when a step sets out, at which time they are led as `now`
+    /// says. Reactions that are not `known` count as those after the step.
+    pub(super) fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
+        let n = self.chain.n;
+        let joined = self.chain.ends.joined(lane);
+        let parts: [(usize, usize, &End); 2] = [(0, 0, &now.root), (n, n - 1, &now.tip)];
+        for (k, (node, segment, end)) in parts.into_iter().enumerate() {
+            for (i, x) in ends::frame(end).into_iter().enumerate() {
+                set(&mut self.outset.frames[k], i, lane, x);
+            }
+            for i in 0..3 {
+                let force = at(&self.chain.force, 3 * segment + i, lane);
+                set(&mut self.outset.forces[k], i, lane, force);
+            }
+            let strain = self.vector(&self.phi, node, lane) - self.vector(&self.rest, node, lane);
+            let stiffness = self.vector(&self.stiffness, node, lane);
+            let stored = 0.5 * strain.dot(&stiffness.component_mul(&strain));
+            let stored = if joined[k] { stored } else { 0.0 };
+            set(&mut self.outset.stored, k, lane, stored);
+        }
+        let share = if known && self.scheme.has_memory() { 0.5 } else { 1.0 };
+        set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
+    }
+
+    /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In lanes
+    /// that are `done` what follows sets out from its end.
+    pub(super) fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8] {
+        struct Account<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8]);
+        impl<S: Simd> NullaryFnOnce for Account<'_, S> {
+            type Output = [Ledger; 8];
+            #[inline(always)]
+            fn call(self) -> [Ledger; 8] {
+                let Self(pack, dt, done) = self;
+                let stage = pack.stage(dt, Problem::Step);
+                pack.lines(&stage, done).ledgers()
+            }
+        }
+        self.chain.simd.vectorize(Account(self, dt, done))
+    }
+
+    #[inline(always)]
+    fn lines(&mut self, stage: &Stage<S>, done: &[bool; 8]) -> Lines<S> {
+        let (simd, n) = (self.chain.simd, self.chain.n);
+        let mut lines = Lines::zero(simd);
+        for a in 0..=n {
+            self.book_node(stage, a, &mut lines);
+        }
+        let ends = self.chain.ends;
+        let frame = |frame: &[S::f64s; 4]| self.chain.quat(frame).directors();
+        let clamps = [&ends.root_frame, &ends.tip_frame].map(frame);
+        let clamps_before = [&self.outset.frames[0], &self.outset.frames[1]].map(frame);
+        let turns = [0, 1].map(|k| turn(clamps_before[k], clamps[k]));
+        let mut stored = [lines.kinetic; 2];
+        let zero = V3::splat(simd, 0.0);
+        let (mut before, mut torque, mut left) = (turns[0], zero, zero);
+        for j in 0..=n {
+            let [after, inner] =
+                if j < n { self.book_segment(stage, j, &mut lines) } else { [turns[1], zero] };
+            let frames = if j < n {
+                [self.chain.directors_before(j), self.chain.directors(j)]
+            } else {
+                [clamps_before[1], clamps[1]]
+            };
+            let bend = self.book_joint(stage, j, after - before, frames, &mut lines);
+            let right = bend.moments[1];
+            let mut outer = zero;
+            if j == 0 {
+                outer = self.chain.world(ends.root_moment, frames[1]);
+                lines.loads = lines.loads + outer.dot(after);
+                self.support([zero - bend.moments[0], zero - right], turns[0], &mut lines);
+            } else if j == n {
+                let moment = self.chain.world(ends.tip_moment, self.chain.directors(n - 1));
+                lines.loads = lines.loads + moment.dot(before);
+                torque += moment;
+                self.support(bend.moments, turns[1], &mut lines);
+            }
+            if j > 0 {
+                // The segment before the joint is complete with it.
+                lines.solver = lines.solver - (torque + right - left).dot(before);
+            }
+            if j == 0 || j == n {
+                let k = usize::from(j == n);
+                let made = bend.stored[0] - Lane::new(simd, self.outset.stored[k]);
+                lines.supports = lines.supports + made;
+                lines.elastic = lines.elastic + made;
+                stored[k] = bend.stored[1];
+            }
+            (before, torque, left) = (after, inner + outer, right);
+        }
+        self.move_outset(stored, done);
+        lines
+    }
+
+    /// Lets what follows set out from the end of the step.
+    #[inline(always)]
+    fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; 8]) {
+        let (simd, n) = (self.chain.simd, self.chain.n);
+        let done = self.flags(done);
+        let keep = |new: S::f64s, old: &mut S::f64s| {
+            *old = done.positive_or(Lane::new(simd, new), Lane::new(simd, *old)).value;
+        };
+        let (ends, out) = (&self.chain.ends, &mut self.outset);
+        for (k, (frame, segment)) in
+            [(&ends.root_frame, 0), (&ends.tip_frame, n - 1)].into_iter().enumerate()
+        {
+            frame.iter().zip(&mut out.frames[k]).for_each(|(new, old)| keep(*new, old));
+            let force = &self.chain.force[3 * segment..3 * segment + 3];
+            force.iter().zip(&mut out.forces[k]).for_each(|(new, old)| keep(*new, old));
+            keep(stored[k].value, &mut out.stored[k]);
+        }
+        if self.scheme.has_memory() {
+            keep(simd.splat_f64s(0.5), &mut out.share);
+        }
+    }
+
+    /// Books the work of reactions before and after the step along a way.
+    #[inline(always)]
+    fn support(&self, reactions: [V3<S>; 2], way: V3<S>, lines: &mut Lines<S>) {
+        let share = Lane::new(self.chain.simd, self.outset.share);
+        let change = (reactions[0] - reactions[1]).scale(share.lift(1.0) - share).dot(way);
+        lines.supports = lines.supports + reactions[1].dot(way) + change;
+        lines.integrator = lines.integrator - change;
+    }
+
+    #[inline(always)]
+    fn book_node(&self, stage: &Stage<S>, a: usize, lines: &mut Lines<S>) {
+        let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
+        let field = |i: usize| V3::load(simd, &self.fields, i);
+        let (gravity, distributed, wind) = (field(0), field(1), field(2));
+        let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
+        let mass = Lane::new(simd, self.mass[a]);
+        let way = chain.vec(&chain.r, a) - chain.vec(&self.r, a);
+        let rates = self.nodes.rates(chain, a);
+        let jump = self.jump(a);
+        let motion = self.motion(stage, rates, jump, way);
+        lines.kinetic = mass.fma(motion.gain, lines.kinetic);
+        lines.integrator = mass.nma(motion.loss, lines.integrator);
+        lines.contacts = lines.contacts + chain.vec(&self.impulses, a).dot(motion.mean);
+        let (length, tangent) = self.reach(&chain.d_start, a);
+        let (_, tangent_after) = self.reach(&chain.d, a);
+        let middle = (tangent + tangent_after).scale(length.lift(0.5));
+        let air = |across_at: V3<S>, along_at: V3<S>, tangent: V3<S>| {
+            let slip = tangent.dot(along_at - wind) * excess * length.recip();
+            (wind - across_at).scale(across * length) + tangent.scale(slip)
+        };
+        let drag = air(motion.end, rates.v + jump, tangent);
+        let mean_drag = air(motion.mean, motion.mean, middle);
+        lines.drag = lines.drag + mean_drag.dot(way);
+        lines.integrator = lines.integrator + (drag - mean_drag).dot(way);
+        let weight = gravity.scale(mass);
+        lines.gravity = lines.gravity + weight.dot(way);
+        let loads = distributed.scale(length) + chain.vec(&self.node_forces, a);
+        lines.loads = lines.loads + loads.dot(way);
+        if a == 0 || a == n {
+            let forces = weight + loads + air(rates.v, rates.v, tangent);
+            let before = rates.acceleration.scale(mass) - forces;
+            self.book_end(a, before, way, motion.mean, lines);
+        }
+    }
+
+    /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start of
+    /// the step beside that of its segment.
+    #[inline(always)]
+    fn book_end(&self, a: usize, before: V3<S>, way: V3<S>, mean: V3<S>, lines: &mut Lines<S>) {
+        let (simd, n, chain, ends) = (self.chain.simd, self.chain.n, &self.chain, &self.chain.ends);
+        let k = usize::from(a == n);
+        let one = Lane::splat(simd, 1.0);
+        let (load, held, sign, segment) = if a == 0 {
+            (ends.root_force, one - Lane::new(simd, ends.root_free), -one, 0)
+        } else {
+            (ends.tip_force, Lane::new(simd, ends.tip_held), one, n - 1)
+        };
+        let load = chain.world(load, chain.directors(segment));
+        lines.loads = lines.loads + load.dot(way);
+        let force = |array: &[S::f64s], i: usize| V3::load(simd, array, i).scale(sign);
+        let before = before + force(&self.outset.forces[k], 0);
+        let after = way.scale(chain.one(&chain.mu, a)) - chain.vec(&chain.b, a)
+            + force(&chain.force, segment);
+        self.support([before.scale(held), after.scale(held)], way, lines);
+        let absorbed = V3::load(simd, &self.absorbed[k], 0).dot(mean);
+        lines.contacts = lines.contacts + absorbed;
+        lines.supports = lines.supports - absorbed;
+    }
+
+    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and the
+    /// torque on it but for that of its joints.
+    #[inline(always)]
+    fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut Lines<S>) -> [V3<S>; 2] {
+        let (simd, chain) = (self.chain.simd, &self.chain);
+        let (before, after) = (chain.directors_before(e), chain.directors(e));
+        let turn = turn(before, after);
+        let ways = [0, 1, 2].map(|k| after[k] - before[k]);
+        let chord = |k: usize| ways[k] - turn.cross(after[k]);
+        let zero = V3::splat(simd, 0.0);
+        let force = chain.vec(&chain.force, e).scale(chain.one(&chain.h, e));
+        lines.integrator = lines.integrator - force.dot(chord(2));
+        let mut torque = after[2].cross(force);
+        for k in 0..2 {
+            let inertia = Lane::new(simd, self.inertia[2 * e + k]);
+            let rates = self.directors.rates(chain, 2 * e + k);
+            let motion = self.motion(stage, rates, zero, ways[k]);
+            lines.kinetic = inertia.fma(motion.gain, lines.kinetic);
+            let kept = motion.acceleration.dot(chord(k)) - motion.loss;
+            lines.integrator = inertia.fma(kept, lines.integrator);
+            torque -= after[k].cross(motion.acceleration).scale(inertia);
+        }
+        [turn, torque]
+    }
+
+    /// Books a joint whose segments turn by `apart` from each other; `frames` are those of the one
+    /// behind, before and after the step.
+    #[inline(always)]
+    fn book_joint(
+        &self,
+        stage: &Stage<S>,
+        j: usize,
+        apart: V3<S>,
+        frames: [[V3<S>; 3]; 2],
+        lines: &mut Lines<S>,
+    ) -> Bend<S> {
+        let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
+        let mut stiffness = chain.vec(&self.stiffness, j);
+        if j == 0 {
+            stiffness = stiffness.scale(Lane::new(simd, chain.ends.root_joint));
+        } else if j == n {
+            stiffness = stiffness.scale(Lane::new(simd, chain.ends.tip_joint));
+        }
+        let half = Lane::splat(simd, 0.5);
+        let (phi, phi_before) = (chain.vec(&chain.phi, j), chain.vec(&self.phi, j));
+        let bend = phi - phi_before;
+        let resisted = stiffness.times(bend);
+        let rest = chain.vec(&self.rest, j);
+        let (strain, strain_before) = (phi - rest, phi_before - rest);
+        lines.elastic = lines.elastic + resisted.dot(strain + strain_before) * half;
+        // Without damping there are no rates of joints, and none are needed.
+        let damping = Lane::new(simd, self.damping);
+        let rates = self.joints.rates(chain, j);
+        let (_, known) = self.scheme.predict(stage, rates);
+        let rate = bend.fma(stage.cv, known);
+        let lost = -(damping * resisted.dot(rate));
+        let mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
+        lines.damping = lines.damping + mean_lost;
+        let m = stiffness.times(rate.fma(damping, strain));
+        let (_, fw) = chain.joint_turn(j);
+        let slope = slope_of_log(phi.dot(phi), fw);
+        let at_end = moment(phi, m, slope, frames[1]);
+        let chord = at_end.dot(apart) - m.dot(bend);
+        lines.integrator =
+            lines.integrator - half * resisted.dot(bend) - chord + (lost - mean_lost);
+        let m_before = stiffness.times(rates.v.fma(damping, strain_before));
+        // Of the moment before the step only its mean with that after it is used, for which the
+        // slope of the logarithm after the step will do.
+        let at_start = moment(phi_before, m_before, slope, frames[0]);
+        let energy = |strain: V3<S>| half * stiffness.times(strain).dot(strain);
+        Bend { moments: [at_start, at_end], stored: [energy(strain_before), energy(strain)] }
+    }
+
+    #[inline(always)]
+    fn motion(&self, stage: &Stage<S>, rates: Rates<S>, jump: V3<S>, way: V3<S>) -> Motion<S> {
+        let (du, vc) = self.scheme.predict(stage, Rates { v: rates.v + jump, ..rates });
+        let acceleration = (way - du).scale(stage.c1);
+        let end = way.fma(stage.cv, vc);
+        let mean = way.scale(stage.dt.recip());
+        let change = end - rates.v;
+        let middle = (end + rates.v).scale(stage.dt.lift(0.5));
+        let lag = acceleration.fma(stage.dt, jump - change);
+        let loss = lag.dot(mean) + change.dot(mean - middle);
+        Motion { end, mean, acceleration, gain: change.dot(middle), loss }
+    }
+}
+
+/// A vector that turns the directors of one frame into those of another, but for terms of higher
+/// order in it: the axis, with the sine of the angle.
+#[inline(always)]
+fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
+    let sum = from[0].cross(to[0]) + from[1].cross(to[1]) + from[2].cross(to[2]);
+    sum.scale(sum.0[0].lift(0.5))
+}
+
+impl<S: Simd> Lines<S> {
+    fn zero(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self {
+            kinetic: zero,
+            elastic: zero,
+            gravity: zero,
+            loads: zero,
+            drag: zero,
+            damping: zero,
+            supports: zero,
+            contacts: zero,
+            integrator: zero,
+            solver: zero,
+        }
+    }
+
+    fn ledgers(&self) -> [Ledger; 8] {
+        let mut ledgers = [Ledger::default(); 8];
+        for (lane, ledger) in ledgers.iter_mut().enumerate().take(S::F64_LANES) {
+            let of = |line: Lane<S>| get(line, lane);
+            *ledger = Ledger {
+                kinetic: of(self.kinetic),
+                elastic: of(self.elastic),
+                gravity: of(self.gravity),
+                loads: of(self.loads),
+                drag: of(self.drag),
+                damping: of(self.damping),
+                supports: of(self.supports),
+                contacts: of(self.contacts),
+                integrator: of(self.integrator),
+                solver: of(self.solver),
+            };
+        }
+        ledgers
+    }
+}

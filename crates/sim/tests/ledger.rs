@@ -1,0 +1,198 @@
+//! Where the energy of a scene goes: all works sum up to what the kinetic and elastic energy gain.
+
+#![expect(clippy::print_stdout, reason = "a test tells what it measured")]
+
+mod common;
+
+use common::Run;
+use rapunzel_sim::{Scene, StepReport, World};
+
+/// Energy gained since the start of a step, its works, and how far they are apart.
+struct Books {
+    run: Run,
+    start: f64,
+    /// Largest gap in a step, in parts of its works, and sum of all that those were.
+    worst: f64,
+    moved: f64,
+}
+
+fn works(world: &World) -> [f64; 10] {
+    let works = world.works().expect("the scene asks for it");
+    let contacts = world.contact_work();
+    [
+        works.gravity,
+        works.loads,
+        works.drag,
+        works.damping,
+        works.supports,
+        works.integrator,
+        works.solver,
+        contacts.friction,
+        contacts.normal,
+        contacts.led,
+    ]
+}
+
+fn held(world: &World) -> f64 {
+    let energy = world.energy();
+    energy.kinetic + energy.elastic
+}
+
+impl Books {
+    fn new(text: &str) -> Self {
+        let run = Run::read(text);
+        let start = held(&run.world);
+        Self { run, start, worst: 0.0, moved: 0.0 }
+    }
+
+    fn step(&mut self) -> StepReport {
+        let (before, energy) = (works(&self.run.world), held(&self.run.world));
+        let report = self.run.step();
+        let after = works(&self.run.world);
+        let changes: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a - b).collect();
+        let gap = held(&self.run.world) - energy - changes.iter().sum::<f64>();
+        let moved: f64 = changes.iter().map(|x| x.abs()).sum();
+        self.moved += moved;
+        self.worst = self.worst.max(gap.abs() / moved);
+        report
+    }
+
+    /// The gap over the whole run, in parts of all that was moved.
+    fn whole(&self) -> f64 {
+        let sum: f64 = works(&self.run.world).iter().sum();
+        (held(&self.run.world) - self.start - sum).abs() / self.moved
+    }
+}
+
+const HAIRS: &str = "length: 0.06, segments: 20, section: Circle(radius: 3.5e-5), \
+                     shape: Helix(radius: 0.005, pitch: 0.02), ";
+
+/// Hairs whose roots swing, in gusts, with viscosity of their own and a force, in gravity that grows.
+#[test]
+fn the_ledger_of_hairs_that_do_not_touch_closes() {
+    for method in ["Staggered()", "BackwardEuler"] {
+        let mut books = Books::new(&format!(
+            "(format: 1, duration: 1.0, fibers: [({HAIRS} damping_time: 1e-3,
+                initial: Straight,
+                arrangement: Lock(count: 3, radius: 0.003, curvature_variation: 0.1),
+                point_forces: [(at: 0.5, value: (1e-6, 0, 0))],
+                motion: Swing(angle: 30, radius: 0.05, period: 0.2))],
+            environment: (gravity_ramp: 0.05, viscosity: 1.8e-5,
+                wind: Gusts(velocity: (0.2, 0, 0), gust: (0, 0.5, 0), period: 0.1)),
+            stepper: (dt: 1e-3, method: {method}), output: (ledger: true))"
+        ));
+        for _ in 0..200 {
+            books.step();
+        }
+        println!("{method}: {:.1e} a step, {:.1e} in all", books.worst, books.whole());
+        println!("{:?}", books.run.world.works());
+        assert!(books.worst < 1e-9 && books.whole() < 1e-12, "{:e}", books.worst);
+    }
+}
+
+/// Hairs that land on a ball, or on one that flies, by a hand that moves.
+#[test]
+fn the_ledger_of_hairs_that_touch_closes() {
+    let ball = "(shape: Ball(radius: 0.01), position: (0, 0, 0.03))";
+    let flying = "(shape: Ball(radius: 0.01), position: (0, 0.004, 0.03), \
+                  moves: Free(mass: Mass(1e-5), velocity: (0, 0, 0.5), spin: (0, 50, 20)))";
+    let swing = "motion: Swing(angle: 30, radius: 0.05, period: 0.2)";
+    for (name, object, rest) in [
+        ("landing", ball, "root_joint: Free"),
+        ("flying", flying, "root_joint: Free"),
+        ("swinging", ball, swing),
+    ] {
+        // Further apart than their coils are wide.
+        let places = [(-6, 45), (0, 45), (6, 45), (-6, 51), (0, 51), (6, 51)];
+        let hairs = places.map(|(y, z)| {
+            format!(
+                "(length: 0.06, segments: 20, section: Circle(radius: 3.5e-5),
+                shape: Helix(radius: 0.002, pitch: 0.03), damping_time: 1e-3, {rest},
+                root: (position: (-0.03, {y}e-3, {z}e-3),
+                    orientation: Along(direction: (1, 0, 0))))"
+            )
+        });
+        let text = format!(
+            "(format: 1, duration: 1.0, fibers: [{}], objects: [{object}],
+            contact: (friction: Isotropic(0.3), restitution: 0.3),
+            environment: (viscosity: 1.8e-5), stepper: (dt: 1e-3), output: (ledger: true))",
+            hairs.join(", ")
+        );
+        let mut books = Books::new(&text);
+        let mut active = 0;
+        for _ in 0..80 {
+            active = active.max(books.step().contact.active);
+        }
+        println!("{name}: {:.1e} a step, {:.1e} in all", books.worst, books.whole());
+        println!(
+            "{active} contacts; {:?} {:?}",
+            books.run.world.works(),
+            books.run.world.contact_work()
+        );
+        assert!(active > 3, "{name}: they touch");
+        assert!(books.worst < 1e-9, "{name}: {:e}", books.worst);
+    }
+}
+
+#[test]
+fn scenes_without_a_ledger_refuse_it() {
+    let text = format!(
+        "(format: 1, duration: 1.0, fibers: [({HAIRS})], stepper: (dt: 1e-3, method: Box()),
+        output: (ledger: true))"
+    );
+    let error = Scene::from_ron(&text).expect_err("the box scheme keeps none").to_string();
+    assert!(error.contains("output.ledger"), "{error}");
+}
+
+/// The largest change of the linear and of the angular momentum in a step, in parts of them, while two
+/// free hairs collide.
+fn drifts(friction: f64, dt: f64) -> [f64; 2] {
+    let hair = |rest: &str| {
+        format!(
+            "(length: 0.008, segments: 4, section: Circle(radius: 3.5e-5), root_joint: Free, {rest})"
+        )
+    };
+    let fibers = [
+        hair("root: (orientation: Along(direction: (1, 0, 0)))"),
+        hair(
+            "velocity: (0.1, 0.0, -0.3), root: (position: (0.003, -0.005, 8e-5), \
+             orientation: Along(direction: (0.3, 1, 0)))",
+        ),
+    ];
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 1.0, fibers: [{}], contact: (friction: Isotropic({friction:?})),
+        environment: (gravity: (0, 0, 0)), stepper: (dt: {dt:?}))",
+        fibers.join(", ")
+    ));
+    let momentum = |run: &Run| run.world.momentum().expect("backward Euler tells it");
+    let (mut before, mut touched, mut worst) = (momentum(&run), 0, [0.0_f64; 2]);
+    let scales = [before.linear.norm(), before.angular.norm()];
+    for _ in 0..10 {
+        touched += run.step().contact.active;
+        let now = momentum(&run);
+        let changes = [now.linear - before.linear, now.angular - before.angular];
+        for k in 0..2 {
+            worst[k] = worst[k].max(changes[k].norm() / scales[k]);
+        }
+        before = now;
+    }
+    assert!(touched > 0, "they touch");
+    worst
+}
+
+/// Of a collision the linear momentum is kept to rounding. The angular one is kept to the first order
+/// of the step, in which nodes move by chords; and where friction acts to the diameter over the
+/// length, since it acts on the axes.
+#[test]
+fn collisions_keep_momentum() {
+    let steps = [1e-3, 1e-4, 1e-5];
+    let [smooth, rough] = [0.0, 0.3].map(|friction| steps.map(|dt| drifts(friction, dt)));
+    println!("without friction {smooth:?}, with it {rough:?}");
+    for [linear, _] in smooth.iter().chain(&rough) {
+        assert!(*linear < 1e-12, "{linear:e}");
+    }
+    for pair in smooth.windows(2) {
+        assert!(pair[1][1] < 0.2 * pair[0][1], "{smooth:?}");
+    }
+    assert!(rough[2][1] < 7e-5 / 0.008, "{rough:?}");
+}
