@@ -1,0 +1,133 @@
+//! What everybody who studies friction or wetting measures: stick and slip on a belt, and the length
+//! over which wet fibres stay apart.
+
+#![expect(clippy::print_stdout, reason = "a test tells what it measured")]
+
+mod common;
+
+use common::Run;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// Test 17: a hair that is pinned at its root lies on a belt that turns about that pin, and a force at
+/// its tip draws it back: an oscillator of one degree of freedom, for angles as small as these. With
+/// the coefficient at rest it is carried along until the force wins, with that of sliding it swings
+/// back, by the period `2 D / V + (2 / w) (pi - atan(w D / V))`.
+///
+/// The moment of friction about the pin is known whatever the pressure along the hair: that of the
+/// weight, which no other moment bears.
+#[test]
+fn a_belt_makes_a_hair_stick_and_slip() {
+    const RADIUS: f64 = 3.5e-5;
+    let (length, segments, g) = (0.01, 4, 9.81);
+    let (rest, slide) = (0.4, 0.3);
+    // The same in units of the angular frequency as 1 g on 1 N/m and a belt of 1 cm/s.
+    let frequency = 100.0;
+    let mass = 1300.0 * PI * RADIUS * RADIUS * length;
+    let lumps: Vec<[f64; 2]> = (0..=segments)
+        .map(|a| {
+            let share = if a == 0 || a == segments { 0.5 } else { 1.0 };
+            [length * f64::from(a) / f64::from(segments), share * mass / f64::from(segments)]
+        })
+        .collect();
+    let sum = |power: i32| lumps.iter().map(|[x, m]| m * x.powi(power)).sum::<f64>();
+    // Directors of the segments turn too, but a thin section adds nothing.
+    let (inertia, lever) = (sum(2), sum(1));
+    let force = frequency * frequency * inertia / length;
+    let swing = (rest - slide) * g * lever / (force * length);
+    let pace = frequency * swing / 3.1;
+    let period =
+        2.0 * swing / pace + 2.0 / frequency * (PI - (frequency * swing / pace).atan());
+    let dt = 1e-2 / frequency / 8.0;
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 10.0, fibers: [(
+            length: {length:?}, segments: {segments}, section: Circle(radius: {RADIUS:?}),
+            root: (position: (0, 0, {RADIUS:?}), orientation: Along(direction: (1, 0, 0))),
+            root_joint: Ball(), tip: Loaded(force: (value: ({force:?}, 0.0, 0.0))),
+        )],
+        objects: [(shape: Plane(normal: (0, 0, 1)),
+            motion: Rotate(axis: (0, 0, 1), rate: {:?}, until: 10.0))],
+        contact: (friction: Resting(resting: {rest:?}, sliding: {slide:?}),
+            slip: {:?}, residual: 1e-6, depth: 1e-3),
+        environment: (gravity: (0.0, 0.0, -{g:?})), stepper: (dt: {dt:?}))",
+        pace.to_degrees(),
+        1e-3 * pace * length
+    ));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand")]
+    let steps = (4.5 * period / dt) as usize;
+    // When it is carried through the middle of what it swings about.
+    let middle = rest * g * lever / (force * length) - swing;
+    let (mut before, mut times) = (0.0, Vec::new());
+    for step in 0..steps {
+        run.step();
+        let tip = run.positions(0)[segments as usize];
+        let angle = tip.y.atan2(tip.x);
+        if before < middle && angle >= middle {
+            times.push(dt * (step as f64 + (middle - before) / (angle - before)));
+        }
+        before = angle;
+    }
+    let found: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    println!("{:.6} ms for {:.6} ms, swing {swing:.5}", 1e3 * found[0], 1e3 * period);
+    println!("{found:?}");
+    assert!(found.len() >= 3, "{times:?}");
+    for one in found {
+        assert!((one / period - 1.0).abs() < 5e-3, "{one} for {period}");
+    }
+}
+
+/// Test 26: two hairs are clamped apart and joined by water at their tips. They part
+/// `(9 B d^2 / W)^(1/4)` from the clamps, 7.792 mm for hair in water.
+///
+/// That place is told by the clamps: from there to the film a hair bends as a beam whose end is
+/// shifted by `d / 2`, so that its curvature in the clamp is `3 d / L^2`. By the energy that the film
+/// releases it is also `sqrt(W / B)`, whatever the range of the film's pull.
+#[test]
+fn wet_hairs_part_at_their_dry_length() {
+    const RADIUS: f64 = 3.5e-5;
+    let (gap, modulus): (f64, f64) = (0.707e-3, 4e9);
+    let stiffness = modulus * PI / 4.0 * RADIUS.powi(4);
+    let work = (2.0 * PI - 4.0) * 0.072 * RADIUS;
+    let dry = (9.0 * stiffness * gap * gap / work).powf(0.25);
+    assert!((dry - 7.792e-3).abs() < 5e-6, "{dry}");
+    let range = 5e-6;
+    let segments = 120;
+    let length = 0.012;
+    let hair = |side: f64| {
+        format!(
+            "(length: {length:?}, segments: {segments}, section: Circle(radius: {RADIUS:?}),
+            material: Elastic(density: 1300.0, youngs_modulus: {modulus:?}, shear_modulus: 1.5e9),
+            damping_time: 1e-3,
+            root: (position: (0.0, {:?}, 0.0), orientation: Along(direction: (1, 0, 0))),
+            tip: Loaded(force: (value: (0.0, {:?}, 0.0), profile: Linear(points: [
+                (0.0, 0.0), (0.02, 1.0), (0.04, 1.0), (0.06, 0.0)]))))",
+            side * (0.5 * gap + RADIUS),
+            -side * 3e-5
+        )
+    };
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 10.0, fibers: [{}, {}],
+        contact: (friction: Isotropic(0.0), adhesion: Line(force: {:?}, range: {range:?})),
+        environment: (gravity: (0.0, 0.0, 0.0)), stepper: (dt: 5e-4))",
+        hair(1.0),
+        hair(-1.0),
+        work / range
+    ));
+    for step in 0..400 {
+        run.step();
+        if step % 40 == 0 {
+            let near = (0..=segments).find(|&k| (run.positions(0)[k] - run.positions(1)[k]).norm() < 2.0*RADIUS + range);
+            println!("{step} {near:?} {:e}", run.world.energy().kinetic);
+        }
+    }
+    let state = run.world.state(0);
+    let curvature = |k: usize| state.curvatures[k].norm();
+    // Linear along the dry part: extrapolated to the clamp.
+    let clamp = 2.0 * curvature(5) - curvature(10);
+    let found = (3.0 * gap / clamp).sqrt();
+    println!("dry over {:.4} mm for {:.4} mm", 1e3 * found, 1e3 * dry);
+    assert!((found / dry - 1.0).abs() < 0.01, "{found} for {dry}");
+    let nodes = run.positions(0);
+    let _ = Vector3::<f64>::zeros();
+    assert!(nodes[0].y > 0.0);
+}

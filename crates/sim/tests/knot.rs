@@ -1,0 +1,104 @@
+//! A hair with an overhand knot: it tightens and stays what it is, and its loop pulls as the theory of
+//! loose knots says.
+
+#![expect(clippy::print_stdout, reason = "a test tells what it measured")]
+
+mod common;
+
+use common::Run;
+use common::topology::{crossed, determinant};
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::PI;
+
+fn view() -> Vector3<f64> {
+    Vector3::new(0.3, 0.9, 0.1)
+}
+
+/// Pulled by its ends a knot becomes small. Between no two states do the axes of any two segments
+/// come nearer to each other than half a diameter, and it is a trefoil to the end.
+#[test]
+fn a_knot_tightens_without_crossing() {
+    let diameter = 7e-5;
+    let mut run = Run::read(
+        "(format: 1, duration: 1.0, fibers: [(
+            length: 0.09, segments: 180, section: Circle(radius: 3.5e-5),
+            initial: Overhand(radius: 0.005, spacing: 0.0002),
+            root: (orientation: Along(direction: (0, 0, 1))),
+            tip: Driven(velocity: (0, 0, 0.2), ramp: 0.02, until: 0.13),
+        )],
+        contact: (friction: Isotropic(0.1)),
+        environment: (gravity: (0.0, 0.0, 0.0), viscosity: 1.8e-5), stepper: (dt: 1e-3))",
+    );
+    let width = |nodes: &[Point3<f64>]| {
+        let far = |k: usize| nodes.iter().map(|p| p[k].abs()).fold(0.0, f64::max);
+        far(0).max(far(1))
+    };
+    let (start, mut before) = (width(&run.positions(0)), run.all_positions());
+    let mut active = 0;
+    for step in 0..140 {
+        active = active.max(run.step().contact.active);
+        let after = run.all_positions();
+        assert_eq!(crossed(&before, &after, 0.5 * diameter), None, "step {step}");
+        assert_eq!(determinant(&after[0], &view()), 3.0, "step {step}");
+        before = after;
+    }
+    let end = width(&run.positions(0));
+    println!("the loop was {start:.4} m wide and is {end:.5} m; {active} contacts at most");
+    assert!(end < 0.3 * start && active > 10, "{start} {end} {active}");
+}
+
+/// Without a knot the same measure finds none.
+#[test]
+fn a_loop_is_no_knot() {
+    let turn = |k: i32| {
+        let t = f64::from(k) / 20.0;
+        Point3::new((-t * t).exp() * 2.0, 0.5 * t * (-t * t).exp(), t - 4.0 * t * (-t * t).exp())
+    };
+    let curve: Vec<_> = (-100..=100).map(turn).collect();
+    assert_eq!(determinant(&curve, &view()), 1.0);
+}
+
+/// Tension times the squared radius of the loop, over the bending stiffness, of a knot at rest.
+fn pull(radius: f64) -> f64 {
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 10.0, fibers: [(
+            length: 0.13, segments: 260, section: Circle(radius: {radius:?}),
+            initial: Overhand(radius: 0.01, spacing: {:?}),
+            root: (orientation: Along(direction: (0, 0, 1))), root_joint: Ball(),
+            tip: Driven(velocity: (0, 0, 0), until: 1.0, joint: Ball()),
+        )],
+        contact: (friction: Isotropic(0.0), depth: 1e-3, residual: 1e-6),
+        environment: (gravity: (0.0, 0.0, 0.0)), stepper: (dt: 5e-3))",
+        3.0 * radius
+    ));
+    let mut last = [0.0; 2];
+    for step in 0..400 {
+        run.step();
+        let state = run.world.state(0);
+        let tension = state.forces[2].z;
+        let top = 130;
+        let [a, b, c] = [top - 20, top, top + 20].map(|k| state.positions[k]);
+        last = [tension, circle(&a, &b, &c)];
+        if step % 50 == 0 {
+            println!("{step} {last:?} {:e}", run.world.energy().kinetic);
+        }
+    }
+    let stiffness = 3.8e9 * PI / 4.0 * radius.powi(4);
+    last[0] * last[1] * last[1] / stiffness
+}
+
+/// Radius of the circle through three points.
+fn circle(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> f64 {
+    let (p, q) = (b - a, c - a);
+    p.norm() * q.norm() * (q - p).norm() / (2.0 * p.cross(&q).norm())
+}
+
+/// Test 19: in the limit of a thin fibre the loop of a trefoil is a circle, and the tension that holds
+/// it `B / 2 R^2`.
+#[test]
+fn a_loose_trefoil() {
+    for e in [0.03_f64, 0.06] {
+        let found = pull(e * e * 0.01);
+        println!("sqrt(h/R) = {e}: T R^2 / B = {found:.5}");
+    }
+}
