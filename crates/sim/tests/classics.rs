@@ -62,6 +62,7 @@ fn a_belt_makes_a_hair_stick_and_slip() {
         run.step();
         let tip = run.positions(0)[segments as usize];
         let angle = tip.y.atan2(tip.x);
+        if step % 60 == 0 && step < 2400 { println!("{step} {angle:.6} {:.6} {} {:.3e}", (angle-before)/dt, run.world.contacts().count(), tip.z-RADIUS); }
         if before < middle && angle >= middle {
             times.push(dt * (step as f64 + (middle - before) / (angle - before)));
         }
@@ -91,8 +92,8 @@ fn wet_hairs_part_at_their_dry_length() {
     let dry = (9.0 * stiffness * gap * gap / work).powf(0.25);
     assert!((dry - 7.792e-3).abs() < 5e-6, "{dry}");
     let range = 5e-6;
-    let segments = 120;
-    let length = 0.012;
+    let segments = 140;
+    let length = 0.014;
     let hair = |side: f64| {
         format!(
             "(length: {length:?}, segments: {segments}, section: Circle(radius: {RADIUS:?}),
@@ -100,24 +101,26 @@ fn wet_hairs_part_at_their_dry_length() {
             damping_time: 1e-3,
             root: (position: (0.0, {:?}, 0.0), orientation: Along(direction: (1, 0, 0))),
             tip: Loaded(force: (value: (0.0, {:?}, 0.0), profile: Linear(points: [
-                (0.0, 0.0), (0.02, 1.0), (0.04, 1.0), (0.06, 0.0)]))))",
+                (0.0, 0.0), (0.02, 1.0), (0.06, 1.0), (0.1, 0.0)]))))",
             side * (0.5 * gap + RADIUS),
-            -side * 3e-5
+            -side * 3e-6
         )
     };
     let mut run = Run::read(&format!(
         "(format: 1, duration: 10.0, fibers: [{}, {}],
         contact: (friction: Isotropic(0.0), adhesion: Line(force: {:?}, range: {range:?})),
-        environment: (gravity: (0.0, 0.0, 0.0)), stepper: (dt: 5e-4))",
+        environment: (gravity: (0.0, 0.0, 0.0)), stepper: (dt: 1e-3))",
         hair(1.0),
         hair(-1.0),
         work / range
     ));
-    for step in 0..400 {
+    for step in 0..200 {
         run.step();
-        if step % 40 == 0 {
+        if step % 20 == 0 {
             let near = (0..=segments).find(|&k| (run.positions(0)[k] - run.positions(1)[k]).norm() < 2.0*RADIUS + range);
-            println!("{step} {near:?} {:e}", run.world.energy().kinetic);
+            let ys: Vec<f64> = run.world.contacts().map(|c| c.force.y).collect();
+            let gaps: Vec<f64> = (0..=segments).rev().step_by(8).take(9).map(|k| 1e6*((run.positions(0)[k] - run.positions(1)[k]).norm()-2.0*RADIUS)).collect();
+            println!("{step} {near:?} {} {:e} {:e} {gaps:.1?}", ys.len(), ys.iter().copied().fold(0.0, f64::min), ys.iter().copied().fold(0.0, f64::max));
         }
     }
     let state = run.world.state(0);
