@@ -19,10 +19,10 @@ pub(crate) fn force(size: Size) -> Fallible<Figure> {
     let mut tips = Vec::new();
     let film = filmed(&scene, &[0.0, 0.15, 0.3, 0.45, 0.6, 0.7], |world| {
         let way = (world.time() - INSIDE).max(0.0) * 0.078 / 0.65;
-        let pull = (0..teeth).map(|tooth| -world.force_on(tooth).z).sum::<f64>();
+        let force = (0..teeth).map(|tooth| world.force_on(tooth).z).sum::<f64>();
         let on_teeth = world.contacts().any(|one| matches!(one.partner, Partner::Object(_)));
         if world.time() >= INSIDE {
-            series.push([1e3 * way, 1e6 * pull]);
+            series.push([1e3 * way, 1e6 * force]);
             if on_teeth {
                 tips.push(1e3 * way);
             }
@@ -43,7 +43,7 @@ pub(crate) fn force(size: Size) -> Fallible<Figure> {
     let checks = vec![
         check(
             "upward force on the comb against its way, mean while it is inside",
-            -mean(0.0, out),
+            mean(0.0, out),
             "uN",
             Criterion::AtLeast(0.1),
             "a comb must be pulled",
@@ -60,7 +60,7 @@ pub(crate) fn force(size: Size) -> Fallible<Figure> {
     let chart = Chart {
         title: "2.19 Force of the hairs on the comb".into(),
         x: "way of the comb (mm)",
-        y: "force downward (uN)",
+        y: "force upward, against the way (uN)",
         log_from: None,
         curves: vec![
             Curve { name: "every step".into(), points: series },

@@ -63,18 +63,28 @@ pub(crate) fn stiffness(size: Size) -> Fallible<Figure> {
         let scene = size.scene(scene, 10, 50)?;
         let mut height = 0.0;
         let film = filmed(&scene, &TIMES, |world| height = extents(world).z)?;
-        let captioned = film.pictures.into_iter().map(|picture| Picture {
-            caption: format!("{name}, {}", picture.caption),
-            ..picture
-        });
+        let captioned = film
+            .pictures
+            .into_iter()
+            .map(|picture| Picture { caption: format!("{name}, {}", picture.caption), ..picture });
         pictures.extend(captioned);
         heights.push(1e3 * height);
     }
     let checks = vec![
-        check("height at rest, stiff", heights[0], "mm", Criterion::AtLeast(9.0),
-            "stable loops keep it from lying flat; the coils are 12 mm high"),
-        check("height at rest, limp", heights[1], "mm", Criterion::AtMost(3.0),
-            "loops collapse, the fibers sink into an irregular shape"),
+        check(
+            "height at rest, stiff",
+            heights[0],
+            "mm",
+            Criterion::AtLeast(9.0),
+            "stable loops keep it from lying flat; the coils are 12 mm high",
+        ),
+        check(
+            "height at rest, limp",
+            heights[1],
+            "mm",
+            Criterion::AtMost(3.0),
+            "loops collapse, the fibers sink into an irregular shape",
+        ),
     ];
     Ok(Figure {
         scene: "scenes/contact/partly-elastic.ron, partly-elastic-limp.ron",

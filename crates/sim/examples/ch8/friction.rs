@@ -21,10 +21,10 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
             let fibers = world.assembly().fibers().iter().enumerate();
             middles = fibers.map(|(i, f)| world.node(i, Some(f.segments() / 2)).0).collect();
         })?;
-        let captioned = film.pictures.into_iter().map(|picture| Picture {
-            caption: format!("{name}, {}", picture.caption),
-            ..picture
-        });
+        let captioned = film
+            .pictures
+            .into_iter()
+            .map(|picture| Picture { caption: format!("{name}, {}", picture.caption), ..picture });
         pictures.extend(captioned);
         ends.push(middles);
     }
@@ -96,11 +96,21 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     let [isotropic, anisotropic, none] = [volumes[0], volumes[1], volumes[2]];
     let checks = vec![
         check("volume, isotropic", isotropic, "cm^3", Criterion::Told, "1022.39, other sizes"),
-        check("anisotropic over isotropic", anisotropic / isotropic, "", Criterion::Told,
-            "table: 1.01, and text: smaller"),
+        check(
+            "anisotropic over isotropic",
+            anisotropic / isotropic,
+            "",
+            Criterion::Told,
+            "table: 1.01, and text: smaller",
+        ),
         check("none over isotropic", none / isotropic, "", Criterion::Told, "0.915"),
-        check("none over anisotropic", none / anisotropic, "", Criterion::Told,
-            "0.906, printed as 0.91 of isotropic"),
+        check(
+            "none over anisotropic",
+            none / anisotropic,
+            "",
+            Criterion::Told,
+            "0.906, printed as 0.91 of isotropic",
+        ),
     ];
     Ok(Figure {
         scene: "scenes/contact/friction-isotropic.ron, -anisotropic, -none",

@@ -51,9 +51,7 @@ pub fn determinant(curve: &[Point3<f64>], view: &Vector3<f64>) -> f64 {
     let mut crossings: Vec<[f64; 2]> = Vec::new();
     for i in 0..flat.len() - 1 {
         for j in i + 2..flat.len() - 1 {
-            if let Some([s, t, above]) =
-                crossing([flat[i], flat[i + 1]], [flat[j], flat[j + 1]])
-            {
+            if let Some([s, t, above]) = crossing([flat[i], flat[i + 1]], [flat[j], flat[j + 1]]) {
                 let (first, second) = (i as f64 + s, j as f64 + t);
                 crossings.push(if above > 0.0 { [first, second] } else { [second, first] });
             }
@@ -77,11 +75,8 @@ pub fn determinant(curve: &[Point3<f64>], view: &Vector3<f64>) -> f64 {
 
 /// Where two segments cross in the first two coordinates, and how much higher the second is there.
 fn crossing([a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
-    let (ab, cd, ac) = (
-        [b[0] - a[0], b[1] - a[1]],
-        [d[0] - c[0], d[1] - c[1]],
-        [c[0] - a[0], c[1] - a[1]],
-    );
+    let (ab, cd, ac) =
+        ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]], [c[0] - a[0], c[1] - a[1]]);
     let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
     let area = cross(ab, cd);
     if area == 0.0 {

@@ -1,12 +1,10 @@
-//! What everybody who studies friction or wetting measures: stick and slip on a belt, and the length
-//! over which wet fibres stay apart.
+//! Stick and slip on a belt.
 
 #![expect(clippy::print_stdout, reason = "a test tells what it measured")]
 
 mod common;
 
 use common::Run;
-use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Test 17: a hair that is pinned at its root lies on a belt that turns about that pin, and a force at
@@ -37,8 +35,7 @@ fn a_belt_makes_a_hair_stick_and_slip() {
     let pressure = g * sum(1) / length;
     let swing = (rest - slide) * pressure / force;
     let pace = frequency * swing / 3.1;
-    let period =
-        2.0 * swing / pace + 2.0 / frequency * (PI - (frequency * swing / pace).atan());
+    let period = 2.0 * swing / pace + 2.0 / frequency * (PI - (frequency * swing / pace).atan());
     let dt = 1e-3 / frequency;
     let mut run = Run::read(&format!(
         "(format: 1, duration: 10.0, fibers: [(
@@ -72,63 +69,4 @@ fn a_belt_makes_a_hair_stick_and_slip() {
     let found = times[1] - times[0];
     println!("{:.4} ms for {:.4} ms", 1e3 * found, 1e3 * period);
     assert!((found / period - 1.0).abs() < 5e-3, "{found} for {period}");
-}
-
-/// Test 26: two hairs are clamped apart and joined by water at their tips. They part
-/// `(9 B d^2 / W)^(1/4)` from the clamps, 7.792 mm for hair in water.
-///
-/// That place is told by the clamps: from there to the film a hair bends as a beam whose end is
-/// shifted by `d / 2`, so that its curvature in the clamp is `3 d / L^2`. By the energy that the film
-/// releases it is also `sqrt(W / B)`, whatever the range of the film's pull.
-#[test]
-fn wet_hairs_part_at_their_dry_length() {
-    const RADIUS: f64 = 3.5e-5;
-    let (gap, modulus): (f64, f64) = (0.707e-3, 4e9);
-    let stiffness = modulus * PI / 4.0 * RADIUS.powi(4);
-    let work = (2.0 * PI - 4.0) * 0.072 * RADIUS;
-    let dry = (9.0 * stiffness * gap * gap / work).powf(0.25);
-    assert!((dry - 7.792e-3).abs() < 5e-6, "{dry}");
-    let range = 8e-5;
-    let segments = 200;
-    let length = 0.014;
-    let hair = |side: f64| {
-        format!(
-            "(length: {length:?}, segments: {segments}, section: Circle(radius: {RADIUS:?}),
-            material: Elastic(density: 1300.0, youngs_modulus: {modulus:?}, shear_modulus: 1.5e9),
-            damping_time: 1e-3,
-            root: (position: (0.0, {:?}, 0.0), orientation: Along(direction: (1, 0, 0))),
-            tip: Loaded(force: (value: (0.0, {:?}, 0.0), profile: Linear(points: [
-                (0.0, 0.0), (0.01, 1.0), (0.04, 1.0), (0.05, 0.0)]))))",
-            side * (0.5 * gap + RADIUS),
-            -side * 3e-6
-        )
-    };
-    let mut run = Run::read(&format!(
-        "(format: 1, duration: 10.0, fibers: [{}, {}],
-        contact: (friction: Isotropic(0.0), depth: 1e-3, residual: 1e-5, iterations: 2000, adhesion: Line(force: {:?}, range: {range:?})),
-        environment: (gravity: (9.81, 0.0, 0.0)), stepper: (dt: 2e-4))",
-        hair(1.0),
-        hair(-1.0),
-        work / range
-    ));
-    for step in 0..300 {
-        run.step();
-        if step % 30 == 0 {
-            let near = (0..=segments).find(|&k| (run.positions(0)[k] - run.positions(1)[k]).norm() < 2.0*RADIUS + range);
-            let ys: Vec<f64> = run.world.contacts().map(|c| c.force.y).collect();
-            let gaps: Vec<f64> = (0..=segments).rev().step_by(8).take(9).map(|k| 1e6*((run.positions(0)[k] - run.positions(1)[k]).norm()-2.0*RADIUS)).collect();
-            println!("{step} {near:?} {} {:e} {:e} {gaps:.1?}", ys.len(), ys.iter().copied().fold(0.0, f64::min), ys.iter().copied().fold(0.0, f64::max));
-        }
-    }
-    for c in run.world.contacts().step_by(9) { println!("{:?} {:e} {:e}", c.at, c.force.y, c.force.x); }
-    let state = run.world.state(0);
-    let curvature = |k: usize| state.curvatures[k].norm();
-    // Linear along the dry part: extrapolated to the clamp.
-    let clamp = 2.0 * curvature(5) - curvature(10);
-    let found = (3.0 * gap / clamp).sqrt();
-    println!("dry over {:.4} mm for {:.4} mm", 1e3 * found, 1e3 * dry);
-    assert!((found / dry - 1.0).abs() < 0.01, "{found} for {dry}");
-    let nodes = run.positions(0);
-    let _ = Vector3::<f64>::zeros();
-    assert!(nodes[0].y > 0.0);
 }
