@@ -52,7 +52,7 @@ fn a_belt_makes_a_hair_stick_and_slip() {
         pace.to_degrees(),
         1e-4 * pace * length
     ));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand")]
+    #[expect(clippy::cast_possible_truncation, reason = "some thousand")]
     let steps = (2.7 * period / dt) as usize;
     // When it is carried through the middle of what it swings about.
     let middle = slide * pressure / force;

@@ -9,8 +9,8 @@ use rapunzel_sim::Partner;
 
 /// When the comb is in the tress and begins to go down, s.
 const INSIDE: f64 = 0.15;
-/// Width of the mean over time that is drawn, s: contacts come and go one by one.
-const SMOOTHED: f64 = 0.02;
+/// Steps of 1 ms over which a mean is drawn: contacts come and go one by one.
+const SMOOTHED: usize = 20;
 
 pub(crate) fn force(size: Size) -> Fallible<Figure> {
     let scene = size.scene("comb", 40, 50)?;
@@ -28,10 +28,9 @@ pub(crate) fn force(size: Size) -> Fallible<Figure> {
             }
         }
     })?;
-    let window = ((SMOOTHED / scene.stepper.dt).round() as usize).max(1);
     let smooth: Vec<[f64; 2]> = series
-        .windows(window)
-        .map(|w| [w[window / 2][0], w.iter().map(|p| p[1]).sum::<f64>() / window as f64])
+        .windows(SMOOTHED)
+        .map(|w| [w[SMOOTHED / 2][0], w.iter().map(|p| p[1]).sum::<f64>() / SMOOTHED as f64])
         .collect();
     let out = tips.last().copied().unwrap_or(0.0);
     let most = smooth.iter().fold([0.0; 2], |a, b| if b[1] > a[1] { *b } else { a });

@@ -81,7 +81,8 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     let mut pictures = Vec::new();
     let mut volumes = Vec::new();
     for name in ["isotropic", "anisotropic", "none"] {
-        let scene = size.scene(&format!("friction-{name}"), 40, 60)?;
+        let mut scene = size.scene(&format!("friction-{name}"), 40, 60)?;
+        scene.duration = 0.7;
         let mut volume = 0.0;
         let film = filmed(&scene, &[scene.duration], |world| {
             volume = 1e6 * extents(world).product();
@@ -120,7 +121,7 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     ];
     Ok(Figure {
         scene: "scenes/contact/friction-isotropic.ron, -anisotropic, -none",
-        parameters: "helix, ball and their distance are ours; the thesis tells none of them",
+        parameters: "0.7 s; helix, ball and their distance are ours, the thesis tells none of them",
         drawings: vec![Drawing::Pictures(Pictures {
             title: "8.19 A lock on a ball with three kinds of friction".into(),
             view: "seen along y",
