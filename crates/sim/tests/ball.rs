@@ -24,13 +24,13 @@ fn smaller(text: &str, count: usize, segments: usize) -> Scene {
 /// Middles of the hairs after `time`, s.
 fn middles(friction: Friction, time: f64) -> Vec<Point3<f64>> {
     let text = include_str!("../../../scenes/contact/horizontal-bundle-on-ball.ron");
-    let mut scene = smaller(text, 8, 18);
+    let mut scene = smaller(text, 10, 20);
     scene.contact.as_mut().expect("a scene with contact").friction = friction;
     let mut run = Run::new(&scene);
     while run.world.time() < time {
         run.step();
     }
-    (0..run.fibers()).map(|fiber| run.positions(fiber)[9]).collect()
+    (0..run.fibers()).map(|fiber| run.positions(fiber)[10]).collect()
 }
 
 /// Thesis 8.6.1: with friction all hairs stay on top of the ball, which is at z = -15 mm; without it
@@ -45,5 +45,5 @@ fn a_bundle_splits_without_friction_and_rests_with_it() {
     let right = smooth.iter().filter(|p| p.y < -2.0 * widest).count();
     println!("rough: within {:.1} mm; smooth: {left} left, {right} right", 1e3 * widest);
     assert_eq!(left + right, smooth.len(), "{smooth:?}");
-    assert!(left.min(right) >= smooth.len() / 4, "{left} and {right}");
+    assert!(left.min(right) >= smooth.len() / 5, "{left} and {right}");
 }

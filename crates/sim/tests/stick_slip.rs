@@ -36,7 +36,7 @@ fn a_belt_makes_a_hair_stick_and_slip() {
     let swing = (rest - slide) * pressure / force;
     let pace = frequency * swing / 3.1;
     let period = 2.0 * swing / pace + 2.0 / frequency * (PI - (frequency * swing / pace).atan());
-    let dt = 1.5e-3 / frequency;
+    let dt = 1e-3 / frequency;
     let mut run = Run::read(&format!(
         "(format: 1, duration: 10.0, fibers: [(
             length: {length:?}, segments: {segments}, section: Circle(radius: {RADIUS:?}),

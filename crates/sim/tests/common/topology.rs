@@ -12,20 +12,17 @@ type Segment = (usize, usize);
 /// The first two segments, no neighbors, whose axes come nearer than `reach`, m, while all nodes go
 /// straight from where they were to where they are. None can have crossed then.
 pub fn crossed(before: &Fibers, after: &Fibers, reach: f64) -> Option<[Segment; 2]> {
-    let nodes = || before.iter().flatten();
-    let low = nodes().fold(before[0][0], |a, b| a.inf(b));
-    let long = (nodes().fold(before[0][0], |a, b| a.sup(b)) - low).iamax();
     let mut segments = Vec::new();
     for (fiber, (was, is)) in before.iter().zip(after).enumerate() {
         for s in 0..was.len() - 1 {
             let moving = MovingSegment { before: [was[s], was[s + 1]], after: [is[s], is[s + 1]] };
             let corners = [was[s], was[s + 1], is[s], is[s + 1]];
-            let low = corners.iter().fold(corners[0], |a, b| a.inf(b))[long] - reach;
-            let high = corners.iter().fold(corners[0], |a, b| a.sup(b))[long];
+            let low = corners.iter().fold(corners[0], |a, b| a.inf(b)).x - reach;
+            let high = corners.iter().fold(corners[0], |a, b| a.sup(b)).x;
             segments.push((low, high, (fiber, s), moving));
         }
     }
-    // Only those that overlap along the longest side of all are looked at.
+    // Along x only those that overlap are looked at.
     segments.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (i, (_, high, first, a)) in segments.iter().enumerate() {
         for (low, _, second, b) in &segments[i + 1..] {
