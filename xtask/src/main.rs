@@ -16,7 +16,9 @@ usage: cargo xtask <command>
   ci        everything a change must pass: formatting, clippy, tidy, tests, documentation, a run
   tidy      the house rules that no other tool checks
   bench     the benchmarks as one table: measured, budget, thesis
-  repro     draw the figures of the thesis anew and compare (repro CHAPTER, or all)
+  repro     draw the figures of the thesis anew and compare (repro CHAPTER, or all; what follows
+            CHAPTER goes to it: --full for the sizes of the thesis in ch7 and ch8, or numbers of
+            figures)
   formats   write sample files and open them with the programs they are for (Python packages
             vtk and usd-core; skipped, with a word, where they are missing)";
 
@@ -36,7 +38,7 @@ fn run() -> Result<()> {
         (Some("ci"), None) => ci::run(),
         (Some("tidy"), None) => tidy::run(),
         (Some("bench"), None) => bench::run(),
-        (Some("repro"), chapter) => repro::run(chapter.as_deref()),
+        (Some("repro"), chapter) => repro::run(chapter.as_deref(), &arguments.collect::<Vec<_>>()),
         (Some("formats"), None) => formats::run(),
         _ => bail!("{USAGE}"),
     }

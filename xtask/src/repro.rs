@@ -10,22 +10,23 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 4] = [
+const CHAPTERS: [Chapter; 5] = [
     Chapter { name: "ch2", package: "rapunzel-keratin", example: "ch2" },
     Chapter { name: "ch3-static", package: "rapunzel-rod-static", example: "ch3" },
     Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
     Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
+    Chapter { name: "ch8", package: "rapunzel-sim", example: "ch8" },
 ];
 
 /// Draws the figures of one chapter, or of all, and compares what the thesis says of them with our
-/// numbers: an SVG and CSV tables for each figure in `target/repro/CHAPTER`, with a manifest. Fails
-/// where a comparison does.
-pub(crate) fn run(chapter: Option<&str>) -> Result<()> {
+/// numbers: an SVG and CSV tables for each figure in `target/repro/CHAPTER`, with a manifest. The
+/// chapter gets what else it is told to do. Fails where a comparison does.
+pub(crate) fn run(chapter: Option<&str>, arguments: &[String]) -> Result<()> {
     let sh = Shell::new()?;
     sh.change_dir(root()?);
     for Chapter { name, package, example } in chosen(chapter)? {
         let target = ["--locked", "--release", "--package", package, "--example", example];
-        cmd!(sh, "cargo run {target...} -- target/repro/{name}").run()?;
+        cmd!(sh, "cargo run {target...} -- target/repro/{name} {arguments...}").run()?;
     }
     Ok(())
 }

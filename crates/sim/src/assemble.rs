@@ -4,8 +4,8 @@ use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
-use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Sine};
-use rapunzel_fiber::{Assembly, Fiber, FiberError};
+use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
+use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, Staggered,
     StaggeredBatch,
@@ -52,13 +52,16 @@ impl Scene {
             let conditions = Arc::new(
                 self.conditions(bundle).map_err(|source| SimError::Rod { bundle: i, source })?,
             );
-            starts.extend(fibers.into_iter().map(|fiber| Start {
-                bundle: i,
-                state: (bundle.initial == Initial::Straight).then(|| straight(&fiber)),
-                velocity: Vector3::from(bundle.velocity),
-                rod: Rod { fiber, damping_time: bundle.damping_time },
-                conditions: Arc::clone(&conditions),
-            }));
+            for fiber in fibers {
+                starts.push(Start {
+                    bundle: i,
+                    state: laid(&fiber, bundle.initial)
+                        .map_err(|source| SimError::Fiber { bundle: i, source })?,
+                    velocity: Vector3::from(bundle.velocity),
+                    rod: Rod { fiber, damping_time: bundle.damping_time },
+                    conditions: Arc::clone(&conditions),
+                });
+            }
         }
         let assembly = Assembly::new(starts.iter().map(|s| s.rod.fiber.clone()).collect());
         let groups = assembly
@@ -173,9 +176,9 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
             straight.with_natural_curvature(|_| Vector3::from(curvature))?
         }
     };
-    if bundle.initial == Initial::Straight {
-        // The generators turn the root so that the shape runs along the pose; a straight start
-        // does so itself.
+    if bundle.initial != Initial::Natural {
+        // The generators turn the root so that the shape runs along the pose; other starts do so
+        // themselves.
         fiber = fiber.with_root(pose);
     }
     match bundle.arrangement {
@@ -193,25 +196,49 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     }
 }
 
-/// A straight line along the root's frame, at rest.
-fn straight(fiber: &Fiber) -> RodState {
+/// The state in which a fibre is laid from its root's frame on, at rest; `None` for its natural one.
+fn laid(fiber: &Fiber, initial: Initial) -> Result<Option<RodState>, FiberError> {
+    let nodes = match initial {
+        Initial::Natural => return Ok(None),
+        Initial::Straight => {
+            fiber.arc_lengths().into_iter().map(|s| Point3::new(0.0, 0.0, s)).collect()
+        }
+        Initial::Overhand { radius, spacing } => {
+            Overhand { radius, spacing }.nodes(fiber.segment_lengths())?
+        }
+    };
+    Ok(Some(untwisted(fiber, &nodes)))
+}
+
+/// A state at rest along `nodes`, m, in the root's frame, which is carried along without a twist.
+fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
     let root = fiber.root();
-    let tangent = root.rotation * Vector3::z();
-    let mut position = Point3::from(root.translation.vector);
-    let mut positions = vec![position];
-    for h in fiber.segment_lengths() {
-        position += *h * tangent;
-        positions.push(position);
-    }
+    let positions = nodes.iter().map(|node| root * node).collect();
+    let mut frame = root.rotation.to_rotation_matrix();
+    let frames: Vec<_> = nodes
+        .windows(2)
+        .map(|ends| {
+            let tangent = root.rotation * (ends[1] - ends[0]);
+            // There is none only for a fibre that turns back on itself.
+            let turn = so3::between(&(frame * Vector3::z()), &tangent);
+            frame = turn.unwrap_or_default() * frame;
+            frame
+        })
+        .collect();
     let segments = fiber.segments();
+    let mut curvatures = vec![Vector3::zeros(); segments + 1];
+    for (i, pair) in frames.windows(2).enumerate() {
+        let between = 0.5 * (fiber.segment_lengths()[i] + fiber.segment_lengths()[i + 1]);
+        curvatures[i + 1] = so3::log(&(pair[0].inverse() * pair[1])) / between;
+    }
     RodState {
         time: 0.0,
         positions,
         velocities: vec![Vector3::zeros(); segments + 1],
-        frames: vec![root.rotation.to_rotation_matrix(); segments],
+        frames,
         angular_velocities: vec![Vector3::zeros(); segments],
         forces: vec![Vector3::zeros(); segments],
-        curvatures: vec![Vector3::zeros(); segments + 1],
+        curvatures,
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
-use crate::folder::{CHECKPOINT, CONTACTS, ENERGIES, PROBES, RunFolder, SCENE};
+use crate::folder::{CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
@@ -194,6 +194,10 @@ fn observers(
     if !output.probes.is_empty() {
         let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();
         observers.push(Box::new(Table::open(&folder.file(PROBES), columns, every)?));
+    }
+    if scene.contact.is_some() && !scene.objects.is_empty() {
+        let columns = (0..scene.objects.len()).map(Column::ObjectForce).collect();
+        observers.push(Box::new(Table::open(&folder.file(OBJECTS), columns, every)?));
     }
     Ok(observers)
 }

@@ -1,4 +1,4 @@
-use crate::contact::{Bearing, ContactWork, Memory, Object, Way};
+use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, Works, scene::Environment};
@@ -202,6 +202,15 @@ impl World {
     /// and place.
     pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
         self.contacts.bearings()
+    }
+
+    /// Mean force of all fibres on an object over the last part of a step, N, world. Cost: that of
+    /// looking at all contacts.
+    #[must_use]
+    pub fn force_on(&self, object: usize) -> Vector3<f64> {
+        let of = |partner| matches!(partner, Partner::Object(number) if number as usize == object);
+        let bearing = self.contacts().filter(|contact| of(contact.partner));
+        bearing.map(|contact| -contact.force).sum()
     }
 
     /// Work that contacts have done on fibres and free objects since the start.

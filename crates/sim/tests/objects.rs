@@ -325,3 +325,24 @@ fn objects_that_make_no_sense_are_refused() {
         assert!(problems[0].message.contains(message), "{error}");
     }
 }
+
+/// What lies at rest on two boxes bears on them with its weight, and on nothing else.
+#[test]
+fn objects_feel_the_weight_of_fibers() {
+    let objects = "(shape: Cuboid(sides: (0.02, 0.02, 0.02)), position: (-0.025, 0, -0.01)), \
+                   (shape: Cuboid(sides: (0.02, 0.02, 0.02)), position: (0.025, 0, -0.01)), \
+                   (shape: Ball(radius: 0.01), position: (0, 0, -0.2))";
+    let lying = hair(&format!(
+        "root: (position: (-0.03, 0.0, {:?}), orientation: Along(direction: (1, 0, 0))), \
+         root_joint: Free, damping_time: 0.01",
+        RADIUS + 1e-7
+    ));
+    let mut run = Run::new(&read(&[lying], objects, "Isotropic(0.3)", -9.81, 5e-3));
+    run.steps(200);
+    let [left, right, nothing] = [0, 1, 2].map(|object| run.world.force_on(object));
+    let weight = 9.81 * run.world.assembly().fibers()[0].mass();
+    let sum = left + right;
+    assert!((sum.z / weight + 1.0).abs() < 1e-2 && sum.xy().norm() < 1e-2 * weight, "{sum}");
+    assert!((left.z / right.z - 1.0).abs() < 0.1, "{left} {right}");
+    assert_eq!(nothing, Vector3::zeros());
+}

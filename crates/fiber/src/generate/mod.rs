@@ -2,17 +2,19 @@
 //!
 //! A shape ([`Helix`], [`Sine`]) bends a fibre: it sets the natural curvature and turns the root,
 //! and leaves lengths, sections and materials as they are. A straight fibre is
-//! [`crate::Fiber::uniform`] at a [`root_pose`]. An [`Ellipse`] places roots, [`bundle`] and
+//! [`crate::Fiber::uniform`] at a [`root_pose`]; an [`Overhand`] knot is a way for it to lie. An [`Ellipse`] places roots, [`bundle`] and
 //! [`Lock`] grow fibres from them.
 //!
 //! Random choices come from `Pcg64Mcg` with the seed that is given: the same seed gives the same
 //! bits.
 
+mod knot;
 mod lock;
 mod random;
 mod roots;
 mod shape;
 
+pub use knot::Overhand;
 pub use lock::{Lock, bundle};
 pub use roots::Ellipse;
 pub use shape::{Handedness, Helix, Sine, root_pose};

@@ -4,7 +4,7 @@ use crate::Fallible;
 use crate::drawing::Picture;
 use nalgebra::Point3;
 use rapunzel_sim::scene::{Method, StepperSettings, Weights};
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
+use rapunzel_sim::{Plan, Scene, World};
 use std::fs;
 use std::path::Path;
 
@@ -19,9 +19,10 @@ pub(crate) fn scene(name: &str) -> Fallible<Scene> {
 pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<()> {
     let plan = Plan::new(scene);
     let mut world = scene.build()?;
+    let mut stepper = scene.stepper_of(&world)?;
     observe(&world);
     while world.steps() < plan.steps {
-        FreeFibers.step(&mut world, plan.dt)?;
+        stepper.step(&mut world, plan.dt)?;
         observe(&world);
     }
     Ok(())
@@ -29,6 +30,7 @@ pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<(
 
 /// Sets the integrator to the box scheme and the largest time step to `dt`, s; the step taken is
 /// that one if a multiple of it is `1 / frame_rate`.
+#[allow(dead_code, reason = "not every chapter needs it")]
 pub(crate) fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
     let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
     scene.stepper =
@@ -62,6 +64,7 @@ impl Film {
 }
 
 /// The mean position of all tips, m.
+#[allow(dead_code, reason = "not every chapter needs it")]
 pub(crate) fn mean_tip(world: &World) -> Point3<f64> {
     let count = world.assembly().fibers().len();
     let tips = (0..count).filter_map(|i| world.state(i).positions.last().map(|p| p.coords));

@@ -37,6 +37,8 @@ pub(crate) enum Column {
     Probe(Probe),
     /// What the contacts of the last step were and cost.
     Contacts,
+    /// Force of all fibres on an object, by its index.
+    ObjectForce(usize),
 }
 
 /// Pending rows are written when they are longer than this, bytes.
@@ -144,6 +146,9 @@ impl Column {
             Self::Contacts => ",listed,active,parts,lists,solves,iterations,unresolved,residual,\
                 normal error (m/s),slip error (m/s),depth (m)"
                 .to_owned(),
+            Self::ObjectForce(object) => {
+                ["x", "y", "z"].map(|axis| format!(",objects[{object}] force {axis} (N)")).concat()
+            }
         }
     }
 
@@ -184,6 +189,7 @@ impl Column {
                 let errors = [of.residual, of.normal_error, of.slip_error, of.depth];
                 counts.chain(errors).collect()
             }
+            Self::ObjectForce(object) => world.force_on(*object).iter().copied().collect(),
         }
     }
 }

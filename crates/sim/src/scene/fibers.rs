@@ -108,7 +108,8 @@ fn right() -> Handedness {
 }
 
 /// The shape of a fibre at the start; it starts at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Initial {
     /// Without load.
     #[default]
@@ -116,6 +117,15 @@ pub enum Initial {
     /// Straight and untwisted along the direction of the root, so that a curved fibre is
     /// prestressed.
     Straight,
+    /// Untwisted with an overhand knot in the middle, the ends along the direction of the root on one
+    /// line; the loop stands out along d1. Prestressed.
+    Overhand {
+        /// Radius of the loop, m.
+        radius: f64,
+        /// Distance of the axes of the strands that wind about each other, m: more than a diameter,
+        /// at most a tenth of the radius.
+        spacing: f64,
+    },
 }
 
 /// A position and an orientation.
@@ -255,6 +265,10 @@ impl Bundle {
         check.within("material", |c| self.material.check(c));
         check.number("damping_time", self.damping_time, Allowed::NonNegative, "s");
         check.within("shape", |c| self.shape.check(c));
+        if let Initial::Overhand { radius, spacing } = self.initial {
+            check.number("initial.radius", radius, Allowed::Positive, "m");
+            check.number("initial.spacing", spacing, Allowed::Positive, "m");
+        }
         check.within("root", |c| self.root.check(c));
         check.within("arrangement", |c| self.arrangement.check(c));
         check.within("motion", |c| self.motion.check(c));

@@ -1,6 +1,8 @@
 //! A scene that is stepped, as the tests of contacts ask for it.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
+pub mod topology;
+
 use nalgebra::{Point3, Vector3};
 use rapunzel_sim::{Scene, StepReport, Stepper, World};
 
@@ -40,6 +42,10 @@ impl Run {
 
     pub fn positions(&self, fiber: usize) -> Vec<Point3<f64>> {
         self.world.state(fiber).positions
+    }
+
+    pub fn all_positions(&self) -> topology::Fibers {
+        (0..self.fibers()).map(|fiber| self.positions(fiber)).collect()
     }
 
     /// Momentum of all fibres and free objects, kg m/s.

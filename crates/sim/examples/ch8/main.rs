@@ -1,0 +1,44 @@
+//! Repeats the examples of the thesis's section 8.6, and its curve of combing (2.19), and compares what
+//! it says of them with our numbers.
+//!
+//! `cargo xtask repro ch8` runs it. Each figure is an SVG with its numbers as CSV. Scenes are those that
+//! ship, with fewer fibers so that all takes some minutes; `--full` takes them as they are, and hours.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
+
+mod comb;
+#[path = "../repro/drawing.rs"]
+mod drawing;
+mod elastic;
+#[path = "../repro/film.rs"]
+mod film;
+mod friction;
+#[path = "../repro/program.rs"]
+mod program;
+#[path = "../repro/report.rs"]
+mod report;
+mod size;
+#[path = "../repro/svg.rs"]
+mod svg;
+
+use program::Entry;
+use report::Figure;
+use size::Size;
+use std::process::ExitCode;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+type Draw = fn(Size) -> Fallible<Figure>;
+
+const FIGURES: [Entry<Draw>; 5] = [
+    Entry { number: "2.19", title: "The force of combing", draw: comb::force },
+    Entry { number: "8.8", title: "A bundle on a ball rests or splits", draw: friction::split },
+    Entry { number: "8.16", title: "Partly elastic impacts", draw: elastic::impacts },
+    Entry { number: "8.18", title: "Fibers with and without stiffness", draw: elastic::stiffness },
+    Entry { number: "8.19", title: "Three kinds of friction, Table 8.1", draw: friction::volumes },
+];
+
+fn main() -> ExitCode {
+    let (full, others): (Vec<_>, Vec<_>) =
+        std::env::args().skip(1).partition(|argument| argument == "--full");
+    let size = if full.is_empty() { Size::Reduced } else { Size::Full };
+    program::main(&FIGURES, others.into_iter(), |draw| draw(size))
+}
