@@ -11,8 +11,10 @@ use rayon::prelude::*;
 
 /// A tree that has grown this much costlier than it was when new is built anew.
 const WORN: f64 = 1.5;
-/// By how many margins ends of motions may be apart to have the same pairs.
-const SLACK: f64 = 2.0;
+/// Part of the margin by which ends of motions may be apart to have the same pairs.
+const SLACK: f64 = 0.5;
+/// Motions in a row whose pairs are searched for one by one before a list is tried again.
+const PATIENCE: usize = 16;
 /// Parts in which motion is followed, each by one thread at a time.
 const PARTS: usize = 16;
 
@@ -45,6 +47,10 @@ struct List {
     regions: Vec<u32>,
     /// The last motion.
     way: Way,
+    /// Motions in a row that were too wide for a list.
+    wide: usize,
+    /// Room for their pairs.
+    swept: Vec<Pair>,
     /// Room for the squared distances of all pairs, m².
     squared: Vec<f64>,
 }
@@ -105,25 +111,13 @@ impl Candidates {
         start: &Capsules,
         end: &Capsules,
     ) -> Result<&[Pair], CollisionError> {
-        let (grow, slack) = (self.reach + self.margin, SLACK * self.margin);
+        let slack = SLACK * self.margin;
         if self.list.is_none() {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
         if !list.way.leads(start, end, slack) {
-            let mut complete = list.stays_complete([start, end], self.margin)?;
-            if !complete && list.positions != start.positions() {
-                list.renew(start, grow)?;
-                complete = list.stays_complete([start, end], self.margin)?;
-            }
-            if !complete {
-                list.tree.refit_swept(start, end, 0.5 * (self.reach + slack))?;
-                let mut swept = Vec::new();
-                list.tree.pairs(&mut swept);
-                list.way = Way::new(start, Some(end), swept);
-            } else if !list.way.listed(start) {
-                list.way = Way::new(start, None, list.pairs.clone());
-            }
+            list.set_out(start, end, [self.reach, self.margin, slack])?;
         }
         list.way.go(start, end, self.reach);
         Ok(&list.way.near)
@@ -173,10 +167,39 @@ impl List {
             hulls: Vec::new(),
             regions,
             way: Way::default(),
+            wide: 0,
+            swept: Vec::new(),
             squared: Vec::new(),
         };
         list.search(capsules, grow);
         Ok(list)
+    }
+
+    /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or
+    /// else with what the tree finds.
+    fn set_out(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+        [reach, margin, slack]: [f64; 3],
+    ) -> Result<(), CollisionError> {
+        let try_again = self.wide.is_multiple_of(PATIENCE);
+        let mut complete = try_again && self.stays_complete([start, end], margin - slack)?;
+        if try_again && !complete && self.positions != start.positions() {
+            self.renew(start, reach + margin)?;
+            complete = self.stays_complete([start, end], margin - slack)?;
+        }
+        let reaches = [reach, slack];
+        if complete {
+            self.wide = 0;
+            self.way.set_out(start, end, &self.pairs, reaches);
+        } else {
+            self.wide += 1;
+            self.tree.refit_swept(start, end, 0.5 * (reach + slack))?;
+            self.tree.pairs(&mut self.swept);
+            self.way.set_out(start, end, &self.swept, reaches);
+        }
+        Ok(())
     }
 
     /// Makes the list of all pairs with gaps of at most `grow` where the segments are now.
@@ -192,7 +215,6 @@ impl List {
 
     /// Lists all pairs whose grown boxes meet, but those with gaps of more than `grow`, m.
     fn search(&mut self, capsules: &Capsules, grow: f64) {
-        self.way = Way::default();
         self.tree.pairs(&mut self.pairs);
         self.sift(capsules, grow);
         self.hulls.clone_from(&self.tree.levels[1].hulls);

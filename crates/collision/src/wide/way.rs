@@ -12,8 +12,7 @@ const CHUNK: usize = 4096;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Way {
     start: Vec<Point3<f64>>,
-    /// The end of the motion whose pairs were searched for; none if they are those of a list.
-    end: Option<Vec<Point3<f64>>>,
+    end: Vec<Point3<f64>>,
     all: Vec<Pair>,
     /// Of all pairs at the start, m².
     squared: Vec<f64>,
@@ -22,58 +21,74 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// Sets out with pairs from a start, found for one `end` if any.
-    pub(super) fn new(start: &Capsules, end: Option<&Capsules>, all: Vec<Pair>) -> Self {
+    /// Sets out with those of `pairs` that may come within `reach`, m, of each other on the way to
+    /// `end`, or to an end that is elsewhere by half of `slack`, m.
+    pub(super) fn set_out(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+        pairs: &[Pair],
+        [reach, slack]: [f64; 2],
+    ) {
+        let near = near(start, end, reach + slack);
         let chunk = |pairs: &[Pair]| {
             let mut squared = Vec::new();
             squared_distances(start, pairs, &mut squared);
-            squared
+            let both = pairs.iter().copied().zip(squared);
+            both.filter(|(pair, squared)| near(pair, *squared)).collect::<Vec<_>>()
         };
-        let squared: Vec<_> = all.par_chunks(CHUNK).map(chunk).collect();
-        Self {
-            start: start.positions().to_vec(),
-            end: end.map(|end| end.positions().to_vec()),
-            all,
-            squared: squared.concat(),
-            near: Vec::new(),
+        let parts: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
+        self.all.clear();
+        self.squared.clear();
+        for part in parts {
+            self.all.extend(part.iter().map(|(pair, _)| pair));
+            self.squared.extend(part.iter().map(|(_, squared)| squared));
         }
+        self.start.clear();
+        self.start.extend_from_slice(start.positions());
+        self.end.clear();
+        self.end.extend_from_slice(end.positions());
     }
 
-    /// Whether the pairs are those of a list, from this start.
-    pub(super) fn listed(&self, start: &Capsules) -> bool {
-        self.end.is_none() && self.start == start.positions()
-    }
-
-    /// Whether the pairs were searched for a motion from this start to this end, but for half of
-    /// `slack`, m.
+    /// Whether a motion is one of those that it has set out for.
     pub(super) fn leads(&self, start: &Capsules, end: &Capsules, slack: f64) -> bool {
         let near = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm() <= 0.5 * slack;
-        let Some(points) = &self.end else { return false };
-        self.start == start.positions() && points.iter().zip(end.positions()).all(near)
+        self.start == start.positions() && self.end.iter().zip(end.positions()).all(near)
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other until `end`.
     pub(super) fn go(&mut self, start: &Capsules, end: &Capsules, reach: f64) {
-        let travels: Vec<_> = (0..start.len()).map(|segment| travel(start, end, segment)).collect();
-        let near = |(pair, squared): &(&Pair, &f64)| {
-            let [i, j] = pair.map(|segment| segment as usize);
-            let travel = (travels[i].0 - travels[j].0).norm() + travels[i].1 + travels[j].1;
-            let far = reach + start.radii()[i] + start.radii()[j] + travel;
-            // The fast distances may be off by roundings.
-            **squared <= (far * (1.0 + 1e-6)).powi(2)
-        };
+        let near = near(start, end, reach);
         let chunk = |(pairs, squared): (&[Pair], &[f64])| {
-            pairs.iter().zip(squared).filter(near).map(|(pair, _)| *pair).collect()
+            let both = pairs.iter().zip(squared);
+            both.filter(|(pair, squared)| near(pair, **squared)).map(|(pair, _)| *pair).collect()
         };
         let chunks = self.all.par_chunks(CHUNK).zip(self.squared.par_chunks(CHUNK));
         let parts: Vec<Vec<Pair>> = chunks.map(chunk).collect();
-        self.near = parts.concat();
+        self.near.clear();
+        parts.iter().for_each(|part| self.near.extend_from_slice(part));
     }
 }
 
-/// The way of the middle of a segment, and how much farther another of its points may go, m.
-fn travel(start: &Capsules, end: &Capsules, segment: usize) -> (Vector3<f64>, f64) {
-    let nodes = start.layout().segment_nodes(segment);
-    let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
-    (0.5 * (a + b), 0.5 * (a - b).norm())
+/// Whether a pair at a squared distance, m², at the start may come within `reach`, m, until the end.
+fn near(start: &Capsules, end: &Capsules, reach: f64) -> impl Fn(&Pair, f64) -> bool + Sync {
+    // The way of the middle of each segment, and how far another of its points may go beyond it and
+    // the reach, its own part.
+    let ways: Vec<[f64; 4]> = (0..start.len())
+        .into_par_iter()
+        .map(|segment| {
+            let nodes = start.layout().segment_nodes(segment);
+            let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
+            let middle = 0.5 * (a + b);
+            let own = 0.5 * (a - b).norm() + start.radii()[segment] + 0.5 * reach;
+            [middle.x, middle.y, middle.z, own]
+        })
+        .collect();
+    move |pair, squared| {
+        let [a, b] = pair.map(|segment| ways[segment as usize]);
+        let apart = Vector3::new(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+        // The fast distances may be off by roundings.
+        let far = (apart.norm() + a[3] + b[3]) * (1.0 + 1e-6);
+        squared <= far * far
+    }
 }
