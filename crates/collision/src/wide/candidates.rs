@@ -101,8 +101,10 @@ impl Candidates {
     /// `end`, each node on a straight line, and some that stay farther apart. The order does not
     /// depend on the number of threads.
     ///
-    /// Cost: as [`Candidates::update`] at `start`; where the motion is wider than the margin, also
-    /// a search of what all segments sweep, 100 ns a segment.
+    /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
+    /// is wider than half the margin, a search of what all segments sweep instead, 100 ns a segment.
+    /// Asked again for a motion from the same start to nearly the same end, only the travel of what
+    /// was found is looked at.
     ///
     /// # Errors
     /// As [`Candidates::update`], for either.

@@ -1,9 +1,9 @@
 //! Figures 8.16 to 8.18: impacts that are partly elastic, and fibers without bending springs.
 
 use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Picture, Pictures};
+use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::report::{Criterion, Figure, check};
-use crate::size::{Size, extents, filmed};
+use crate::size::{Size, captioned, extents, filmed};
 use nalgebra::Vector3;
 
 const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
@@ -57,17 +57,13 @@ pub(crate) fn impacts(size: Size) -> Fallible<Figure> {
 
 /// Figure 8.18: stiff hairs stand on their coils, limp ones lie flat.
 pub(crate) fn stiffness(size: Size) -> Fallible<Figure> {
-    let mut pictures: Vec<Picture> = Vec::new();
+    let mut pictures = Vec::new();
     let mut heights = Vec::new();
     for (name, scene) in [("stiff", "partly-elastic"), ("limp", "partly-elastic-limp")] {
         let scene = size.scene(scene, 10, 50)?;
         let mut height = 0.0;
         let film = filmed(&scene, &TIMES, |world| height = extents(world).z)?;
-        let captioned = film
-            .pictures
-            .into_iter()
-            .map(|picture| Picture { caption: format!("{name}, {}", picture.caption), ..picture });
-        pictures.extend(captioned);
+        pictures.extend(captioned(name, film));
         heights.push(1e3 * height);
     }
     let checks = vec![

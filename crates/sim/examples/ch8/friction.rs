@@ -1,16 +1,16 @@
 //! Figures 8.8 and 8.19 with Table 8.1: what friction does.
 
 use crate::Fallible;
-use crate::drawing::{Drawing, Picture, Pictures};
+use crate::drawing::{Drawing, Pictures};
 use crate::report::{Criterion, Figure, check};
-use crate::size::{Size, extents, filmed};
-use nalgebra::Vector3;
+use crate::size::{Size, captioned, extents, filmed};
+use nalgebra::{Point3, Vector3};
 use rapunzel_sim::scene::Friction;
 
 /// Figure 8.8: with friction a bundle rests on a ball, without it splits in two.
 pub(crate) fn split(size: Size) -> Fallible<Figure> {
     let times = [0.0, 0.15, 0.25, 0.4];
-    let mut pictures: Vec<Picture> = Vec::new();
+    let mut pictures = Vec::new();
     let mut ends = Vec::new();
     for (name, mu) in [("with friction", 0.3), ("without", 0.0)] {
         let mut scene = size.scene("horizontal-bundle-on-ball", 40, 30)?;
@@ -21,47 +21,27 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
             let fibers = world.assembly().fibers().iter().enumerate();
             middles = fibers.map(|(i, f)| world.node(i, Some(f.segments() / 2)).0).collect();
         })?;
-        let captioned = film
-            .pictures
-            .into_iter()
-            .map(|picture| Picture { caption: format!("{name}, {}", picture.caption), ..picture });
-        pictures.extend(captioned);
+        pictures.extend(captioned(name, film));
         ends.push(middles);
     }
-    let share = |end: usize, holds: fn(&nalgebra::Point3<f64>) -> bool| {
+    type Place = fn(&Point3<f64>) -> bool;
+    let share = |end: usize, holds: Place| {
         ends[end].iter().filter(|p| holds(p)).count() as f64 / ends[end].len() as f64
     };
     // The top of the ball is at z = -15 mm.
-    let checks = vec![
-        check(
-            "with friction, hairs whose middle is on top of the ball",
-            share(0, |p| p.z > -0.02),
-            "",
-            Criterion::AtLeast(0.99),
-            "they stay on the ball",
-        ),
-        check(
-            "without, hairs whose middle is",
-            share(1, |p| p.z > -0.02),
-            "",
-            Criterion::AtMost(0.05),
-            "they slip off",
-        ),
-        check(
-            "without, hairs to the left",
-            share(1, |p| p.y > 0.005),
-            "",
-            Criterion::Within(0.25, 0.75),
-            "two portions of different size",
-        ),
-        check(
-            "without, hairs to the right",
-            share(1, |p| p.y < -0.005),
-            "",
-            Criterion::Within(0.25, 0.75),
-            "two portions of different size",
-        ),
+    let on_top: Place = |p| p.z > -0.02;
+    let both = Criterion::Within(0.25, 0.75);
+    let portions = "two portions of different size";
+    let compared: [(_, _, Place, _, _); 4] = [
+        ("with friction, on top of the ball", 0, on_top, Criterion::AtLeast(0.99), "they stay"),
+        ("without, on top of the ball", 1, on_top, Criterion::AtMost(0.05), "they slip off"),
+        ("without, to the left", 1, |p| p.y > 0.005, both, portions),
+        ("without, to the right", 1, |p| p.y < -0.005, both, portions),
     ];
+    let checks = compared.map(|(what, end, holds, criterion, thesis)| {
+        let what = format!("hairs with their middle: {what}");
+        check(what, share(end, holds), "", criterion, thesis)
+    });
     Ok(Figure {
         scene: "scenes/contact/horizontal-bundle-on-ball.ron",
         parameters: "0.4 s; friction 0.3, which the thesis does not tell, and none",
@@ -72,7 +52,7 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
             columns: 4,
             pictures,
         })],
-        checks,
+        checks: checks.into(),
     })
 }
 
@@ -87,11 +67,7 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
         let film = filmed(&scene, &[scene.duration], |world| {
             volume = 1e6 * extents(world).product();
         })?;
-        let captioned = film.pictures.into_iter().map(|picture| Picture {
-            caption: format!("{name}, {}: {volume:.0} cm^3", picture.caption),
-            ..picture
-        });
-        pictures.extend(captioned);
+        pictures.extend(captioned(&format!("{name}, {volume:.0} cm^3"), film));
         volumes.push(volume);
     }
     let [isotropic, anisotropic, none] = [volumes[0], volumes[1], volumes[2]];

@@ -1,6 +1,7 @@
 //! How large scenes are.
 
 use crate::Fallible;
+use crate::drawing::Picture;
 use crate::film::{Film, play, scene};
 use rapunzel_sim::scene::Arrangement;
 use rapunzel_sim::{Scene, World};
@@ -44,6 +45,12 @@ pub(crate) fn filmed(
         observe(world);
     })?;
     Ok(film)
+}
+
+/// The pictures of a film, each under `name`.
+pub(crate) fn captioned(name: &str, film: Film) -> impl Iterator<Item = Picture> {
+    let under = move |caption: String| format!("{name}, {caption}");
+    film.pictures.into_iter().map(move |p| Picture { caption: under(p.caption), ..p })
 }
 
 /// Extents of the axis-parallel box around all fibers, m.

@@ -2,8 +2,6 @@
 
 use crate::Fallible;
 use crate::drawing::Picture;
-use nalgebra::Point3;
-use rapunzel_sim::scene::{Method, StepperSettings, Weights};
 use rapunzel_sim::{Plan, Scene, World};
 use std::fs;
 use std::path::Path;
@@ -26,15 +24,6 @@ pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<(
         observe(&world);
     }
     Ok(())
-}
-
-/// Sets the integrator to the box scheme and the largest time step to `dt`, s; the step taken is
-/// that one if a multiple of it is `1 / frame_rate`.
-#[allow(dead_code, reason = "not every chapter needs it")]
-pub(crate) fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
-    let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
-    scene.stepper =
-        StepperSettings { dt, method: Some(Method::Box { weights, residual }), tolerance: None };
 }
 
 /// Pictures of all fibers at given instants.
@@ -61,12 +50,4 @@ impl Film {
         self.pictures.push(Picture { caption, fibers: fibers.collect() });
         true
     }
-}
-
-/// The mean position of all tips, m.
-#[allow(dead_code, reason = "not every chapter needs it")]
-pub(crate) fn mean_tip(world: &World) -> Point3<f64> {
-    let count = world.assembly().fibers().len();
-    let tips = (0..count).filter_map(|i| world.state(i).positions.last().map(|p| p.coords));
-    Point3::from(tips.sum::<nalgebra::Vector3<f64>>() / count as f64)
 }

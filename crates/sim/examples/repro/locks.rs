@@ -2,7 +2,7 @@
 
 use crate::Fallible;
 use crate::drawing::{Chart, Curve, Drawing, Pictures};
-use crate::film::{Film, mean_tip, play, scene};
+use crate::film::{Film, play, scene};
 use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
 use rapunzel_sim::World;
@@ -27,6 +27,13 @@ fn chart(title: &str, y: &'static str, name: &str, points: Vec<[f64; 2]>) -> Dra
         log_from: None,
         curves: vec![Curve { name: name.into(), points }],
     })
+}
+
+/// The mean position of all tips, m.
+fn mean_tip(world: &World) -> Point3<f64> {
+    let count = world.assembly().fibers().len();
+    let tips = (0..count).filter_map(|i| world.state(i).positions.last().map(|p| p.coords));
+    Point3::from(tips.sum::<Vector3<f64>>() / count as f64)
 }
 
 /// Extremes of a curve later than `from`, in their order: where it stops rising or falling.

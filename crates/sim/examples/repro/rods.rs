@@ -2,10 +2,10 @@
 
 use crate::Fallible;
 use crate::drawing::{Chart, Curve, Drawing, Pictures};
-use crate::film::{Film, play, scene, with_box};
+use crate::film::{Film, play, scene};
 use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
-use rapunzel_sim::scene::{Arrangement, Shape, Tip, Weights};
+use rapunzel_sim::scene::{Arrangement, Method, Shape, StepperSettings, Tip, Weights};
 use rapunzel_sim::{Scene, World};
 use std::f64::consts::TAU;
 
@@ -14,6 +14,14 @@ fn tip(world: &World) -> (Point3<f64>, Vector3<f64>) {
     let state = world.state(0);
     let last = state.positions.len() - 1;
     (state.positions[last], state.velocities[last])
+}
+
+/// Sets the integrator to the box scheme and the largest time step to `dt`, s; the step taken is
+/// that one if a multiple of it is `1 / frame_rate`.
+fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
+    let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
+    scene.stepper =
+        StepperSettings { dt, method: Some(Method::Box { weights, residual }), tolerance: None };
 }
 
 /// Figure 3.15: a sine that is clamped level and let go.
