@@ -40,10 +40,15 @@ impl Tolerance {
     pub const EXACT: Self =
         Self { residual: 1e-12, normal: f64::INFINITY, slip: f64::INFINITY, iterations: 20_000 };
 
+    /// The largest of the errors found, in tolerances: at most one where all are kept.
+    #[must_use]
+    pub fn error(&self, found: &Report) -> f64 {
+        let normal = found.normal_error / self.normal;
+        (found.residual / self.residual).max(normal).max(found.slip_error / self.slip)
+    }
+
     fn reached(&self, found: &Report) -> bool {
-        found.residual <= self.residual
-            && found.normal_error <= self.normal
-            && found.slip_error <= self.slip
+        self.error(found) <= 1.0
     }
 }
 
@@ -98,7 +103,7 @@ impl Admm {
         Self {
             tolerance,
             relaxation: 1.6,
-            weight: 4.0,
+            weight: 8.0,
             memory: 10,
             sides: Sides::default(),
             anderson: Anderson::default(),

@@ -53,10 +53,10 @@ pub fn node_arc_lengths(capsules: &Capsules) -> Vec<f64> {
 
 /// All contacts with a gap of at most `reach`, m, among `pairs`; `contacts` is emptied first.
 ///
-/// A pair touches where its axes are closest. Where these enclose less than 15 degrees and a
-/// second point, at the far end of where they lie side by side, is in reach too, it follows as a
-/// contact of its own: a single point would jump from end to end. Contacts come in the order of
-/// the pairs, whatever the number of threads. Cost: 10 ns a pair and 100 ns a contact.
+/// A pair touches where its axes are closest. Where these enclose less than 15 degrees, the ends of
+/// where they lie side by side follow as contacts of their own, if they are elsewhere and in reach
+/// too: a single point would jump from end to end. Contacts come in the order of the pairs, whatever
+/// the number of threads. Cost: 10 ns a pair and 100 ns a contact.
 ///
 /// # Errors
 /// [`CollisionError::Length`] if the reach is negative or not finite.
@@ -101,28 +101,29 @@ fn touching(pair: Pair, a: &Capsule, b: &Capsule, reach: f64, found: &mut Vec<Co
         return;
     }
     found.push(first);
-    if let Some([s, t]) = far_end(a, b, closest.fractions[0]) {
-        let second = contact([s, t], b.at(t) - a.at(s));
-        if second.gap <= reach {
-            found.push(second);
+    for [s, t] in ends_of_overlap(a, b, closest.fractions[0]).into_iter().flatten() {
+        let other = contact([s, t], b.at(t) - a.at(s));
+        if other.gap <= reach {
+            found.push(other);
         }
     }
 }
 
-/// Where two axes that are nearly parallel stop to lie side by side, at the end that is farther
-/// from the fraction `s` of the first; none where they are not parallel, or meet in a point.
-fn far_end(a: &Capsule, b: &Capsule, s: f64) -> Option<[f64; 2]> {
+/// Where two axes that are nearly parallel begin and stop to lie side by side, but for ends at the
+/// fraction `s` of the first; none where they are not parallel, or meet in a point.
+fn ends_of_overlap(a: &Capsule, b: &Capsule, s: f64) -> [Option<[f64; 2]>; 2] {
     let (d1, d2) = (a.end - a.start, b.end - b.start);
     let (aa, ab, bb) = (d1.norm_squared(), d1.dot(&d2), d2.norm_squared());
     let parallel = aa * bb - ab * ab < PARALLEL * aa * bb;
     if !parallel {
-        return None;
+        return [None; 2];
     }
     let on_first = |p: Vector3<f64>| (d1.dot(&p) / aa).clamp(0.0, 1.0);
     let ends = [on_first(b.start - a.start), on_first(b.end - a.start)];
-    let far = if (ends[0] - s).abs() > (ends[1] - s).abs() { ends[0] } else { ends[1] };
-    let t = (d2.dot(&(a.at(far) - b.start)) / bb).clamp(0.0, 1.0);
-    ((far - s) * (far - s) * aa > a.radius * a.radius).then_some([far, t])
+    ends.map(|end| {
+        let t = (d2.dot(&(a.at(end) - b.start)) / bb).clamp(0.0, 1.0);
+        ((end - s) * (end - s) * aa > a.radius * a.radius).then_some([end, t])
+    })
 }
 
 /// Direction of `offset`; where that is zero, a direction across both axes.

@@ -26,6 +26,8 @@ pub(super) struct Case {
     working: Vec<bool>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
     mass: f64,
+    /// What the last solve left, in tolerances.
+    error: Option<f64>,
 }
 
 impl Case {
@@ -109,11 +111,20 @@ impl Case {
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        Ok(Self { contacts, points, levers, impulses, gaps, working, mass })
+        Ok(Self { contacts, points, levers, impulses, gaps, working, mass, error: None })
     }
 
     pub(super) fn contacts(&self) -> usize {
         self.contacts.len()
+    }
+
+    /// What the last iteration left, in tolerances; `None` before the first.
+    pub(super) fn error(&self) -> Option<f64> {
+        self.error
+    }
+
+    pub(super) fn set_error(&mut self, error: f64) {
+        self.error = Some(error);
     }
 
     /// Number of contacts that bear something.

@@ -7,8 +7,8 @@
 //! 2. touches are found where the step starts, with the normals that they have there (`detect`). No
 //!    fibre is in another there, so that all that they ask for at once is possible: wherever that
 //!    guess leads, impulses stay of the right size;
-//! 3. the rods are linearised where they are, all impulses are solved for (`case`), and the rods
-//!    take the increment that belongs to them, twice;
+//! 3. the rods are linearised where they are, all impulses are solved for (`case`) as well as that
+//!    is of use (`effort`), and the rods take the increment that belongs to them, twice;
 //! 4. touches are found where that has led, as well as on the way there, with the normals there. A
 //!    touch that has changed sides beside one of its pair that has not is none;
 //! 5. 3 repeats, with places and normals of the contacts kept, until rods and law agree;
@@ -30,6 +30,7 @@
 mod body;
 mod case;
 mod detect;
+mod effort;
 mod free;
 mod gather;
 mod law;

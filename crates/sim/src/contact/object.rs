@@ -10,6 +10,9 @@ use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search, Sou
 use rapunzel_contact::ContactError;
 use rapunzel_mass_spring::Obstacle;
 
+/// How far along a segment, in its length, contacts beside the deepest one are.
+const ROLL: f64 = 0.2;
+
 /// A surface and what moves it.
 pub(crate) struct Object {
     /// In the object's own frame, as the surface is.
@@ -63,6 +66,22 @@ impl DistanceField for Placed<'_> {
     fn band(&self) -> f64 {
         self.field.band()
     }
+}
+
+/// The contacts beside the deepest one of a segment: as it turns it rolls on to them.
+fn beside(
+    deepest: &FieldContact,
+    field: &impl DistanceField,
+    capsule: &Capsule,
+    margin: f64,
+) -> impl Iterator<Item = FieldContact> {
+    [-ROLL, ROLL].into_iter().filter_map(move |way| {
+        let fraction = deepest.fraction + way;
+        let Sample { value, gradient } = field.sample(&capsule.at(fraction));
+        let (gap, normal) = (value - capsule.radius, gradient.try_normalize(0.0)?);
+        let listed = (0.0..=1.0).contains(&fraction) && gap <= margin;
+        listed.then_some(FieldContact { fraction, gap, normal })
+    })
 }
 
 /// One fibre before and after a step.
@@ -147,19 +166,37 @@ impl Object {
         let poses = self.poses(span);
         let placed = Placed { field: &*self.field, pose: poses[1] };
         let slope = placed.lipschitz();
-        let values: Vec<f64> = strand.end.iter().map(|node| placed.value(node)).collect();
+        let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| -> Vec<_> {
+            nodes.iter().map(|node| pose.inverse_transform_point(node)).collect()
+        };
+        let (before, after) = (own(strand.start, &poses[0]), own(strand.end, &poses[1]));
+        let values: Vec<f64> = after.iter().map(|node| self.field.value(node)).collect();
+        let ways: Vec<f64> = before.iter().zip(&after).map(|(a, b)| (a - b).norm()).collect();
         let mut contacts: Vec<FieldContact> = Vec::new();
         for (s, &radius) in strand.radii.iter().enumerate() {
             let (start, end) = (strand.end[s], strand.end[s + 1]);
             let length = (end - start).norm();
+            let (way, nearest) =
+                (ways[s].max(ways[s + 1]), 0.5 * (values[s] + values[s + 1] - slope * length));
+            // No point of other segments is near enough, or was on the way.
+            if nearest > slope * way + radius + margin {
+                continue;
+            }
             contacts.clear();
-            if let Some(contact) = self.passing(strand, s, poses) {
-                contacts.push(contact);
-            } else if 0.5 * (values[s] + values[s + 1] - slope * length) <= radius + margin {
-                // No point of other segments is near enough.
+            let moving = MovingSegment {
+                before: [before[s], before[s + 1]],
+                after: [after[s], after[s + 1]],
+            };
+            let passed = if way < radius { None } else { self.passing(&moving, radius) };
+            if let Some(contact) = passed {
+                contacts.push(FieldContact { normal: poses[1] * contact.normal, ..contact });
+            } else if nearest <= radius + margin {
                 let capsule = Capsule { start, end, radius };
                 let search = Search { margin, spacing: 0.1 * length, tolerance: 1e-3 * radius };
                 search.contacts(&placed, &capsule, &mut contacts);
+                if let [deepest] = contacts[..] {
+                    contacts.extend(beside(&deepest, &placed, &capsule, margin));
+                }
             }
             for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
                 let axis = start + contact.fraction * (end - start);
@@ -190,25 +227,9 @@ impl Object {
         }
     }
 
-    /// Where the axis of a segment that moves by more than its radius meets the surface, with the
-    /// gap along the normal there that the end of the step would leave.
-    fn passing(
-        &self,
-        strand: &Strand,
-        segment: usize,
-        poses: [Isometry3<f64>; 2],
-    ) -> Option<FieldContact> {
-        let radius = strand.radii[segment];
-        let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| {
-            [0, 1].map(|k| pose.inverse_transform_point(&nodes[segment + k]))
-        };
-        let before = own(strand.start, &poses[0]);
-        let after = own(strand.end, &poses[1]);
-        let way = (after[0] - before[0]).norm().max((after[1] - before[1]).norm());
-        if way < radius {
-            return None;
-        }
-        let moving = MovingSegment { before, after };
+    /// Where the axis of a segment that moves in the object's frame meets the surface, with the gap
+    /// along the normal there that the end of the motion would leave.
+    fn passing(&self, moving: &MovingSegment, radius: f64) -> Option<FieldContact> {
         let impact = moving.impact_on(&&*self.field, 0.0, 0.1 * radius)?;
         let [fraction] = impact.coordinates;
         let place = moving.at(impact.time, radius).at(fraction);
@@ -216,6 +237,6 @@ impl Object {
         let normal = gradient.try_normalize(0.0)?;
         let surface = place - value * normal;
         let gap = normal.dot(&(moving.at(1.0, radius).at(fraction) - surface)) - radius;
-        Some(FieldContact { fraction, gap, normal: poses[1] * normal })
+        Some(FieldContact { fraction, gap, normal })
     }
 }

@@ -1,12 +1,13 @@
 use super::case::Case;
 use super::detect::{Detector, Motion, Place};
+use super::effort::Effort;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
 use super::report::Unresolved;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
-use crate::{ContactReport, SimError, StepReport, Stepper, World};
+use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Admm, ContactError, Tolerance};
@@ -21,6 +22,12 @@ const PATIENCE: usize = 3;
 const GUESSES: usize = 2;
 /// Increments below this, rad, end Newton's method: what is left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
+/// Where a guess leaves a larger error, in tolerances, lists will change, and are first solved to a
+/// coarser one.
+const ROUGH: f64 = 350.0;
+const COARSE: f64 = 5.0;
+/// A guess that still turns segments by more than this, rad, is none: two shorter steps cost less.
+const LOST: f64 = 0.15;
 /// By how many radii the second list is wider than the first, at most.
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
@@ -224,9 +231,14 @@ impl Touching {
         // The first list is that of a guess: it only serves to find a better one.
         self.list(world, part, expected, Place::Start, WIDEST * self.radius)?;
         let mut case = self.case(world, part)?;
-        for effort in &EFFORTS[..GUESSES] {
+        let (mut turn, mut rough) = (0.0, false);
+        for _ in 0..GUESSES {
             world.for_groups(|group| group.linearize())?;
-            self.iterate(world, part, &mut case, *effort, false)?;
+            turn = self.iterate(world, part, &mut case, Effort::FIRST, false)?;
+            rough |= case.error().is_some_and(|error| error > ROUGH);
+        }
+        if turn > LOST && !last {
+            return Err(Cut::Contacts);
         }
         // What has moved far since it was listed may move as far again.
         let before = std::mem::take(&mut part.mean);
@@ -238,8 +250,8 @@ impl Touching {
         case = self.case(world, part)?;
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
-            let patient = list >= PATIENCE;
-            let solved = self.converge(world, part, &mut case, patient)?;
+            let goal = if rough && list < PATIENCE { COARSE } else { 1.0 };
+            let solved = self.converge(world, part, &mut case, list, goal)?;
             let mut bearing = std::mem::take(&mut part.touches);
             self.list(world, part, &[], Place::End, 0.0)?;
             part.work = case.work(world, &part.mean, &bearing);
@@ -250,6 +262,10 @@ impl Touching {
             report.depth = deepest;
             if solved && deepest <= self.depth() {
                 part.touches = bearing;
+                if goal > 1.0 {
+                    rough = false;
+                    continue;
+                }
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
                     let bounds = [strength, self.settings.slip];
                     case.tear(world, &part.mean, bounds, &mut part.touches)?;
@@ -258,7 +274,7 @@ impl Touching {
             }
             worst_touch = Unresolved::deepest(time, &part.touches);
             case.give_gaps(world, &part.mean, dt, &mut bearing);
-            part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), !patient);
+            part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
         }
         part.report.contact.unresolved = 1;
@@ -271,22 +287,29 @@ impl Touching {
         self.settings.depth * 2.0 * self.radius
     }
 
-    /// Solves the step with the contacts of a case. Tells whether rods and contacts are within
-    /// their tolerances.
+    /// Solves the step with the contacts of a case, of the list of this number. Tells whether rods and
+    /// contacts are within `goal` times their tolerances.
     fn converge(
         &mut self,
         world: &mut World,
         part: &mut Part,
         case: &mut Case,
-        patient: bool,
+        list: usize,
+        goal: f64,
     ) -> Result<bool, Cut> {
-        for iteration in 0..MOST_ITERATIONS {
+        let patient = list >= PATIENCE;
+        for _ in 0..MOST_ITERATIONS {
             let own = largest(world.for_groups(|group| group.linearize())?);
-            if iteration > 0 && own < SMALL_TURN && self.reached(&part.report.contact, part.dt) {
+            if own < SMALL_TURN && case.error().is_some_and(|error| error <= goal) {
                 return Ok(true);
             }
-            let effort = EFFORTS[iteration.min(EFFORTS.len() - 1)];
-            self.iterate(world, part, case, effort, patient)?;
+            let effort = match case.error() {
+                Some(error) => Effort::after(error),
+                None if list == 0 => Effort::FIRST,
+                // Where the list has hardly changed, loose answers lead away.
+                None => Effort::LAST,
+            };
+            self.iterate(world, part, case, effort.toward(goal), patient)?;
         }
         Ok(false)
     }
@@ -298,11 +321,10 @@ impl Touching {
         Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
     }
 
-    /// Whether a step obeys the law as well as it must.
-    fn reached(&self, report: &ContactReport, dt: f64) -> bool {
-        report.residual <= self.settings.residual
-            && report.slip_error <= self.settings.slip
-            && report.normal_error * dt <= 0.5 * self.depth()
+    /// How well the contacts of a step of `dt` seconds must be solved.
+    fn tolerance(&self, dt: f64) -> Tolerance {
+        let ContactSettings { residual, slip, iterations, .. } = self.settings;
+        Tolerance { residual, normal: 0.5 * self.depth() / dt, slip, iterations }
     }
 
     /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
@@ -315,18 +337,14 @@ impl Touching {
         effort: Effort,
         patient: bool,
     ) -> Result<f64, Cut> {
-        self.solver.tolerance = Tolerance {
-            residual: effort.slack * self.settings.residual,
-            normal: effort.slack * 0.5 * self.depth() / part.dt,
-            slip: effort.slack * self.settings.slip,
-            iterations: effort.most.min(self.settings.iterations),
-        };
+        self.solver.tolerance = effort.of(&self.tolerance(part.dt));
         let one = case.solve(world, &mut self.solver, patient)?;
         case.give_impulses(&mut part.touches);
         let impulses = world.impulses(&part.touches);
         let turn = largest(world.with_impulses(&impulses, |group, own| group.advance(own))?);
         world.push(&part.touches, part.time, part.dt)?;
         let found = case.certificate(world, &world.mean_velocities());
+        case.set_error(self.tolerance(part.dt).error(&found));
         part.report.iterations += world.assembly().fibers().len();
         part.report.worst_iterations += 1;
         let report = &mut part.report.contact;
@@ -362,22 +380,6 @@ impl Touching {
         Ok(())
     }
 }
-
-/// How well the contacts are solved in an iteration of Newton's method, in tolerances, and by how
-/// many iterations at most.
-#[derive(Clone, Copy)]
-struct Effort {
-    slack: f64,
-    most: usize,
-}
-
-/// Efforts of the first iterations, and of all that follow: as long as the rods are far from where
-/// they go, exact answers are wasted.
-const EFFORTS: [Effort; 3] = [
-    Effort { slack: 15.0, most: 60 },
-    Effort { slack: 1.5, most: 120 },
-    Effort { slack: 0.5, most: usize::MAX },
-];
 
 /// Refuses a step of `dt`, s, in which an object would jump over fibres.
 fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {

@@ -75,7 +75,7 @@ impl Touch {
     pub(crate) fn near(&self, other: &Self) -> bool {
         let ([s, t], [u, v]) = (self.at(), other.at());
         (self.fiber, self.partner) == (other.fiber, other.partner)
-            && (s - u).abs().max((t - v).abs()) < 0.5
+            && (s - u).abs().max((t - v).abs()) < 0.1
     }
 
     /// Whether two touches of one pair lie beside each other with normals that face each other.

@@ -1,0 +1,45 @@
+//! How well contacts are solved within Newton's method.
+
+use rapunzel_contact::Tolerance;
+
+/// The least and the largest of the errors, in tolerances, that solves of contacts leave.
+const TIGHT: f64 = 0.8;
+const LOOSE: f64 = 15.0;
+/// What Newton's method makes of an error, by its square: as found where hair falls and swings.
+const SQUARE: f64 = 1e-5;
+
+/// The error that a solve may leave, in tolerances, and its iterations at most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Effort {
+    slack: f64,
+    most: usize,
+}
+
+impl Effort {
+    /// As long as the rods are far from where they go, exact answers are wasted.
+    pub(super) const FIRST: Self = Self { slack: LOOSE, most: 60 };
+    /// What is asked for in the end.
+    pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
+
+    /// After an iteration that left an `error`, in tolerances: the next leaves its square times a
+    /// constant, however well it is solved.
+    pub(super) fn after(error: f64) -> Self {
+        let slack = SQUARE * error * error;
+        if slack > TIGHT { Self { slack: slack.min(LOOSE), most: 120 } } else { Self::LAST }
+    }
+
+    /// The same where `goal` times the tolerances will do.
+    pub(super) fn toward(self, goal: f64) -> Self {
+        Self { slack: self.slack.max(TIGHT * goal), ..self }
+    }
+
+    /// What it asks of a solver.
+    pub(super) fn of(self, tolerance: &Tolerance) -> Tolerance {
+        Tolerance {
+            residual: self.slack * tolerance.residual,
+            normal: self.slack * tolerance.normal,
+            slip: self.slack * tolerance.slip,
+            iterations: self.most.min(tolerance.iterations),
+        }
+    }
+}
