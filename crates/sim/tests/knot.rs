@@ -29,10 +29,9 @@ fn a_knot_tightens_without_crossing() {
         contact: (friction: Isotropic(0.1)),
         environment: (gravity: (0.0, 0.0, 0.0), viscosity: 1.8e-5), stepper: (dt: 1e-3))",
     );
-    let width = |nodes: &[Point3<f64>]| {
-        let far = |k: usize| nodes.iter().map(|p| p[k].abs()).fold(0.0, f64::max);
-        far(0).max(far(1))
-    };
+    // Whichever way the knot has turned about the line that it is pulled along.
+    let width =
+        |nodes: &[Point3<f64>]| nodes.iter().map(|p| p.coords.xy().norm()).fold(0.0, f64::max);
     let (start, mut before) = (width(&run.positions(0)), run.all_positions());
     let mut active = 0;
     for step in 0..150 {

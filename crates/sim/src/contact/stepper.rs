@@ -27,7 +27,7 @@ const SMALL_TURN: f64 = 1e-4;
 const ROUGH: f64 = 350.0;
 const COARSE: f64 = 5.0;
 /// A guess that still turns segments by more than this, rad, is none: two shorter steps cost less.
-const LOST: f64 = 0.15;
+const LOST: f64 = 0.5;
 /// By how many radii the second list is wider than the first, at most.
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
