@@ -58,7 +58,7 @@ impl Scene {
                     state: laid(&fiber, bundle.initial)
                         .map_err(|source| SimError::Fiber { bundle: i, source })?,
                     velocity: Vector3::from(bundle.velocity),
-                    rod: Rod { fiber, damping_time: bundle.damping_time },
+                    rod: Rod::damped(fiber, bundle.damping_time),
                     conditions: Arc::clone(&conditions),
                 });
             }

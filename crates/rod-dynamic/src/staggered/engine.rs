@@ -31,6 +31,8 @@ pub(super) trait Engine: Send {
     fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
+    /// Takes over the laws of the rod, which remember as much as those before.
+    fn set_laws(&mut self, lane: usize, rod: &Rod);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
@@ -109,6 +111,9 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
         Self::set_state(self, lane, rod, state);
+    }
+    fn set_laws(&mut self, lane: usize, rod: &Rod) {
+        self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
     }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
         for i in 0..3 {
