@@ -26,12 +26,18 @@ pub trait SectionLaw: Debug + Send + Sync {
     /// If `memory` has another length than [`SectionLaw::memory`].
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response;
 
-    /// Takes the step to `strain`, at once for `dt = 0`. Returns the energy per length that was
-    /// dissipated on the way, J/m: the work done, less the rise of the stored energy.
+    /// Takes the step to `strain`, at once for `dt = 0`.
     ///
     /// # Panics
     /// As [`SectionLaw::response`].
-    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64;
+    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
+
+    /// The energy per length that the step to `strain` dissipates before it is committed, J/m: the work
+    /// done on the way, less the rise of the stored energy.
+    ///
+    /// # Panics
+    /// As [`SectionLaw::response`].
+    fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64;
 
     /// The energy per length that a section stores at `strain`, J/m, after the step to it.
     ///
@@ -57,20 +63,14 @@ pub trait SectionLaw: Debug + Send + Sync {
         }
     }
 
-    /// Takes the steps of many sections, and writes what each dissipated.
+    /// Takes the steps of many sections.
     ///
     /// # Panics
     /// As [`SectionLaw::responses`].
-    fn commits(
-        &self,
-        memory: &mut [Vector3<f64>],
-        strains: &[Vector3<f64>],
-        dt: f64,
-        dissipated: &mut [f64],
-    ) {
+    fn commits(&self, memory: &mut [Vector3<f64>], strains: &[Vector3<f64>], dt: f64) {
         let count = self.memory();
-        for (i, (strain, out)) in strains.iter().zip(dissipated).enumerate() {
-            *out = self.commit(&mut memory[count * i..count * (i + 1)], strain, dt);
+        for (i, strain) in strains.iter().enumerate() {
+            self.commit(&mut memory[count * i..count * (i + 1)], strain, dt);
         }
     }
 }
@@ -111,7 +111,9 @@ impl SectionLaw for LinearLaw {
         }
     }
 
-    fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) -> f64 {
+    fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) {}
+
+    fn dissipated(&self, _: &[Vector3<f64>], _: &Vector3<f64>, _: f64) -> f64 {
         0.0
     }
 

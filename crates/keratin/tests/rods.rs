@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
-use rapunzel_fiber::{Fiber, NodeProperties, Section, SectionLaw, so3};
+use rapunzel_fiber::{Fiber, NodeProperties, SectionLaw, so3};
 use rapunzel_keratin::lab::oscillation::Oscillation;
 use rapunzel_keratin::lab::pendulum::{self, Bob};
 use rapunzel_keratin::law::{Branch, Creep, Relaxation, Strand, Viscoelastic};
@@ -257,7 +257,7 @@ fn what_a_step_dissipates_is_its_work_less_what_it_stores() {
             let step = strand.strain_to(q + rise, dt);
             let mut memory = vec![Vector3::zeros(); law.memory()];
             law.commit(&mut memory, &(q * Vector3::x()), 0.0);
-            let lost = law.commit(&mut memory, &((q + rise) * Vector3::x()), dt);
+            let lost = law.dissipated(&memory, &((q + rise) * Vector3::x()), dt);
             let expected = step.work - (strand.stored_energy() - before);
             // Of the strand's work a step of a thousandth of its time leaves ten digits.
             assert!((lost - expected).abs() < 3e-10, "{dt}: {lost} {expected}");

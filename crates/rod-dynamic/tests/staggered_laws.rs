@@ -46,7 +46,8 @@ impl SectionLaw for Stiffening {
             potential: self.stored_energy(&[], strain),
         }
     }
-    fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) -> f64 {
+    fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) {}
+    fn dissipated(&self, _: &[Vector3<f64>], _: &Vector3<f64>, _: f64) -> f64 {
         0.0
     }
     fn stored_energy(&self, _: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
@@ -81,13 +82,15 @@ impl SectionLaw for Solid {
             potential: (moment - 0.5 * slope * rise).dot(&rise),
         }
     }
-    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64 {
+    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) {
+        let q = (memory[1] + strain - memory[0]) / (1.0 + dt / self.time);
+        memory.copy_from_slice(&[*strain, q]);
+    }
+    fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64 {
         let rise = strain - memory[0];
         let q = (memory[1] + rise) / (1.0 + dt / self.time);
-        let (mean, stored) =
-            (0.5 * (q + memory[1]), 0.5 * (q.norm_squared() - memory[1].norm_squared()));
-        memory.copy_from_slice(&[*strain, q]);
-        self.stiffness * (mean.dot(&rise) - stored)
+        let mean = 0.5 * (q + memory[1]);
+        self.stiffness * mean.dot(&(rise - (q - memory[1])))
     }
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
         0.5 * self.stiffness * (strain.norm_squared() + memory[1].norm_squared())

@@ -16,7 +16,8 @@ fn decay(x: f64) -> (f64, f64) {
 
 /// What a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by
 /// `q = q0 exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
-fn fading(x: f64, left: f64, mean: f64) -> (f64, f64, f64) {
+fn fading(x: f64) -> [f64; 3] {
+    let (left, mean) = decay(x);
     let squares = 0.5 * x * mean * (1.0 + left);
     let products = 0.5 * x * mean * mean;
     // Above the limit, four digits are lost in the difference; below it, so many terms are exact.
@@ -26,7 +27,7 @@ fn fading(x: f64, left: f64, mean: f64) -> (f64, f64, f64) {
     } else {
         (1.0 - 2.0 * mean + squares / x) / x
     };
-    (squares, products, rises)
+    [squares, products, rises]
 }
 
 /// What a step did.
@@ -179,10 +180,22 @@ impl SectionLaw for Viscoelastic {
         out[0]
     }
 
-    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64 {
-        let mut dissipated = [0.0];
-        self.commits(memory, std::slice::from_ref(strain), dt, &mut dissipated);
-        dissipated[0]
+    fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) {
+        self.commits(memory, std::slice::from_ref(strain), dt);
+    }
+
+    fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64 {
+        let square = |v: &Vector3<f64>| self.stiffness.component_mul(v).dot(v);
+        let rise = strain - memory[0];
+        let viscosity = if dt > 0.0 { self.damping_time / dt } else { 0.0 };
+        let mut sum = viscosity * square(&rise);
+        for (q, b) in memory[1..].iter().zip(&self.branches) {
+            let rise = b.modulus * rise;
+            let [squares, products, rises] = fading(dt / b.time);
+            let both = 2.0 * products * self.stiffness.component_mul(q).dot(&rise);
+            sum += (squares * square(q) + both + rises * square(&rise)) / b.modulus;
+        }
+        sum
     }
 
     fn responses(
@@ -192,62 +205,44 @@ impl SectionLaw for Viscoelastic {
         dt: f64,
         out: &mut [Response],
     ) {
-        let count = self.memory();
+        let memories = || memory.chunks_exact(self.memory()).zip(strains);
         let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
         let mut tangent = self.equilibrium + damping;
-        for (i, strain) in strains.iter().enumerate() {
-            out[i].moment = self.equilibrium * strain + damping * (strain - memory[count * i]);
+        for ((memory, strain), out) in memories().zip(&mut *out) {
+            out.moment = self.equilibrium * strain + damping * (strain - memory[0]);
         }
         for (k, b) in self.branches.iter().enumerate() {
             let (left, mean) = decay(dt / b.time);
-            tangent += b.modulus * mean;
-            for (i, strain) in strains.iter().enumerate() {
-                let [before, q] = [memory[count * i], memory[count * i + 1 + k]];
-                out[i].moment += left * q + b.modulus * mean * (strain - before);
+            let slope = b.modulus * mean;
+            tangent += slope;
+            for ((memory, strain), out) in memories().zip(&mut *out) {
+                out.moment += left * memory[1 + k] + slope * (strain - memory[0]);
             }
         }
         let slope = tangent * self.stiffness;
-        for (i, strain) in strains.iter().enumerate() {
-            let moment = self.stiffness.component_mul(&out[i].moment);
-            let rise = strain - memory[count * i];
+        for ((memory, strain), out) in memories().zip(&mut *out) {
+            let moment = self.stiffness.component_mul(&out.moment);
+            let rise = strain - memory[0];
             // The energy of a rise from the last strain.
             let potential = (moment - 0.5 * slope.component_mul(&rise)).dot(&rise);
-            out[i] = Response { moment, tangent: Matrix3::from_diagonal(&slope), potential };
+            *out = Response { moment, tangent: Matrix3::from_diagonal(&slope), potential };
         }
     }
 
-    fn commits(
-        &self,
-        memory: &mut [Vector3<f64>],
-        strains: &[Vector3<f64>],
-        dt: f64,
-        dissipated: &mut [f64],
-    ) {
+    fn commits(&self, memory: &mut [Vector3<f64>], strains: &[Vector3<f64>], dt: f64) {
         let count = self.memory();
-        let square = |v: &Vector3<f64>| self.stiffness.component_mul(v).dot(v);
-        let viscosity = if dt > 0.0 { self.damping_time / dt } else { 0.0 };
-        for (i, strain) in strains.iter().enumerate() {
-            dissipated[i] = viscosity * square(&(strain - memory[count * i]));
-        }
         for (k, b) in self.branches.iter().enumerate() {
-            let x = dt / b.time;
-            let (left, mean) = decay(x);
-            // Of the square of q, over the step, and of what a rise adds to it.
-            let (squares, products, rises) = fading(x, left, mean);
-            for (i, strain) in strains.iter().enumerate() {
-                let rise = b.modulus * (strain - memory[count * i]);
-                let q = &mut memory[count * i + 1 + k];
-                let both = 2.0 * products * self.stiffness.component_mul(q).dot(&rise);
-                dissipated[i] += (squares * square(q) + both + rises * square(&rise)) / b.modulus;
-                *q = left * *q + mean * rise;
+            let (left, mean) = decay(dt / b.time);
+            let slope = b.modulus * mean;
+            for (memory, strain) in memory.chunks_exact_mut(count).zip(strains) {
+                let q = left * memory[1 + k] + slope * (strain - memory[0]);
                 // What fades for ever would end in denormal numbers, which are slow.
-                if q.amax() < f64::MIN_POSITIVE {
-                    q.fill(0.0);
-                }
+                let gone = q.amax() < f64::MIN_POSITIVE;
+                memory[1 + k] = if gone { Vector3::zeros() } else { q };
             }
         }
-        for (i, strain) in strains.iter().enumerate() {
-            memory[count * i] = *strain;
+        for (memory, strain) in memory.chunks_exact_mut(count).zip(strains) {
+            memory[0] = *strain;
         }
     }
 

@@ -442,7 +442,8 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] when the count is not that of these rods.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
-        let expected = 1 + self.rods.len() * (1 + self.engine.numbers());
+        let own = (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber));
+        let expected = 1 + own.sum::<usize>();
         let Some((time, mut rest)) = numbers.split_first().filter(|_| numbers.len() == expected)
         else {
             return Err(RodError::Length { what: "numbers", expected, found: numbers.len() });

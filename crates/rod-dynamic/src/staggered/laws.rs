@@ -13,7 +13,7 @@ use crate::joint::Joint;
 use crate::{Rod, SectionLaws};
 use nalgebra::Vector3;
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
+use pulp::bytemuck::{self, Zeroable};
 use rapunzel_fiber::{Response, SectionLaw};
 use std::ops::Range;
 use std::slice::from_ref;
@@ -25,9 +25,9 @@ pub(super) struct Laws<S: Simd> {
     runs: [Vec<Run>; 8],
     /// 1 in lanes with laws.
     has: S::f64s,
-    /// Most vectors that a joint of any lane remembers, and these vectors (3 each).
-    slots: usize,
-    pub(super) memory: Array<S>,
+    /// What the joints remember, run by run, and what they did before the step.
+    memory: [Vec<Vector3<f64>>; 8],
+    backup: [Vec<Vector3<f64>>; 8],
     /// Lengths of the joints.
     lengths: Array<S>,
     /// The models: the turn at which a law was asked (3), moment (3), tangent (6) and potential there.
@@ -39,22 +39,15 @@ pub(super) struct Laws<S: Simd> {
     dt: [f64; 8],
     /// Energies of the joints before and after a step, and what it dissipates (3), for the ledger.
     books: Array<S>,
-    sheet: Sheet,
-}
-
-/// Neighboring joints with the same law.
-struct Run {
-    joints: Range<usize>,
-    law: Arc<dyn SectionLaw>,
-}
-
-/// What a law is asked and answers for a run of joints.
-#[derive(Default)]
-struct Sheet {
-    memory: Vec<Vector3<f64>>,
     strains: Vec<Vector3<f64>>,
     responses: Vec<Response>,
-    dissipated: Vec<f64>,
+}
+
+/// Neighboring joints with the same law, and where their memories are.
+struct Run {
+    joints: Range<usize>,
+    memory: Range<usize>,
+    law: Arc<dyn SectionLaw>,
 }
 
 /// Turns of the joints, those at rest, and the ends.
@@ -66,10 +59,6 @@ pub(super) struct Turns<'a, S: Simd> {
 }
 
 impl<S: Simd> Turns<'_, S> {
-    fn get(array: &[S::f64s], j: usize, lane: usize) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| at(array, 3 * j + i, lane))
-    }
-
     /// Whether joint `j` of `0..=n` is there.
     fn is_joined(&self, j: usize, n: usize, lane: usize) -> bool {
         match j {
@@ -78,6 +67,31 @@ impl<S: Simd> Turns<'_, S> {
             _ => true,
         }
     }
+
+    /// The strains of joints of one lane; none in an end that is not clamped.
+    fn strains(
+        &self,
+        lane: usize,
+        joints: Range<usize>,
+        lengths: &[S::f64s],
+        out: &mut Vec<Vector3<f64>>,
+    ) {
+        let n = lengths.len() - 1;
+        let [phi, rest, lengths] = [self.phi, self.rest, lengths].map(numbers::<S>);
+        out.clear();
+        out.extend(joints.map(|j| {
+            if !self.is_joined(j, n, lane) {
+                return Vector3::zeros();
+            }
+            let i = 3 * j * S::F64_LANES + lane;
+            let turn = |k: usize| phi[i + k * S::F64_LANES] - rest[i + k * S::F64_LANES];
+            Vector3::new(turn(0), turn(1), turn(2)) / lengths[j * S::F64_LANES + lane]
+        }));
+    }
+}
+
+fn numbers<S: Simd>(array: &[S::f64s]) -> &[f64] {
+    bytemuck::cast_slice(array)
 }
 
 /// The runs of a rod's joints.
@@ -87,8 +101,13 @@ fn runs(rod: &Rod) -> Vec<Run> {
         let Some(law) = rod.laws.at(j) else { continue };
         match runs.last_mut() {
             Some(run) if Arc::ptr_eq(&run.law, law) => run.joints.end = j + 1,
-            _ => runs.push(Run { joints: j..j + 1, law: Arc::clone(law) }),
+            _ => runs.push(Run { joints: j..j + 1, memory: 0..0, law: Arc::clone(law) }),
         }
+    }
+    let mut start = 0;
+    for run in &mut runs {
+        run.memory = start..start + run.joints.len() * run.law.memory();
+        start = run.memory.end;
     }
     runs
 }
@@ -109,12 +128,16 @@ impl<S: Simd> Laws<S> {
                 set(&mut lengths, j, lane, Joint::new(&rod.fiber, j).length);
             }
         }
-        let slots = of_lanes.iter().flatten().map(|run| run.law.memory()).max().unwrap_or(0);
+        let blank = |lane: usize| {
+            let size = of_lanes[lane].last().map_or(0, |run: &Run| run.memory.end);
+            vec![Vector3::zeros(); size]
+        };
+        let memory: [Vec<_>; 8] = std::array::from_fn(blank);
         Some(Box::new(Self {
             runs: of_lanes,
             has,
-            slots,
-            memory: zeros::<S>(3 * slots * (n + 1)),
+            backup: memory.clone(),
+            memory,
             lengths,
             turn: zeros::<S>(3 * (n + 1)),
             moment: zeros::<S>(3 * (n + 1)),
@@ -122,7 +145,8 @@ impl<S: Simd> Laws<S> {
             potential: zeros::<S>(n + 1),
             dt: [1.0; 8],
             books: zeros::<S>(3 * (n + 1)),
-            sheet: Sheet::default(),
+            strains: Vec::with_capacity(n + 1),
+            responses: Vec::with_capacity(n + 1),
         }))
     }
 
@@ -182,24 +206,32 @@ impl<S: Simd> Laws<S> {
 
     fn ask(&mut self, turns: Turns<'_, S>, wanted: impl Fn(&dyn SectionLaw) -> bool) {
         let n = self.lengths.len() - 1;
-        for lane in 0..S::F64_LANES {
+        let lanes = S::F64_LANES;
+        let (phi, lengths) = (numbers::<S>(turns.phi), numbers::<S>(&self.lengths));
+        let turn = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.turn);
+        let moments = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.moment);
+        let tangents = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.tangent);
+        let potentials = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.potential);
+        for lane in 0..lanes {
             for run in self.runs[lane].iter().filter(|run| wanted(&*run.law)) {
-                self.sheet.fill(lane, run, self.slots, &self.memory, &self.lengths, turns);
-                let Sheet { memory, strains, responses, .. } = &mut self.sheet;
-                run.law.responses(memory, strains, self.dt[lane], responses);
-                for (response, j) in self.sheet.responses.iter().zip(run.joints.clone()) {
-                    let length = at(&self.lengths, j, lane);
+                turns.strains(lane, run.joints.clone(), &self.lengths, &mut self.strains);
+                self.responses.resize(self.strains.len(), Response::default());
+                let memory = &self.memory[lane][run.memory.clone()];
+                run.law.responses(memory, &self.strains, self.dt[lane], &mut self.responses);
+                for (response, j) in self.responses.iter().zip(run.joints.clone()) {
+                    let length = lengths[j * lanes + lane];
                     let flag = f64::from(turns.is_joined(j, n, lane));
                     let (moment, t) = (flag * response.moment, response.tangent * (flag / length));
-                    for i in 0..3 {
-                        set(&mut self.turn, 3 * j + i, lane, at(turns.phi, 3 * j + i, lane));
-                        set(&mut self.moment, 3 * j + i, lane, moment[i]);
-                    }
                     let six = [t[(0, 0)], t[(1, 1)], t[(2, 2)], t[(0, 1)], t[(0, 2)], t[(1, 2)]];
-                    for (i, x) in six.into_iter().enumerate() {
-                        set(&mut self.tangent, 6 * j + i, lane, x);
+                    let (three, six_at) = (3 * j * lanes + lane, 6 * j * lanes + lane);
+                    for i in 0..3 {
+                        turn[three + i * lanes] = phi[three + i * lanes];
+                        moments[three + i * lanes] = moment[i];
                     }
-                    set(&mut self.potential, j, lane, flag * length * response.potential);
+                    for (i, x) in six.into_iter().enumerate() {
+                        tangents[six_at + i * lanes] = x;
+                    }
+                    potentials[j * lanes + lane] = flag * length * response.potential;
                 }
             }
         }
@@ -214,24 +246,14 @@ impl<S: Simd> Laws<S> {
 
     /// Lets one lane set out from the natural state, and at once to the given turns.
     pub(super) fn strain_at_once(&mut self, lane: usize, turns: Turns<'_, S>) {
-        for i in 0..self.memory.len() {
-            set(&mut self.memory, i, lane, 0.0);
-        }
+        self.memory[lane].fill(Vector3::zeros());
         self.commit_lane(lane, 0.0, turns);
     }
 
     fn commit_lane(&mut self, lane: usize, dt: f64, turns: Turns<'_, S>) {
         for run in &self.runs[lane] {
-            self.sheet.fill(lane, run, self.slots, &self.memory, &self.lengths, turns);
-            let Sheet { memory, strains, dissipated, .. } = &mut self.sheet;
-            run.law.commits(memory, strains, dt, dissipated);
-            let count = run.law.memory();
-            for (k, vector) in self.sheet.memory.iter().enumerate() {
-                let slot = (run.joints.start + k / count) * self.slots + k % count;
-                for i in 0..3 {
-                    set(&mut self.memory, 3 * slot + i, lane, vector[i]);
-                }
-            }
+            turns.strains(lane, run.joints.clone(), &self.lengths, &mut self.strains);
+            run.law.commits(&mut self.memory[lane][run.memory.clone()], &self.strains, dt);
         }
     }
 
@@ -239,36 +261,33 @@ impl<S: Simd> Laws<S> {
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> Option<f64> {
         let run = self.runs[lane].iter().find(|run| run.joints.contains(&j))?;
         let length = at(&self.lengths, j, lane);
-        let vector = |slot: usize| Turns::<S>::get(&self.memory, j * self.slots + slot, lane);
-        let memory: Vec<_> = (0..run.law.memory()).map(vector).collect();
-        Some(length * run.law.stored_energy(&memory, &(strain / length)))
+        let count = run.law.memory();
+        let start = run.memory.start + count * (j - run.joints.start);
+        let memory = &self.memory[lane][start..start + count];
+        Some(length * run.law.stored_energy(memory, &(strain / length)))
     }
 
     /// Notes for [`Self::booked`] what the step from some turns to others stores and dissipates.
     pub(super) fn book(&mut self, before: Turns<'_, S>, after: Turns<'_, S>) {
         let n = self.lengths.len() - 1;
+        let mut strains = Vec::new();
         for lane in 0..S::F64_LANES {
             for run in &self.runs[lane] {
+                before.strains(lane, run.joints.clone(), &self.lengths, &mut strains);
+                after.strains(lane, run.joints.clone(), &self.lengths, &mut self.strains);
+                let mut memory = self.memory[lane][run.memory.clone()].to_vec();
                 let count = run.law.memory();
-                self.sheet.fill(lane, run, self.slots, &self.memory, &self.lengths, before);
-                let stored = |sheet: &Sheet, i: usize| {
-                    let memory = &sheet.memory[count * i..count * (i + 1)];
-                    run.law.stored_energy(memory, &sheet.strains[i])
-                };
                 for (i, j) in run.joints.clone().enumerate() {
-                    set(&mut self.books, 3 * j, lane, stored(&self.sheet, i));
-                }
-                self.sheet.fill(lane, run, self.slots, &self.memory, &self.lengths, after);
-                let Sheet { memory, strains, dissipated, .. } = &mut self.sheet;
-                run.law.commits(memory, strains, self.dt[lane], dissipated);
-                for (i, j) in run.joints.clone().enumerate() {
-                    set(&mut self.books, 3 * j + 1, lane, stored(&self.sheet, i));
-                    set(&mut self.books, 3 * j + 2, lane, self.sheet.dissipated[i]);
+                    let memory = &mut memory[count * i..count * (i + 1)];
+                    let (old, new, dt) = (&strains[i], &self.strains[i], self.dt[lane]);
+                    let stored = run.law.stored_energy(memory, old);
+                    let dissipated = run.law.dissipated(memory, new, dt);
+                    run.law.commit(memory, new, dt);
+                    let stored_after = run.law.stored_energy(memory, new);
                     let length = at(&self.lengths, j, lane);
-                    let flag = f64::from(after.is_joined(j, n, lane));
-                    for k in 0..3 {
-                        let one = at(&self.books, 3 * j + k, lane);
-                        set(&mut self.books, 3 * j + k, lane, flag * length * one);
+                    let size = if after.is_joined(j, n, lane) { length } else { 0.0 };
+                    for (k, x) in [stored, stored_after, dissipated].into_iter().enumerate() {
+                        set(&mut self.books, 3 * j + k, lane, size * x);
                     }
                 }
             }
@@ -280,34 +299,33 @@ impl<S: Simd> Laws<S> {
     pub(super) fn booked(&self, simd: S, j: usize) -> [Lane<S>; 3] {
         V3::load(simd, &self.books, j).0
     }
-}
 
-impl Sheet {
-    /// What the joints of a run in one lane remember, and their strains.
-    fn fill<S: Simd>(
-        &mut self,
-        lane: usize,
-        run: &Run,
-        slots: usize,
-        memory: &[S::f64s],
-        lengths: &[S::f64s],
-        turns: Turns<'_, S>,
-    ) {
-        let (count, n) = (run.law.memory(), lengths.len() - 1);
-        self.memory.clear();
-        self.strains.clear();
-        for j in run.joints.clone() {
-            self.memory.extend((0..count).map(|s| Turns::<S>::get(memory, j * slots + s, lane)));
-            let strain = if turns.is_joined(j, n, lane) {
-                let turn =
-                    Turns::<S>::get(turns.phi, j, lane) - Turns::<S>::get(turns.rest, j, lane);
-                turn / at(lengths, j, lane)
-            } else {
-                Vector3::zeros()
-            };
-            self.strains.push(strain);
+    /// How many numbers one lane remembers.
+    pub(super) fn numbers(&self, lane: usize) -> usize {
+        3 * self.memory[lane].len()
+    }
+
+    /// Appends what one lane remembers.
+    pub(super) fn save(&self, lane: usize, numbers: &mut Vec<f64>) {
+        numbers.extend(self.memory[lane].iter().flatten());
+    }
+
+    /// Takes back from the front of `numbers` what one lane remembers, and returns the rest.
+    pub(super) fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64] {
+        let (head, tail) = numbers.split_at(self.numbers(lane));
+        for (vector, x) in self.memory[lane].iter_mut().zip(head.chunks_exact(3)) {
+            vector.copy_from_slice(x);
         }
-        self.responses.resize(self.strains.len(), Response::default());
-        self.dissipated.resize(self.strains.len(), 0.0);
+        tail
+    }
+
+    /// Keeps what all lanes remember, for [`Self::undo_all`].
+    pub(super) fn remember(&mut self) {
+        self.backup.clone_from(&self.memory);
+    }
+
+    /// Goes back to what was kept.
+    pub(super) fn undo_all(&mut self) {
+        self.memory.clone_from(&self.backup);
     }
 }

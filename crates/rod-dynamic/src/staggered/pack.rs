@@ -502,30 +502,27 @@ impl<S: Simd> Pack<S> {
         self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
-    /// Every array that a lane's future depends on.
-    pub(super) fn arrays(&self) -> [&[S::f64s]; 19] {
+    /// Every array that a lane's future depends on, beside what laws remember.
+    pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
         let [g, h, i] = self.joints.arrays();
-        let Chain { q, force, ends, laws, .. } = &self.chain;
-        let memory = laws.as_ref().map_or(&[][..], |laws| &laws.memory[..]);
+        let Chain { q, force, ends, .. } = &self.chain;
         let flags = [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint];
         let [j, k, l, m] = flags.map(std::slice::from_ref);
-        let (r, phi, reaction) = (&self.r, &self.phi, &ends.tip_reaction);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, reaction, memory]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
     }
 
     /// The same, to be written.
-    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 19] {
+    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
         let [g, h, i] = self.joints.arrays_mut();
-        let Chain { q, force, ends, laws, .. } = &mut self.chain;
-        let memory = laws.as_mut().map_or(&mut [][..], |laws| &mut laws.memory[..]);
+        let Chain { q, force, ends, .. } = &mut self.chain;
         let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, .. } = ends;
         let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
         let (r, phi) = (&mut self.r, &mut self.phi);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction, memory]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction]
     }
 }
 
