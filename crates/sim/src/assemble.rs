@@ -155,7 +155,7 @@ impl Scene {
 
     /// The hair of a bundle whose law follows the climate, if that changes.
     fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
-        let Some(keratin) = bundle.material.keratin() else { return None };
+        let keratin = bundle.material.keratin()?;
         let follows = keratin.law == Law::ThreeElement && self.environment.climate.changes();
         keratin.hair(bundle.section).ok().filter(|_| follows)
     }
