@@ -64,8 +64,11 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
+/// A sample and what is varied: its place on the axis of the plot, and in words.
+type Varied = ((f64, String), Sample);
+
 /// The samples, each with what is varied.
-fn samples(options: &LabOptions) -> Result<Vec<((f64, String), Sample)>, KeratinError> {
+fn samples(options: &LabOptions) -> Result<Vec<Varied>, KeratinError> {
     let of = |humidity, temperature, treatment| -> Result<Sample, KeratinError> {
         let LabOptions { kind, thickness, extrapolate, .. } = *options;
         let keratin = Keratin { kind, treatment, thickness, law: Law::Elastic, extrapolate };

@@ -3,7 +3,7 @@
 mod arguments;
 mod check;
 #[path = "../../sim/examples/repro/drawing.rs"]
-#[expect(dead_code, reason = "of the figures of the thesis only charts are drawn here")]
+#[cfg_attr(not(test), expect(dead_code, reason = "of its drawings only charts are drawn here"))]
 mod drawing;
 mod failure;
 mod info;
@@ -12,7 +12,6 @@ mod new;
 mod run;
 mod solve;
 #[path = "../../sim/examples/repro/svg.rs"]
-#[expect(dead_code, reason = "of the figures of the thesis only charts are drawn here")]
 mod svg;
 mod templates;
 mod words;

@@ -27,7 +27,7 @@ pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
     let on = Surface::Nylon;
     let wetness = sample.wetness();
     let section = sample.hair()?.section(&sample.climate);
-    // The segments are chords: their middles must not lie in the cylinder.
+    // The segments are chords whose middles touch the cylinder; the legs end half a segment above it.
     let turn = PI / ARC as f64;
     let axis = (RADIUS + section.equivalent_radius()) * (1.0 + turn * turn / 12.0);
     let segment = axis * turn;
@@ -48,7 +48,7 @@ pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
         2.0 * leg + PI * axis,
         ARC + 2 * LEG,
         -axis,
-        -leg,
+        0.5 * segment - leg,
         -VELOCITY,
         -WEIGHT,
     ))?;
