@@ -21,28 +21,28 @@ const LOCK: &str = "(
     )],
 )";
 
-/// A comb of three teeth that goes into a wavy tress and down through it with 10 cm/s.
+/// A wavy tress of thirty hairs, and a comb of five teeth that goes into it near its roots and down
+/// through it with 10 cm/s.
 const COMB: &str = "(
     format: 1, seed: 1, duration: 0.6, stepper: (dt: 2e-3),
     fibers: [(
         length: 0.06, segments: 24, section: Circle(radius: 1e-5),
-        shape: Helix(radius: 0.0015, pitch: 0.02),
-        arrangement: Ellipse(semi_axes: (0.003, 0.0015), count: 16),
+        shape: Helix(radius: 0.002, pitch: 0.015),
+        arrangement: Ellipse(semi_axes: (0.003, 0.002), count: 30),
     )],
-    objects: [
-        (shape: Capsule(length: 0.03, radius: 0.0006), position: (-0.003, 0.02, -0.015), turn: (90, 0, 0),
-         motion: Keyframes(points: [(time: 0.0), (time: 0.1, translation: (0, -0.02, 0)),
-                                    (time: 0.6, translation: (0, -0.02, -0.05))])),
-        (shape: Capsule(length: 0.03, radius: 0.0006), position: (0.0, 0.02, -0.015), turn: (90, 0, 0),
-         motion: Keyframes(points: [(time: 0.0), (time: 0.1, translation: (0, -0.02, 0)),
-                                    (time: 0.6, translation: (0, -0.02, -0.05))])),
-        (shape: Capsule(length: 0.03, radius: 0.0006), position: (0.003, 0.02, -0.015), turn: (90, 0, 0),
-         motion: Keyframes(points: [(time: 0.0), (time: 0.1, translation: (0, -0.02, 0)),
-                                    (time: 0.6, translation: (0, -0.02, -0.05))])),
-    ],
+    objects: [TEETH],
     contact: (friction: Keratin(on: Hair, wetness: WETNESS)),
     environment: (viscosity: 1.8e-5),
 )";
+const TOOTH: &str = "(
+    shape: Capsule(length: 0.03, radius: 0.0004), position: (PLACE, 0.02, -0.012), turn: (90, 0, 0),
+    motion: Keyframes(points: [
+        (time: 0.0), (time: 0.1, translation: (0, -0.02, 0)), (time: 0.6, translation: (0, -0.02, -0.05)),
+    ]),
+    friction: Keratin(on: Nylon, wetness: WETNESS),
+)";
+/// Places of the teeth across the tress, m.
+const PLACES: [f64; 5] = [-0.003, -0.0015, 0.0, 0.0015, 0.003];
 
 /// Lets a lock of forty wavy hairs hang, and reads its radial volume.
 pub(super) fn volume(sample: &Sample) -> Result<Reading, SimError> {
@@ -60,13 +60,14 @@ pub(super) fn volume(sample: &Sample) -> Result<Reading, SimError> {
     Ok(Reading { numbers, record: Record { axes: ["time (s)", "volume (cm^3)"], points } })
 }
 
-/// Draws a comb through a tress, with friction as of hair on hair, wet where the air is saturated, and
-/// reads the force down the hair of all teeth together.
+/// Draws a comb of nylon through a tress, wet where the air is saturated, and reads the force down the
+/// hair of all teeth together.
 pub(super) fn combing(sample: &Sample) -> Result<Reading, SimError> {
     let wet = if sample.wetness() == Wetness::Wet { "Wet" } else { "Dry" };
-    let scene = Scene::from_ron(&COMB.replace("WETNESS", wet))?;
-    let teeth = scene.objects.len();
-    // What the teeth do to the hairs.
+    let teeth = PLACES.map(|x| TOOTH.replace("PLACE", &format!("{x:?}"))).join(", ");
+    let scene = Scene::from_ron(&COMB.replace("TEETH", &teeth).replace("WETNESS", wet))?;
+    let teeth = PLACES.len();
+    // Downward is what the teeth do to the hairs, upward what they bear.
     let pull = |world: &World| 1e3 * (0..teeth).map(|tooth| world.force_on(tooth).z).sum::<f64>();
     let points = run(sample, scene, pull)?;
     let peak = points.iter().map(|p| p[1]).fold(0.0, f64::max);
