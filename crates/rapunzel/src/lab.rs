@@ -33,7 +33,7 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
         None => ("", false),
         Some(Sweep::Humidity(_)) => ("relative humidity", true),
         Some(Sweep::Temperature(_)) => ("temperature (C)", true),
-        Some(Sweep::Treatment) => ("treatment", true),
+        Some(Sweep::Treatment) => ("treatment, in the order of the table", true),
     };
     let table = if swept { table(axis, &measured) } else { record(&measured[0].reading) };
     let title = format!("{name}: {} hair", options.kind.name());
@@ -144,7 +144,9 @@ fn chart(title: &str, measured: &[Measurement]) -> Vec<Drawing> {
 fn sweep_charts(title: &str, axis: &'static str, measured: &[Measurement]) -> Vec<Drawing> {
     let first = &measured[0].reading.numbers[0];
     // Labels have room for a few digits only.
-    let power = 10_f64.powf((first.value.abs().max(1e-300).log10() / 3.0).floor() * 3.0);
+    let largest = measured.iter().map(|one| one.reading.numbers[0].value.abs()).fold(0.0, f64::max);
+    let thousands = (largest.max(f64::MIN_POSITIVE).log10() / 3.0).floor();
+    let power = if first.unit.is_empty() { 1.0 } else { 10_f64.powf(3.0 * thousands) };
     let of = |value: fn(&Number) -> Option<f64>| {
         let point =
             |one: &Measurement| value(&one.reading.numbers[0]).map(|y| [one.at.0, y / power]);
@@ -155,10 +157,13 @@ fn sweep_charts(title: &str, axis: &'static str, measured: &[Measurement]) -> Ve
     if !put_in.is_empty() {
         curves.push(Curve { name: "as put in".into(), points: put_in });
     }
-    let unit =
-        if power == 1.0 { first.unit.to_owned() } else { format!("{power:e} {}", first.unit) };
+    let unit = match first.unit {
+        "" => String::new(),
+        unit if power == 1.0 => format!(" in {unit}"),
+        unit => format!(" in {power:e} {unit}"),
+    };
     let summary = Chart {
-        title: format!("{title}: {} in {unit}", first.name),
+        title: format!("{title}: {}{unit}", first.name),
         x: axis,
         y: first.name,
         log_from: None,
