@@ -148,7 +148,7 @@ fn an_end_cannot_jump() {
 
 #[test]
 fn all_problems_are_told_at_once() {
-    let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "9");
+    let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "90");
     let error = Scene::from_ron(&text).expect_err("three problems").to_string();
     assert!(error.starts_with("the scene has 3 problems:"), "{error}");
     assert!(error.contains("\n  line 8, column 37: fibers[0].section.radius: is NaN"), "{error}");
