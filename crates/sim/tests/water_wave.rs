@@ -26,7 +26,6 @@ fn bend(world: &World) -> f64 {
 #[test]
 fn a_water_wave_holds_in_dry_air_and_is_lost_in_humid_air() {
     let mut scene = Scene::from_ron(SCENE).expect("a scene");
-    scene.environment.gravity = [0.0; 3];
     let [wound, let_go, dry, damp] =
         <[f64; 4]>::try_from(bends(&scene, &[4190.0, 4300.0, 7190.0, 14400.0])).expect("four");
     assert!(wound > 0.7, "{wound}");
