@@ -1,4 +1,5 @@
 use nalgebra::{Matrix3, Vector3};
+use std::fmt::Debug;
 
 /// The constitutive law of a cross section: the moment that a history of strains causes.
 ///
@@ -8,37 +9,82 @@ use nalgebra::{Matrix3, Vector3};
 ///
 /// A passive law gives no work back that was not done on it: the moment at the end of a step times the
 /// rise of the strain is at least the rise of the stored energy.
-pub trait SectionLaw: Send + Sync {
+pub trait SectionLaw: Debug + Send + Sync {
     /// How many vectors a section remembers.
     fn memory(&self) -> usize;
 
-    /// The moment after `dt` seconds in which the strain ran straight from that at the last commit
-    /// to `strain`, and its derivative by `strain`.
+    /// Whether the moment is an affine function of the strain at the end of a step: one response then
+    /// tells those at all strains, and a scheme need not ask again.
+    fn is_affine(&self) -> bool {
+        false
+    }
+
+    /// The answer after `dt > 0` seconds in which the strain ran straight from that at the last commit
+    /// to `strain`.
     ///
     /// # Panics
     /// If `memory` has another length than [`SectionLaw::memory`].
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response;
 
-    /// Takes the step to `strain`.
+    /// Takes the step to `strain`, at once for `dt = 0`.
     ///
     /// # Panics
     /// As [`SectionLaw::response`].
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
+
+    /// The energy per length that the step to `strain` dissipates before it is committed, J/m: the work
+    /// done on the way, less the rise of the stored energy.
+    ///
+    /// # Panics
+    /// As [`SectionLaw::response`].
+    fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64;
 
     /// The energy per length that a section stores at `strain`, J/m, after the step to it.
     ///
     /// # Panics
     /// As [`SectionLaw::response`].
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64;
+
+    /// The responses of many sections, whose memories lie one after the other. The same numbers as one
+    /// by one; a law may share work between them.
+    ///
+    /// # Panics
+    /// If there is not one memory and one response for each strain.
+    fn responses(
+        &self,
+        memory: &[Vector3<f64>],
+        strains: &[Vector3<f64>],
+        dt: f64,
+        out: &mut [Response],
+    ) {
+        let count = self.memory();
+        for (i, (strain, out)) in strains.iter().zip(out).enumerate() {
+            *out = self.response(&memory[count * i..count * (i + 1)], strain, dt);
+        }
+    }
+
+    /// Takes the steps of many sections.
+    ///
+    /// # Panics
+    /// As [`SectionLaw::responses`].
+    fn commits(&self, memory: &mut [Vector3<f64>], strains: &[Vector3<f64>], dt: f64) {
+        let count = self.memory();
+        for (i, strain) in strains.iter().enumerate() {
+            self.commit(&mut memory[count * i..count * (i + 1)], strain, dt);
+        }
+    }
 }
 
 /// The answer of a section to a strain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Response {
     /// Moment, N m, material frame.
     pub moment: Vector3<f64>,
-    /// Its derivative by the strain, N m^2.
+    /// Its derivative by the strain, N m^2: symmetric.
     pub tangent: Matrix3<f64>,
+    /// The energy per length, J/m, whose derivative by the strain is the moment, but for what is the
+    /// same for all strains of the step.
+    pub potential: f64,
 }
 
 /// The linearly elastic section: `m = K (kappa - kappa0)`.
@@ -53,14 +99,23 @@ impl SectionLaw for LinearLaw {
         0
     }
 
+    fn is_affine(&self) -> bool {
+        true
+    }
+
     fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> Response {
         Response {
             moment: self.stiffness.component_mul(strain),
             tangent: Matrix3::from_diagonal(&self.stiffness),
+            potential: self.stored_energy(&[], strain),
         }
     }
 
     fn commit(&self, _: &mut [Vector3<f64>], _: &Vector3<f64>, _: f64) {}
+
+    fn dissipated(&self, _: &[Vector3<f64>], _: &Vector3<f64>, _: f64) -> f64 {
+        0.0
+    }
 
     fn stored_energy(&self, _: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {
         0.5 * self.stiffness.component_mul(strain).dot(strain)
@@ -75,8 +130,8 @@ mod tests {
     fn moment_is_the_derivative_of_the_energy() {
         let law = LinearLaw { stiffness: Vector3::new(1.0, 2.0, 3.0) };
         let strain = Vector3::new(0.3, -0.2, 0.5);
-        let Response { moment, tangent } = law.response(&[], &strain, 0.1);
-        assert_eq!(law.memory(), 0);
+        let Response { moment, tangent, potential } = law.response(&[], &strain, 0.1);
+        assert_eq!((law.memory(), potential), (0, law.stored_energy(&[], &strain)));
         for i in 0..3 {
             let mut moved = strain;
             moved[i] += 1e-6;

@@ -5,6 +5,7 @@ use crate::error::{named, not_negative, positive};
 use crate::tables::{number, range, tables};
 use crate::{KeratinError, water};
 use rapunzel_fiber::Section;
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use std::sync::LazyLock;
 
@@ -15,7 +16,10 @@ const MICRO: f64 = 1e-6;
 macro_rules! names {
     ($(#[$meta:meta])* $name:ident, $what:literal { $($(#[$doc:meta])* $variant:ident = $text:literal,)* }) => {
         $(#[$meta])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        ///
+        /// In files it is its name.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(try_from = "String", into = "&'static str")]
         pub enum $name { $($(#[$doc])* $variant,)* }
 
         impl $name {
@@ -26,6 +30,20 @@ macro_rules! names {
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $text,)* }
+            }
+        }
+
+        impl TryFrom<String> for $name {
+            type Error = KeratinError;
+
+            fn try_from(name: String) -> Result<Self, KeratinError> {
+                name.parse()
+            }
+        }
+
+        impl From<$name> for &'static str {
+            fn from(value: $name) -> Self {
+                value.name()
             }
         }
 

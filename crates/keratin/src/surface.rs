@@ -5,6 +5,7 @@ use crate::error::named;
 use crate::hair::names;
 use crate::tables::{FrictionRow, Source, number, range, tables};
 use crate::{KeratinError, water};
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
 names! {
@@ -20,7 +21,7 @@ names! {
 }
 
 /// Whether the surfaces are wet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wetness {
     /// In air.
     Dry,

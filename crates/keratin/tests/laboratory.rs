@@ -114,7 +114,7 @@ fn pendulum(hair: &Hair, decrement: f64) -> [f64; 2] {
         .with_root(root(-Vector3::z()));
     let swing = Oscillation { period, log_decrement: decrement };
     let damping_time = oscillation::damping_time(swing.loss_tangent(), TAU / period);
-    let rod = Rod { fiber, damping_time };
+    let rod = Rod::damped(fiber, damping_time);
     let mut start = Staggered::new(rod.clone()).expect("a rod").state();
     let arcs = rod.fiber.arc_lengths();
     let untwisted = start.frames[segments];
@@ -173,7 +173,7 @@ fn the_oscillating_rod_gives_storage_and_loss() {
     let frequency =
         (1.875_104_069 / length).powi(2) * (storage * second / node.linear_density).sqrt();
     let damping_time = oscillation::damping_time(loss / storage, frequency);
-    let rod = Rod { fiber, damping_time };
+    let rod = Rod::damped(fiber, damping_time);
     let rest = Staggered::new(rod.clone()).expect("a rod").state();
     let mut pulled = Instant::clamped(*rod.fiber.root(), Vector3::zeros());
     let force = 0.15 * storage * second / length.powi(2);

@@ -1,7 +1,10 @@
 use crate::templates;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
+use rapunzel_keratin::lab::Instrument;
+use rapunzel_keratin::{HairType, Thickness, Treatment};
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Simulates hair and other slender fibres, fibre by fibre.
 #[derive(Debug, Parser)]
@@ -45,6 +48,9 @@ pub(crate) enum Command {
     /// Write a scene or a case to begin with.
     #[command(arg_required_else_help = true)]
     New(NewOptions),
+    /// Measure hair with an instrument of the laboratory, on simulated fibres, and plot what it reads.
+    #[command(arg_required_else_help = true)]
+    Lab(LabOptions),
     /// Say how the run in a folder stands.
     Info {
         /// The folder of a run.
@@ -82,6 +88,77 @@ pub(crate) struct SolveOptions {
     /// case].
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LabOptions {
+    /// tensile, hysteresis, hook, pendulum, oscillation, capstan, waviness, curl-retention, tress-volume
+    /// or combing.
+    #[arg(value_parser = Instrument::from_str)]
+    pub(crate) instrument: Instrument,
+    /// The type of hair: West European, Chinese, Indian, African, Caucasian, Mongolian or Ethiopian.
+    #[arg(long = "type", value_name = "TYPE", value_parser = HairType::from_str)]
+    pub(crate) kind: HairType,
+    /// Relative humidity, a fraction; 1 is wet.
+    #[arg(long, default_value_t = 0.65)]
+    pub(crate) humidity: f64,
+    /// Temperature, C.
+    #[arg(long, default_value_t = 23.0)]
+    pub(crate) temperature: f64,
+    /// The treatment: none, untreated, bleached, dyed blond, dyed black, permed or relaxed.
+    #[arg(long, default_value = "none", value_parser = Treatment::from_str)]
+    pub(crate) treatment: Treatment,
+    /// The class of diameters for Young's modulus: any, thin or thick.
+    #[arg(long, default_value = "any", value_parser = Thickness::from_str)]
+    pub(crate) thickness: Thickness,
+    /// Take values also where nobody measured.
+    #[arg(long)]
+    pub(crate) extrapolate: bool,
+    /// What to vary: humidity=0.3:0.9:7 (from, to, how many), temperature likewise, or treatment.
+    #[arg(long, value_parser = Sweep::from_str)]
+    pub(crate) sweep: Option<Sweep>,
+    /// The folder of table and plot, whose files are overwritten [default: runs/lab- and the name of the
+    /// instrument].
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// What a sweep varies.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Sweep {
+    Humidity(Vec<f64>),
+    Temperature(Vec<f64>),
+    Treatment,
+}
+
+impl FromStr for Sweep {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let refused = || {
+            format!(
+                "\"{text}\" is no sweep: take humidity=FROM:TO:COUNT, temperature=FROM:TO:COUNT with at \
+                 least two, or treatment"
+            )
+        };
+        let (name, values) = text.split_once('=').unwrap_or((text, ""));
+        if name == "treatment" && values.is_empty() {
+            return Ok(Self::Treatment);
+        }
+        let parts: Vec<_> = values.split(':').collect();
+        let &[from, to, count] = &parts[..] else { return Err(refused()) };
+        let ends = [from, to].map(|x| x.parse::<f64>().ok().filter(|x| x.is_finite()));
+        let ([Some(from), Some(to)], Ok(count @ 2..=1000)) = (ends, count.parse::<u16>()) else {
+            return Err(refused());
+        };
+        let last = f64::from(count - 1);
+        let values = (0..count).map(|i| from + (to - from) * f64::from(i) / last).collect();
+        match name {
+            "humidity" => Ok(Self::Humidity(values)),
+            "temperature" => Ok(Self::Temperature(values)),
+            _ => Err(refused()),
+        }
+    }
 }
 
 #[derive(Debug, Args)]

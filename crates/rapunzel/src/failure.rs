@@ -46,6 +46,8 @@ impl Failure {
                 error:
                     SimError::Scene { .. }
                     | SimError::Fiber { .. }
+                    | SimError::Keratin { .. }
+                    | SimError::Laboratory(_)
                     | SimError::Rod { .. }
                     | SimError::Overlap { .. },
                 ..

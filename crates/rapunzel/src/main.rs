@@ -2,11 +2,17 @@
 
 mod arguments;
 mod check;
+#[path = "../../sim/examples/repro/drawing.rs"]
+#[cfg_attr(not(test), expect(dead_code, reason = "of its drawings only charts are drawn here"))]
+mod drawing;
 mod failure;
 mod info;
+mod lab;
 mod new;
 mod run;
 mod solve;
+#[path = "../../sim/examples/repro/svg.rs"]
+mod svg;
 mod templates;
 mod words;
 
@@ -23,6 +29,7 @@ fn main() -> ExitCode {
         Command::New(options) => new::new(&options, json),
         Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),
+        Command::Lab(options) => lab::lab(&options, json),
     };
     result.unwrap_or_else(|failure| failure.tell(json))
 }

@@ -19,6 +19,7 @@ templates![
     "lock-pulled",
     "lock-falling",
     "lock-on-moving-root",
+    "water-wave",
     "contact/lock-on-ball",
     "mass-spring/rope",
     "mass-spring/rope-in-wind",

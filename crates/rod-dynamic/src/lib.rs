@@ -18,5 +18,5 @@ pub use error::{RodError, StepError};
 pub use ledger::Ledger;
 pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point, PointResponses};
-pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, StepReport};
+pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, SectionLaws, StepReport};
 pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};

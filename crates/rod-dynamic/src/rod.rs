@@ -1,7 +1,8 @@
 use crate::{Conditions, RodError, StepError};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
-use rapunzel_fiber::{Fiber, so3};
+use rapunzel_fiber::{Fiber, SectionLaw, so3};
 use std::ops::AddAssign;
+use std::sync::Arc;
 
 /// A fibre with the internal damping of its material.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,13 +11,59 @@ pub struct Rod {
     pub fiber: Fiber,
     /// Kelvin-Voigt retardation time, s: the moment is `K (kappa - kappa0 + tau d(kappa)/dt)`.
     pub damping_time: f64,
+    /// What its sections do in place of `K (kappa - kappa0)`. Only [`crate::Staggered`] and
+    /// [`crate::StaggeredBatch`] have other laws than the linear one.
+    pub laws: SectionLaws,
 }
 
 impl Rod {
     /// An undamped rod.
     #[must_use]
     pub fn new(fiber: Fiber) -> Self {
-        Self { fiber, damping_time: 0.0 }
+        Self::damped(fiber, 0.0)
+    }
+
+    /// A rod with internal damping of a retardation time, s.
+    #[must_use]
+    pub fn damped(fiber: Fiber, damping_time: f64) -> Self {
+        Self { fiber, damping_time, laws: SectionLaws::Linear }
+    }
+}
+
+/// The laws of a rod's sections.
+#[derive(Debug, Clone, Default)]
+pub enum SectionLaws {
+    /// The stiffness of the fibre, and the damping time of the rod.
+    #[default]
+    Linear,
+    /// One law for all sections.
+    Same(Arc<dyn SectionLaw>),
+    /// One for each node.
+    Each(Vec<Arc<dyn SectionLaw>>),
+}
+
+impl SectionLaws {
+    /// The law at a node, if it is not the linear one.
+    pub(crate) fn at(&self, node: usize) -> Option<&Arc<dyn SectionLaw>> {
+        match self {
+            Self::Linear => None,
+            Self::Same(law) => Some(law),
+            Self::Each(laws) => laws.get(node),
+        }
+    }
+}
+
+/// Laws are equal where they are the same ones.
+impl PartialEq for SectionLaws {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Linear, Self::Linear) => true,
+            (Self::Same(a), Self::Same(b)) => Arc::ptr_eq(a, b),
+            (Self::Each(a), Self::Each(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
+            }
+            _ => false,
+        }
     }
 }
 

@@ -80,7 +80,7 @@ fn shaken(turn: &UnitQuaternion<f64>, steps: usize) -> BoxIntegrator {
     let scene = Isometry3::from_parts(Vector3::zeros().into(), *turn);
     let fiber =
         common::hair(30).with_natural_curvature(|_| curl).expect("finite").with_root(scene * base);
-    let rod = Rod { fiber, damping_time: 1e-3 };
+    let rod = Rod::damped(fiber, 1e-3);
     let mut integrator = BoxIntegrator::new(rod, BoxOptions::default()).expect("valid");
     let turn = *turn;
     let conditions = move |t: f64| {
@@ -160,7 +160,7 @@ fn an_equilibrium_stays_at_rest() {
     let root = planar_clamp(0.0);
     let conditions = Steady(Instant::clamped(root, common::GRAVITY));
     // Settle under heavy internal damping: the viscous rod has the same equilibrium.
-    let viscous = Rod { fiber: common::hair(100), damping_time: 1.0 };
+    let viscous = Rod::damped(common::hair(100), 1.0);
     let options = BoxOptions::with_damping(0.0).expect("valid");
     let mut settling = BoxIntegrator::new(viscous, options).expect("valid");
     for _ in 0..40 {

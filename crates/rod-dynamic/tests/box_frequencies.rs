@@ -119,7 +119,7 @@ fn internal_damping_damps_at_its_rate() {
     let fiber = common::chain(40, |_| node).with_root(planar_clamp(0.0));
     let omega = BETA * BETA;
     let (tau, dt) = (0.01 / omega, 0.05 / omega);
-    let rod = Rod { fiber, damping_time: tau };
+    let rod = Rod::damped(fiber, tau);
     let (_, shrinks) = swing(rod, Vector3::zeros(), omega, dt);
     let expected = (-tau * omega * std::f64::consts::PI / 2.0).exp();
     // The rate is off as the frequency is, and peaks are seen at steps: (omega dt)^2 / 8 at most.

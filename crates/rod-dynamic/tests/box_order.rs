@@ -28,7 +28,7 @@ fn fiber(segments: usize) -> Fiber {
 /// That rod while its clamp moves and gravity (partly sideways) comes on smoothly: the tip after
 /// 1.2 time units.
 fn tip(segments: usize, steps: usize, coefficients: Coefficients) -> Point3<f64> {
-    let rod = Rod { fiber: fiber(segments), damping_time: 0.01 };
+    let rod = Rod::damped(fiber(segments), 0.01);
     let options = BoxOptions { coefficients, ..BoxOptions::default() };
     let mut integrator = BoxIntegrator::new(rod, options).expect("valid");
     let duration = 1.2;

@@ -15,7 +15,7 @@ const SEGMENTS: usize = 100;
 /// Settles a rod in 60 long, strongly damped steps; conditions are asked at times from 0 to 1 and
 /// then stay.
 fn settle(fiber: Fiber, conditions: &(dyn Fn(f64) -> Instant + Sync)) -> BoxIntegrator {
-    let rod = Rod { fiber, damping_time: 10.0 };
+    let rod = Rod::damped(fiber, 10.0);
     let options = BoxOptions::with_damping(0.0).expect("valid");
     let mut integrator = BoxIntegrator::new(rod, options).expect("valid");
     let ramped = |t: f64| conditions((t / 500.0).min(1.0));

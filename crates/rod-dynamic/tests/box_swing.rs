@@ -10,7 +10,7 @@ use rapunzel_rod_dynamic::{BoxIntegrator, BoxOptions, Instant, Rod, RodIntegrato
 fn error(case: &Swing, segments: usize, dt: f64, rho: f64) -> f64 {
     let fiber = case.fiber(segments);
     let root = *fiber.root();
-    let rod = Rod { fiber, damping_time: case.damp };
+    let rod = Rod::damped(fiber, case.damp);
     let options = BoxOptions::with_damping(rho).expect("valid");
     let mut integrator = BoxIntegrator::new(rod, options).expect("valid");
     let conditions = |t: f64| Instant::clamped(root, case.gravity(t));

@@ -151,8 +151,7 @@ fn points(
 
 /// Demands that the two differ by less than their errors.
 fn agree(scene: &Scene) {
-    let rod =
-        |segments| Rod { fiber: curled(segments, scene.curl), damping_time: scene.damping_time };
+    let rod = |segments| Rod::damped(curled(segments, scene.curl), scene.damping_time);
     let staggered =
         |n, steps| points(Staggered::with_rho_inf(rod(n), 0.5).expect("valid"), n, steps, scene);
     let boxed = |n, steps| {

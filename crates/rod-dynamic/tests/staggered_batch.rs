@@ -21,7 +21,7 @@ fn rod(i: usize) -> Rod {
         .and_then(|f| f.with_natural_curvature(|_| curl))
         .expect("valid")
         .with_root(common::planar_clamp(0.4 * x));
-    Rod { fiber, damping_time: if i.is_multiple_of(2) { 0.0 } else { 1e-3 } }
+    Rod::damped(fiber, if i.is_multiple_of(2) { 0.0 } else { 1e-3 })
 }
 
 /// Conditions of all kinds: clamped in wind, moved, pulled, thrown.

@@ -219,7 +219,7 @@ fn scene(by: &Isometry3<f64>) -> RodState {
             ..Instant::clamped(by * root, turn * Vector3::new(0.0, -1.0, 0.3))
         }
     };
-    let rod = Rod { fiber: fiber.with_root(*by), damping_time: 0.01 };
+    let rod = Rod::damped(fiber.with_root(*by), 0.01);
     let mut integrator = Staggered::new(rod).expect("valid");
     for _ in 0..40 {
         integrator.step(0.02, &conditions).expect("converges");

@@ -170,7 +170,7 @@ fn ledgers_of_free_clamped_and_loaded_rods_close() {
     ];
     for (name, damping_time, conditions) in cases {
         for rho in ALL {
-            let rod = Rod { fiber: curly(20), damping_time };
+            let rod = Rod::damped(curly(20), damping_time);
             let mut batch = batch(&rod, rho);
             if name == "free" {
                 batch.set_state(0, &thrown(&batch)).expect("fits");
@@ -192,7 +192,7 @@ fn ledgers_of_free_clamped_and_loaded_rods_close() {
 /// Impulses at the start of steps, also on a root that is moved, which takes them up.
 #[test]
 fn impulses_are_in_the_ledger() {
-    let rod = Rod { fiber: curly(12), damping_time: 0.02 };
+    let rod = Rod::damped(curly(12), 0.02);
     let conditions = |t: f64| Instant { air: Some(wind(t)), ..Instant::clamped(swaying(t), DOWN) };
     for rho in ALL {
         let mut books = Books::new(batch(&rod, rho));
@@ -283,7 +283,7 @@ fn backward_euler_only_loses_near_a_minimum() {
         let tip = End::Loaded { force: tip, moment: Load::ZERO };
         Instant { tip, air: Some(air), ..Instant::clamped(down, Vector3::y() * -1.0) }
     };
-    let mut books = Books::new(batch(&Rod { fiber, damping_time: 0.05 }, None));
+    let mut books = Books::new(batch(&Rod::damped(fiber, 0.05), None));
     for _ in 0..300 {
         let ledger = books.step(0.01, &hang, &[]);
         let small = 1e-10 * books.scale;
@@ -318,7 +318,7 @@ fn the_integrators_line_vanishes_with_the_order_of_the_method() {
             let left: Vec<f64> = steps
                 .iter()
                 .map(|&count| {
-                    let mut batch = batch(&Rod { fiber: curly(10), damping_time }, rho);
+                    let mut batch = batch(&Rod::damped(curly(10), damping_time), rho);
                     if name == "free" {
                         batch.set_state(0, &thrown(&batch)).expect("fits");
                     }
@@ -367,7 +367,7 @@ proptest! {
         });
         let start = Isometry3::new(Vector3::zeros(), turn);
         let fiber = Fiber::new(start, lengths.iter().map(|l| l / total).collect(), nodes.collect());
-        let rod = Rod { fiber: fiber.expect("valid parts"), damping_time };
+        let rod = Rod::damped(fiber.expect("valid parts"), damping_time);
         let mut books = Books::new(batch(&rod, rho));
         let last = books.batch.state(0).tip(&rod.fiber);
         let conditions = |t: f64| {

@@ -36,7 +36,7 @@ struct Motion {
 
 /// The tip at the end of a motion.
 fn tip(segments: usize, steps: usize, rho: f64, motion: Motion) -> Point3<f64> {
-    let rod = Rod { fiber: fiber(segments, motion.varies), damping_time: motion.damping_time };
+    let rod = Rod::damped(fiber(segments, motion.varies), motion.damping_time);
     let mut integrator = Staggered::with_rho_inf(rod, rho).expect("valid");
     let duration = 1.2;
     let conditions = |t: f64| {

@@ -41,7 +41,7 @@ fn rod() -> impl Strategy<Value = Rod> {
         let root = Isometry3::new(Vector3::zeros(), turn);
         let lengths = lengths.iter().map(|l| 0.3 * l / total).collect();
         let fiber = Fiber::new(root, lengths, nodes).expect("valid parts");
-        Rod { fiber, damping_time }
+        Rod::damped(fiber, damping_time)
     })
 }
 

@@ -12,7 +12,7 @@ use rapunzel_rod_dynamic::{Instant, Rod, RodIntegrator, Staggered};
 fn error(case: &Swing, segments: usize, dt: f64, rho: f64) -> f64 {
     let fiber = case.fiber(segments);
     let root = *fiber.root();
-    let rod = Rod { fiber, damping_time: case.damp };
+    let rod = Rod::damped(fiber, case.damp);
     let mut integrator = Staggered::with_rho_inf(rod, rho).expect("valid");
     let conditions = |t: f64| Instant::clamped(root, case.gravity(t));
     let mut worst = 0.0_f64;

@@ -1,14 +1,15 @@
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape};
+use crate::scene::{Arrangement, Bundle, ContactSettings, Initial, Law, Method, Scene, Shape};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
-use rapunzel_fiber::{Assembly, Fiber, FiberError, so3};
+use rapunzel_fiber::{Assembly, Fiber, FiberError, NodeProperties, Section, so3};
+use rapunzel_keratin::Hair;
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, Staggered,
-    StaggeredBatch,
+    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, SectionLaws,
+    Staggered, StaggeredBatch,
 };
 use std::sync::Arc;
 
@@ -47,18 +48,20 @@ impl Scene {
         for (i, bundle) in self.fibers.iter().enumerate() {
             // Bundles of one scene must not repeat each other's random choices.
             let seed = self.seed.wrapping_add(i as u64);
+            let (node, laws) = self.matter(bundle, i)?;
             let fibers =
-                grow(bundle, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
+                grow(bundle, node, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
+            let radius = node.section.equivalent_radius();
             let conditions = Arc::new(
-                self.conditions(bundle).map_err(|source| SimError::Rod { bundle: i, source })?,
+                self.conditions(bundle, radius)
+                    .map_err(|source| SimError::Rod { bundle: i, source })?,
             );
             for fiber in fibers {
                 starts.push(Start {
                     bundle: i,
-                    state: laid(&fiber, bundle.initial)
-                        .map_err(|source| SimError::Fiber { bundle: i, source })?,
+                    state: laid(&fiber, bundle.initial, i)?,
                     velocity: Vector3::from(bundle.velocity),
-                    rod: Rod { fiber, damping_time: bundle.damping_time },
+                    rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
                     conditions: Arc::clone(&conditions),
                 });
             }
@@ -127,13 +130,38 @@ impl Scene {
         }
         Ok(match &self.contact {
             None => Box::new(FreeFibers),
-            Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
+            Some(settings) => {
+                let friction = settings.friction.looked_up();
+                Box::new(Touching::new(ContactSettings { friction, ..settings.clone() }, world)?)
+            }
         })
     }
 
-    fn conditions(&self, bundle: &Bundle) -> Result<BundleConditions, RodError> {
+    /// What the fibres of bundle `i` are made of, and the laws of their sections at the start.
+    fn matter(&self, bundle: &Bundle, i: usize) -> Result<(NodeProperties, SectionLaws), SimError> {
+        let Some(keratin) = bundle.material.keratin() else {
+            // Another material without a section has been refused.
+            let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
+            return Ok((
+                NodeProperties::new(section, &bundle.material.into()),
+                SectionLaws::Linear,
+            ));
+        };
+        let climate = self.environment.climate.at(0.0);
+        climate
+            .and_then(|climate| keratin.rod(&keratin.hair(bundle.section)?, &climate))
+            .map_err(|source| SimError::Keratin { bundle: i, source })
+    }
+
+    /// The hair of a bundle whose law follows the climate, if that changes.
+    fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
+        let keratin = bundle.material.keratin()?;
+        let follows = keratin.law == Law::ThreeElement && self.environment.climate.changes();
+        keratin.hair(bundle.section).ok().filter(|_| follows)
+    }
+
+    fn conditions(&self, bundle: &Bundle, radius: f64) -> Result<BundleConditions, RodError> {
         let viscosity = self.environment.viscosity;
-        let radius = bundle.section.equivalent_radius();
         let drag = (viscosity > 0.0)
             .then(|| Drag::slender_body(viscosity, bundle.length, radius))
             .transpose()?;
@@ -156,16 +184,16 @@ impl Scene {
             start: Point3::from(bundle.root.position),
             nodes: bundle.segments + 1,
             node_forces,
+            hair: self.changing_hair(bundle),
         })
     }
 }
 
 /// The fibres of a bundle in their natural state.
-fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
+fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     let pose = bundle.root.isometry()?;
-    let material = bundle.material.into();
-    let straight =
-        Fiber::uniform(bundle.length, bundle.segments, bundle.section, &material)?.with_root(pose);
+    let lengths = vec![bundle.length / bundle.segments as f64; bundle.segments];
+    let straight = Fiber::new(pose, lengths, vec![node; bundle.segments + 1])?;
     let mut fiber = match bundle.shape {
         Shape::Straight => straight,
         Shape::Helix { radius, pitch, handedness } => {
@@ -176,10 +204,15 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
             straight.with_natural_curvature(|_| Vector3::from(curvature))?
         }
     };
-    if bundle.initial != Initial::Natural {
-        // The generators turn the root so that the shape runs along the pose; other starts do so
-        // themselves.
-        fiber = fiber.with_root(pose);
+    // The generators turn the root so that the shape runs along the pose; other starts do so
+    // themselves.
+    match bundle.initial {
+        Initial::Natural => {}
+        Initial::Helix { radius, pitch, handedness } => {
+            let wound = Helix { radius, pitch, handedness }.bend(fiber.clone().with_root(pose))?;
+            fiber = fiber.with_root(*wound.root());
+        }
+        Initial::Straight | Initial::Overhand { .. } => fiber = fiber.with_root(pose),
     }
     match bundle.arrangement {
         Arrangement::Single => Ok(vec![fiber]),
@@ -197,14 +230,23 @@ fn grow(bundle: &Bundle, seed: u64) -> Result<Vec<Fiber>, FiberError> {
 }
 
 /// The state in which a fibre is laid from its root's frame on, at rest; `None` for its natural one.
-fn laid(fiber: &Fiber, initial: Initial) -> Result<Option<RodState>, FiberError> {
+fn laid(fiber: &Fiber, initial: Initial, bundle: usize) -> Result<Option<RodState>, SimError> {
+    let refused = |source| SimError::Fiber { bundle, source };
     let nodes = match initial {
         Initial::Natural => return Ok(None),
         Initial::Straight => {
             fiber.arc_lengths().into_iter().map(|s| Point3::new(0.0, 0.0, s)).collect()
         }
+        Initial::Helix { radius, pitch, handedness } => {
+            let wound = Helix { radius, pitch, handedness }.bend(fiber.clone()).map_err(refused)?;
+            let natural = Staggered::new(Rod::new(wound.with_root(*fiber.root())));
+            return match natural {
+                Ok(rod) => Ok(Some(rod.state())),
+                Err(source) => Err(SimError::Rod { bundle, source }),
+            };
+        }
         Initial::Overhand { radius, spacing } => {
-            Overhand { radius, spacing }.nodes(fiber.segment_lengths())?
+            Overhand { radius, spacing }.nodes(fiber.segment_lengths()).map_err(refused)?
         }
     };
     Ok(Some(untwisted(fiber, &nodes)))

@@ -1,6 +1,8 @@
 use crate::scene::{Environment, Joint, Motion, Profile, Tip, ramped};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant};
+use rapunzel_keratin::law::ThreeElement;
+use rapunzel_keratin::{Hair, KeratinError};
+use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant, SectionLaws};
 use std::sync::Arc;
 
 /// What acts on all fibres of a bundle.
@@ -17,6 +19,18 @@ pub(crate) struct BundleConditions {
     pub(crate) nodes: usize,
     /// Forces on nodes: node, force in N (world), factor over time.
     pub(crate) node_forces: Vec<(usize, Vector3<f64>, Profile)>,
+    /// The hair whose law follows the climate, where that changes.
+    pub(crate) hair: Option<Hair>,
+}
+
+impl BundleConditions {
+    /// The law of the sections at time `t`, s, if it changes.
+    pub(crate) fn laws(&self, t: f64) -> Option<Result<SectionLaws, KeratinError>> {
+        let hair = self.hair.as_ref()?;
+        let climate = self.environment.climate.at(t);
+        let law = climate.and_then(|climate| ThreeElement::section(hair, &climate));
+        Some(law.map(|law| SectionLaws::Same(Arc::new(law))))
+    }
 }
 
 /// What acts on one fibre.

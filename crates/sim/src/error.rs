@@ -3,8 +3,9 @@ use crate::scene::Problem;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_fiber::FiberError;
+use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;
-use rapunzel_rod_dynamic::{RodError, StepError};
+use rapunzel_rod_dynamic::{EquilibriumError, RodError, StepError};
 use rapunzel_rod_static::StaticError;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,20 @@ pub enum SimError {
         /// What is wrong with the rod.
         source: RodError,
     },
+    /// The hair of a bundle is not known in the climate of the scene.
+    #[error("fibers[{bundle}]: {source}")]
+    Keratin {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// What is not known.
+        source: KeratinError,
+    },
+    /// What the laboratory was asked is not known or not read.
+    #[error(transparent)]
+    Laboratory(#[from] KeratinError),
+    /// A hair of the laboratory has no equilibrium.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
     /// A step could not be taken.
     #[error("the run stopped at t = {time} s: {source}")]
     Step {

@@ -1,10 +1,11 @@
 use crate::StepReport;
-use crate::conditions::FiberConditions;
+use crate::conditions::{BundleConditions, FiberConditions};
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{
-    self as rod, Conditions, Energy, Ledger, RodError, RodIntegrator, RodState, StaggeredBatch,
-    StepError, adaptive,
+    self as rod, Conditions, Energy, Ledger, RodError, RodIntegrator, RodState, SectionLaws,
+    StaggeredBatch, StepError, adaptive,
 };
+use std::sync::Arc;
 
 /// Rods that are stepped together.
 pub(crate) trait Batch: Send {
@@ -195,9 +196,35 @@ impl Group {
         batch.advance(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
+    /// Gives sections the law of the climate at the end of the step from `time` by `dt`, s.
+    fn follow_climate(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        let mut last: Option<(Arc<BundleConditions>, SectionLaws)> = None;
+        for (lane, FiberConditions { bundle, .. }) in self.lanes.iter().enumerate() {
+            let error = |why| StepError::Conditions {
+                fiber: self.fibers[lane],
+                what: "climate",
+                time,
+                why,
+            };
+            let laws = match &last {
+                Some((of, laws)) if Arc::ptr_eq(of, bundle) => laws.clone(),
+                _ => match bundle.laws(time + dt) {
+                    None => continue,
+                    Some(laws) => laws.map_err(|_| error("the law of hair is not known in it"))?,
+                },
+            };
+            last = Some((Arc::clone(bundle), laws.clone()));
+            if let Some(batch) = self.batch.coupled() {
+                batch.set_laws(lane, laws).map_err(|_| error("laws must remember alike"))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Sets the forces on nodes for the step from `time` by `dt`, s. Returns its middle.
     fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
         let middle = time + 0.5 * dt;
+        self.follow_climate(time, dt)?;
         for (lane, conditions) in self.lanes.iter().enumerate() {
             if let Some(forces) = conditions.node_forces(middle) {
                 self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {

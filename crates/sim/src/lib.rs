@@ -8,6 +8,7 @@ mod error;
 pub mod export;
 mod folder;
 mod group;
+pub mod lab;
 mod mass_spring;
 mod observers;
 mod plan;

@@ -45,7 +45,7 @@ fn every_problem_has_its_line_column_path_and_range() {
         ("4e-5", "0", 8, 37, "fibers[0].section.radius", "is 0.0, but must be positive"),
         ("4e-5", "-4e-5", 8, 37, "fibers[0].section.radius", "is -4e-5, but must be positive"),
         ("4e-5", "0.1", 8, 37, "fibers[0].section.radius", "a fibre is slender"),
-        ("0.001", "0", 13, 19, "stepper.dt", "is 0.0, but must be between 1e-9 and 1.0 (s)"),
+        ("0.001", "0", 13, 19, "stepper.dt", "is 0.0, but must be between 1e-9 and 60.0 (s)"),
         ("0.001", "-1e-3", 13, 19, "stepper.dt", "is -0.001"),
         ("duration: 0.1", "duration: 0", 3, 15, "duration", "is 0.0"),
         ("fiber: 0", "fiber: 7", 14, 31, "output.probes[0].fiber", "no such fibre"),
@@ -148,7 +148,7 @@ fn an_end_cannot_jump() {
 
 #[test]
 fn all_problems_are_told_at_once() {
-    let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "9");
+    let text = SOUND.replace("0.2", "0").replace("4e-5", "NaN").replace("0.001", "90");
     let error = Scene::from_ron(&text).expect_err("three problems").to_string();
     assert!(error.starts_with("the scene has 3 problems:"), "{error}");
     assert!(error.contains("\n  line 8, column 37: fibers[0].section.radius: is NaN"), "{error}");

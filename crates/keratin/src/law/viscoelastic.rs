@@ -14,6 +14,22 @@ fn decay(x: f64) -> (f64, f64) {
     (left, mean)
 }
 
+/// What a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by
+/// `q = q0 exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
+fn fading(x: f64) -> [f64; 3] {
+    let (left, mean) = decay(x);
+    let squares = 0.5 * x * mean * (1.0 + left);
+    let products = 0.5 * x * mean * mean;
+    // Above the limit, four digits are lost in the difference; below it, so many terms are exact.
+    let rises = if x < 0.03 {
+        let tail = 1.0 / 24.0 - x * (31.0 / 2520.0 - x / 320.0);
+        x * (1.0 / 3.0 - x * (0.25 - x * (7.0 / 60.0 - x * tail)))
+    } else {
+        (1.0 - 2.0 * mean + squares / x) / x
+    };
+    [squares, products, rises]
+}
+
 /// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
@@ -154,33 +170,80 @@ impl SectionLaw for Viscoelastic {
         1 + self.branches.len()
     }
 
+    fn is_affine(&self) -> bool {
+        true
+    }
+
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response {
-        let rise = strain - memory[0];
-        let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
-        let mut stress = self.equilibrium * strain + damping * rise;
-        let mut tangent = self.equilibrium + damping;
-        for (q, b) in memory[1..].iter().zip(&self.branches) {
-            let (left, mean) = decay(dt / b.time);
-            stress += left * q + b.modulus * mean * rise;
-            tangent += b.modulus * mean;
-        }
-        Response {
-            moment: self.stiffness.component_mul(&stress),
-            tangent: Matrix3::from_diagonal(&(tangent * self.stiffness)),
-        }
+        let mut out = [Response::default()];
+        self.responses(memory, std::slice::from_ref(strain), dt, &mut out);
+        out[0]
     }
 
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64) {
+        self.commits(memory, std::slice::from_ref(strain), dt);
+    }
+
+    fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64 {
+        let square = |v: &Vector3<f64>| self.stiffness.component_mul(v).dot(v);
         let rise = strain - memory[0];
-        for (q, b) in memory[1..].iter_mut().zip(&self.branches) {
+        let viscosity = if dt > 0.0 { self.damping_time / dt } else { 0.0 };
+        let mut sum = viscosity * square(&rise);
+        for (q, b) in memory[1..].iter().zip(&self.branches) {
+            let rise = b.modulus * rise;
+            let [squares, products, rises] = fading(dt / b.time);
+            let both = 2.0 * products * self.stiffness.component_mul(q).dot(&rise);
+            sum += (squares * square(q) + both + rises * square(&rise)) / b.modulus;
+        }
+        sum
+    }
+
+    fn responses(
+        &self,
+        memory: &[Vector3<f64>],
+        strains: &[Vector3<f64>],
+        dt: f64,
+        out: &mut [Response],
+    ) {
+        let memories = || memory.chunks_exact(self.memory()).zip(strains);
+        let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
+        let mut tangent = self.equilibrium + damping;
+        for ((memory, strain), out) in memories().zip(&mut *out) {
+            out.moment = self.equilibrium * strain + damping * (strain - memory[0]);
+        }
+        for (k, b) in self.branches.iter().enumerate() {
             let (left, mean) = decay(dt / b.time);
-            *q = left * *q + b.modulus * mean * rise;
-            // What fades for ever would end in denormal numbers, which are slow.
-            if q.amax() < f64::MIN_POSITIVE {
-                q.fill(0.0);
+            let slope = b.modulus * mean;
+            tangent += slope;
+            for ((memory, strain), out) in memories().zip(&mut *out) {
+                out.moment += left * memory[1 + k] + slope * (strain - memory[0]);
             }
         }
-        memory[0] = *strain;
+        let slope = tangent * self.stiffness;
+        for ((memory, strain), out) in memories().zip(&mut *out) {
+            let moment = self.stiffness.component_mul(&out.moment);
+            let rise = strain - memory[0];
+            // The energy of a rise from the last strain.
+            let potential = (moment - 0.5 * slope.component_mul(&rise)).dot(&rise);
+            *out = Response { moment, tangent: Matrix3::from_diagonal(&slope), potential };
+        }
+    }
+
+    fn commits(&self, memory: &mut [Vector3<f64>], strains: &[Vector3<f64>], dt: f64) {
+        let count = self.memory();
+        for (k, b) in self.branches.iter().enumerate() {
+            let (left, mean) = decay(dt / b.time);
+            let slope = b.modulus * mean;
+            for (memory, strain) in memory.chunks_exact_mut(count).zip(strains) {
+                let q = left * memory[1 + k] + slope * (strain - memory[0]);
+                // What fades for ever would end in denormal numbers, which are slow.
+                let gone = q.amax() < f64::MIN_POSITIVE;
+                memory[1 + k] = if gone { Vector3::zeros() } else { q };
+            }
+        }
+        for (memory, strain) in memory.chunks_exact_mut(count).zip(strains) {
+            memory[0] = *strain;
+        }
     }
 
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64 {

@@ -5,7 +5,9 @@ use super::setup::Setup;
 use super::span::Span;
 use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage};
 use super::state::State;
-use crate::{Conditions, Energy, Rod, RodError, RodIntegrator, RodState, StepError, StepReport};
+use crate::{
+    Conditions, Energy, Rod, RodError, RodIntegrator, RodState, SectionLaws, StepError, StepReport,
+};
 use nalgebra::Vector3;
 
 /// A step is halved at most this often.
@@ -60,12 +62,18 @@ impl BoxIntegrator {
     /// The rod at time 0 in its unloaded shape, at rest.
     ///
     /// # Errors
-    /// [`RodError::Invalid`] for a damping time that is negative or not finite, or options that
-    /// make no sense.
+    /// [`RodError::Invalid`] for a damping time that is negative or not finite, laws that are not
+    /// linear, or options that make no sense.
     pub fn new(rod: Rod, options: BoxOptions) -> Result<Self, RodError> {
         let invalid = |what, why| Err(RodError::Invalid { what, why });
         if !(rod.damping_time >= 0.0 && rod.damping_time.is_finite()) {
             return invalid("damping_time", "must be finite and not negative (s)");
+        }
+        if rod.laws != SectionLaws::Linear {
+            return invalid(
+                "laws",
+                "the box scheme has the linear one only; use the staggered rod",
+            );
         }
         if !(options.tolerance > 0.0 && options.tolerance < 1.0) {
             return invalid("tolerance", "must lie between 0 and 1");
@@ -246,7 +254,7 @@ mod tests {
         let nodes = (0..=8).map(|j| NodeProperties::new(section(j), &material)).collect();
         let lengths = (0..8).map(|i| 0.03 + 0.002 * f64::from(i)).collect();
         let fiber = Fiber::new(Isometry3::identity(), lengths, nodes).expect("valid");
-        let rod = Rod { fiber, damping_time: 1e-3 };
+        let rod = Rod::damped(fiber, 1e-3);
         let mut integrator = BoxIntegrator::new(rod, BoxOptions::default()).expect("valid");
         let wave = |j: usize, k: f64| {
             let s = j as f64 / 8.0;

@@ -3,8 +3,8 @@ use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Ledger, Load, Momentum, Rod, RodError, RodState, StepError,
-    StepReport,
+    Conditions, End, Energy, Instant, Ledger, Load, Momentum, Rod, RodError, RodState, SectionLaws,
+    StepError, StepReport,
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
@@ -53,7 +53,8 @@ impl StaggeredBatch {
     ///
     /// # Errors
     /// [`RodError::Invalid`] unless there are 1 to 8 rods of equally many segments, at least two,
-    /// with damping times that are finite and not negative, and `0 <= rho_inf <= 1`.
+    /// with damping times that are finite and not negative, and `0 <= rho_inf <= 1`; and for laws
+    /// beside a damping time. [`RodError::Length`] for laws that are not one a node.
     pub fn new(rods: Vec<Rod>, rho_inf: f64) -> Result<Self, RodError> {
         if !(0.0..=1.0).contains(&rho_inf) {
             return Err(RodError::Invalid { what: "rho_inf", why: "must be between 0 and 1" });
@@ -83,6 +84,7 @@ impl StaggeredBatch {
         if rods.iter().any(|rod| !(rod.damping_time >= 0.0 && rod.damping_time.is_finite())) {
             return invalid("damping time", "must be finite and not negative (s)");
         }
+        rods.iter().try_for_each(check_laws)?;
         let engine = build(&rods, scheme);
         let memory = scheme.has_memory();
         let (fresh, fresh_before) = ([true; 8], [true; 8]);
@@ -160,6 +162,26 @@ impl StaggeredBatch {
         self.engine.set_state(fiber, &self.rods[fiber], state);
         self.time = state.time;
         self.fresh[fiber] = true;
+        Ok(())
+    }
+
+    /// Gives the sections of one fibre other laws, as when the climate has changed; what the sections
+    /// remember stays.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] unless the new laws remember as much as those before, and
+    /// [`RodError::Length`] unless they are one a node.
+    pub fn set_laws(&mut self, fiber: usize, laws: SectionLaws) -> Result<(), RodError> {
+        let rod = &mut self.rods[fiber];
+        let memories = |laws: &SectionLaws, node| laws.at(node).map(|law| law.memory());
+        let mut nodes = 0..=rod.fiber.segments();
+        if nodes.any(|node| memories(&laws, node) != memories(&rod.laws, node)) {
+            let why = "must remember as many vectors in each section as those before";
+            return Err(RodError::Invalid { what: "laws", why });
+        }
+        rod.laws = laws;
+        check_laws(rod)?;
+        self.engine.set_laws(fiber, rod);
         Ok(())
     }
 
@@ -420,7 +442,8 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] when the count is not that of these rods.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
-        let expected = 1 + self.rods.len() * (1 + self.engine.numbers());
+        let own = (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber));
+        let expected = 1 + own.sum::<usize>();
         let Some((time, mut rest)) = numbers.split_first().filter(|_| numbers.len() == expected)
         else {
             return Err(RodError::Length { what: "numbers", expected, found: numbers.len() });
@@ -456,6 +479,20 @@ fn natural_state(rod: &Rod) -> RodState {
         forces: vec![Vector3::zeros(); n],
         curvatures: fiber.nodes().iter().map(|node| node.natural_curvature).collect(),
     }
+}
+
+fn check_laws(rod: &Rod) -> Result<(), RodError> {
+    if let SectionLaws::Each(laws) = &rod.laws
+        && laws.len() != rod.fiber.nodes().len()
+    {
+        let (expected, found) = (rod.fiber.nodes().len(), laws.len());
+        return Err(RodError::Length { what: "laws", expected, found });
+    }
+    if rod.laws != SectionLaws::Linear && rod.damping_time > 0.0 {
+        let why = "have their own damping; leave the damping time at 0";
+        return Err(RodError::Invalid { what: "laws", why });
+    }
+    Ok(())
 }
 
 fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {

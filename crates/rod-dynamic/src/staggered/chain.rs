@@ -16,6 +16,7 @@
 use super::ends::{Ends, Held};
 use super::factor::{Block, Factor};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
+use super::laws::{Laws, Turns};
 use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
 
@@ -41,6 +42,8 @@ pub(super) struct Chain<S: Simd> {
     /// Inertia vectors beside d1 and d2 (6).
     pub(super) p: Array<S>,
     pub(super) ends: Ends<S>,
+    /// In place of `k` and `target`, if any lane has them.
+    pub(super) laws: Option<Box<Laws<S>>>,
     /// Rotations of the segments (4).
     pub(super) q: Array<S>,
     /// Positions (3), directors (9), forces (3), rotation vectors of the joints (3).
@@ -73,6 +76,7 @@ impl<S: Simd> Chain<S> {
             start: zeros::<S>(3 * (n + 1)),
             p: zeros::<S>(6 * n),
             ends: Ends::new(),
+            laws: None,
             q: zeros::<S>(4 * n),
             r: zeros::<S>(3 * (n + 1)),
             d: zeros::<S>(9 * n),
@@ -281,11 +285,20 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     fn joint(&self, j: usize, a: Quat<S>, b: Quat<S>, d: [V3<S>; 3], exact: Lane<S>) -> Joint<S> {
         let (phi, fw) = a.inverse_times(b).log();
-        let k = self.vec(&self.k, j);
-        let strain = phi - self.vec(&self.target, j);
-        let m = k.times(strain);
         let one = fw.lift(1.0);
         let half = fw.lift(0.5);
+        let k = self.vec(&self.k, j);
+        let (m, energy, tangent) = match &self.laws {
+            None => {
+                let strain = phi - self.vec(&self.target, j);
+                let m = k.times(strain);
+                (m, half * m.dot(strain), None)
+            }
+            Some(laws) => {
+                let (m, energy, tangent) = laws.model(self.simd, j, phi);
+                (m, energy, Some(tangent))
+            }
+        };
         let angle2 = phi.dot(phi);
         let c = slope_of_log(angle2, fw);
         let moment = moment(phi, m, c, d);
@@ -299,11 +312,14 @@ impl<S: Simd> Chain<S> {
             V3([half.nma(y, cp.0[2] * x), half.fma(x, cp.0[2] * y), cp.0[2].fma(z, s)]),
         ]);
         let j = M3(d).transposed().times(inverse.transposed()).transposed();
-        let kj = M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]);
+        let kj = match tangent {
+            None => M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]),
+            Some(tangent) => tangent.times(j),
+        };
         let coupling = Sym::transposed_product(j, kj);
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
         let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
-        Joint { moment, energy: half * m.dot(strain), hessian }
+        Joint { moment, energy, hessian }
     }
 
     /// Rotation vector of joint `j`, with what [`Quat::log`] gives beside it.
@@ -397,6 +413,12 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     fn solve(&mut self, gap: V3<S>, search: &mut [Search; 8]) -> (Lane<S>, Lane<S>) {
         let (simd, lanes) = (self.simd, S::F64_LANES);
+        if self.laws.as_ref().is_some_and(|laws| laws.bends()) {
+            self.measure_joints();
+            let Self { laws, phi, target, ends, .. } = self;
+            let turns = Turns { phi, rest: target, ends };
+            laws.iter_mut().for_each(|laws| laws.renew(turns));
+        }
         loop {
             let mut definite = [0.0; 8];
             for lane in 0..lanes {

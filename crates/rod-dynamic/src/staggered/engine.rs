@@ -31,6 +31,8 @@ pub(super) trait Engine: Send {
     fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
+    /// Takes over the laws of the rod, which remember as much as those before.
+    fn set_laws(&mut self, lane: usize, rod: &Rod);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
@@ -75,8 +77,8 @@ pub(super) trait Engine: Send {
     fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8];
     /// Takes all motion of one lane away.
     fn stop(&mut self, lane: usize);
-    /// How many numbers a lane's state has.
-    fn numbers(&self) -> usize;
+    /// How many numbers the state of a lane has.
+    fn numbers(&self, lane: usize) -> usize;
 }
 
 impl<S: Simd> Engine for Pack<S> {
@@ -110,6 +112,9 @@ impl<S: Simd> Engine for Pack<S> {
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
         Self::set_state(self, lane, rod, state);
     }
+    fn set_laws(&mut self, lane: usize, rod: &Rod) {
+        self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
+    }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
         for i in 0..3 {
             set(&mut self.node_forces, 3 * node + i, lane, force[i]);
@@ -134,6 +139,7 @@ impl<S: Simd> Engine for Pack<S> {
         for array in self.arrays() {
             numbers.extend((0..array.len()).map(|i| at(array, i, lane)));
         }
+        self.chain.laws.iter().for_each(|laws| laws.save(lane, numbers));
     }
     fn restore<'a>(&mut self, lane: usize, mut numbers: &'a [f64]) -> &'a [f64] {
         for array in self.arrays_mut() {
@@ -143,7 +149,7 @@ impl<S: Simd> Engine for Pack<S> {
             }
             numbers = tail;
         }
-        numbers
+        self.chain.laws.iter_mut().fold(numbers, |numbers, laws| laws.restore(lane, numbers))
     }
     fn undo_all(&mut self) {
         let backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
@@ -154,6 +160,7 @@ impl<S: Simd> Engine for Pack<S> {
             rest = tail;
         }
         self.backup = backup;
+        self.chain.laws.iter_mut().for_each(|laws| laws.undo_all());
     }
     fn remember(&mut self) {
         let mut backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
@@ -162,6 +169,7 @@ impl<S: Simd> Engine for Pack<S> {
             backup.extend_from_slice(array);
         }
         self.backup = backup;
+        self.chain.laws.iter_mut().for_each(|laws| laws.remember());
         self.impulses.fill(S::f64s::zeroed());
         self.absorbed = [[S::f64s::zeroed(); 3]; 2];
         self.q_start.copy_from_slice(&self.chain.q);
@@ -285,8 +293,9 @@ impl<S: Simd> Engine for Pack<S> {
             }
         }
     }
-    fn numbers(&self) -> usize {
-        self.arrays().iter().map(|a| a.len()).sum()
+    fn numbers(&self, lane: usize) -> usize {
+        let own: usize = self.arrays().iter().map(|a| a.len()).sum();
+        own + self.chain.laws.as_ref().map_or(0, |laws| laws.numbers(lane))
     }
 }
 

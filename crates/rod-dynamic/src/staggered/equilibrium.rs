@@ -1,7 +1,7 @@
 //! The step of infinite length: a static solver.
 
 use super::batch::StaggeredBatch;
-use crate::{End, Instant, Rod, RodError, RodState, Steady, StepError, StepReport};
+use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, Steady, StepError, StepReport};
 use nalgebra::Vector3;
 use rapunzel_fiber::so3;
 use thiserror::Error;
@@ -34,7 +34,8 @@ pub enum EquilibriumError {
 /// It is stable: where the Hessian is not positive definite, as for a tall rod that balances
 /// upright, the rod is bent a little and let go again. (Moments and follower forces at the ends
 /// have no energy, and stability is then not claimed.) A free root is taken as pinned where it is:
-/// without that nothing holds the rod. The state returned is at rest.
+/// without that nothing holds the rod. The state returned is at rest. Laws of sections are not asked:
+/// it is the equilibrium of the fibre with its stiffness.
 ///
 /// Second order in the length of the segments: the tip of a clamped horizontal hair of 100 segments
 /// is off by `2.7e-4` of its length. Extrapolation from two meshes removes nearly all of that.
@@ -51,6 +52,7 @@ pub fn equilibrium(
 ) -> Result<(RodState, StepReport), EquilibriumError> {
     let mut undamped = rod.clone();
     undamped.damping_time = 0.0;
+    undamped.laws = SectionLaws::Linear;
     let mut batch = StaggeredBatch::new(vec![undamped], 0.0)?;
     let mut state = start.clone();
     state.velocities.fill(Vector3::zeros());

@@ -13,11 +13,13 @@
 //! and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w - (v' +
 //! v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the integrator's, with
 //! what works of forces at the end have over those at the mean. Nodes are in balance to rounding;
-//! where Newton's method left a torque on a segment, its product with `c` is the solver's.
+//! where Newton's method left a torque on a segment, its product with `c` is the solver's. A joint with
+//! a law stores and dissipates what the law says; its moment before the step counts as that after it.
 
-use super::chain::{get, moment, slope_of_log};
+use super::chain::{Chain, get, moment, slope_of_log};
 use super::ends;
 use super::lanes::{Lane, V3};
+use super::laws::Turns;
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Rates, Stage};
 use crate::{End, Instant, Ledger};
@@ -92,9 +94,7 @@ impl<S: Simd> Pack<S> {
                 set(&mut self.outset.forces[k], i, lane, force);
             }
             let strain = self.vector(&self.phi, node, lane) - self.vector(&self.rest, node, lane);
-            let stiffness = self.vector(&self.stiffness, node, lane);
-            let stored = 0.5 * strain.dot(&stiffness.component_mul(&strain));
-            let stored = if joined[k] { stored } else { 0.0 };
+            let stored = if joined[k] { self.stored(lane, node, &strain) } else { 0.0 };
             set(&mut self.outset.stored, k, lane, stored);
         }
         let share = if known && self.scheme.has_memory() { 0.5 } else { 1.0 };
@@ -111,10 +111,19 @@ impl<S: Simd> Pack<S> {
             fn call(self) -> [Ledger; 8] {
                 let Self(pack, dt, done) = self;
                 let stage = pack.stage(dt, Problem::Step);
+                pack.book_laws();
                 pack.lines(&stage, done).ledgers()
             }
         }
         self.chain.simd.vectorize(Account(self, dt, done))
+    }
+
+    /// Asks the laws what the step stores and dissipates.
+    fn book_laws(&mut self) {
+        let Chain { laws, phi, ends, .. } = &mut self.chain;
+        let before = Turns { phi: &self.phi, rest: &self.rest, ends };
+        let after = Turns { phi, ..before };
+        laws.iter_mut().for_each(|laws| laws.book(before, after));
     }
 
     #[inline(always)]
@@ -310,28 +319,42 @@ impl<S: Simd> Pack<S> {
         let resisted = stiffness.times(bend);
         let rest = chain.vec(&self.rest, j);
         let (strain, strain_before) = (phi - rest, phi_before - rest);
-        lines.elastic = lines.elastic + resisted.dot(strain + strain_before) * half;
+        let mut gain = resisted.dot(strain + strain_before) * half;
         // Without damping there are no rates of joints, and none are needed.
         let damping = Lane::new(simd, self.damping);
         let rates = self.joints.rates(chain, j);
         let (_, known) = self.scheme.predict(stage, rates);
         let rate = bend.fma(stage.cv, known);
         let lost = -(damping * resisted.dot(rate));
-        let mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
+        let mut mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
+        let mut m = stiffness.times(rate.fma(damping, strain));
+        let energy = |strain: V3<S>| half * stiffness.times(strain).dot(strain);
+        let mut stored = [energy(strain_before), energy(strain)];
+        let has = chain.laws.as_ref().map(|laws| laws.has(simd));
+        if let (Some(laws), Some(has)) = (&chain.laws, has) {
+            let [before, after, dissipated] = laws.booked(simd, j);
+            stored = [has.positive_or(before, stored[0]), has.positive_or(after, stored[1])];
+            gain = has.positive_or(after - before, gain);
+            mean_lost = has.positive_or(-dissipated, mean_lost);
+            m = laws.model(simd, j, phi).0.positive_or(has, m);
+        }
+        lines.elastic = lines.elastic + gain;
         lines.damping = lines.damping + mean_lost;
-        let m = stiffness.times(rate.fma(damping, strain));
         let (_, fw) = chain.joint_turn(j);
         let slope = slope_of_log(phi.dot(phi), fw);
         let at_end = moment(phi, m, slope, frames[1]);
         let chord = at_end.dot(apart) - m.dot(bend);
-        lines.integrator =
-            lines.integrator - half * resisted.dot(bend) - chord + (lost - mean_lost);
+        let mut late = (lost - mean_lost) - half * resisted.dot(bend);
         let m_before = stiffness.times(rates.v.fma(damping, strain_before));
         // Of the moment before the step only its mean with that after it is used, for which the
         // slope of the logarithm after the step will do.
-        let at_start = moment(phi_before, m_before, slope, frames[0]);
-        let energy = |strain: V3<S>| half * stiffness.times(strain).dot(strain);
-        Bend { moments: [at_start, at_end], stored: [energy(strain_before), energy(strain)] }
+        let mut at_start = moment(phi_before, m_before, slope, frames[0]);
+        if let Some(has) = has {
+            late = has.positive_or(gain - mean_lost - m.dot(bend), late);
+            at_start = at_end.positive_or(has, at_start);
+        }
+        lines.integrator = lines.integrator - chord + late;
+        Bend { moments: [at_start, at_end], stored }
     }
 
     #[inline(always)]

@@ -20,6 +20,7 @@ mod equilibrium;
 mod explicit;
 mod factor;
 mod lanes;
+mod laws;
 mod ledger;
 mod pack;
 mod readout;

@@ -3,6 +3,7 @@
 use super::chain::{Chain, get, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
+use super::laws::{Laws, Turns};
 use super::ledger::Outset;
 use super::response::{Inertia, Workspace};
 use super::scheme::{Problem, Scheme, Stage};
@@ -94,6 +95,7 @@ impl<S: Simd> Pack<S> {
         for lane in 0..S::F64_LANES {
             pack.model(lane, &rods[lane.min(rods.len() - 1)]);
         }
+        pack.chain.laws = Laws::new(n, rods);
         pack
     }
 
@@ -148,6 +150,7 @@ impl<S: Simd> Pack<S> {
                     pack.look_ahead(&stage, wanted);
                 }
                 pack.prepare(&stage);
+                pack.begin_laws();
                 pack.chain.newton(wanted, &pack.held, problem == Problem::Rest, out);
             }
         }
@@ -165,6 +168,7 @@ impl<S: Simd> Pack<S> {
                 let stage = self.0.stage(&self.0.last_dt, Problem::Step);
                 self.0.look_ahead(&stage, &[true; 8]);
                 self.0.prepare(&stage);
+                self.0.begin_laws();
                 self.0.chain.shape();
             }
         }
@@ -267,17 +271,27 @@ impl<S: Simd> Pack<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let Self(pack, wanted) = self;
-                let wanted = pack.flags(wanted);
+                let Self(pack, lanes) = self;
+                let wanted = pack.flags(lanes);
                 pack.chain.measure_joints();
                 for j in 0..=pack.chain.n {
                     let (new, old) =
                         (pack.chain.vec(&pack.chain.phi, j), pack.chain.vec(&pack.phi, j));
                     store(&mut pack.phi, j, new.positive_or(wanted, old));
                 }
+                for lane in (0..S::F64_LANES).filter(|&lane| lanes[lane]) {
+                    pack.strain_laws_at_once(lane);
+                }
             }
         }
         self.chain.simd.vectorize(Measure(self, wanted));
+    }
+
+    /// Lets the laws of one lane set out from the natural state, and at once to the present turns.
+    pub(super) fn strain_laws_at_once(&mut self, lane: usize) {
+        let Chain { laws, ends, .. } = &mut self.chain;
+        let turns = Turns { phi: &self.phi, rest: &self.rest, ends };
+        laws.iter_mut().for_each(|laws| laws.strain_at_once(lane, turns));
     }
 
     #[inline(always)]
@@ -374,7 +388,17 @@ impl<S: Simd> Pack<S> {
             }
             store(&mut self.chain.k, j, stiffness);
             store(&mut self.chain.target, j, target);
+            if let Some(laws) = &mut self.chain.laws {
+                laws.set_linear(simd, j, stiffness, target);
+            }
         }
+    }
+
+    /// Asks the laws for the step of the last length, about the turns from which it sets out.
+    fn begin_laws(&mut self) {
+        let Chain { laws, target, ends, .. } = &mut self.chain;
+        let turns = Turns { phi: &self.phi, rest: target, ends };
+        laws.iter_mut().for_each(|laws| laws.begin(&self.last_dt, turns));
     }
 
     /// The length of rod that node `a` stands for, and that length along the tangent of `directors`.
@@ -420,9 +444,9 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn take_over(&mut self, stage: &Stage<S>, done: &[bool; 8]) {
+    fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
         let n = self.chain.n;
-        let done = self.flags(done);
+        let done = self.flags(wanted);
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.r, a);
             let old = self.chain.vec(&self.r, a);
@@ -438,6 +462,12 @@ impl<S: Simd> Pack<S> {
             let at = 3 * (i / 2) + i % 2;
             let u = self.chain.vec(&self.chain.d, at) - self.chain.vec(&self.chain.d_start, at);
             self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
+        }
+        if let Some(laws) = &mut self.chain.laws
+            && stage.problem != Problem::Start
+        {
+            let turns = Turns { phi: &self.chain.phi, rest: &self.rest, ends: &self.chain.ends };
+            laws.commit(wanted, turns);
         }
         for j in 0..=n {
             let new = self.chain.vec(&self.chain.phi, j);
@@ -472,7 +502,7 @@ impl<S: Simd> Pack<S> {
         self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
-    /// Every array that a lane's future depends on.
+    /// Every array that a lane's future depends on, beside what laws remember.
     pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();

@@ -109,6 +109,7 @@ impl<S: Simd> Pack<S> {
             let turn = self.vector(&self.rest, j, lane) + strain * Joint::new(&rod.fiber, j).length;
             self.set_turn(lane, j, &turn);
         }
+        self.strain_laws_at_once(lane);
     }
 
     fn set_turn(&mut self, lane: usize, joint: usize, turn: &Vector3<f64>) {
@@ -137,6 +138,15 @@ impl<S: Simd> Pack<S> {
         sum
     }
 
+    /// The energy that joint `j` of one lane stores where it is turned by `strain` from its rest, J.
+    pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> f64 {
+        let by_law = self.chain.laws.as_ref().and_then(|laws| laws.stored(lane, j, strain));
+        by_law.unwrap_or_else(|| {
+            let stiffness = self.vector(&self.stiffness, j, lane);
+            0.5 * strain.dot(&stiffness.component_mul(strain))
+        })
+    }
+
     pub(super) fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
         let n = self.chain.n;
         let [root, tip] = self.chain.ends.joined(lane);
@@ -152,8 +162,7 @@ impl<S: Simd> Pack<S> {
             };
             if joined {
                 let strain = self.vector(&self.phi, a, lane) - self.vector(&self.rest, a, lane);
-                let stiffness = self.vector(&self.stiffness, a, lane);
-                energy.elastic += 0.5 * strain.dot(&stiffness.component_mul(&strain));
+                energy.elastic += self.stored(lane, a, &strain);
             }
         }
         for i in 0..2 * n {

@@ -1,6 +1,8 @@
 use super::check::{Allowed, Check};
 use crate::contact::{Partner, Touch};
 use rapunzel_contact::{ContactError, LimitCurve};
+use rapunzel_keratin::KeratinError;
+use rapunzel_keratin::surface::{self, Direction, Wetness};
 use serde::{Deserialize, Serialize};
 
 /// What fibres do where they touch; left out, they pass through everything.
@@ -92,6 +94,53 @@ pub enum Friction {
         /// Across the fibre.
         across: f64,
     },
+    /// As table 2.11 of the thesis has it for hair, untreated, in motion: the same in all directions.
+    Keratin {
+        /// What hair slides on.
+        on: Surface,
+        /// Whether there is water between.
+        #[serde(default = "dry")]
+        wetness: Wetness,
+    },
+}
+
+fn dry() -> Wetness {
+    Wetness::Dry
+}
+
+/// What hair slides on in table 2.11.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Surface {
+    /// Hair.
+    Hair,
+    /// Hard rubber, from tip to root.
+    HardRubber,
+    /// Nylon.
+    Nylon,
+    /// Aluminium.
+    Aluminium,
+    /// Polyethylene.
+    Polyethylene,
+    /// Glass, only measured wet.
+    Glass,
+}
+
+impl Surface {
+    /// The coefficient of sliding friction, untreated.
+    ///
+    /// # Errors
+    /// [`KeratinError::NotMeasured`] for dry glass.
+    pub fn friction(self, wetness: Wetness) -> Result<f64, KeratinError> {
+        let (pair, direction) = match self {
+            Self::Hair => ("hair/hair", Direction::WithScales),
+            Self::HardRubber => ("hair/hard rubber", Direction::AgainstScales),
+            Self::Nylon => ("hair/nylon", Direction::WithScales),
+            Self::Aluminium => ("hair/aluminium", Direction::WithScales),
+            Self::Polyethylene => ("hair/polyethylene", Direction::WithScales),
+            Self::Glass => ("hair/glass", Direction::WithScales),
+        };
+        Ok(surface::friction(pair, "", direction, wetness)?.slip.value)
+    }
 }
 
 impl ContactSettings {
@@ -151,6 +200,19 @@ impl Friction {
                 one("against", against);
                 one("across", across);
             }
+            Self::Keratin { on, wetness } => {
+                if let Err(error) = on.friction(wetness) {
+                    check.refuse("", error.to_string());
+                }
+            }
+        }
+    }
+
+    /// The same with the number that a table has.
+    pub(crate) fn looked_up(self) -> Self {
+        match self {
+            Self::Keratin { on, wetness } => on.friction(wetness).map_or(self, Self::Isotropic),
+            _ => self,
         }
     }
 
@@ -159,6 +221,10 @@ impl Friction {
     pub(crate) fn of(&self, touch: &Touch, sticks: bool) -> Result<LimitCurve, ContactError> {
         match *self {
             Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+            // The scene has been checked.
+            Self::Keratin { on, wetness } => {
+                Ok(LimitCurve::Circle { mu: on.friction(wetness).unwrap_or_default() })
+            }
             Self::Resting { resting, sliding } => {
                 Ok(LimitCurve::Circle { mu: if sticks { resting } else { sliding } })
             }

@@ -1,9 +1,10 @@
 use super::check::{Allowed, Check};
+use super::material::{Law, Material};
 use super::motion::Motion;
 use super::tip::{Joint, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{Ellipse, Handedness, root_pose};
-use rapunzel_fiber::{self as fiber, FiberError, Section};
+use rapunzel_fiber::{FiberError, Section};
 use serde::{Deserialize, Serialize};
 
 /// The most fibres of a bundle, against typing errors.
@@ -17,8 +18,10 @@ pub struct Bundle {
     pub length: f64,
     /// Number of segments.
     pub segments: usize,
-    /// Cross section, m.
-    pub section: Section,
+    /// Cross section, m; to be left out where the material has one of its own. That of keratin is at
+    /// 65 % humidity, from where it swells.
+    #[serde(default)]
+    pub section: Option<Section>,
     /// What the fibres are made of.
     #[serde(default)]
     pub material: Material,
@@ -52,24 +55,6 @@ pub struct Bundle {
     /// Forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
-}
-
-/// What a fibre is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Material {
-    /// Dry human hair: 1300 kg/m^3, 3.8 GPa, a third of it in shear.
-    #[default]
-    Hair,
-    /// Homogeneous and linearly elastic.
-    Elastic {
-        /// Mass density, kg/m^3.
-        density: f64,
-        /// Young's modulus, Pa.
-        youngs_modulus: f64,
-        /// Shear modulus, Pa.
-        shear_modulus: f64,
-    },
 }
 
 /// The shape of a fibre without load.
@@ -117,6 +102,17 @@ pub enum Initial {
     /// Straight and untwisted along the direction of the root, so that a curved fibre is
     /// prestressed.
     Straight,
+    /// Wound to a helix whose axis is along the direction of the root: prestressed where the shape is
+    /// another.
+    Helix {
+        /// Radius of the cylinder, m.
+        radius: f64,
+        /// Advance along the axis in one turn, m; zero makes a ring.
+        pitch: f64,
+        /// Which way it winds.
+        #[serde(default = "right")]
+        handedness: Handedness,
+    },
     /// Untwisted with an overhand knot in the middle, the ends along the direction of the root on one
     /// line; the loop stands out along d1. Prestressed.
     Overhand {
@@ -213,17 +209,6 @@ pub struct PointForce {
     pub profile: Profile,
 }
 
-impl From<Material> for fiber::Material {
-    fn from(material: Material) -> Self {
-        match material {
-            Material::Hair => Self::HAIR,
-            Material::Elastic { density, youngs_modulus, shear_modulus } => {
-                Self { density, youngs_modulus, shear_modulus }
-            }
-        }
-    }
-}
-
 impl Pose {
     /// The pose as a map from the material frame to the world.
     ///
@@ -257,17 +242,39 @@ impl Pose {
 }
 
 impl Bundle {
+    /// What its sections do.
+    pub(crate) fn law(&self) -> Law {
+        self.material.keratin().map_or(Law::Elastic, |keratin| keratin.law)
+    }
+
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
         check.count("segments", self.segments, 2, 100_000);
-        check.within("section", |c| check_section(c, &self.section, self.length));
+        match (&self.section, self.material) {
+            (Some(section), _) => {
+                check.within("section", |c| check_section(c, section, self.length));
+            }
+            (None, Material::Keratin { .. }) => {}
+            (None, _) => check.refuse("section", "is missing, but the material has none".into()),
+        }
         check.within("material", |c| self.material.check(c));
+        if self.law() != Law::Elastic && self.damping_time != 0.0 {
+            let message = "is given, but the law of the material has its own; leave it out";
+            check.refuse("damping_time", message.into());
+        }
         check.number("damping_time", self.damping_time, Allowed::NonNegative, "s");
         check.within("shape", |c| self.shape.check(c));
-        if let Initial::Overhand { radius, spacing } = self.initial {
-            check.number("initial.radius", radius, Allowed::Positive, "m");
-            check.number("initial.spacing", spacing, Allowed::Positive, "m");
+        match self.initial {
+            Initial::Natural | Initial::Straight => {}
+            Initial::Helix { radius, pitch, .. } => {
+                check.number("initial.radius", radius, Allowed::Positive, "m");
+                check.number("initial.pitch", pitch, Allowed::NonNegative, "m");
+            }
+            Initial::Overhand { radius, spacing } => {
+                check.number("initial.radius", radius, Allowed::Positive, "m");
+                check.number("initial.spacing", spacing, Allowed::Positive, "m");
+            }
         }
         check.within("root", |c| self.root.check(c));
         check.within("arrangement", |c| self.arrangement.check(c));
@@ -306,16 +313,6 @@ pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
         Section::Ellipse { a, b } => {
             size(check, "a", a);
             size(check, "b", b);
-        }
-    }
-}
-
-impl Material {
-    pub(crate) fn check(&self, check: &mut Check) {
-        if let Self::Elastic { density, youngs_modulus, shear_modulus } = *self {
-            check.number("density", density, Allowed::Positive, "kg/m^3");
-            check.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
-            check.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
         }
     }
 }

@@ -9,6 +9,7 @@ mod contact;
 mod fibers;
 mod locate;
 mod mass_spring;
+mod material;
 mod motion;
 mod object;
 mod output;
@@ -17,11 +18,12 @@ mod stepper;
 mod tip;
 
 pub use check::{Place, Problem};
-pub use contact::{Adhesion, ContactSettings, Friction};
-pub use fibers::{Arrangement, Bundle, Initial, Material, Orientation, PointForce, Pose, Shape};
+pub use contact::{Adhesion, ContactSettings, Friction, Surface};
+pub use fibers::{Arrangement, Bundle, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
+pub use material::{Climate, Keratin, Law, Material};
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use object::{Mass, Moves, Object, ObjectShape};
@@ -91,6 +93,8 @@ pub struct Environment {
     pub viscosity: f64,
     /// The wind; it acts through the viscosity.
     pub wind: Wind,
+    /// Humidity and temperature, for fibres of keratin.
+    pub climate: Climate,
 }
 
 impl Default for Environment {
@@ -100,6 +104,7 @@ impl Default for Environment {
             gravity_ramp: 0.0,
             viscosity: 0.0,
             wind: Wind::default(),
+            climate: Climate::default(),
         }
     }
 }
@@ -145,6 +150,7 @@ impl Environment {
         check.number("gravity_ramp", self.gravity_ramp, Allowed::NonNegative, "s");
         check.number("viscosity", self.viscosity, Allowed::NonNegative, "Pa s");
         check.within("wind", |c| self.wind.check(c));
+        check.within("climate", |c| self.climate.check(c));
         if self.viscosity == 0.0 && self.wind != Wind::default() {
             let message = "is 0, but wind acts through the viscosity; air has 1.8e-5 (Pa s)";
             check.refuse("viscosity", message.into());
@@ -230,6 +236,25 @@ impl Scene {
         });
     }
 
+    /// Notes what the material of a bundle does not go with.
+    fn check_keratin(&self, bundle: &Bundle, check: &mut Check) {
+        let Some(keratin) = bundle.material.keratin() else { return };
+        let climate = self.environment.climate.at(0.0);
+        let known =
+            climate.and_then(|climate| keratin.rod(&keratin.hair(bundle.section)?, &climate));
+        if let Err(error) = known {
+            check.refuse("material", error.to_string());
+        }
+        if keratin.law != Law::ThreeElement && self.environment.climate.changes() {
+            let message = "follows no climate that changes; take ThreeElement, or one humidity";
+            check.refuse("material.law", message.into());
+        }
+        if keratin.law != Law::Elastic && !self.stepper.keeps_ledgers() {
+            let message = "is for the methods Staggered and BackwardEuler without a tolerance";
+            check.refuse("material.law", message.into());
+        }
+    }
+
     /// Notes everything that makes no sense: numbers out of range, directions without length,
     /// roots that jump, probes of fibres that do not exist.
     fn check(&self, check: &mut Check) {
@@ -244,7 +269,10 @@ impl Scene {
         } else if self.fibers.is_empty() {
             check.refuse("fibers", "is empty, but a scene needs at least one".into());
         }
-        check.each("fibers", &self.fibers, |c, bundle| bundle.check(c));
+        check.each("fibers", &self.fibers, |c, bundle| {
+            bundle.check(c);
+            self.check_keratin(bundle, c);
+        });
         let nodes =
             |b: &Bundle| b.arrangement.fibers().saturating_mul(b.segments.saturating_add(1));
         let nodes = self.fibers.iter().map(nodes).fold(0, usize::saturating_add);

@@ -123,7 +123,7 @@ impl StepperSettings {
 
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
-        check.number("dt", self.dt, Allowed::Within(1e-9, 1.0), "s");
+        check.number("dt", self.dt, Allowed::Within(1e-9, 60.0), "s");
         if let Some(tolerance) = self.tolerance {
             check.number("tolerance", tolerance, Allowed::Positive, "m/s");
         }

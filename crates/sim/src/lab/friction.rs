@@ -1,0 +1,81 @@
+//! Capstan friction: a hair drawn over a cylinder.
+
+use super::{Number, Reading, Record, Sample};
+use crate::scene::Surface;
+use crate::{Scene, SimError};
+use nalgebra::Vector3;
+use rapunzel_keratin::KeratinError;
+use rapunzel_keratin::surface::Wetness;
+use std::f64::consts::PI;
+
+/// Radius of the cylinder, m; the hair lies over half of it.
+const RADIUS: f64 = 5e-3;
+/// Segments over the cylinder, and of each leg.
+const ARC: usize = 40;
+const LEG: usize = 12;
+/// Weight at the end of the hair, N: its tension bends the hair sharply.
+const WEIGHT: f64 = 0.05;
+/// Velocity with which the other end is drawn, m/s, far above what counts as slip.
+const VELOCITY: f64 = 0.01;
+/// Length of a step, s, and steps; the first half is not read.
+const DT: f64 = 1e-3;
+const STEPS: usize = 100;
+
+/// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of its
+/// ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
+pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
+    let on = Surface::Nylon;
+    let wetness = sample.wetness();
+    let section = sample.hair()?.section(&sample.climate);
+    // The segments are chords whose middles touch the cylinder; the legs end half a segment above it.
+    let turn = PI / ARC as f64;
+    let axis = (RADIUS + section.equivalent_radius()) * (1.0 + turn * turn / 12.0);
+    let segment = axis * turn;
+    let leg = LEG as f64 * segment;
+    let wet = if wetness == Wetness::Wet { "Wet" } else { "Dry" };
+    let mut scene = Scene::from_ron(&format!(
+        "(
+            format: 1, duration: 1.0, stepper: (dt: {DT:?}), environment: (gravity: (0, 0, 0)),
+            fibers: [(
+                length: {:?}, segments: {}, initial: Straight, section: Circle(radius: 1e-5),
+                root: (position: ({:?}, 0, {:?}), orientation: Along(direction: (0, 0, 1))),
+                motion: Translate(velocity: (0, 0, {:?}), until: 1.0), root_joint: Ball(),
+                tip: Loaded(force: (value: (0, 0, {:?}))),
+            )],
+            objects: [(shape: Capsule(length: 0.04, radius: {RADIUS:?}), turn: (90, 0, 0))],
+            contact: (friction: Keratin(on: Nylon, wetness: {wet})),
+        )",
+        2.0 * leg + PI * axis,
+        ARC + 2 * LEG,
+        -axis,
+        0.5 * segment - leg,
+        -VELOCITY,
+        -WEIGHT,
+    ))?;
+    sample.put_into(&mut scene);
+    let mut world = scene.build()?;
+    // Over the cylinder, and as if it had always been so.
+    let over = world.assembly().fibers()[0].clone().with_natural_curvature(|s| {
+        let bent = s > leg - 0.5 * segment && s < leg + PI * axis - 0.5 * segment;
+        if bent { Vector3::y() / axis } else { Vector3::zeros() }
+    });
+    let start = super::natural(&over.map_err(KeratinError::from)?)?;
+    if let Some(batch) = world.groups[0].batch.coupled() {
+        let refused = |source| SimError::Rod { bundle: 0, source };
+        batch.set_state(0, &start).map_err(refused)?;
+    }
+    let mut stepper = scene.stepper_of(&world)?;
+    let mut points = Vec::new();
+    for _ in 0..STEPS {
+        stepper.step(&mut world, DT)?;
+        points.push([world.time(), world.state(0).forces[0].norm()]);
+    }
+    let read = &points[STEPS / 2..];
+    let tension = read.iter().map(|p| p[1]).sum::<f64>() / read.len() as f64;
+    let numbers = vec![
+        Number::new("coefficient of friction", "", (tension / WEIGHT).ln() / PI)
+            .of(on.friction(wetness)?),
+        Number::new("tension of the end that is drawn", "N", tension),
+    ];
+    Ok(Reading { numbers, record: Record { axes: ["time (s)", "tension (N)"], points } })
+}

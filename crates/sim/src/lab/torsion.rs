@@ -1,0 +1,60 @@
+//! The torsion pendulum.
+
+use super::{GRAVITY, Number, Reading, Record, Sample, natural, record, root};
+use crate::SimError;
+use nalgebra::{Rotation3, Vector3};
+use rapunzel_fiber::so3;
+use rapunzel_keratin::lab::oscillation::{self, Oscillation};
+use rapunzel_keratin::lab::pendulum::{self, Bob};
+use rapunzel_rod_dynamic::{Instant, Rod, RodState, Steady};
+use std::f64::consts::TAU;
+
+/// Length of the hair, m, and its segments.
+const LENGTH: f64 = 0.05;
+const SEGMENTS: usize = 10;
+/// Mass of the bob, kg; its inertia is such that the hair swings once a second.
+const MASS: f64 = 1e-4;
+const PERIOD: f64 = 1.0;
+/// Twist at the start, rad.
+const TWIST: f64 = 0.5;
+/// Length of a step, s, and of the record.
+const TIMES: [f64; 2] = [PERIOD / 400.0, 5.2 * PERIOD];
+
+/// Twists a hair with a bob, lets go, and reads period and decrement.
+pub(super) fn pendulum(sample: &Sample) -> Result<Reading, SimError> {
+    let (hair, climate) = (sample.hair()?, &sample.climate);
+    let node = hair.node(climate)?;
+    let decrement = hair.log_decrement(climate)?.value;
+    let inertia = node.stiffness.z / LENGTH * (PERIOD / TAU).powi(2);
+    let fiber = pendulum::fiber(node, LENGTH, SEGMENTS, Bob { mass: MASS, inertia })?;
+    let fiber = fiber.with_root(root(-Vector3::z())?);
+    let swing = Oscillation { period: PERIOD, log_decrement: decrement };
+    let mut start = natural(&fiber)?;
+    let untwisted = start.frames[SEGMENTS];
+    let arcs = fiber.arc_lengths();
+    for (i, frame) in start.frames.iter_mut().enumerate() {
+        let middle = 0.5 * (arcs[i] + arcs[i + 1]) / LENGTH;
+        *frame *= so3::exp(&(TWIST * middle * Vector3::z()));
+    }
+    let rod = Rod::damped(fiber, oscillation::damping_time(swing.loss_tangent(), TAU / PERIOD));
+    let hold = Steady(Instant::clamped(*rod.fiber.root(), -GRAVITY * Vector3::z()));
+    let angle = |state: &RodState| {
+        let turn: Rotation3<f64> = untwisted.inverse() * state.frames[SEGMENTS];
+        so3::log(&turn).z
+    };
+    let readings = record(rod, &start, &hold, TIMES, angle)?;
+    let found = Oscillation::of(&readings, 0.0)?;
+    let section = hair.section(climate);
+    let rigidity = pendulum::rigidity(inertia, LENGTH, found.period)?;
+    let modulus = pendulum::shear_modulus(rigidity, section.area())?;
+    // The formulas take a circle, and the damped period.
+    let bias = pendulum::section_bias(&section) / (1.0 + (decrement / TAU).powi(2));
+    let numbers = vec![
+        Number::new("shear modulus", "Pa", modulus).of(bias * hair.shear_modulus(climate)?.value),
+        Number::new("logarithmic decrement", "", found.log_decrement).of(decrement),
+        Number::new("rigidity", "N m^2", rigidity),
+        Number::new("bias of the formula", "", bias),
+    ];
+    let points = readings.iter().map(|(t, turn)| [*t, turn.to_degrees()]).collect();
+    Ok(Reading { numbers, record: Record { axes: ["time (s)", "twist (degrees)"], points } })
+}

@@ -1,0 +1,262 @@
+use super::check::{Allowed, Check};
+use super::tip::Profile;
+use rapunzel_fiber::{self as fiber, NodeProperties, Section};
+use rapunzel_keratin::law::{Branch, Relaxation, ThreeElement, Viscoelastic};
+use rapunzel_keratin::{
+    self as keratin, Hair, HairType, KeratinError, Outside, Thickness, Treatment,
+};
+use rapunzel_rod_dynamic::SectionLaws;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What a fibre is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Material {
+    /// Dry human hair: 1300 kg/m^3, 3.8 GPa, a third of it in shear.
+    #[default]
+    Hair,
+    /// Homogeneous and linearly elastic.
+    Elastic {
+        /// Mass density, kg/m^3.
+        density: f64,
+        /// Young's modulus, Pa.
+        youngs_modulus: f64,
+        /// Shear modulus, Pa.
+        shear_modulus: f64,
+    },
+    /// Hair as the tables of `rapunzel-keratin` have it, in the climate of the environment: moduli,
+    /// density, and the section where the bundle gives none.
+    Keratin {
+        /// The type of hair, whose diameters are those of the section if the bundle gives none.
+        #[serde(rename = "type")]
+        kind: HairType,
+        /// The treatment.
+        #[serde(default = "no_treatment")]
+        treatment: Treatment,
+        /// The class of diameters that Young's modulus is for.
+        #[serde(default = "any_thickness")]
+        thickness: Thickness,
+        /// What its sections do.
+        #[serde(default)]
+        law: Law,
+        /// Whether values may be taken where nobody measured.
+        #[serde(default)]
+        extrapolate: bool,
+    },
+}
+
+fn no_treatment() -> Treatment {
+    Treatment::None
+}
+
+fn any_thickness() -> Thickness {
+    Thickness::Any
+}
+
+/// Human hair by type and treatment, as in [`Material::Keratin`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Keratin {
+    /// The type of hair.
+    pub kind: HairType,
+    /// The treatment.
+    pub treatment: Treatment,
+    /// The class of diameters that Young's modulus is for.
+    pub thickness: Thickness,
+    /// What its sections do.
+    pub law: Law,
+    /// Whether values may be taken where nobody measured.
+    pub extrapolate: bool,
+}
+
+/// What a section of hair does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Law {
+    /// Hooke's, with the moduli of the climate.
+    #[default]
+    Elastic,
+    /// Moduli that relax as a power of time, so that free oscillations between 0.01 and 100 rad/s have the
+    /// logarithmic decrement of table 2.10 at any frequency; at 1 rad/s the moduli are those of the
+    /// climate.
+    Viscoelastic,
+    /// Nagase's model (`rapunzel_keratin::law::ThreeElement`), which follows the climate: the one that
+    /// keeps a water wave.
+    ThreeElement,
+}
+
+/// The air, as far as hair takes water from it: it is in equilibrium with it at once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Climate {
+    /// Relative humidity over time, straight lines between pairs of time (s) and fraction; constant
+    /// before the first and after the last. 1 is wet.
+    pub humidity: Vec<(f64, f64)>,
+    /// Temperature, C.
+    pub temperature: f64,
+}
+
+impl Default for Climate {
+    fn default() -> Self {
+        let keratin::Climate { humidity, temperature, .. } = keratin::Climate::STANDARD;
+        Self { humidity: vec![(0.0, humidity.fraction())], temperature: temperature.celsius() }
+    }
+}
+
+impl Climate {
+    /// The climate at time `t`, s.
+    ///
+    /// # Errors
+    /// [`KeratinError`] for a humidity or a temperature that is none.
+    pub fn at(&self, t: f64) -> Result<keratin::Climate, KeratinError> {
+        let humidity = Profile::Linear { points: self.humidity.clone() }.at(t);
+        keratin::Climate::new(humidity, self.temperature)
+    }
+
+    /// Whether it changes.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        self.humidity.windows(2).any(|pair| pair[0].1 != pair[1].1)
+    }
+
+    pub(super) fn check(&self, check: &mut Check) {
+        let course = Profile::Linear { points: self.humidity.clone() };
+        if self.humidity.is_empty() {
+            check.refuse("humidity", "is empty, but must have at least one entry".into());
+        } else {
+            check.within("humidity", |c| course.check(c));
+        }
+        for (i, (_, fraction)) in self.humidity.iter().enumerate() {
+            let unit = Allowed::Within(0.0, 1.0);
+            check.number(&format!("humidity[{i}][1]"), *fraction, unit, "a fraction, not per cent");
+        }
+        check.number("temperature", self.temperature, Allowed::Within(-273.0, 1000.0), "C");
+    }
+}
+
+impl Keratin {
+    /// The hair, of the diameters of its type or of a section of its own.
+    ///
+    /// # Errors
+    /// [`KeratinError`] for a section that is none.
+    pub fn hair(&self, section: Option<Section>) -> Result<Hair, KeratinError> {
+        let hair = match section.map(|section| section.semi_axes()) {
+            None => Hair::of(self.kind),
+            Some((a, b)) => Hair::with_diameters(2.0 * a, 2.0 * b)?,
+        };
+        let outside = if self.extrapolate { Outside::Mark } else { Outside::Refuse };
+        Ok(hair.treated(self.treatment).of_thickness(self.thickness).outside(outside))
+    }
+
+    /// What a rod of the hair needs to know, and its laws.
+    pub(crate) fn rod(
+        &self,
+        hair: &Hair,
+        climate: &keratin::Climate,
+    ) -> Result<(NodeProperties, SectionLaws), KeratinError> {
+        let mut node = hair.node(climate)?;
+        let laws = match self.law {
+            Law::Elastic => SectionLaws::Linear,
+            Law::Viscoelastic => {
+                let decrement = hair.log_decrement(climate)?.value;
+                let law = Viscoelastic::new(node.stiffness, &fading(decrement)?, 0.0)?;
+                SectionLaws::Same(Arc::new(law))
+            }
+            Law::ThreeElement => {
+                node.stiffness = hair.stiffness(&keratin::Climate::STANDARD)?;
+                SectionLaws::Same(Arc::new(ThreeElement::section(hair, climate)?))
+            }
+        };
+        Ok((node, laws))
+    }
+}
+
+/// A relaxation function whose oscillations have a decrement between 0.01 and 100 rad/s, and the storage
+/// modulus 1 at 1 rad/s.
+///
+/// Of all relaxation functions a power of time, `t^-n`, has the same loss tangent `tan(n pi / 2)` at any
+/// frequency; the decrement is `pi` times that. Its spectrum goes with `tau^-n` too: here from 1e-4 to
+/// 1e4 s, two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
+fn fading(decrement: f64) -> Result<Relaxation, KeratinError> {
+    const FIRST: f64 = 1e-4;
+    const COUNT: u8 = 17;
+    let ratio = 10_f64.sqrt();
+    let power = 2.0 / PI * (decrement / PI).atan();
+    let time = |i: f64| FIRST * ratio.powf(i);
+    let slower = time(f64::from(COUNT) - 0.5).powf(-power) / (power * ratio.ln());
+    let spectrum = |scale: f64| {
+        let branch = |i| {
+            let time = time(f64::from(i));
+            Branch { modulus: time.powf(-power) / scale, time }
+        };
+        Relaxation::new(slower / scale, (0..COUNT).map(branch).collect())
+    };
+    let [storage, _] = spectrum(1.0)?.dynamic(1.0);
+    spectrum(storage)
+}
+
+impl From<Material> for fiber::Material {
+    /// Keratin as in the standard climate, 65 % and 23 C.
+    fn from(material: Material) -> Self {
+        match material {
+            Material::Hair => Self::HAIR,
+            Material::Elastic { density, youngs_modulus, shear_modulus } => {
+                Self { density, youngs_modulus, shear_modulus }
+            }
+            Material::Keratin { .. } => {
+                let standard = material.keratin().map(|keratin| keratin.standard());
+                standard.and_then(Result::ok).unwrap_or(Self::HAIR)
+            }
+        }
+    }
+}
+
+impl Keratin {
+    /// As in the standard climate, where everything is measured.
+    fn standard(&self) -> Result<fiber::Material, KeratinError> {
+        let (hair, climate) = (self.hair(None)?, &keratin::Climate::STANDARD);
+        Ok(fiber::Material {
+            density: hair.density(climate).value,
+            youngs_modulus: hair.bending_modulus(climate)?.value,
+            shear_modulus: hair.shear_modulus(climate)?.value,
+        })
+    }
+}
+
+impl Material {
+    /// The hair, if it is one by the tables.
+    #[must_use]
+    pub fn keratin(&self) -> Option<Keratin> {
+        let Self::Keratin { kind, treatment, thickness, law, extrapolate } = *self else {
+            return None;
+        };
+        Some(Keratin { kind, treatment, thickness, law, extrapolate })
+    }
+
+    pub(crate) fn check(&self, check: &mut Check) {
+        if let Self::Elastic { density, youngs_modulus, shear_modulus } = *self {
+            check.number("density", density, Allowed::Positive, "kg/m^3");
+            check.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
+            check.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fading_modulus_has_its_decrement_at_any_frequency() {
+        for decrement in [0.4, 0.65] {
+            let g = fading(decrement).expect("a model");
+            for frequency in [0.01, 0.1, 1.0, 5.0, 30.0, 100.0] {
+                let [storage, loss] = g.dynamic(frequency);
+                let found = PI * loss / storage;
+                // What lies beyond the spectrum takes up to 0.8 % at 100 rad/s.
+                assert!((found / decrement - 1.0).abs() < 0.01, "{frequency}: {found}");
+            }
+            assert!((g.dynamic(1.0)[0] - 1.0).abs() < 1e-14);
+        }
+    }
+}
