@@ -8,7 +8,10 @@
 
 mod kernels;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod translate;
+mod turn;
 
 pub(crate) use kernels::{Gradient, regular};
 pub(crate) use tables::{Tables, count};

@@ -44,10 +44,10 @@ impl<'a> Multipoles<'a> {
                 }
                 let shift = |child: usize| {
                     let coefficients = &deeper[size * (child - below.start)..][..size];
-                    shift(&tree.cells[child], cell, coefficients)
+                    shift(&tree.cells[child], cell, coefficients, order)
                 };
                 let shifts: Vec<_> = cell.children.clone().map(shift).collect();
-                translator.sum(Kind::Multipole, [order, order], &shifts, moments);
+                translator.sum(Kind::Multipole, &shifts, moments);
             });
             below = level[0]..level[1];
         }
@@ -64,8 +64,9 @@ fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
     bodies.start * per_body..bodies.end * per_body
 }
 
-fn shift<'a>(from: &Cell, to: &Cell, coefficients: &'a [f64]) -> Shift<'a> {
-    Shift { coefficients, offset: to.center - from.center, scales: [from.scale(), to.scale()] }
+fn shift<'a>(from: &Cell, to: &Cell, coefficients: &'a [f64], degree: usize) -> Shift<'a> {
+    let (offset, scales) = (to.center - from.center, [from.scale(), to.scale()]);
+    Shift { coefficients, degrees: [degree; 2], offset, scales }
 }
 
 /// What a leaf of the targets does with what has come down to it.
@@ -143,6 +144,16 @@ impl<L: Leaf> Descent<'_, L> {
         self.visit(0, local, vec![0], &mut Translator::new(self.order), task);
     }
 
+    /// The degree at which expansions with this ratio of radii to distance have the error that those of
+    /// the full order have at the largest ratio.
+    fn degree(&self, ratio: f64) -> usize {
+        let falls = ratio.max(1e-6).ln();
+        let terms = (self.order + 1) as f64 * self.opening.ln() / falls;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
+        let terms = terms.ceil() as usize;
+        terms.saturating_sub(1).clamp(self.order.min(2), self.order)
+    }
+
     fn wanted(&self, cell: &Cell) -> bool {
         let Some(samples) = self.samples else { return true };
         let next = samples.partition_point(|sample| *sample < cell.bodies.start);
@@ -164,13 +175,13 @@ impl<L: Leaf> Descent<'_, L> {
         let mut lists = Lists::default();
         lists.sort(self, index, pending);
         let cells = &self.sources.tree.cells;
-        let far = |&source: &u32| {
-            let source = source as usize;
-            shift(&cells[source], cell, self.sources.moments(source))
+        lists.far.sort_by_key(|far| std::cmp::Reverse(far.degree));
+        let far = |far: &Distant| {
+            let source = far.cell as usize;
+            shift(&cells[source], cell, self.sources.moments(source), far.degree)
         };
         let shifts: Vec<_> = lists.far.iter().map(far).collect();
-        let orders = [self.order, self.order];
-        translator.sum(Kind::Far, orders, &shifts, &mut local);
+        translator.sum(Kind::Far, &shifts, &mut local);
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
             gradient.set(Tables::get(), self.order, cell.scale(), &local);
@@ -179,10 +190,11 @@ impl<L: Leaf> Descent<'_, L> {
             return;
         }
         let children = &self.targets.cells[cell.children.clone()];
-        let shifts: Vec<_> = children.iter().map(|child| shift(cell, child, &local)).collect();
+        let shifts: Vec<_> =
+            children.iter().map(|child| shift(cell, child, &local, self.order)).collect();
         let size = count(self.order);
         let mut locals = vec![0.0; size * children.len()];
-        translator.each(Kind::Local, orders, &shifts, &mut locals);
+        translator.each(Kind::Local, &shifts, &mut locals);
         let locals = cell.children.clone().zip(locals.chunks_exact(size));
         let (pending, Task { bodies, complete, mut out }) = (&lists.pending, task);
         if cell.bodies.len() <= TASK {
@@ -206,10 +218,17 @@ impl<L: Leaf> Descent<'_, L> {
     }
 }
 
+/// A source cell that is far away.
+struct Distant {
+    cell: u32,
+    /// Degree that its expansion needs there.
+    degree: usize,
+}
+
 /// What becomes of the source cells that a target cell was left.
 #[derive(Default)]
 struct Lists {
-    far: Vec<u32>,
+    far: Vec<Distant>,
     pending: Vec<u32>,
     near: Vec<Range<usize>>,
 }
@@ -217,7 +236,7 @@ struct Lists {
 impl Lists {
     /// The larger of two cells is split, of equal ones that with the greater index, so that within
     /// one tree a body is near to another if that is near to it.
-    fn sort<L>(&mut self, descent: &Descent<L>, own: usize, mut stack: Vec<u32>) {
+    fn sort<L: Leaf>(&mut self, descent: &Descent<L>, own: usize, mut stack: Vec<u32>) {
         let target = &descent.targets.cells[own];
         stack.reverse();
         while let Some(index) = stack.pop() {
@@ -231,7 +250,8 @@ impl Lists {
                 if leaves && pairs <= descent.direct {
                     self.near(&source.bodies);
                 } else {
-                    self.far.push(index);
+                    let degree = descent.degree(reach / distance);
+                    self.far.push(Distant { cell: index, degree });
                 }
             } else if leaves {
                 self.near(&source.bodies);
