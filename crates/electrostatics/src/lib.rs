@@ -8,6 +8,7 @@ mod lanes;
 mod method;
 mod multipole;
 mod quadrature;
+mod real;
 mod segments;
 pub mod units;
 

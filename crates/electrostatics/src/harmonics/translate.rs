@@ -5,8 +5,9 @@
 //! z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the plain
 //! double sum takes `p^4`.
 
-use super::tables::{Tables, count};
-use super::turn::{Axis, Turn};
+use super::tables::count;
+use super::turn::{Axis, Turn, axis_size};
+use crate::real::Real;
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -24,9 +25,9 @@ pub(crate) enum Kind {
 
 /// One expansion that is moved.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shift<'a> {
+pub(crate) struct Shift<'a, E> {
     /// Its coefficients, at least up to the degree in use.
-    pub(crate) coefficients: &'a [f64],
+    pub(crate) coefficients: &'a [E],
     /// Degree up to which it is taken, and that of what it becomes.
     pub(crate) degrees: [usize; 2],
     /// From its center to the new one.
@@ -36,85 +37,83 @@ pub(crate) struct Shift<'a> {
 }
 
 /// Scratch space for moving expansions.
-pub(crate) struct Translator {
-    tables: &'static Tables,
+pub(crate) struct Translator<E> {
     order: usize,
-    work: AVec<f64, ConstAlign<64>>,
+    work: AVec<E, ConstAlign<64>>,
 }
 
 /// Most lanes of any register.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 16;
 
-impl Translator {
+impl<E: Real> Translator<E> {
     /// For expansions of degree up to `order`.
     pub(crate) fn new(order: usize) -> Self {
-        let size = 3 * count(order) + Axis::<f64>::size(order);
-        Self { tables: Tables::get(), order, work: avec![[64]| 0.0; size * LANES] }
+        let size = (3 * count(order) + axis_size(order)) * LANES;
+        Self { order, work: avec![[64]| E::of(0.0); size] }
     }
 
     /// Adds the moved `shifts` to `out`. As many as there are lanes are moved at once, by the highest of
     /// their degrees: it is fastest to have like degrees together.
-    pub(crate) fn sum(&mut self, kind: Kind, shifts: &[Shift], out: &mut [f64]) {
-        let Self { tables, order, work } = self;
-        Arch::new().dispatch(Sum { tables, order: *order, kind, shifts, work, out: Out::Sum(out) });
+    pub(crate) fn sum(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
+        let Self { order, work } = self;
+        Arch::new().dispatch(Sum { order: *order, kind, shifts, work, out: Out::Sum(out) });
     }
 
     /// Moves each of `shifts` to an expansion of its own, all of one degree; those stand in `out` one
     /// after another.
-    pub(crate) fn each(&mut self, kind: Kind, shifts: &[Shift], out: &mut [f64]) {
-        let Self { tables, order, work } = self;
-        let out = Out::Each(out);
-        Arch::new().dispatch(Sum { tables, order: *order, kind, shifts, work, out });
+    pub(crate) fn each(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
+        let Self { order, work } = self;
+        Arch::new().dispatch(Sum { order: *order, kind, shifts, work, out: Out::Each(out) });
     }
 }
 
-enum Out<'a> {
-    Sum(&'a mut [f64]),
-    Each(&'a mut [f64]),
+enum Out<'a, E> {
+    Sum(&'a mut [E]),
+    Each(&'a mut [E]),
 }
 
-struct Sum<'a> {
-    tables: &'a Tables,
+struct Sum<'a, E> {
     order: usize,
     kind: Kind,
-    shifts: &'a [Shift<'a>],
-    work: &'a mut [f64],
-    out: Out<'a>,
+    shifts: &'a [Shift<'a, E>],
+    work: &'a mut [E],
+    out: Out<'a, E>,
 }
 
-impl WithSimd for Sum<'_> {
+impl<E: Real> WithSimd for Sum<'_, E> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { tables, order, kind, shifts, work, mut out } = self;
+        let Self { order, kind, shifts, work, mut out } = self;
         let size = count(order);
-        let (work, _) = S::as_mut_simd_f64s(work);
+        let (moves, lanes) = (E::moves(), E::lanes::<S>());
+        let work = E::registers_mut::<S>(work);
         let (a, rest) = work.split_at_mut(size);
         let (b, rest) = rest.split_at_mut(size);
         let (total, rest) = rest.split_at_mut(size);
         let mut axis = Axis::new(order, rest);
-        total.fill(simd.splat_f64s(0.0));
-        for (chunk, shifts) in shifts.chunks(S::F64_LANES).enumerate() {
+        total.fill(E::splat(simd, E::of(0.0)));
+        for (chunk, shifts) in shifts.chunks(lanes).enumerate() {
             let [p, q] =
                 [0, 1].map(|k| shifts.iter().map(|shift| shift.degrees[k]).max().unwrap_or(0));
-            load::<S>(&mut a[..count(p)], shifts);
+            load::<S, E>(&mut a[..count(p)], shifts);
             let turn = Turn::new(simd, shifts);
-            turn.forth(tables, p, a, b);
-            axis.shift(simd, tables, kind, [p, q], &turn, a, b);
-            turn.back(tables, q, a, b);
+            turn.forth(moves, p, a, b);
+            axis.shift(simd, moves, kind, [p, q], &turn, a, b);
+            turn.back(moves, q, a, b);
             match &mut out {
                 Out::Sum(_) => {
                     for (total, a) in total[..count(q)].iter_mut().zip(&*a) {
-                        *total = simd.add_f64s(*total, *a);
+                        *total = E::add(simd, *total, *a);
                     }
                 }
                 Out::Each(out) => {
-                    let lanes: &[f64] = pulp::bytemuck::cast_slice(&a[..count(q)]);
-                    let first = chunk * S::F64_LANES * count(q);
+                    let rows: &[E] = pulp::bytemuck::cast_slice(&a[..count(q)]);
+                    let first = chunk * lanes * count(q);
                     for (lane, out) in out[first..].chunks_exact_mut(count(q)).enumerate() {
                         if lane < shifts.len() {
-                            for (out, a) in out.iter_mut().zip(lanes.chunks_exact(S::F64_LANES)) {
+                            for (out, a) in out.iter_mut().zip(rows.chunks_exact(lanes)) {
                                 *out = a[lane];
                             }
                         }
@@ -124,7 +123,7 @@ impl WithSimd for Sum<'_> {
         }
         if let Out::Sum(out) = out {
             for (out, total) in out.iter_mut().zip(&*total) {
-                *out += simd.reduce_sum_f64s(*total);
+                *out = E::of(out.double() + E::sum(simd, *total).double());
             }
         }
     }
@@ -132,25 +131,34 @@ impl WithSimd for Sum<'_> {
 
 /// Puts one expansion into each lane; lanes without one hold zeros.
 #[inline(always)]
-fn load<S: Simd>(a: &mut [S::f64s], shifts: &[Shift]) {
-    let size = a.len();
-    let lanes: &mut [f64] = pulp::bytemuck::cast_slice_mut(a);
-    if shifts.len() == 8 && S::F64_LANES == 8 {
-        let mut rows = [&shifts[0].coefficients[..size]; 8];
-        for (row, shift) in rows.iter_mut().zip(shifts) {
-            *row = &shift.coefficients[..size];
-        }
-        for (i, lane) in lanes.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-            for k in 0..8 {
-                lane[k] = rows[k][i];
+fn load<S: Simd, E: Real>(a: &mut [E::Lanes<S>], shifts: &[Shift<E>]) {
+    let lanes = E::lanes::<S>();
+    let places: &mut [E] = pulp::bytemuck::cast_slice_mut(a);
+    if shifts.len() == lanes && lanes == 16 {
+        fill::<E, 16>(places, shifts);
+    } else if shifts.len() == lanes && lanes == 8 {
+        fill::<E, 8>(places, shifts);
+    } else {
+        places.fill(E::of(0.0));
+        for (k, shift) in shifts.iter().enumerate() {
+            for (lane, c) in places.chunks_exact_mut(lanes).zip(shift.coefficients) {
+                lane[k] = *c;
             }
         }
-        return;
     }
-    lanes.fill(0.0);
-    for (k, shift) in shifts.iter().enumerate() {
-        for (lane, c) in lanes.chunks_exact_mut(S::F64_LANES).zip(&shift.coefficients[..size]) {
-            lane[k] = *c;
+}
+
+/// Puts the expansions into all of the lanes.
+#[inline(always)]
+fn fill<E: Real, const N: usize>(places: &mut [E], shifts: &[Shift<E>]) {
+    let size = places.len() / N;
+    let mut rows = [&shifts[0].coefficients[..size]; N];
+    for (row, shift) in rows.iter_mut().zip(shifts) {
+        *row = &shift.coefficients[..size];
+    }
+    for (i, lane) in places.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+        for k in 0..N {
+            lane[k] = rows[k][i];
         }
     }
 }

@@ -2,12 +2,15 @@
 
 use super::engine::{Descent, Far, Leaf, Multipoles, Task};
 use super::near::{Cloud, add_pairs};
+use super::single::add_pairs_single;
 use super::tree::{Cell, Tree};
 use crate::ElectrostaticsError;
 use crate::error::{check_charges, check_positions};
 use crate::harmonics::MAX_ORDER;
 use crate::method::{Fields, Method, direct_sums, places};
+use crate::real::Real;
 use nalgebra::Point3;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 /// How exact a sum must be.
@@ -101,8 +104,15 @@ impl Plan {
         let cloud = Cloud { x: self.places.clone(), charge };
         let own = (&self.sources, &self.places);
         let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
-        let sum = Sum { plan: self, cloud, targets: tree, places };
-        let (sums, certificate) = sum.run()?;
+        let single = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance >= SINGLE,
+            Accuracy::Order(_) => false,
+        };
+        let (sums, certificate) = if single {
+            Sum { plan: self, cloud, targets: tree, places, real: PhantomData::<f32> }.run()?
+        } else {
+            Sum { plan: self, cloud, targets: tree, places, real: PhantomData::<f64> }.run()?
+        };
         Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
     }
 }
@@ -128,9 +138,9 @@ fn capacity(accuracy: Accuracy) -> usize {
 }
 
 /// Pairs that take as long as one move of an expansion, from measured rates.
-pub(crate) fn pairs_per_shift(order: usize) -> usize {
+fn pairs_per_shift(order: usize) -> usize {
     let p = order + 1;
-    200 + p * p * 4 + p * p * p / 5
+    60 + p * p + p * p * p / 16
 }
 
 /// The degree that a tolerance usually needs.
@@ -147,21 +157,29 @@ pub(crate) fn guess(accuracy: Accuracy) -> usize {
 /// Logarithm of the factor by which one degree more reduces the error, usually.
 const SLOPE: f64 = 0.7;
 
-/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.6, 0.7, 0.8 and
-/// 0.9 for a million uniform points at 2e-5, and within a tenth of it at 2e-7.
-const OPENING: f64 = 0.72;
+/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77 and
+/// 0.8 for a million uniform points.
+const OPENING: f64 = 0.75;
+
+/// Tolerances from which single precision is enough.
+const SINGLE: f64 = 1e-5;
+
+/// Least length that distances are divided by, over the radius of all targets, so that no power of
+/// theirs overflows.
+const LEAST: f64 = 1e-8;
 
 /// Share of the tolerance that the samples may use up, since they are not all targets.
 pub(crate) const MARGIN: f64 = 0.5;
 
-struct Sum<'a> {
+struct Sum<'a, E> {
     plan: &'a Plan,
     cloud: Cloud,
     targets: &'a Tree,
     places: &'a [Vec<f64>; 3],
+    real: PhantomData<E>,
 }
 
-impl Sum<'_> {
+impl<E: Real> Sum<'_, E> {
     fn run(&self) -> Result<(Vec<[f64; 4]>, Certificate), ElectrostaticsError> {
         let (n, m) = (self.cloud.len(), self.places[0].len());
         let direct = || {
@@ -179,7 +197,7 @@ impl Sum<'_> {
         let guess = guess(self.plan.accuracy);
         let (order, multipoles, error) = if tolerance > 0.0 {
             let multipoles = |order| Multipoles::new(&self.plan.sources, &self.cloud, 1, order);
-            let error = |multipoles: &Multipoles, order| {
+            let error = |multipoles: &Multipoles<E>, order| {
                 let mut out = vec![[0.0; 4]; m];
                 self.descend(multipoles, order, Some(&reference.samples), &mut out);
                 reference.error(&out)
@@ -216,7 +234,7 @@ impl Sum<'_> {
 
     fn descend(
         &self,
-        multipoles: &Multipoles,
+        multipoles: &Multipoles<E>,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [[f64; 4]],
@@ -234,24 +252,29 @@ impl Sum<'_> {
     }
 }
 
-impl Leaf for Sum<'_> {
+impl<E: Real> Leaf for Sum<'_, E> {
     type Out = [f64; 4];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
         let (bodies, out) = (cell.bodies.clone(), task.of(cell));
         far.add(cell, self.places, bodies.clone(), out);
-        add_pairs(&self.cloud, near, 0.0, self.places, bodies, out);
+        if size_of::<E>() == size_of::<f64>() {
+            add_pairs(&self.cloud, near, 0.0, self.places, bodies, out);
+        } else {
+            let least = LEAST * self.targets.cells[0].scale();
+            add_pairs_single(&self.cloud, near, self.places, cell, least, out);
+        }
     }
 }
 
 /// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
 /// order or more) and the error.
-pub(crate) fn find_order<'a>(
+pub(crate) fn find_order<'a, E: Real>(
     guess: usize,
     tolerance: f64,
-    multipoles: impl Fn(usize) -> Multipoles<'a>,
-    error: impl Fn(&Multipoles<'a>, usize) -> f64,
-) -> Result<(usize, Multipoles<'a>, f64), ElectrostaticsError> {
+    multipoles: impl Fn(usize) -> Multipoles<'a, E>,
+    error: impl Fn(&Multipoles<'a, E>, usize) -> f64,
+) -> Result<(usize, Multipoles<'a, E>, f64), ElectrostaticsError> {
     let allowed = MARGIN * tolerance;
     let mut order = guess;
     let mut expansions = multipoles(order);
@@ -263,7 +286,9 @@ pub(crate) fn find_order<'a>(
         }
         let reached = errors[order];
         if reached <= allowed {
-            if order == 1 || errors[order - 1] > allowed {
+            // What is almost too large is so with one degree less.
+            let almost = reached > (-SLOPE).exp() * allowed;
+            if order == 1 || almost || errors[order - 1] > allowed {
                 return Ok((order, expansions, reached));
             }
             order -= 1;
@@ -297,7 +322,7 @@ struct Reference {
 impl Reference {
     /// Takes samples all over the tree. A third of them is uniform, a third as frequent as the field
     /// is strong and a third as its square, because few targets may hold most of the sum of squares.
-    fn new(sum: &Sum) -> Self {
+    fn new<E: Real>(sum: &Sum<E>) -> Self {
         let targets = sum.places[0].len();
         let wanted = (100_000_000 / sum.cloud.len().max(1)).clamp(64, 2048).min(targets);
         let strengths = sum.strengths();

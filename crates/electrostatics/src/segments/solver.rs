@@ -227,7 +227,7 @@ impl Sum<'_> {
         let (order, multipoles) = match accuracy {
             Accuracy::Order(order) => (order, multipoles(order)),
             Accuracy::Tolerance(tolerance) => {
-                let error = |multipoles: &Multipoles, order| {
+                let error = |multipoles: &Multipoles<f64>, order| {
                     let mut out = vec![[0.0; 7]; count];
                     self.descend(multipoles, order, Some(&samples), &mut out);
                     error(&out)
@@ -243,7 +243,7 @@ impl Sum<'_> {
 
     fn descend(
         &self,
-        sources: &Multipoles,
+        sources: &Multipoles<f64>,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [Loads],
