@@ -16,10 +16,6 @@ use std::ops::Range;
 /// Bodies below which a subtree is one task.
 const TASK: usize = 4096;
 
-/// Power of the share of its degree that a distant cell is left: less than one, because there are more
-/// of them than of close ones. The fastest of 0.6, 0.8 and 1.
-const MANY: f64 = 0.8;
-
 /// The multipoles of all cells of a tree.
 pub(crate) struct Multipoles<'a, E> {
     pub(crate) tree: &'a Tree,
@@ -71,7 +67,7 @@ fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
 }
 
 fn shift<'a, E>(from: &Cell, to: &Cell, coefficients: &'a [E], degree: usize) -> Shift<'a, E> {
-    let (offset, scales) = (to.center - from.center, [from.scale(), to.scale()]);
+    let (offset, scales) = (to.center - from.center, [from.scale, to.scale]);
     Shift { coefficients, degrees: [degree; 2], offset, scales }
 }
 
@@ -132,6 +128,8 @@ pub(crate) struct Descent<'a, L, E> {
     pub(crate) order: usize,
     /// Largest ratio of the sum of the radii of two cells to their distance.
     pub(crate) opening: f64,
+    /// Power of the share of the degree that distant cells are left; zero leaves them all of it.
+    pub(crate) thinning: f64,
     /// Pairs of bodies that are cheaper one by one than by their cells.
     pub(crate) direct: usize,
     /// Bodies of the targets, ascending, that are wanted; without, all.
@@ -156,7 +154,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
     fn degree(&self, radii: [f64; 2], distance: f64) -> usize {
         let falls = radii[0].max(radii[1]) / (distance - radii[0].min(radii[1]));
         let least = self.opening / (2.0 - self.opening);
-        let share = (least.ln() / falls.max(1e-6).ln()).powf(MANY);
+        let share = (least.ln() / falls.max(1e-6).ln()).powf(self.thinning);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
         let terms = ((self.order + 1) as f64 * share).ceil() as usize;
         terms.saturating_sub(1).clamp(self.order.min(2), self.order)
@@ -193,7 +191,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
             let local: Vec<_> = local.iter().map(|c| c.double()).collect();
-            gradient.set(Tables::get(), self.order, cell.scale(), &local);
+            gradient.set(Tables::get(), self.order, cell.scale, &local);
             let far = Far { order: self.order, gradient };
             self.leaf.receive(cell, &far, &lists.near, task);
             return;

@@ -70,7 +70,7 @@ impl Kernel for Pairs<'_> {
     #[expect(clippy::cast_possible_truncation, reason = "charges are about one")]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
         let Self { sources, ranges, places, cell, least, out } = self;
-        let scale = 1.0 / cell.scale().max(least);
+        let scale = 1.0 / cell.scale.max(least);
         let center = cell.center.into();
         let (mut tile, mut targets) = (Tile::<TILE>::EMPTY, Tile::<BLOCK>::EMPTY);
         for range in ranges {

@@ -6,7 +6,7 @@ use crate::error::{check_charges, check_count, check_positions};
 use crate::method::direct_sums;
 use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
 use crate::multipole::near::{Cloud, add_pairs};
-use crate::multipole::solver::{check_accuracy, find_order, guess};
+use crate::multipole::solver::{check_accuracy, find_order, guess, thinning};
 use crate::multipole::tree::{Cell, Tree};
 use crate::quadrature::gauss_legendre;
 use crate::{Accuracy, COULOMB_CONSTANT, Certificate, ElectrostaticsError};
@@ -127,7 +127,7 @@ impl ChargedFibers<'_> {
             #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
             lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
         }
-        Sum { tree, cloud, rule, lines }
+        Sum { tree, cloud, rule, lines, accuracy: self.accuracy }
     }
 
     /// The second derivative of the energy in the direction `v` (m, one vector a node), N: the
@@ -200,6 +200,7 @@ struct Sum<'a> {
     /// Points on each segment.
     rule: Vec<[f64; 2]>,
     lines: Lines,
+    accuracy: Accuracy,
 }
 
 impl Sum<'_> {
@@ -249,7 +250,9 @@ impl Sum<'_> {
         out: &mut [Loads],
     ) {
         let (targets, opening) = (self.tree, OPENING);
-        Descent { sources, targets, leaf: self, order, opening, direct: 0, samples }.run(out);
+        let thinning = thinning(self.accuracy);
+        Descent { sources, targets, leaf: self, order, opening, thinning, direct: 0, samples }
+            .run(out);
     }
 
     /// The loads of `samples` without expansions, with the closed form up to the distance `reach`.
