@@ -56,6 +56,12 @@ impl<S: Simd, E: Real> Lanes<S, E> {
         Self::splat(self.simd, value)
     }
 
+    /// A number that is of the kind already in all lanes.
+    #[inline(always)]
+    pub(crate) fn all(simd: S, value: E) -> Self {
+        Self { simd, values: E::splat(simd, value) }
+    }
+
     /// The first lanes of an array, which has as many as a register.
     #[inline(always)]
     pub(crate) fn load(simd: S, values: &[E]) -> Self {
@@ -81,6 +87,22 @@ impl<S: Simd, E: Real> Lanes<S, E> {
         Self { values: E::abs(self.simd, self.values), ..self }
     }
 
+    #[inline(always)]
+    pub(crate) fn square_root(self) -> Self {
+        Self { values: E::sqrt(self.simd, self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn over(self, other: Self) -> Self {
+        Self { values: E::div(self.simd, self.values, other.values), ..self }
+    }
+
+    /// Whether this is below `limit` in any lane.
+    #[inline(always)]
+    pub(crate) fn any_below(self, limit: Self) -> bool {
+        E::any_below(self.simd, [self.values, limit.values])
+    }
+
     /// `yes` in the lanes where this is below `limit`, `no` in the others.
     #[inline(always)]
     pub(crate) fn below(self, limit: Self, yes: Self, no: Self) -> Self {
@@ -99,13 +121,11 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-impl<S: Simd> Lanes<S, f32> {
-    /// The lanes one after another; those beyond the register are zero.
+impl<S: Simd, E: Real> Lanes<S, E> {
+    /// The lanes one after another, as many as a register has.
     #[inline(always)]
-    pub(crate) fn store(self) -> [f32; 2 * LANES] {
-        let mut out = [0.0; 2 * LANES];
-        f32::registers_mut::<S>(&mut out)[0] = self.values;
-        out
+    pub(crate) fn numbers(&self) -> &[E] {
+        pulp::bytemuck::cast_slice(std::slice::from_ref(&self.values))
     }
 }
 
@@ -166,12 +186,12 @@ impl<S: Simd, E: Real> Roots<S, E> for Portable {
 
     #[inline(always)]
     fn root(self, x: Lanes<S, E>) -> Lanes<S, E> {
-        Lanes { values: E::sqrt(x.simd, x.values), ..x }
+        x.square_root()
     }
 
     #[inline(always)]
     fn reciprocal(self, x: Lanes<S, E>) -> Lanes<S, E> {
-        Lanes { values: E::div(x.simd, E::splat(x.simd, E::of(1.0)), x.values), ..x }
+        x.of(1.0).over(x)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Numbers of single and double precision, a register of them at a time.
 
 use crate::harmonics::Moves;
+use crate::lanes::{Lanes, Roots};
 use pulp::Simd;
 use pulp::bytemuck::Pod;
 use std::sync::OnceLock;
@@ -44,6 +45,13 @@ pub(crate) trait Real: Pod + Send + Sync + PartialOrd {
         yes: Self::Lanes<S>,
         no: Self::Lanes<S>,
     ) -> Self::Lanes<S>;
+    /// Whether the first of `sides` is the smaller in any lane.
+    fn any_below<S: Simd>(simd: S, sides: [Self::Lanes<S>; 2]) -> bool;
+    /// As [`Roots::inverse_root`].
+    fn inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
+        roots: R,
+        x: Lanes<S, Self>,
+    ) -> Lanes<S, Self>;
     /// The sum of all lanes.
     fn sum<S: Simd>(simd: S, a: Self::Lanes<S>) -> Self;
     /// The constants that move expansions.
@@ -58,7 +66,7 @@ pub(crate) trait Real: Pod + Send + Sync + PartialOrd {
 macro_rules! real {
     ($real:ident, $lanes:ident, {
         $as:ident $as_mut:ident $splat:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident
-        $neg:ident $abs:ident $mul_add:ident $mul_from:ident $less:ident $select:ident $sum:ident
+        $neg:ident $abs:ident $mul_add:ident $mul_from:ident $less:ident $first:ident $select:ident $sum:ident
     }) => {
         impl Real for $real {
             type Lanes<S: Simd> = S::$lanes;
@@ -145,6 +153,19 @@ macro_rules! real {
             }
 
             #[inline(always)]
+            fn any_below<S: Simd>(simd: S, [a, b]: [S::$lanes; 2]) -> bool {
+                simd.$first(simd.$less(a, b)) < Self::lanes::<S>()
+            }
+
+            #[inline(always)]
+            fn inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
+                roots: R,
+                x: Lanes<S, Self>,
+            ) -> Lanes<S, Self> {
+                roots.inverse_root(x)
+            }
+
+            #[inline(always)]
             fn sum<S: Simd>(simd: S, a: S::$lanes) -> Self {
                 simd.$sum(a)
             }
@@ -159,9 +180,9 @@ macro_rules! real {
 
 real!(f64, f64s, {
     as_simd_f64s as_mut_simd_f64s splat_f64s add_f64s sub_f64s mul_f64s div_f64s sqrt_f64s
-    neg_f64s abs_f64s mul_add_e_f64s negate_mul_add_e_f64s less_than_f64s select_f64s reduce_sum_f64s
+    neg_f64s abs_f64s mul_add_e_f64s negate_mul_add_e_f64s less_than_f64s first_true_m64s select_f64s reduce_sum_f64s
 });
 real!(f32, f32s, {
     as_simd_f32s as_mut_simd_f32s splat_f32s add_f32s sub_f32s mul_f32s div_f32s sqrt_f32s
-    neg_f32s abs_f32s mul_add_e_f32s negate_mul_add_e_f32s less_than_f32s select_f32s reduce_sum_f32s
+    neg_f32s abs_f32s mul_add_e_f32s negate_mul_add_e_f32s less_than_f32s first_true_m32s select_f32s reduce_sum_f32s
 });

@@ -23,20 +23,13 @@ impl<S: Simd, E: Real> Turn<S, E> {
             let values = [offset.x, offset.y, offset.z, scales[0], scales[1]];
             rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = E::of(value));
         }
-        let [x, y, z, from, to] = [0, 1, 2, 3, 4].map(|k| E::registers::<S>(&rows[k])[0]);
-        let length = |a, b| E::sqrt(simd, E::mul_add(simd, a, a, E::mul(simd, b, b)));
-        let flat = length(x, y);
-        let distance = length(flat, z);
-        // An angle that is not defined is none.
-        let zero = E::splat(simd, E::of(0.0));
-        let angle = |adjacent, opposite, length| {
-            let over = |x, none| {
-                let none = E::splat(simd, E::of(none));
-                E::below(simd, [zero, length], E::div(simd, x, length), none)
-            };
-            [over(adjacent, 1.0), over(opposite, 0.0)]
-        };
-        let (azimuth, polar) = (angle(x, y, flat), angle(z, flat, distance));
+        let mut values = [E::splat(simd, E::of(0.0)); 5];
+        for (value, row) in values.iter_mut().zip(&rows) {
+            *value = E::registers::<S>(row)[0];
+        }
+        let [x, y, z, from, to] = values;
+        let (flat, azimuth) = polar::<S, E>(simd, [x, y]);
+        let (distance, polar) = polar::<S, E>(simd, [z, flat]);
         Self { simd, azimuth, polar, distance, scales: [from, to] }
     }
 
@@ -92,6 +85,15 @@ impl<S: Simd, E: Real> Turn<S, E> {
             multiple = self.minus(turned::<S, E>(self.simd, angle, self.minus(multiple)));
         }
     }
+}
+
+/// Length of a vector, and cosine and sine of its angle; an angle that is not defined is none.
+#[inline(always)]
+fn polar<S: Simd, E: Real>(simd: S, [x, y]: [E::Lanes<S>; 2]) -> (E::Lanes<S>, [E::Lanes<S>; 2]) {
+    let [zero, one] = [E::splat(simd, E::of(0.0)), E::splat(simd, E::of(1.0))];
+    let length = E::sqrt(simd, E::mul_add(simd, x, x, E::mul(simd, y, y)));
+    let cosine = E::below(simd, [zero, length], E::div(simd, x, length), one);
+    (length, [cosine, E::below(simd, [zero, length], E::div(simd, y, length), zero)])
 }
 
 /// The vector `[x, y]` turned back by the angle with this cosine and sine.

@@ -92,6 +92,16 @@ pub(crate) struct Task<'a, Out> {
 }
 
 impl<Out> Task<'_, Out> {
+    /// Whether body `j` is looked at in this task as well, so that pairs with it are found twice.
+    pub(crate) fn both(&self, j: usize) -> bool {
+        self.complete && self.bodies.contains(&j)
+    }
+
+    /// What is found for body `i`.
+    pub(crate) fn of_body(&mut self, i: usize) -> &mut Out {
+        &mut self.out[i - self.bodies.start]
+    }
+
     /// What is found for the bodies of `cell`.
     pub(crate) fn of(&mut self, cell: &Cell) -> &mut [Out] {
         let first = self.bodies.start;
@@ -130,6 +140,8 @@ pub(crate) struct Descent<'a, L, E> {
     pub(crate) opening: f64,
     /// Power of the share of the degree that distant cells are left; zero leaves them all of it.
     pub(crate) thinning: f64,
+    /// Least length between cells whose expansions are used.
+    pub(crate) clearance: f64,
     /// Pairs of bodies that are cheaper one by one than by their cells.
     pub(crate) direct: usize,
     /// Bodies of the targets, ascending, that are wanted; without, all.
@@ -253,7 +265,7 @@ impl Lists {
             let distance = (source.center - target.center).norm();
             let pairs = source.bodies.len() * target.bodies.len();
             let leaves = target.is_leaf() && (source.is_leaf() || pairs <= descent.direct);
-            if reach < descent.opening * distance {
+            if reach < descent.opening * distance && reach + descent.clearance <= distance {
                 if leaves && pairs <= descent.direct {
                     self.near(&source.bodies);
                 } else {

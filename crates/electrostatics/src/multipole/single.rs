@@ -90,8 +90,8 @@ impl Kernel for Pairs<'_> {
                         for (c, sum) in sums.iter().enumerate() {
                             // A potential is an inverse length, a field one squared.
                             let unit = if c == 0 { scale } else { scale * scale };
-                            for (out, lane) in out.iter_mut().zip(sum.store()) {
-                                out[c] += unit * f64::from(lane);
+                            for (out, lane) in out.iter_mut().zip(sum.numbers()) {
+                                out[c] += unit * f64::from(*lane);
                             }
                         }
                     }
@@ -120,13 +120,12 @@ fn add_tile<S: Simd, R: Roots<S, f32>>(
     }
     let mut sums = [[zero; 4]; 2];
     for j in 0..count {
-        let of = |value: f32| Lanes { simd, values: simd.splat_f32s(value) };
-        let charge = of(tile.charge[j]);
+        let charge = Lanes::all(simd, tile.charge[j]);
         for k in 0..2 {
             let mut r = [zero; 3];
             for d in 0..3 {
-                let difference = of(tile.rest[d][j]) - rest[k][d];
-                r[d] = (of(tile.x[d][j]) - x[k][d]) + difference;
+                let difference = Lanes::all(simd, tile.rest[d][j]) - rest[k][d];
+                r[d] = (Lanes::all(simd, tile.x[d][j]) - x[k][d]) + difference;
             }
             let r2 = r[2].times_plus(r[2], r[1].times_plus(r[1], r[0] * r[0]));
             let inverse = roots.inverse_root(r2);

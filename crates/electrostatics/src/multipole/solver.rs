@@ -170,7 +170,7 @@ const SLOPE: f64 = 0.7;
 const OPENING: f64 = 0.75;
 
 /// Tolerances from which single precision is enough.
-const SINGLE: f64 = 1e-5;
+pub(crate) const SINGLE: f64 = 1e-5;
 
 /// Power of the share of the degree that distant cells are left. For a tolerance it is less than one,
 /// because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
@@ -260,6 +260,7 @@ impl<E: Real> Sum<'_, E> {
             order,
             opening: OPENING,
             thinning: thinning(self.plan.accuracy),
+            clearance: 0.0,
             direct: pairs_per_shift(order),
             samples,
         }

@@ -52,11 +52,6 @@ impl<S: Simd> Means<S> {
         Self { energy: zero, force: [zero; 3], first_end: [zero; 3], second_end: [zero; 3] }
     }
 
-    #[inline(always)]
-    pub(super) fn less(&self, other: &Self) -> Self {
-        self.plus(other, Lanes::splat(self.energy.simd, -1.0))
-    }
-
     /// `self + other * factor`.
     #[inline(always)]
     pub(super) fn plus(&self, other: &Self, factor: Lanes<S>) -> Self {
