@@ -14,7 +14,10 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 /// Sum of half axes over half the length from which the rule of the fewest points is used.
-const FAR: f64 = 4.7;
+const FAR: f64 = 5.2;
+
+/// Beyond all rules.
+const FARTHEST: f64 = 1e30;
 
 /// A rule for both of a pair.
 struct Rule<E> {
@@ -72,7 +75,9 @@ pub(super) fn add_rules<E: Real>(
     let source = |j: usize| {
         let (middle, half) = (lines.middle(j), lines.half(j));
         let [x, y, z] = [0, 1, 2].map(|c| middle[c] - center[c]);
-        let row = [x, y, z, half[0], half[1], half[2], lines.length[j], lines.charge[j]];
+        let [a, b, c] = half;
+        let length = lines.length[j];
+        let row = [x, y, z, a, b, c, length, 1.0 / length, lines.charge[j]];
         (j, row.map(E::of))
     };
     let sources: Vec<_> = sources.iter().flat_map(|range| range.clone().map(source)).collect();
@@ -86,7 +91,7 @@ struct Pairs<'a, E> {
     lines: &'a Lines,
     rules: &'a Rules<E>,
     targets: &'a [usize],
-    sources: Vec<(usize, [E; 8])>,
+    sources: Vec<(usize, [E; 9])>,
     center: [f64; 3],
     close: &'a mut Vec<[usize; 2]>,
     out: &'a mut [Loads],
@@ -99,6 +104,7 @@ struct Bars<S: Simd, E: Real> {
     middle: Vectors<S, E>,
     half: Vectors<S, E>,
     length: Lanes<S, E>,
+    inverse_length: Lanes<S, E>,
 }
 
 /// Sums over pairs: of `1/r`, of `r/r^3`, and of the latter times the place on the target.
@@ -119,12 +125,12 @@ impl<E: Real> Kernel for Pairs<'_, E> {
             let own = bars(simd, lines, targets, center);
             let mut sums = Sums { energy: zero, force: [zero; 3], moment: [zero; 3] };
             for (j, row) in &sources {
-                let mut of = [zero; 8];
-                for k in 0..8 {
+                let mut of = [zero; 9];
+                for k in 0..9 {
                     of[k] = Lanes::all(simd, row[k]);
                 }
-                let [x, y, z, a, b, c, length, charge] = of;
-                let other = Bars { middle: [x, y, z], half: [a, b, c], length };
+                let [x, y, z, a, b, c, length, inverse_length, charge] = of;
+                let other = Bars { middle: [x, y, z], half: [a, b, c], length, inverse_length };
                 let r = minus(&own.middle, &other.middle);
                 let limit = (own.length + other.length) * zero.of(0.5 * far);
                 if !dot(&r, &r).any_below(limit * limit) {
@@ -132,8 +138,9 @@ impl<E: Real> Kernel for Pairs<'_, E> {
                     add_rule(roots, rule, &own, &other, &r, charge, &mut sums);
                     continue;
                 }
-                let nearness = nearness(&own, &other, &r);
+                let nearness = nearness(roots, &own, &other, &r);
                 let least = zero.of(rules.rules[0].least);
+                let share = nearness.below(least, zero, charge);
                 if nearness.any_below(least) {
                     let near = nearness.below(least, zero.of(1.0), zero);
                     for (i, near) in targets.iter().zip(near.numbers()) {
@@ -142,14 +149,15 @@ impl<E: Real> Kernel for Pairs<'_, E> {
                         }
                     }
                 }
-                for (k, rule) in rules.rules.iter().enumerate() {
-                    let within = nearness.below(zero.of(rule.least), zero, charge);
-                    let next = rules.rules.get(k + 1).map_or(1e30, |next| next.least);
-                    let share = nearness.below(zero.of(next), within, zero);
-                    if zero.any_below(share.abs()) {
-                        add_rule(roots, &rule.points, &own, &other, &r, share, &mut sums);
+                // One rule serves all lanes: what is enough for the closest is so for the others.
+                let nearness = nearness.below(least, zero.of(FARTHEST), nearness);
+                let mut rule = &rules.rules[0];
+                for next in &rules.rules[1..] {
+                    if !nearness.any_below(zero.of(next.least)) {
+                        rule = next;
                     }
                 }
+                add_rule(roots, &rule.points, &own, &other, &r, share, &mut sums);
             }
             for (k, (i, out)) in targets.iter().zip(out).enumerate() {
                 let lane = |x: &Lanes<S, E>| lines.charge[*i] * x.numbers()[k].double();
@@ -172,7 +180,7 @@ fn bars<S: Simd, E: Real>(
     indices: &[usize],
     center: [f64; 3],
 ) -> Bars<S, E> {
-    let mut rows = [[E::of(0.0); 16]; 7];
+    let mut rows = [[E::of(0.0); 16]; 8];
     for k in 0..E::lanes::<S>() {
         let i = indices[if k < indices.len() { k } else { 0 }];
         let (middle, half) = (lines.middle(i), lines.half(i));
@@ -181,12 +189,14 @@ fn bars<S: Simd, E: Real>(
             rows[3 + c][k] = E::of(half[c]);
         }
         rows[6][k] = E::of(lines.length[i]);
+        rows[7][k] = E::of(1.0 / lines.length[i]);
     }
-    let [x, y, z, a, b, c, length] = rows;
+    let [x, y, z, a, b, c, length, inverse_length] = rows;
     Bars {
         middle: [Lanes::load(simd, &x), Lanes::load(simd, &y), Lanes::load(simd, &z)],
         half: [Lanes::load(simd, &a), Lanes::load(simd, &b), Lanes::load(simd, &c)],
         length: Lanes::load(simd, &length),
+        inverse_length: Lanes::load(simd, &inverse_length),
     }
 }
 
@@ -194,7 +204,8 @@ fn bars<S: Simd, E: Real>(
 /// over the length of this; the less of both ways round. With the distance p across the axis and g
 /// beyond the end it is `((2 g + L)^2 + 4 p^2)/L^2` by the triangle inequality.
 #[inline(always)]
-fn nearness<S: Simd, E: Real>(
+fn nearness<S: Simd, E: Real, R: Roots<S> + Roots<S, f32>>(
+    roots: R,
     own: &Bars<S, E>,
     other: &Bars<S, E>,
     r: &Vectors<S, E>,
@@ -205,7 +216,7 @@ fn nearness<S: Simd, E: Real>(
     let mut least = r2.of(0.9e30);
     for [bar, partner] in [[own, other], [other, own]] {
         // All in lengths of the bar.
-        let inverse = r2.of(1.0).over(bar.length);
+        let inverse = bar.inverse_length;
         let along_bar = dot(r, &bar.half).abs() * inverse * two;
         let reach = product * inverse * r2.of(0.5);
         let across2 = along_bar.times_from(along_bar, r2);
@@ -214,7 +225,8 @@ fn nearness<S: Simd, E: Real>(
         // What the partner extends across the axis.
         let lean2 = reach.times_from(reach, partner2);
         let lean2 = lean2.below(zero, zero, lean2);
-        let across = across2.square_root() - lean2.square_root();
+        let across =
+            across2 * E::inverse_root(roots, across2) - lean2 * E::inverse_root(roots, lean2);
         let across = across.below(zero, zero, across) * inverse;
         let gap = (along_bar - reach) * inverse - r2.of(0.5);
         let gap = gap.below(zero, zero, gap);

@@ -22,7 +22,7 @@ const CAPACITY: usize = 40;
 const SAMPLES: usize = 48;
 
 /// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.72;
+const OPENING: f64 = 0.76;
 
 /// Charged fibres: the straight segments between their nodes, each with its charge spread evenly.
 ///
@@ -193,7 +193,7 @@ impl ChargedFibers<'_> {
 }
 
 /// Error of rules over the tolerance of the forces, from measured errors.
-const SHARE: f64 = 20.0;
+const SHARE: f64 = 0.5;
 
 /// Error beyond which rules are not made stricter.
 const STRICTEST: f64 = 1e-14;
@@ -223,7 +223,7 @@ impl<'a, E: Real> Sum<'a, E> {
             }
         }
         let longest = lines.length.iter().copied().fold(0.0, f64::max);
-        let clearance = rules.clearance() * longest;
+        let clearance = 0.5 * rules.clearance() * longest;
         Self { tree, lines, rules, cloud, sine: nearly_parallel(error), clearance, accuracy }
     }
 
@@ -256,7 +256,7 @@ impl<'a, E: Real> Sum<'a, E> {
                     self.descend(multipoles, order, Some(&samples), &mut out);
                     error(&out)
                 };
-                let found = find_order(guess(self.accuracy), tolerance, multipoles, error)?;
+                let found = find_order(guess(self.accuracy) + 1, tolerance, multipoles, error)?;
                 (found.0, found.1)
             }
         };
@@ -292,7 +292,7 @@ impl<'a, E: Real> Sum<'a, E> {
             self.lines.add_self(i, out);
             let own: Vec<_> = pairs.iter().copied().filter(|pair| pair[0] == i).collect();
             let task = Task { bodies: i..i + 1, complete: false, out: std::slice::from_mut(out) };
-            add_close(self.lines, &own, nearly_parallel(error), task);
+            add_close(self.lines, &own, self.sine, task);
         }
         out
     }
