@@ -41,7 +41,9 @@ impl<E: Real> Rules<E> {
         let rule = |times: f64| {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some")]
             let count = (times * few).round().max(1.0) as usize;
-            let axes = error.powf(-0.5 / count as f64);
+            // The derivative of a pole errs by the square of the number of points more.
+            let excess = (count as f64 / 3.0).powi(2).max(1.0);
+            let axes = (error / excess).powf(-0.5 / count as f64);
             let points =
                 gauss_legendre(count).iter().map(|[x, w]| [*x, 0.5 * w].map(E::of)).collect();
             Rule { points, least: (0.5 * (axes + 1.0 / axes)).powi(2) }

@@ -283,7 +283,7 @@ impl<'a, E: Real> Sum<'a, E> {
         let mut out = vec![[0.0; 7]; samples.len()];
         let all = 0..self.tree.order.len();
         let error = match self.accuracy {
-            Accuracy::Tolerance(tolerance) => (0.1 * tolerance).max(STRICTEST),
+            Accuracy::Tolerance(tolerance) => (0.03 * tolerance).max(STRICTEST),
             Accuracy::Order(_) => 1e-8,
         };
         let (rules, all) = (Rules::<f64>::new(error), std::slice::from_ref(&all));
