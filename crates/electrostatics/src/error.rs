@@ -58,6 +58,20 @@ pub enum ElectrostaticsError {
         /// The highest degree that was tried.
         order: usize,
     },
+    /// The charges of a conductor were not found.
+    #[error(
+        "the charges of the conductor have a relative residual of {residual:e} after {iterations} \
+         iterations; its triangles are too uneven"
+    )]
+    NoConvergence {
+        /// Iterations that were made.
+        iterations: usize,
+        /// Relative residual of the potentials.
+        residual: f64,
+    },
+    /// The mesh of a conductor has no inside that could be found.
+    #[error("the mesh of the conductor: {0}")]
+    Mesh(#[from] rapunzel_collision::CollisionError),
     /// A fibre is where only the conductor can be.
     #[error("point {index} is inside of the conductor, {depth} m below its surface; move it out")]
     Inside {
