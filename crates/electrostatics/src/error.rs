@@ -73,11 +73,13 @@ pub enum ElectrostaticsError {
     #[error("the mesh of the conductor: {0}")]
     Mesh(#[from] rapunzel_collision::CollisionError),
     /// A fibre is where only the conductor can be.
-    #[error("point {index} is inside of the conductor, {depth} m below its surface; move it out")]
+    #[error(
+        "point {index} is inside of the conductor, at least {depth} m below its surface; move it out"
+    )]
     Inside {
         /// Index of the point.
         index: usize,
-        /// How deep, m.
+        /// How deep at least, m.
         depth: f64,
     },
 }

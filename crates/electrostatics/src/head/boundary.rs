@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
 
 /// Relative residual to which charges are found.
-const RESIDUAL: f64 = 1e-7;
+const RESIDUAL: f64 = 1e-6;
 
 /// Nodes of the distance field along the longest side of the mesh.
 const NODES: f64 = 64.0;

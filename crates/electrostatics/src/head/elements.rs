@@ -11,7 +11,7 @@ use rayon::prelude::*;
 const NEAR: f64 = 3.0;
 
 /// Accuracy of the multipole method beyond.
-const ACCURACY: Accuracy = Accuracy::Tolerance(1e-7);
+const ACCURACY: Accuracy = Accuracy::Tolerance(1e-6);
 
 /// Triangles with constant charge.
 #[derive(Debug)]

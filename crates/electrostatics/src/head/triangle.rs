@@ -82,3 +82,23 @@ struct Side {
     /// The part of the solid angle that it bounds.
     angle: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gradient_is_that_of_the_potential() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [0.3, 0.8, -0.1]].map(Point3::from);
+        let triangle = Triangle::new(corners);
+        for at in [[0.3, 0.2, 0.3], [0.4, 0.3, -0.1], [2.0, 0.1, 0.4], [-0.2, 0.5, 0.01]] {
+            let at = Point3::from(at);
+            let gradient = triangle.gradient(&at);
+            for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                let potential = |t: f64| triangle.potential(&(at + t * axis));
+                let slope = (potential(1e-5) - potential(-1e-5)) / 2e-5;
+                assert!((slope - gradient.dot(&axis)).abs() < 1e-8, "{slope} at {at}");
+            }
+        }
+    }
+}
