@@ -58,6 +58,9 @@ pub enum ElectrostaticsError {
         /// The highest degree that was tried.
         order: usize,
     },
+    /// A grid was not written.
+    #[error("the grid could not be written: {0}")]
+    Write(String),
     /// The charges of a conductor were not found.
     #[error(
         "the charges of the conductor have a relative residual of {residual:e} after {iterations} \

@@ -141,6 +141,35 @@ fn check_sphere(n: i32, least: usize) {
     }
 }
 
+/// T13: a conducting needle of length L and radius a that stands on a plane in the field E is drawn by
+/// `E^2 L^2 (ln(L/a) - 1/2)/(4 (ln(2L/a) - 1)^2)` (Gaussian units; Felici): half of an ellipsoid with
+/// its mirror image.
+#[test]
+fn a_needle_is_lifted() {
+    let (length, thick, field) = (1.0, 0.1, 1e4);
+    let mut soup = shapes::sphere(1.0, 12);
+    soup.vertices.iter_mut().for_each(|x| *x = Point3::new(x.x * thick, x.y * thick, x.z * length));
+    let mesh = Mesh::new(soup).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let outer: Vec<_> = surface.centers().iter().map(|x| -field * x.z).collect();
+    let charges = surface.charges(&outer, Condition::Potential(0.0)).expect("converges");
+    // The pull of the surface's own field, 2 pi k sigma^2 along the normal.
+    let pull = |(triangle, charge): (&[u32; 3], &f64)| {
+        let [a, b, c] = triangle.map(|vertex| mesh.vertices()[vertex as usize]);
+        let double = (b - a).cross(&(c - a));
+        let upper = a.z + b.z + c.z > 0.0;
+        let density = 2.0 * charge / double.norm();
+        let force = std::f64::consts::TAU * COULOMB_CONSTANT * density * density * 0.5 * double.z;
+        if upper { force } else { 0.0 }
+    };
+    let force: f64 = mesh.triangles().iter().zip(&charges).map(pull).sum();
+    let ratio = (length / thick).ln();
+    let exact = field * field * length * length / COULOMB_CONSTANT * (ratio - 0.5)
+        / (4.0 * (ratio + 2f64.ln() - 1.0).powi(2));
+    // The formula is of first order in (a/L)^2 ln(L/a).
+    assert!((force / exact - 1.0).abs() < 0.1, "{}", force / exact);
+}
+
 /// The field is the gradient of the potential, and the charges of triangles are in the potential
 /// energy that they feel: also next to them.
 #[test]

@@ -100,6 +100,19 @@ fn tolerances_are_met_and_not_beaten() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
+/// What no degree reaches is refused, and the error says how far it got.
+#[test]
+fn tolerances_beyond_reach_are_refused() {
+    let points: Vec<_> = cube(3000, 1).into_iter().map(|x| x + Vector3::repeat(1e4)).collect();
+    let multipole = Multipole { accuracy: Accuracy::Tolerance(1e-12) };
+    let result = multipole.fields(&points, &charges(3000, true, 2), &points);
+    let Err(ElectrostaticsError::OutOfReach { tolerance, reached, order }) = result else {
+        panic!("places have only eleven digits within the cube: {result:?}");
+    };
+    assert!(tolerance == 1e-12 && reached > 0.5e-12 && reached < 1e-9, "{reached}");
+    assert!(order > 10, "{order}");
+}
+
 /// The same bits with one thread, two and three, and other targets than sources.
 #[test]
 fn threads_change_no_bit() {

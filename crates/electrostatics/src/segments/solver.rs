@@ -261,8 +261,13 @@ impl<'a, E: Real> Sum<'a, E> {
             }
         };
         self.descend(&multipoles, order, None, &mut out);
-        let error = error(&out);
-        Ok((out, Certificate { order: Some(order), samples: SAMPLES, error }))
+        let reached = error(&out);
+        match self.accuracy {
+            Accuracy::Tolerance(tolerance) if reached > tolerance => {
+                Err(ElectrostaticsError::OutOfReach { tolerance, reached, order })
+            }
+            _ => Ok((out, Certificate { order: Some(order), samples: SAMPLES, error: reached })),
+        }
     }
 
     fn descend(
