@@ -74,7 +74,7 @@ pub enum ElectrostaticsError {
     },
     /// The mesh of a conductor has no inside that could be found.
     #[error("the mesh of the conductor: {0}")]
-    Mesh(#[from] rapunzel_collision::CollisionError),
+    Mesh(rapunzel_collision::CollisionError),
     /// A fibre is where only the conductor can be.
     #[error(
         "point {index} is inside of the conductor, at least {depth} m below its surface; move it out"

@@ -100,7 +100,7 @@ impl<E: Real> WithSimd for Sum<'_, E> {
             load::<S, E>(&mut a[..count(p)], shifts);
             let turn = Turn::new(simd, shifts);
             turn.forth(moves, p, a, b);
-            axis.shift(simd, moves, kind, [p, q], &turn, a, b);
+            axis.shift(kind, [p, q], &turn, a, b);
             turn.back(moves, q, a, b);
             match &mut out {
                 Out::Sum(_) => {

@@ -153,15 +153,13 @@ impl<'a, S: Simd, E: Real> Axis<'a, S, E> {
     #[inline(always)]
     pub(super) fn shift(
         &mut self,
-        simd: S,
-        moves: &Moves<E>,
         kind: Kind,
         [p, q]: [usize; 2],
         turn: &Turn<S, E>,
         a: &mut [E::Lanes<S>],
         b: &mut [E::Lanes<S>],
     ) {
-        let [from, to] = turn.scales;
+        let (simd, moves, [from, to]) = (turn.simd, E::moves(), turn.scales);
         let one = E::splat(simd, E::of(1.0));
         // Factors per degree before and after, and the length of the shift.
         let (before, after, step) = match kind {

@@ -40,7 +40,8 @@ impl ConductingSurface {
     pub fn new(mesh: &Mesh) -> Result<Self, ElectrostaticsError> {
         let [low, high] = mesh.bounds();
         let spacing = (high - low).max() / NODES;
-        let distance = Grid::scan(mesh, spacing, 3.0 * spacing)?;
+        let distance =
+            Grid::scan(mesh, spacing, 3.0 * spacing).map_err(ElectrostaticsError::Mesh)?;
         let elements = Elements::new(mesh)?;
         let unit = charges(&elements, &vec![1.0; mesh.triangles().len()])?;
         Ok(Self { elements, distance, unit })

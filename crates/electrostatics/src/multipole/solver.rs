@@ -362,7 +362,7 @@ impl Reference {
             }
         }
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| sum.places[d][k]).collect());
-        let sums = direct_sums(&sum.cloud, 0.0, &places);
+        let sums = direct_sums(sum.cloud, 0.0, &places);
         Self { samples, weights, sums }
     }
 
