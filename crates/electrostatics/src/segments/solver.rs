@@ -58,9 +58,9 @@ pub struct Electrostatics {
 impl ChargedFibers<'_> {
     /// Energy and forces with the nodes at `positions` (world, m).
     ///
-    /// The energy is one number for each choice of close pairs: these are integrated in closed form, all
-    /// others by the same points on both segments. So forces are its exact gradient, and there is no
-    /// net force or moment, to rounding near and to the tolerance far.
+    /// Close pairs are integrated in closed form, all others by points of a rule on both. A segment may see
+    /// another by a better rule than that sees it, so forces are the gradient of the energy, and there is
+    /// no net force or moment, to the tolerance.
     /// Cost: see the README.
     ///
     /// # Errors
