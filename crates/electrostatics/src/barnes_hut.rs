@@ -49,7 +49,7 @@ impl Method for BarnesHut {
             .into_par_iter()
             .map(|cell| {
                 let mut gradient = Gradient::default();
-                let scale = tree.cells[cell].scale();
+                let scale = tree.cells[cell].scale;
                 gradient.set(Tables::get(), order, scale, multipoles.moments(cell));
                 gradient
             })
@@ -78,7 +78,7 @@ impl Walk<'_> {
             let cell = &self.tree.cells[k];
             let x = target - cell.center;
             if cell.radius < method.opening * x.norm() {
-                add_multipole(method.order, cell.scale(), &self.gradients[k], x, &mut out[0]);
+                add_multipole(method.order, cell.scale, &self.gradients[k], x, &mut out[0]);
             } else if cell.is_leaf() {
                 near.push(cell.bodies.clone());
             } else {

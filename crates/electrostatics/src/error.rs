@@ -58,12 +58,31 @@ pub enum ElectrostaticsError {
         /// The highest degree that was tried.
         order: usize,
     },
+    /// A grid was not written.
+    #[error("the grid could not be written: {0}")]
+    Write(String),
+    /// The charges of a conductor were not found.
+    #[error(
+        "the charges of the conductor have a relative residual of {residual:e} after {iterations} \
+         iterations; its triangles are too uneven"
+    )]
+    NoConvergence {
+        /// Iterations that were made.
+        iterations: usize,
+        /// Relative residual of the potentials.
+        residual: f64,
+    },
+    /// The mesh of a conductor has no inside that could be found.
+    #[error("the mesh of the conductor: {0}")]
+    Mesh(rapunzel_collision::CollisionError),
     /// A fibre is where only the conductor can be.
-    #[error("point {index} is inside of the conductor, {depth} m below its surface; move it out")]
+    #[error(
+        "point {index} is inside of the conductor, at least {depth} m below its surface; move it out"
+    )]
     Inside {
         /// Index of the point.
         index: usize,
-        /// How deep, m.
+        /// How deep at least, m.
         depth: f64,
     },
 }

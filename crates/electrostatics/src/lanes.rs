@@ -1,51 +1,52 @@
 //! Arithmetic with a number in each SIMD lane, in the notation of scalars.
 
+use crate::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Most lanes of any register.
+/// Most lanes of any register of doubles.
 pub(crate) const LANES: usize = 8;
 
 /// A number in each lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes<S: Simd> {
+pub(crate) struct Lanes<S: Simd, E: Real = f64> {
     pub(crate) simd: S,
-    pub(crate) values: S::f64s,
+    pub(crate) values: E::Lanes<S>,
 }
 
 /// A vector in each lane.
-pub(crate) type Vectors<S> = [Lanes<S>; 3];
+pub(crate) type Vectors<S, E = f64> = [Lanes<S, E>; 3];
 
 macro_rules! operator {
-    ($trait:ident, $method:ident, $simd:ident) => {
-        impl<S: Simd> $trait for Lanes<S> {
+    ($trait:ident, $method:ident) => {
+        impl<S: Simd, E: Real> $trait for Lanes<S, E> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { values: self.simd.$simd(self.values, other.values), ..self }
+                Self { values: E::$method(self.simd, self.values, other.values), ..self }
             }
         }
     };
 }
-operator!(Add, add, add_f64s);
-operator!(Sub, sub, sub_f64s);
-operator!(Mul, mul, mul_f64s);
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Simd, E: Real> Neg for Lanes<S, E> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { values: self.simd.neg_f64s(self.values), ..self }
+        Self { values: E::neg(self.simd, self.values), ..self }
     }
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd, E: Real> Lanes<S, E> {
     /// The same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, value: f64) -> Self {
-        Self { simd, values: simd.splat_f64s(value) }
+        Self { simd, values: E::splat(simd, E::of(value)) }
     }
 
     /// Another number in all lanes. Kernels name their steps by functions that are always inlined, as
@@ -55,54 +56,86 @@ impl<S: Simd> Lanes<S> {
         Self::splat(self.simd, value)
     }
 
-    /// The first lanes of an array.
+    /// A number that is of the kind already in all lanes.
     #[inline(always)]
-    pub(crate) fn load(simd: S, values: &[f64; LANES]) -> Self {
-        Self { simd, values: S::as_simd_f64s(values).0[0] }
+    pub(crate) fn all(simd: S, value: E) -> Self {
+        Self { simd, values: E::splat(simd, value) }
     }
 
-    /// The lanes one after another; those beyond the register are zero.
+    /// The first lanes of an array, which has as many as a register.
     #[inline(always)]
-    pub(crate) fn store(self) -> [f64; LANES] {
-        let mut out = [0.0; LANES];
-        S::as_mut_simd_f64s(&mut out).0[0] = self.values;
-        out
+    pub(crate) fn load(simd: S, values: &[E]) -> Self {
+        Self { simd, values: E::registers::<S>(values)[0] }
     }
 
     /// `self * factor + summand`, rounded once where the machine can.
     #[inline(always)]
     pub(crate) fn times_plus(self, factor: Self, summand: Self) -> Self {
-        let values = self.simd.mul_add_e_f64s(self.values, factor.values, summand.values);
+        let values = E::mul_add(self.simd, self.values, factor.values, summand.values);
         Self { values, ..self }
     }
 
     /// `summand - self * factor`.
     #[inline(always)]
     pub(crate) fn times_from(self, factor: Self, summand: Self) -> Self {
-        let values = self.simd.negate_mul_add_e_f64s(self.values, factor.values, summand.values);
+        let values = E::mul_from(self.simd, self.values, factor.values, summand.values);
         Self { values, ..self }
     }
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        Self { values: self.simd.abs_f64s(self.values), ..self }
+        Self { values: E::abs(self.simd, self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn square_root(self) -> Self {
+        Self { values: E::sqrt(self.simd, self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn over(self, other: Self) -> Self {
+        Self { values: E::div(self.simd, self.values, other.values), ..self }
+    }
+
+    /// Whether this is below `limit` in any lane.
+    #[inline(always)]
+    pub(crate) fn any_below(self, limit: Self) -> bool {
+        E::any_below(self.simd, [self.values, limit.values])
     }
 
     /// `yes` in the lanes where this is below `limit`, `no` in the others.
     #[inline(always)]
     pub(crate) fn below(self, limit: Self, yes: Self, no: Self) -> Self {
-        let mask = self.simd.less_than_f64s(self.values, limit.values);
-        Self { values: self.simd.select_f64s(mask, yes.values, no.values), ..self }
+        let sides = [self.values, limit.values];
+        Self { values: E::below(self.simd, sides, yes.values, no.values), ..self }
+    }
+}
+
+impl<S: Simd> Lanes<S> {
+    /// The lanes one after another; those beyond the register are zero.
+    #[inline(always)]
+    pub(crate) fn store(self) -> [f64; LANES] {
+        let mut out = [0.0; LANES];
+        f64::registers_mut::<S>(&mut out)[0] = self.values;
+        out
+    }
+}
+
+impl<S: Simd, E: Real> Lanes<S, E> {
+    /// The lanes one after another, as many as a register has.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> &[E] {
+        pulp::bytemuck::cast_slice(std::slice::from_ref(&self.values))
     }
 }
 
 #[inline(always)]
-pub(crate) fn dot<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Lanes<S> {
+pub(crate) fn dot<S: Simd, E: Real>(a: &Vectors<S, E>, b: &Vectors<S, E>) -> Lanes<S, E> {
     a[2].times_plus(b[2], a[1].times_plus(b[1], a[0] * b[0]))
 }
 
 #[inline(always)]
-pub(crate) fn cross<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Vectors<S> {
+pub(crate) fn cross<S: Simd, E: Real>(a: &Vectors<S, E>, b: &Vectors<S, E>) -> Vectors<S, E> {
     [
         a[2].times_from(b[1], a[1] * b[2]),
         a[0].times_from(b[2], a[2] * b[0]),
@@ -111,50 +144,54 @@ pub(crate) fn cross<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Vectors<S> {
 }
 
 #[inline(always)]
-pub(crate) fn minus<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> Vectors<S> {
+pub(crate) fn minus<S: Simd, E: Real>(a: &Vectors<S, E>, b: &Vectors<S, E>) -> Vectors<S, E> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-pub(crate) fn scaled<S: Simd>(a: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
+pub(crate) fn scaled<S: Simd, E: Real>(a: &Vectors<S, E>, factor: Lanes<S, E>) -> Vectors<S, E> {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
 /// `a + b * factor`.
 #[inline(always)]
-pub(crate) fn along<S: Simd>(a: &Vectors<S>, b: &Vectors<S>, factor: Lanes<S>) -> Vectors<S> {
+pub(crate) fn along<S: Simd, E: Real>(
+    a: &Vectors<S, E>,
+    b: &Vectors<S, E>,
+    factor: Lanes<S, E>,
+) -> Vectors<S, E> {
     [b[0].times_plus(factor, a[0]), b[1].times_plus(factor, a[1]), b[2].times_plus(factor, a[2])]
 }
 
 /// Roots and reciprocals as the machine makes them best.
-pub(crate) trait Roots<S: Simd>: Copy {
-    /// `1/sqrt(x)` to 6e-13, and zero for zero.
-    fn inverse_root(self, x: Lanes<S>) -> Lanes<S>;
+pub(crate) trait Roots<S: Simd, E: Real = f64>: Copy {
+    /// `1/sqrt(x)` to 6e-13, or to rounding, and zero for zero.
+    fn inverse_root(self, x: Lanes<S, E>) -> Lanes<S, E>;
     /// `sqrt(x)` of positive numbers, to rounding.
-    fn root(self, x: Lanes<S>) -> Lanes<S>;
+    fn root(self, x: Lanes<S, E>) -> Lanes<S, E>;
     /// `1/x`, to rounding.
-    fn reciprocal(self, x: Lanes<S>) -> Lanes<S>;
+    fn reciprocal(self, x: Lanes<S, E>) -> Lanes<S, E>;
 }
 
 /// By division and square roots.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable;
 
-impl<S: Simd> Roots<S> for Portable {
+impl<S: Simd, E: Real> Roots<S, E> for Portable {
     #[inline(always)]
-    fn inverse_root(self, x: Lanes<S>) -> Lanes<S> {
+    fn inverse_root(self, x: Lanes<S, E>) -> Lanes<S, E> {
         let zero = x.of(0.0);
         zero.below(x, self.reciprocal(self.root(x)), zero)
     }
 
     #[inline(always)]
-    fn root(self, x: Lanes<S>) -> Lanes<S> {
-        Lanes { values: x.simd.sqrt_f64s(x.values), ..x }
+    fn root(self, x: Lanes<S, E>) -> Lanes<S, E> {
+        x.square_root()
     }
 
     #[inline(always)]
-    fn reciprocal(self, x: Lanes<S>) -> Lanes<S> {
-        Lanes { values: x.simd.div_f64s(x.simd.splat_f64s(1.0), x.values), ..x }
+    fn reciprocal(self, x: Lanes<S, E>) -> Lanes<S, E> {
+        x.of(1.0).over(x)
     }
 }
 
@@ -194,9 +231,32 @@ impl Roots<pulp::x86::V4> for Estimate {
     }
 }
 
+#[cfg(target_arch = "x86_64")]
+impl Roots<pulp::x86::V4, f32> for Estimate {
+    #[inline(always)]
+    fn inverse_root(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
+        let simd = x.simd;
+        let positive = simd.greater_than_f32s(x.values, simd.splat_f32s(0.0));
+        let estimate = simd.avx512f._mm512_maskz_rsqrt14_ps(positive.0, pulp::cast(x.values));
+        let y = Lanes { simd, values: pulp::cast(estimate) };
+        let e = (x * y).times_from(y, x.of(1.0));
+        (y * x.of(0.5)).times_plus(e, y)
+    }
+
+    #[inline(always)]
+    fn root(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
+        Portable.root(x)
+    }
+
+    #[inline(always)]
+    fn reciprocal(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
+        Portable.reciprocal(x)
+    }
+}
+
 /// Work that is compiled for each kind of machine.
 pub(crate) trait Kernel {
-    fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R);
+    fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R);
 }
 
 /// Runs `kernel` with the widest registers of this machine.

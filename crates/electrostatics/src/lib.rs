@@ -1,18 +1,23 @@
 #![doc = include_str!("../README.md")]
 
 mod barnes_hut;
+mod charging;
 mod error;
+mod grid;
 mod harmonics;
 mod head;
 mod lanes;
 mod method;
 mod multipole;
 mod quadrature;
+mod real;
 mod segments;
 pub mod units;
 
 pub use barnes_hut::BarnesHut;
+pub use charging::{ChargeFlow, Dealing};
 pub use error::ElectrostaticsError;
+pub use grid::FieldGrid;
 pub use harmonics::MAX_ORDER;
 pub use head::{Condition, ConductingSphere, ConductingSurface, thesis_repulsion};
 pub use method::{Direct, Fields, Method};

@@ -102,6 +102,119 @@ fn boundary_elements_converge() {
     assert!((capacity / exact - 1.0).abs() < 2e-2, "{capacity}, not {exact}");
 }
 
+/// T10 through the multipole method: capacity and force of a sphere, also on charges as close to it as
+/// its triangles are large.
+#[test]
+fn boundary_elements_use_the_multipole_method() {
+    check_sphere(16, 2048);
+}
+
+#[test]
+#[ignore = "slow: 20 s, more triangles than one would factorize"]
+fn boundary_elements_have_no_limit() {
+    check_sphere(36, 10_000);
+}
+
+fn check_sphere(n: i32, least: usize) {
+    let (radius, q) = (0.09, 2e-12);
+    let mesh = Mesh::new(shapes::sphere(radius, n)).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let count = surface.centers().len();
+    assert!(count >= least, "{count}");
+    let capacity = surface.capacity() * COULOMB_CONSTANT / radius;
+    let size = radius * (4.0 * std::f64::consts::PI / count as f64).sqrt();
+    assert!((capacity - 1.0).abs() < (size / radius).powi(2), "{capacity}");
+    let direction = Vector3::new(0.48, 0.6, 0.64);
+    for gap in [20.0, 8.0, 2.0, 1.0] {
+        let r = radius + gap * size;
+        let at = [Point3::from(r * direction)];
+        let outer = surface.potentials(&at, &[q]).expect("outside");
+        let charges = surface.charges(&outer, Condition::Charge(3e-12)).expect("converges");
+        let fields = surface.fields(&charges, &at).expect("outside");
+        let force = q * fields.fields[0].dot(&direction);
+        let exact = exact_force(q, 3e-12, radius, r);
+        // Of the triangles' size over the distance, and over the radius, by their second powers.
+        let tolerance = 0.5 / (gap * gap) + (size / radius).powi(2);
+        // Repulsion and image may cancel each other.
+        let scale = exact.abs().max(COULOMB_CONSTANT * q * 3e-12 / (r * r));
+        assert!((force - exact).abs() < tolerance * scale, "{gap}: {force} N, not {exact}");
+    }
+}
+
+/// T13: a conducting needle of length L and radius a that stands on a plane in the field E is drawn by
+/// `E^2 L^2 (ln(L/a) - 1/2)/(4 (ln(2L/a) - 1)^2)` (Gaussian units; Felici): half of an ellipsoid with
+/// its mirror image.
+#[test]
+fn a_needle_is_lifted() {
+    let (length, thick, field) = (1.0, 0.1, 1e4);
+    let mut soup = shapes::sphere(1.0, 12);
+    soup.vertices.iter_mut().for_each(|x| *x = Point3::new(x.x * thick, x.y * thick, x.z * length));
+    let mesh = Mesh::new(soup).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let outer: Vec<_> = surface.centers().iter().map(|x| -field * x.z).collect();
+    let charges = surface.charges(&outer, Condition::Potential(0.0)).expect("converges");
+    // The pull of the surface's own field, 2 pi k sigma^2 along the normal.
+    let pull = |(triangle, charge): (&[u32; 3], &f64)| {
+        let [a, b, c] = triangle.map(|vertex| mesh.vertices()[vertex as usize]);
+        let double = (b - a).cross(&(c - a));
+        let upper = a.z + b.z + c.z > 0.0;
+        let density = 2.0 * charge / double.norm();
+        let force = std::f64::consts::TAU * COULOMB_CONSTANT * density * density * 0.5 * double.z;
+        if upper { force } else { 0.0 }
+    };
+    let force: f64 = mesh.triangles().iter().zip(&charges).map(pull).sum();
+    let ratio = (length / thick).ln();
+    let exact = field * field * length * length / COULOMB_CONSTANT * (ratio - 0.5)
+        / (4.0 * (ratio + 2f64.ln() - 1.0).powi(2));
+    // The formula is of first order in (a/L)^2 ln(L/a).
+    assert!((force / exact - 1.0).abs() < 0.1, "{}", force / exact);
+}
+
+/// The field is the gradient of the potential, and the charges of triangles are in the potential
+/// energy that they feel: also next to them.
+#[test]
+fn triangles_feel_what_they_do() {
+    let mesh = Mesh::new(shapes::sphere(0.09, 4)).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let charges: Vec<_> = (0..surface.centers().len()).map(|i| 1e-12 * (i as f64).sin()).collect();
+    for at in
+        [Point3::new(0.0, 0.03, 0.092), Point3::new(0.05, 0.08, 0.01), Point3::new(0.3, 0.0, 0.1)]
+    {
+        let fields = surface.fields(&charges, &[at]).expect("outside");
+        let felt = surface.potentials(&[at], &[1.0]).expect("outside");
+        let energy: f64 = felt.iter().zip(&charges).map(|(v, q)| v * q).sum();
+        assert!((fields.potentials[0] - energy).abs() < 1e-12 * energy.abs(), "{energy}");
+        let step = 1e-7;
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            let potential =
+                |t: f64| surface.fields(&charges, &[at + t * axis]).expect("outside").potentials[0];
+            let slope = (potential(step) - potential(-step)) / (2.0 * step);
+            let error = (slope + fields.fields[0].dot(&axis)).abs();
+            assert!(error < 1e-6 * fields.fields[0].norm(), "{slope} at {at}");
+        }
+    }
+}
+
+/// Points inside are refused, with a depth that they have at least; roots on the surface are not.
+#[test]
+fn points_inside_are_refused() {
+    let mesh = Mesh::new(shapes::sphere(0.09, 8)).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let points = [Point3::new(0.0, 0.0, 0.0901), Point3::new(0.0, 0.05, 0.0)];
+    let charges = vec![0.0; surface.centers().len()];
+    for result in [
+        surface.check_outside(&points),
+        surface.potentials(&points, &[0.0; 2]).map(|_| ()),
+        surface.fields(&charges, &points).map(|_| ()),
+    ] {
+        let Err(ElectrostaticsError::Inside { index: 1, depth }) = result else {
+            panic!("the second point is inside: {result:?}");
+        };
+        assert!(depth > 5e-3 && depth < 0.041, "{depth} m");
+    }
+    assert!(surface.check_outside(&[mesh.vertices()[3]]).is_ok(), "a root");
+}
+
 struct Ball;
 
 impl DistanceField for Ball {

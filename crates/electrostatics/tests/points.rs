@@ -15,7 +15,7 @@ fn methods_converge_to_the_direct_sum() {
         let charges = charges(points.len(), false, 3);
         let exact = Direct.fields(&points, &charges, &points).expect("valid");
         let mut last = [1.0; 2];
-        for order in [2, 5, 8, 11, 14] {
+        for order in [2, 5, 8, 11, 14, 17] {
             let methods: [&dyn Method; 2] = [
                 &Multipole { accuracy: Accuracy::Order(order) },
                 &BarnesHut { opening: 0.5, order },
@@ -98,6 +98,19 @@ fn tolerances_are_met_and_not_beaten() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// What no degree reaches is refused, and the error says how far it got.
+#[test]
+fn tolerances_beyond_reach_are_refused() {
+    let points: Vec<_> = cube(3000, 1).into_iter().map(|x| x + Vector3::repeat(1e4)).collect();
+    let multipole = Multipole { accuracy: Accuracy::Tolerance(1e-12) };
+    let result = multipole.fields(&points, &charges(3000, true, 2), &points);
+    let Err(ElectrostaticsError::OutOfReach { tolerance, reached, order }) = result else {
+        panic!("places have only eleven digits within the cube: {result:?}");
+    };
+    assert!(tolerance == 1e-12 && reached > 0.5e-12 && reached < 1e-9, "{reached}");
+    assert!(order > 10, "{order}");
 }
 
 /// The same bits with one thread, two and three, and other targets than sources.

@@ -146,6 +146,59 @@ fn forces_are_a_gradient_without_net_force_or_moment() {
     assert!((vw - wv).abs() < 1e-5 * size, "the Hessian is symmetric: {vw}, {wv}");
 }
 
+/// T16: two charged rigid strings that hang from hinges side by side lean by the angle at which the
+/// moment of their repulsion is that of their weight. The moments of the nodal forces are those of a
+/// double integral, and for distant hinges the angle is that of parallel strings, T1.
+#[test]
+fn hanging_strings_lean_by_their_repulsion() {
+    let (length, weight, density) = (0.1, 6.5e-5, 1e-9);
+    let string = |hinge: f64, lean: f64, count: u32| -> Vec<Point3<f64>> {
+        let place = |i: u32| {
+            let s = length * f64::from(i) / f64::from(count);
+            Point3::new(hinge + s * lean.sin(), 0.0, -s * lean.cos())
+        };
+        (0..=count).map(place).collect()
+    };
+    let moment = |d: f64, lean: f64| -> f64 {
+        let pair = [string(0.0, -lean, 40), string(d, lean, 40)];
+        let nodes = &pair[1];
+        let forces = solve(&pair, density, 40e-6, 1e-8).expect("valid").forces;
+        let arms = nodes.iter().map(|x| x - nodes[0]);
+        // The forces of a string on itself have no moment.
+        arms.zip(&forces[41..]).map(|(arm, f)| arm.z * f.x - arm.x * f.z).sum()
+    };
+    let integral = |d: f64, lean: f64| -> f64 {
+        let n = 400;
+        let s = |i: u32| length * (f64::from(i) + 0.5) / f64::from(n);
+        let (sine, cosine) = lean.sin_cos();
+        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (s(i), s(j))));
+        let term = |(u, v): (f64, f64)| {
+            let r = Vector3::new(d + (u + v) * sine, 0.0, (v - u) * cosine);
+            let f = r / r.norm().powi(3);
+            -u * cosine * f.x - u * sine * f.z
+        };
+        let step = length / f64::from(n);
+        COULOMB_CONSTANT * density * density * step * step * pairs.map(term).sum::<f64>()
+    };
+    for (d, lean) in [(0.02, 0.05), (0.05, 0.3), (0.01, 0.8)] {
+        let (found, exact) = (moment(d, lean), integral(d, lean));
+        assert!((found / exact - 1.0).abs() < 1e-4, "{found} N m, not {exact}");
+    }
+    // Equilibrium: -moment = w L^2/2 sin(lean).
+    let d = 0.05;
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..30 {
+        let lean = 0.5 * (low + high);
+        let rises = -moment(d, lean) > 0.5 * weight * length * length * lean.sin();
+        if rises { low = lean } else { high = lean }
+    }
+    // Parallel strings at the distance of their middles: tan(lean) = f/w.
+    let distance = d + length * low.sin();
+    let factor = COULOMB_CONSTANT * density * density;
+    let repulsion = 2.0 * factor / distance * (length.hypot(distance) - distance) / length;
+    assert!((low.tan() / (repulsion / weight) - 1.0).abs() < 0.1, "{low}");
+}
+
 /// T17: the thesis's tress. The mean field on its charges is 13.5 kV/m, at 12 cm it is 0.86 kV/m;
 /// segments and 100 points to the centimeter agree on the field of the tress.
 #[test]

@@ -8,10 +8,13 @@
 
 mod kernels;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod translate;
+mod turn;
 
 pub(crate) use kernels::{Gradient, regular};
-pub(crate) use tables::{Tables, count};
+pub(crate) use tables::{Moves, Tables, count};
 pub(crate) use translate::{Kind, Shift, Translator};
 
 /// The highest degree of an expansion.

@@ -2,6 +2,7 @@
 
 use super::MAX_ORDER;
 use crate::quadrature::gauss_legendre;
+use crate::real::Real;
 use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -38,24 +39,25 @@ fn runs(n: usize) -> [(Range<usize>, usize); 4] {
 }
 
 /// What the exchange of y and z makes of one run.
-pub(super) struct Swap {
+pub(super) struct Swap<E> {
     pub(super) from: Range<usize>,
     pub(super) to: Range<usize>,
-    pub(super) matrix: Matrix,
+    pub(super) matrix: Matrix<E>,
 }
 
 /// A matrix in blocks of eight rows, column by column.
-pub(super) struct Matrix {
+pub(super) struct Matrix<E> {
     columns: usize,
-    blocks: Vec<[f64; ROWS]>,
+    blocks: Vec<[E; ROWS]>,
 }
 
-impl Matrix {
+impl<E: Real> Matrix<E> {
     fn new(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
         let mut blocks = Vec::new();
         for first in (0..rows).step_by(ROWS) {
             for column in 0..columns {
-                let entry = |r| if first + r < rows { entry(first + r, column) } else { 0.0 };
+                let entry =
+                    |r| E::of(if first + r < rows { entry(first + r, column) } else { 0.0 });
                 blocks.push(std::array::from_fn(entry));
             }
         }
@@ -64,7 +66,7 @@ impl Matrix {
 
     /// The columns of the rows `ROWS block..`.
     #[inline(always)]
-    pub(super) fn block(&self, block: usize) -> &[[f64; ROWS]] {
+    pub(super) fn block(&self, block: usize) -> &[[E; ROWS]] {
         &self.blocks[block * self.columns..(block + 1) * self.columns]
     }
 }
@@ -77,42 +79,25 @@ pub(super) struct Step {
     pub(super) r_factor: f64,
 }
 
-/// All constants.
+/// Constants of the harmonics.
 pub(crate) struct Tables {
     /// `R_mm = diagonal[m] (x + i y) R_(m-1)(m-1)`.
     pub(super) diagonal: Vec<f64>,
     /// `steps[m][n - m]`.
     pub(super) steps: Vec<Vec<Step>>,
-    /// The exchange of y and z, for each degree.
-    pub(super) swaps: Vec<[Swap; 4]>,
-    /// `far[m]` takes a multipole along z to a local expansion: rows n - m, columns l - m.
-    pub(super) far: Vec<Matrix>,
-    /// `shifts[m][n - m][l - m]` moves a multipole along z, its transpose a local expansion.
-    pub(super) shifts: Vec<Vec<Vec<f64>>>,
     /// `sqrt((n-m)! (n+m)!)`, times `sqrt(2)` for `m > 0`: `R_nm` over the unscaled harmonic.
     pub(super) norms: Vec<Vec<f64>>,
 }
 
 impl Tables {
-    /// The tables; made at the first call, in some milliseconds.
+    /// The tables; made at the first call.
     pub(crate) fn get() -> &'static Self {
         static TABLES: OnceLock<Tables> = OnceLock::new();
         TABLES.get_or_init(Self::new)
     }
 
     fn new() -> Self {
-        let mut factorials = vec![1.0];
-        for k in 1..=2 * MAX_ORDER {
-            factorials.push(factorials[k - 1] * k as f64);
-        }
-        let root = |n: usize, m: usize| (factorials[n - m] * factorials[n + m]).sqrt();
-        let shift = |m: usize, n: usize, l: usize| {
-            if l > n { 0.0 } else { root(n, m) / (root(l, m) * factorials[n - l]) }
-        };
-        let far = |m: usize, n: usize, l: usize| {
-            let sign = if (n + m).is_multiple_of(2) { 1.0 } else { -1.0 };
-            sign * (factorials[n + l] / root(n, m)) / root(l, m)
-        };
+        let factorials = factorials();
         let step = |m: usize, n: usize| {
             let [n2, m2] = [n * n, m * m].map(|k| k as f64);
             let below = (n as f64 - 1.0).powi(2) - m2;
@@ -122,11 +107,54 @@ impl Tables {
                 r_factor: if n > m + 1 { (below / (n2 - m2)).sqrt() } else { 0.0 },
             }
         };
+        let norm = |n: usize, m: usize| {
+            (factorials[n - m] * factorials[n + m]).sqrt() * if m > 0 { SQRT_2 } else { 1.0 }
+        };
         let orders = || 0..=MAX_ORDER;
-        let mut tables = Self {
+        Self {
             diagonal: orders().map(diagonal).collect(),
             steps: orders().map(|m| (m..=MAX_ORDER).map(|n| step(m, n)).collect()).collect(),
-            swaps: Vec::new(),
+            norms: orders().map(|n| (0..=n).map(|m| norm(n, m)).collect()).collect(),
+        }
+    }
+}
+
+fn factorials() -> Vec<f64> {
+    let mut factorials = vec![1.0];
+    for k in 1..=2 * MAX_ORDER {
+        factorials.push(factorials[k - 1] * k as f64);
+    }
+    factorials
+}
+
+/// Matrices that move expansions.
+pub(crate) struct Moves<E> {
+    /// Where the coefficients `[m][n - m]` stand.
+    pub(super) places: Vec<Vec<[usize; 2]>>,
+    /// The exchange of y and z, for each degree.
+    pub(super) swaps: Vec<[Swap<E>; 4]>,
+    /// `far[m]` takes a multipole along z to a local expansion: rows n - m, columns l - m.
+    pub(super) far: Vec<Matrix<E>>,
+    /// `shifts[m][n - m][l - m]` moves a multipole along z, its transpose a local expansion.
+    pub(super) shifts: Vec<Vec<Vec<E>>>,
+}
+
+impl<E: Real> Moves<E> {
+    /// Takes some milliseconds.
+    pub(crate) fn new() -> Self {
+        let factorials = factorials();
+        let root = |n: usize, m: usize| (factorials[n - m] * factorials[n + m]).sqrt();
+        let shift = |m: usize, n: usize, l: usize| {
+            E::of(if l > n { 0.0 } else { root(n, m) / (root(l, m) * factorials[n - l]) })
+        };
+        let far = |m: usize, n: usize, l: usize| {
+            let sign = if (n + m).is_multiple_of(2) { 1.0 } else { -1.0 };
+            sign * (factorials[n + l] / root(n, m)) / root(l, m)
+        };
+        let orders = || 0..=MAX_ORDER;
+        Self {
+            places: orders().map(|m| (m..=MAX_ORDER).map(|n| index(n, m)).collect()).collect(),
+            swaps: swaps(Tables::get()),
             far: orders()
                 .map(|m| {
                     let size = MAX_ORDER + 1 - m;
@@ -139,12 +167,7 @@ impl Tables {
                     (m..=MAX_ORDER).map(row).collect()
                 })
                 .collect(),
-            norms: orders()
-                .map(|n| (0..=n).map(|m| root(n, m) * if m > 0 { SQRT_2 } else { 1.0 }).collect())
-                .collect(),
-        };
-        tables.swaps = swaps(&tables);
-        tables
+        }
     }
 }
 
@@ -155,7 +178,7 @@ fn diagonal(m: usize) -> f64 {
 
 /// The matrices of the exchange of y and z, as integrals over the sphere of the product of one
 /// harmonic and another exchanged. All of those are even in x, y and z: an octant is enough.
-fn swaps(tables: &Tables) -> Vec<[Swap; 4]> {
+fn swaps<E: Real>(tables: &Tables) -> Vec<[Swap<E>; 4]> {
     let azimuths = MAX_ORDER / 2 + 1;
     let mut samples = Vec::new();
     for [z, weight] in gauss_legendre(2 * azimuths).into_iter().filter(|[z, _]| *z > 0.0) {

@@ -1,6 +1,8 @@
 //! A conducting head.
 
 mod boundary;
+mod elements;
+mod iteration;
 mod sphere;
 mod thesis;
 mod triangle;

@@ -9,6 +9,7 @@ use super::near::Cloud;
 use super::points;
 use super::tree::{Cell, Tree};
 use crate::harmonics::{Gradient, Kind, Shift, Tables, Translator, count};
+use crate::real::Real;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -16,38 +17,39 @@ use std::ops::Range;
 const TASK: usize = 4096;
 
 /// The multipoles of all cells of a tree.
-pub(crate) struct Multipoles<'a> {
+pub(crate) struct Multipoles<'a, E> {
     pub(crate) tree: &'a Tree,
     order: usize,
-    moments: Vec<f64>,
+    moments: Vec<E>,
 }
 
-impl<'a> Multipoles<'a> {
+impl<'a, E: Real> Multipoles<'a, E> {
     /// Multipoles of degree up to `order`; `cloud` holds `per_body` points for each body of the tree,
     /// in its order.
     pub(crate) fn new(tree: &'a Tree, cloud: &Cloud, per_body: usize, order: usize) -> Self {
         let size = count(order);
-        let mut moments = vec![0.0; size * tree.cells.len()];
+        let mut moments = vec![E::of(0.0); size * tree.cells.len()];
         let mut below = 0..0;
         for level in tree.levels.windows(2).rev() {
             let (above, deeper) =
                 moments[size * level[0]..].split_at_mut(size * (level[1] - level[0]));
             let deeper = &deeper[..size * below.len()];
             let cells = &tree.cells[level[0]..level[1]];
-            let scratch = || (points::work(order), Translator::new(order));
+            let scratch = || (points::work(order), vec![0.0; size], Translator::<E>::new(order));
             let cells = cells.par_iter().zip(above.par_chunks_exact_mut(size)).with_min_len(16);
-            cells.for_each_init(scratch, |(work, translator), (cell, moments)| {
+            cells.for_each_init(scratch, |(work, leaf, translator), (cell, moments)| {
                 if cell.is_leaf() {
                     let range = scaled(&cell.bodies, per_body);
-                    points::multipole(order, cell, cloud, range, work, moments);
+                    points::multipole(order, cell, cloud, range, work, leaf);
+                    moments.iter_mut().zip(leaf).for_each(|(m, leaf)| *m = E::of(*leaf));
                     return;
                 }
                 let shift = |child: usize| {
                     let coefficients = &deeper[size * (child - below.start)..][..size];
-                    shift(&tree.cells[child], cell, coefficients)
+                    shift(&tree.cells[child], cell, coefficients, order)
                 };
                 let shifts: Vec<_> = cell.children.clone().map(shift).collect();
-                translator.sum(Kind::Multipole, [order, order], &shifts, moments);
+                translator.sum(Kind::Multipole, &shifts, moments);
             });
             below = level[0]..level[1];
         }
@@ -55,7 +57,7 @@ impl<'a> Multipoles<'a> {
     }
 
     /// The coefficients of a cell.
-    pub(crate) fn moments(&self, cell: usize) -> &[f64] {
+    pub(crate) fn moments(&self, cell: usize) -> &[E] {
         &self.moments[count(self.order) * cell..][..count(self.order)]
     }
 }
@@ -64,8 +66,9 @@ fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
     bodies.start * per_body..bodies.end * per_body
 }
 
-fn shift<'a>(from: &Cell, to: &Cell, coefficients: &'a [f64]) -> Shift<'a> {
-    Shift { coefficients, offset: to.center - from.center, scales: [from.scale(), to.scale()] }
+fn shift<'a, E>(from: &Cell, to: &Cell, coefficients: &'a [E], degree: usize) -> Shift<'a, E> {
+    let (offset, scales) = (to.center - from.center, [from.scale, to.scale]);
+    Shift { coefficients, degrees: [degree; 2], offset, scales }
 }
 
 /// What a leaf of the targets does with what has come down to it.
@@ -89,6 +92,16 @@ pub(crate) struct Task<'a, Out> {
 }
 
 impl<Out> Task<'_, Out> {
+    /// Whether body `j` is looked at in this task as well, so that pairs with it are found twice.
+    pub(crate) fn both(&self, j: usize) -> bool {
+        self.complete && self.bodies.contains(&j)
+    }
+
+    /// What is found for body `i`.
+    pub(crate) fn of_body(&mut self, i: usize) -> &mut Out {
+        &mut self.out[i - self.bodies.start]
+    }
+
     /// What is found for the bodies of `cell`.
     pub(crate) fn of(&mut self, cell: &Cell) -> &mut [Out] {
         let first = self.bodies.start;
@@ -117,30 +130,46 @@ impl Far {
 }
 
 /// The way down.
-pub(crate) struct Descent<'a, L> {
-    pub(crate) sources: &'a Multipoles<'a>,
+pub(crate) struct Descent<'a, L, E> {
+    pub(crate) sources: &'a Multipoles<'a, E>,
     pub(crate) targets: &'a Tree,
     pub(crate) leaf: &'a L,
     /// Degree of the expansions; at most that of the multipoles.
     pub(crate) order: usize,
     /// Largest ratio of the sum of the radii of two cells to their distance.
     pub(crate) opening: f64,
+    /// Power of the share of the degree that distant cells are left; zero leaves them all of it.
+    pub(crate) thinning: f64,
+    /// Least length between cells whose expansions are used.
+    pub(crate) clearance: f64,
     /// Pairs of bodies that are cheaper one by one than by their cells.
     pub(crate) direct: usize,
     /// Bodies of the targets, ascending, that are wanted; without, all.
     pub(crate) samples: Option<&'a [usize]>,
 }
 
-impl<L: Leaf> Descent<'_, L> {
+impl<L: Leaf, E: Real> Descent<'_, L, E> {
     /// Adds to `out`, which has one item for each target in the order of its tree.
     pub(crate) fn run(&self, out: &mut [L::Out]) {
         if self.targets.cells.is_empty() || self.sources.tree.cells.is_empty() {
             return;
         }
-        let local = vec![0.0; count(self.order)];
+        let local = vec![E::of(0.0); count(self.order)];
         let bodies = self.targets.cells[0].bodies.clone();
         let task = Task { bodies, complete: self.samples.is_none(), out };
         self.visit(0, local, vec![0], &mut Translator::new(self.order), task);
+    }
+
+    /// The degree at which the expansions of two cells, of the radii and at the distance given, err as
+    /// those of the full order do for equal cells at the least distance. A term falls from degree to
+    /// degree by at least the larger radius over the distance of its center from the other sphere.
+    fn degree(&self, radii: [f64; 2], distance: f64) -> usize {
+        let falls = radii[0].max(radii[1]) / (distance - radii[0].min(radii[1]));
+        let least = self.opening / (2.0 - self.opening);
+        let share = (least.ln() / falls.max(1e-6).ln()).powf(self.thinning);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
+        let terms = ((self.order + 1) as f64 * share).ceil() as usize;
+        terms.saturating_sub(1).clamp(self.order.min(2), self.order)
     }
 
     fn wanted(&self, cell: &Cell) -> bool {
@@ -152,9 +181,9 @@ impl<L: Leaf> Descent<'_, L> {
     fn visit(
         &self,
         index: usize,
-        mut local: Vec<f64>,
+        mut local: Vec<E>,
         pending: Vec<u32>,
-        translator: &mut Translator,
+        translator: &mut Translator<E>,
         task: Task<L::Out>,
     ) {
         let cell = &self.targets.cells[index];
@@ -164,25 +193,27 @@ impl<L: Leaf> Descent<'_, L> {
         let mut lists = Lists::default();
         lists.sort(self, index, pending);
         let cells = &self.sources.tree.cells;
-        let far = |&source: &u32| {
-            let source = source as usize;
-            shift(&cells[source], cell, self.sources.moments(source))
+        lists.far.sort_by_key(|far| std::cmp::Reverse(far.degree));
+        let far = |far: &Distant| {
+            let source = far.cell as usize;
+            shift(&cells[source], cell, self.sources.moments(source), far.degree)
         };
         let shifts: Vec<_> = lists.far.iter().map(far).collect();
-        let orders = [self.order, self.order];
-        translator.sum(Kind::Far, orders, &shifts, &mut local);
+        translator.sum(Kind::Far, &shifts, &mut local);
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
-            gradient.set(Tables::get(), self.order, cell.scale(), &local);
+            let local: Vec<_> = local.iter().map(|c| c.double()).collect();
+            gradient.set(Tables::get(), self.order, cell.scale, &local);
             let far = Far { order: self.order, gradient };
             self.leaf.receive(cell, &far, &lists.near, task);
             return;
         }
         let children = &self.targets.cells[cell.children.clone()];
-        let shifts: Vec<_> = children.iter().map(|child| shift(cell, child, &local)).collect();
+        let shifts: Vec<_> =
+            children.iter().map(|child| shift(cell, child, &local, self.order)).collect();
         let size = count(self.order);
-        let mut locals = vec![0.0; size * children.len()];
-        translator.each(Kind::Local, orders, &shifts, &mut locals);
+        let mut locals = vec![E::of(0.0); size * children.len()];
+        translator.each(Kind::Local, &shifts, &mut locals);
         let locals = cell.children.clone().zip(locals.chunks_exact(size));
         let (pending, Task { bodies, complete, mut out }) = (&lists.pending, task);
         if cell.bodies.len() <= TASK {
@@ -206,10 +237,17 @@ impl<L: Leaf> Descent<'_, L> {
     }
 }
 
+/// A source cell that is far away.
+struct Distant {
+    cell: u32,
+    /// Degree that its expansion needs there.
+    degree: usize,
+}
+
 /// What becomes of the source cells that a target cell was left.
 #[derive(Default)]
 struct Lists {
-    far: Vec<u32>,
+    far: Vec<Distant>,
     pending: Vec<u32>,
     near: Vec<Range<usize>>,
 }
@@ -217,7 +255,7 @@ struct Lists {
 impl Lists {
     /// The larger of two cells is split, of equal ones that with the greater index, so that within
     /// one tree a body is near to another if that is near to it.
-    fn sort<L>(&mut self, descent: &Descent<L>, own: usize, mut stack: Vec<u32>) {
+    fn sort<L: Leaf, E: Real>(&mut self, descent: &Descent<L, E>, own: usize, mut stack: Vec<u32>) {
         let target = &descent.targets.cells[own];
         stack.reverse();
         while let Some(index) = stack.pop() {
@@ -227,11 +265,12 @@ impl Lists {
             let distance = (source.center - target.center).norm();
             let pairs = source.bodies.len() * target.bodies.len();
             let leaves = target.is_leaf() && (source.is_leaf() || pairs <= descent.direct);
-            if reach < descent.opening * distance {
+            if reach < descent.opening * distance && reach + descent.clearance <= distance {
                 if leaves && pairs <= descent.direct {
                     self.near(&source.bodies);
                 } else {
-                    self.far.push(index);
+                    let degree = descent.degree([source.radius, target.radius], distance);
+                    self.far.push(Distant { cell: index, degree });
                 }
             } else if leaves {
                 self.near(&source.bodies);

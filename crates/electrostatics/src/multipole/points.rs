@@ -76,7 +76,7 @@ fn places<S: Simd>(
     places: &[Vec<f64>; 3],
     range: Range<usize>,
 ) -> [S::f64s; 3] {
-    let inverse = simd.splat_f64s(1.0 / cell.scale());
+    let inverse = simd.splat_f64s(1.0 / cell.scale);
     let mut out = [inverse; 3];
     for d in 0..3 {
         let mut lanes = [cell.center[d]; LANES];

@@ -2,12 +2,15 @@
 
 use super::engine::{Descent, Far, Leaf, Multipoles, Task};
 use super::near::{Cloud, add_pairs};
+use super::single::add_pairs_single;
 use super::tree::{Cell, Tree};
 use crate::ElectrostaticsError;
 use crate::error::{check_charges, check_positions};
 use crate::harmonics::MAX_ORDER;
 use crate::method::{Fields, Method, direct_sums, places};
+use crate::real::Real;
 use nalgebra::Point3;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 /// How exact a sum must be.
@@ -101,8 +104,23 @@ impl Plan {
         let cloud = Cloud { x: self.places.clone(), charge };
         let own = (&self.sources, &self.places);
         let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
-        let sum = Sum { plan: self, cloud, targets: tree, places };
-        let (sums, certificate) = sum.run()?;
+        let single = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance >= SINGLE,
+            Accuracy::Order(_) => false,
+        };
+        let sum =
+            Sum { plan: self, cloud: &cloud, targets: tree, places, real: PhantomData::<f32> };
+        let found = if single { sum.run().ok() } else { None };
+        let finite = |(sums, _): &(Vec<[f64; 4]>, Certificate)| {
+            sums.as_flattened().iter().all(|x| x.is_finite())
+        };
+        let (sums, certificate) = match found.filter(finite) {
+            Some(found) => found,
+            None => {
+                let real = PhantomData::<f64>;
+                Sum { plan: self, cloud: &cloud, targets: tree, places, real }.run()?
+            }
+        };
         Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
     }
 }
@@ -128,9 +146,9 @@ fn capacity(accuracy: Accuracy) -> usize {
 }
 
 /// Pairs that take as long as one move of an expansion, from measured rates.
-pub(crate) fn pairs_per_shift(order: usize) -> usize {
+fn pairs_per_shift(order: usize) -> usize {
     let p = order + 1;
-    200 + p * p * 4 + p * p * p / 5
+    60 + p * p + p * p * p / 16
 }
 
 /// The degree that a tolerance usually needs.
@@ -147,26 +165,40 @@ pub(crate) fn guess(accuracy: Accuracy) -> usize {
 /// Logarithm of the factor by which one degree more reduces the error, usually.
 const SLOPE: f64 = 0.7;
 
-/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.6, 0.7, 0.8 and
-/// 0.9 for a million uniform points at 2e-5, and within a tenth of it at 2e-7.
-const OPENING: f64 = 0.72;
+/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77 and
+/// 0.8 for a million uniform points.
+const OPENING: f64 = 0.75;
+
+/// Tolerances from which single precision is enough.
+pub(crate) const SINGLE: f64 = 1e-5;
+
+/// Power of the share of the degree that distant cells are left. For a tolerance it is less than one,
+/// because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
+pub(crate) fn thinning(accuracy: Accuracy) -> f64 {
+    if matches!(accuracy, Accuracy::Tolerance(_)) { 0.8 } else { 0.0 }
+}
+
+/// Least length that distances are divided by, over the radius of all targets, so that no power of
+/// theirs overflows.
+const LEAST: f64 = 1e-8;
 
 /// Share of the tolerance that the samples may use up, since they are not all targets.
 pub(crate) const MARGIN: f64 = 0.5;
 
-struct Sum<'a> {
+struct Sum<'a, E> {
     plan: &'a Plan,
-    cloud: Cloud,
+    cloud: &'a Cloud,
     targets: &'a Tree,
     places: &'a [Vec<f64>; 3],
+    real: PhantomData<E>,
 }
 
-impl Sum<'_> {
+impl<E: Real> Sum<'_, E> {
     fn run(&self) -> Result<(Vec<[f64; 4]>, Certificate), ElectrostaticsError> {
         let (n, m) = (self.cloud.len(), self.places[0].len());
         let direct = || {
             let certificate = Certificate { order: None, samples: 0, error: 0.0 };
-            (direct_sums(&self.cloud, 0.0, self.places), certificate)
+            (direct_sums(self.cloud, 0.0, self.places), certificate)
         };
         let tolerance = match self.plan.accuracy {
             Accuracy::Tolerance(tolerance) => tolerance,
@@ -178,15 +210,15 @@ impl Sum<'_> {
         let reference = Reference::new(self);
         let guess = guess(self.plan.accuracy);
         let (order, multipoles, error) = if tolerance > 0.0 {
-            let multipoles = |order| Multipoles::new(&self.plan.sources, &self.cloud, 1, order);
-            let error = |multipoles: &Multipoles, order| {
+            let multipoles = |order| Multipoles::new(&self.plan.sources, self.cloud, 1, order);
+            let error = |multipoles: &Multipoles<E>, order| {
                 let mut out = vec![[0.0; 4]; m];
                 self.descend(multipoles, order, Some(&reference.samples), &mut out);
                 reference.error(&out)
             };
             find_order(guess, tolerance, multipoles, error)?
         } else {
-            let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, guess);
+            let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, guess);
             (guess, multipoles, f64::NAN)
         };
         let mut out = vec![[0.0; 4]; m];
@@ -205,10 +237,10 @@ impl Sum<'_> {
                 let bodies = leaf.bodies.clone();
                 let out = &mut out[bodies.clone()];
                 let own = std::slice::from_ref(&leaf.bodies);
-                add_pairs(&self.cloud, own, 0.0, self.places, bodies, out);
+                add_pairs(self.cloud, own, 0.0, self.places, bodies, out);
             }
         } else {
-            let multipoles = Multipoles::new(&self.plan.sources, &self.cloud, 1, 2);
+            let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, 2);
             self.descend(&multipoles, 2, None, &mut out);
         }
         out.iter().map(|[_, x, y, z]| x * x + y * y + z * z).collect()
@@ -216,7 +248,7 @@ impl Sum<'_> {
 
     fn descend(
         &self,
-        multipoles: &Multipoles,
+        multipoles: &Multipoles<E>,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [[f64; 4]],
@@ -227,6 +259,8 @@ impl Sum<'_> {
             leaf: self,
             order,
             opening: OPENING,
+            thinning: thinning(self.plan.accuracy),
+            clearance: 0.0,
             direct: pairs_per_shift(order),
             samples,
         }
@@ -234,24 +268,29 @@ impl Sum<'_> {
     }
 }
 
-impl Leaf for Sum<'_> {
+impl<E: Real> Leaf for Sum<'_, E> {
     type Out = [f64; 4];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
         let (bodies, out) = (cell.bodies.clone(), task.of(cell));
         far.add(cell, self.places, bodies.clone(), out);
-        add_pairs(&self.cloud, near, 0.0, self.places, bodies, out);
+        if size_of::<E>() == size_of::<f64>() {
+            add_pairs(self.cloud, near, 0.0, self.places, bodies, out);
+        } else {
+            let least = LEAST * self.targets.cells[0].scale;
+            add_pairs_single(self.cloud, near, self.places, cell, least, out);
+        }
     }
 }
 
 /// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
 /// order or more) and the error.
-pub(crate) fn find_order<'a>(
+pub(crate) fn find_order<'a, E: Real>(
     guess: usize,
     tolerance: f64,
-    multipoles: impl Fn(usize) -> Multipoles<'a>,
-    error: impl Fn(&Multipoles<'a>, usize) -> f64,
-) -> Result<(usize, Multipoles<'a>, f64), ElectrostaticsError> {
+    multipoles: impl Fn(usize) -> Multipoles<'a, E>,
+    error: impl Fn(&Multipoles<'a, E>, usize) -> f64,
+) -> Result<(usize, Multipoles<'a, E>, f64), ElectrostaticsError> {
     let allowed = MARGIN * tolerance;
     let mut order = guess;
     let mut expansions = multipoles(order);
@@ -263,7 +302,9 @@ pub(crate) fn find_order<'a>(
         }
         let reached = errors[order];
         if reached <= allowed {
-            if order == 1 || errors[order - 1] > allowed {
+            // What is almost too large is so with one degree less.
+            let almost = reached > (-SLOPE).exp() * allowed;
+            if order == 1 || almost || errors[order - 1] > allowed {
                 return Ok((order, expansions, reached));
             }
             order -= 1;
@@ -297,7 +338,7 @@ struct Reference {
 impl Reference {
     /// Takes samples all over the tree. A third of them is uniform, a third as frequent as the field
     /// is strong and a third as its square, because few targets may hold most of the sum of squares.
-    fn new(sum: &Sum) -> Self {
+    fn new<E: Real>(sum: &Sum<E>) -> Self {
         let targets = sum.places[0].len();
         let wanted = (100_000_000 / sum.cloud.len().max(1)).clamp(64, 2048).min(targets);
         let strengths = sum.strengths();
@@ -321,7 +362,7 @@ impl Reference {
             }
         }
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| sum.places[d][k]).collect());
-        let sums = direct_sums(&sum.cloud, 0.0, &places);
+        let sums = direct_sums(sum.cloud, 0.0, &places);
         Self { samples, weights, sums }
     }
 

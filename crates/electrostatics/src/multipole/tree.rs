@@ -7,8 +7,8 @@ use std::ops::Range;
 /// Halvings of the root's cube: the bits of a Morton code for each axis.
 const DEPTH: u32 = 21;
 
-/// Radius that stands in for zero where lengths are divided by a radius.
-const TINY: f64 = 1e-150;
+/// Least length that expansions are scaled with, over the radius of the root.
+const TINY: f64 = 1e-20;
 
 /// A set of bodies that are close together.
 #[derive(Debug, Clone)]
@@ -20,17 +20,14 @@ pub(crate) struct Cell {
     /// Center of the tight box of its bodies, and the radius of a sphere about it that holds them.
     pub(crate) center: Point3<f64>,
     pub(crate) radius: f64,
+    /// The length that expansions about the center are scaled with: the radius, if it is not zero.
+    pub(crate) scale: f64,
     half: Vector3<f64>,
 }
 
 impl Cell {
     pub(crate) fn is_leaf(&self) -> bool {
         self.children.is_empty()
-    }
-
-    /// The length that expansions about the center are scaled with.
-    pub(crate) fn scale(&self) -> f64 {
-        self.radius.max(TINY)
     }
 }
 
@@ -94,6 +91,8 @@ impl Tree {
             let reach = |child: &Cell| (child.center - cell.center).norm() + child.radius;
             cell.radius = children.iter().map(reach).fold(0.0, f64::max).min(cell.half.norm());
         }
+        let least = self.cells.first().map_or(0.0, |root| TINY * root.radius).max(1e-150);
+        self.cells.iter_mut().for_each(|cell| cell.scale = cell.radius.max(least));
     }
 }
 
@@ -116,6 +115,7 @@ fn split(keys: &[(u64, u32)], capacity: usize) -> (Vec<Cell>, Vec<usize>) {
         children: 0..0,
         center: Point3::origin(),
         radius: 0.0,
+        scale: 0.0,
         half: Vector3::zeros(),
     };
     let mut levels = vec![0];

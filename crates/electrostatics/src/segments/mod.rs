@@ -1,6 +1,8 @@
 //! Fibres as straight charged segments.
 
+mod lines;
 mod near;
+mod rules;
 mod skew;
 mod solver;
 

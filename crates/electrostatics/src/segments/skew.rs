@@ -52,11 +52,6 @@ impl<S: Simd> Means<S> {
         Self { energy: zero, force: [zero; 3], first_end: [zero; 3], second_end: [zero; 3] }
     }
 
-    #[inline(always)]
-    pub(super) fn less(&self, other: &Self) -> Self {
-        self.plus(other, Lanes::splat(self.energy.simd, -1.0))
-    }
-
     /// `self + other * factor`.
     #[inline(always)]
     pub(super) fn plus(&self, other: &Self, factor: Lanes<S>) -> Self {
@@ -144,7 +139,12 @@ fn interpolated<S: Simd, R: Roots<S>>(
         sine2.below(tiny, any[1], across[1]),
         sine2.below(tiny, any[2], across[2]),
     ];
-    let across = scaled(&across, roots.reciprocal(roots.root(dot(&across, &across))));
+    // Twice, as what is left of almost equal tangents is not square to them at first.
+    let mut across = across;
+    for _ in 0..2 {
+        across = along(&across, t, -dot(&across, t));
+        across = scaled(&across, roots.reciprocal(roots.root(dot(&across, &across))));
+    }
     let sine = sine2.below(tiny, zero, roots.root(sine2.below(tiny, one, sine2)));
     let sign = cosine.below(zero, -one, one);
     let half = second.length * one.of(0.5);
@@ -370,6 +370,20 @@ mod tests {
             check(first, [[0.1, 0.02, 0.9], [0.1 + sine, 0.02, -0.1]], 1e-9, bound(0.1));
             check(first, [[0.0, 0.0, 1.0], [sine, 0.0, 2.0]], 2e-4, bound(2e-4f64.sqrt()));
             check(first, [[0.03, 0.0, 0.0], [0.03, sine, 1.0]], 1e-9, bound(0.03));
+        }
+    }
+
+    /// Segments of a straight fibre in any direction, which rounding makes nearly parallel.
+    #[test]
+    fn straight_fibers_are_the_integrals() {
+        for k in 0..200 {
+            let (lean, turn) = (0.017 * f64::from(k), 0.3 * f64::from(k));
+            let t = Vector3::new(lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos());
+            let node = |i: i32| Vector3::new(0.3, -0.2, 0.1) + t * (1.25e-3 * f64::from(i + k));
+            let lines = [[node(0), node(1)], [node(1), node(2)]];
+            for [first, second] in [lines, [lines[1], lines[0]]] {
+                dispatch(Check { lines: [first, second], softening: 1.6e-9, tolerance: 2e-6 });
+            }
         }
     }
 }

@@ -1,14 +1,15 @@
 //! Energy and nodal forces of charged fibres.
 
-use super::near::{Lines, Loads, SOFTENING};
+use super::lines::{Lines, Loads};
+use super::near::add_close;
+use super::rules::{Rules, add_rules};
 use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
-use crate::method::direct_sums;
 use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
-use crate::multipole::near::{Cloud, add_pairs};
-use crate::multipole::solver::{check_accuracy, find_order, guess};
+use crate::multipole::near::Cloud;
+use crate::multipole::solver::{SINGLE, check_accuracy, find_order, guess, thinning};
 use crate::multipole::tree::{Cell, Tree};
-use crate::quadrature::gauss_legendre;
+use crate::real::Real;
 use crate::{Accuracy, COULOMB_CONSTANT, Certificate, ElectrostaticsError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
@@ -20,12 +21,8 @@ const CAPACITY: usize = 40;
 /// Segments whose forces are compared with the direct sum.
 const SAMPLES: usize = 48;
 
-/// Distance of two segments over their length up to which the closed form is used.
-const REACH: f64 = 1.4;
-
-/// Largest ratio of radii to distance at which expansions are used: all of their pairs are beyond
-/// [`REACH`].
-const OPENING: f64 = 1.0 / REACH;
+/// Largest ratio of radii to distance at which expansions are used.
+const OPENING: f64 = 0.76;
 
 /// Charged fibres: the straight segments between their nodes, each with its charge spread evenly.
 ///
@@ -61,9 +58,9 @@ pub struct Electrostatics {
 impl ChargedFibers<'_> {
     /// Energy and forces with the nodes at `positions` (world, m).
     ///
-    /// The energy is one number for each choice of close pairs: these are integrated in closed form, all
-    /// others by the same points on both segments. So forces are its exact gradient, and there is no
-    /// net force or moment, to rounding near and to the tolerance far.
+    /// Close pairs are integrated in closed form, all others by points of a rule on both. A segment may see
+    /// another by a better rule than that sees it, so forces are the gradient of the energy, and there is
+    /// no net force or moment, to the tolerance.
     /// Cost: see the README.
     ///
     /// # Errors
@@ -77,13 +74,8 @@ impl ChargedFibers<'_> {
         let unit = self.charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
         let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
         let tree = Tree::new(count, CAPACITY, ends);
-        let mut points = points(self.accuracy);
-        let (loads, certificate) = loop {
-            match self.sum(&tree, unit, points, ends).run(self.accuracy) {
-                Err(ElectrostaticsError::OutOfReach { .. }) if points < MOST_POINTS => points += 1,
-                result => break result?,
-            }
-        };
+        let lines = self.lines(&tree, unit, ends);
+        let (loads, certificate) = self.loads(&tree, &lines)?;
         let factor = COULOMB_CONSTANT * unit * unit;
         let mut result = Electrostatics {
             energy: factor * loads.iter().map(|load| load[0]).sum::<f64>(),
@@ -101,33 +93,48 @@ impl ChargedFibers<'_> {
         Ok(result)
     }
 
-    /// The segments in the order of `tree`, and as `points` points each.
-    fn sum<'a>(
+    /// The loads in the order of `tree`; with stricter rules for segments where these are not enough.
+    fn loads(
         &self,
-        tree: &'a Tree,
-        unit: f64,
-        points: usize,
-        ends: impl Fn(usize) -> [Point3<f64>; 2],
-    ) -> Sum<'a> {
-        let tolerance = match self.accuracy {
-            Accuracy::Tolerance(tolerance) => tolerance,
-            Accuracy::Order(_) => 1e-6,
+        tree: &Tree,
+        lines: &Lines,
+    ) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
+        let (tolerance, adaptive) = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => (tolerance, true),
+            Accuracy::Order(_) => (1e-6, false),
         };
-        let rule = gauss_legendre(points);
-        let mut cloud = Cloud::default();
-        let mut lines = Lines::new(&rule, nearly_parallel(tolerance));
-        for &i in &tree.order {
-            let (segment, charge) = (i as usize, self.charges[i as usize] / unit);
-            let [start, end] = ends(segment).map(|x| x.coords);
-            for [x, w] in &rule {
-                let point = (start * (1.0 - x) + end * (1.0 + x)) * 0.5;
-                cloud.push(point.into(), charge * 0.5 * w);
+        if adaptive && tolerance >= SINGLE {
+            let found = Sum::<f32>::new(tree, lines, tolerance, self.accuracy).run();
+            let finite = |(loads, _): &(Vec<Loads>, Certificate)| {
+                loads.as_flattened().iter().all(|x| x.is_finite())
+            };
+            if let Some(found) = found.ok().filter(finite) {
+                return Ok(found);
             }
+        }
+        let mut strictness = 1.0;
+        loop {
+            let error = strictness * tolerance;
+            match Sum::<f64>::new(tree, lines, error, self.accuracy).run() {
+                Err(ElectrostaticsError::OutOfReach { .. }) if error > STRICTEST => {
+                    strictness *= 0.03;
+                }
+                result => return result,
+            }
+        }
+    }
+
+    /// The segments in the order of `tree`.
+    fn lines(&self, tree: &Tree, unit: f64, ends: impl Fn(usize) -> [Point3<f64>; 2]) -> Lines {
+        let mut lines = Lines::default();
+        for &i in &tree.order {
+            let segment = i as usize;
             let fiber = self.layout.segment_fibers()[segment];
+            let charge = self.charges[segment] / unit;
             #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
             lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
         }
-        Sum { tree, cloud, rule, lines }
+        lines
     }
 
     /// The second derivative of the energy in the direction `v` (m, one vector a node), N: the
@@ -185,34 +192,54 @@ impl ChargedFibers<'_> {
     }
 }
 
-/// Most points that a segment is taken as.
-const MOST_POINTS: usize = 14;
+/// Error of rules over the tolerance of the forces, from measured errors.
+const SHARE: f64 = 0.7;
 
-/// Points that a segment is first taken as beyond [`REACH`], from measured errors: each reduces them by the
-/// square of `2 REACH`.
-fn points(accuracy: Accuracy) -> usize {
-    1 + (2 * guess(accuracy) / 5).max(1)
-}
+/// Relative error of closed forms of parallel neighbors at worst: with a smaller tolerance the
+/// certificate says what was reached.
+const CLOSED: f64 = 5e-8;
 
-struct Sum<'a> {
+/// Error beyond which rules are not made stricter.
+const STRICTEST: f64 = 1e-14;
+
+struct Sum<'a, E> {
     tree: &'a Tree,
+    lines: &'a Lines,
+    rules: Rules<E>,
+    /// Each segment as the points of the rule for those far away.
     cloud: Cloud,
-    /// Points on each segment.
-    rule: Vec<[f64; 2]>,
-    lines: Lines,
+    /// The sine of the angle up to which two are nearly parallel.
+    sine: f64,
+    /// Least distance of cells whose expansions are used.
+    clearance: f64,
+    accuracy: Accuracy,
 }
 
-impl Sum<'_> {
-    fn run(&self, accuracy: Accuracy) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
+impl<'a, E: Real> Sum<'a, E> {
+    fn new(tree: &'a Tree, lines: &'a Lines, error: f64, accuracy: Accuracy) -> Self {
+        let rules = Rules::<E>::new((SHARE * error).min(0.1));
+        let mut cloud = Cloud::default();
+        for i in 0..tree.order.len() {
+            let (middle, half) = (lines.middle(i), lines.half(i));
+            for [x, w] in rules.far() {
+                let point = [0, 1, 2].map(|c| middle[c] + x.double() * half[c]);
+                cloud.push(point, lines.charge[i] * w.double());
+            }
+        }
+        let longest = lines.length.iter().copied().fold(0.0, f64::max);
+        let clearance = 0.5 * rules.clearance() * longest;
+        Self { tree, lines, rules, cloud, sine: nearly_parallel(error), clearance, accuracy }
+    }
+
+    fn run(&self) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
         let count = self.tree.order.len();
         let mut out = vec![[0.0; 7]; count];
         if count <= SAMPLES {
             let all: Vec<_> = (0..count).collect();
-            let exact = self.exact(&all, f64::INFINITY);
-            return Ok((exact, Certificate { order: None, samples: 0, error: 0.0 }));
+            return Ok((self.exact(&all), Certificate { order: None, samples: 0, error: 0.0 }));
         }
         let samples: Vec<_> = (0..SAMPLES).map(|k| (2 * k + 1) * count / (2 * SAMPLES)).collect();
-        let exact = self.exact(&samples, 3.0 * REACH);
+        let exact = self.exact(&samples);
         let error = |out: &[Loads]| {
             let [mut errors, mut squares] = [0.0; 2];
             for (&sample, exact) in samples.iter().zip(&exact) {
@@ -223,57 +250,68 @@ impl Sum<'_> {
             }
             if errors > 0.0 { (errors / squares).sqrt() } else { 0.0 }
         };
-        let multipoles = |order| Multipoles::new(self.tree, &self.cloud, self.rule.len(), order);
-        let (order, multipoles) = match accuracy {
+        let multipoles =
+            |order| Multipoles::<E>::new(self.tree, &self.cloud, self.rules.far().len(), order);
+        let (order, multipoles) = match self.accuracy {
             Accuracy::Order(order) => (order, multipoles(order)),
             Accuracy::Tolerance(tolerance) => {
-                let error = |multipoles: &Multipoles, order| {
+                let error = |multipoles: &Multipoles<E>, order| {
                     let mut out = vec![[0.0; 7]; count];
                     self.descend(multipoles, order, Some(&samples), &mut out);
                     error(&out)
                 };
-                let found = find_order(guess(accuracy), tolerance, multipoles, error)?;
+                let found = find_order(guess(self.accuracy) + 1, tolerance, multipoles, error)?;
                 (found.0, found.1)
             }
         };
         self.descend(&multipoles, order, None, &mut out);
-        let error = error(&out);
-        Ok((out, Certificate { order: Some(order), samples: SAMPLES, error }))
+        let reached = error(&out);
+        match self.accuracy {
+            Accuracy::Tolerance(tolerance) if reached > tolerance.max(CLOSED) => {
+                Err(ElectrostaticsError::OutOfReach { tolerance, reached, order })
+            }
+            _ => Ok((out, Certificate { order: Some(order), samples: SAMPLES, error: reached })),
+        }
     }
 
     fn descend(
         &self,
-        sources: &Multipoles,
+        sources: &Multipoles<E>,
         order: usize,
         samples: Option<&[usize]>,
         out: &mut [Loads],
     ) {
-        let (targets, opening) = (self.tree, OPENING);
-        Descent { sources, targets, leaf: self, order, opening, direct: 0, samples }.run(out);
+        let (targets, opening, clearance) = (self.tree, OPENING, self.clearance);
+        let (leaf, thinning, direct) = (self, thinning(self.accuracy), 0);
+        Descent { sources, targets, leaf, order, opening, thinning, clearance, direct, samples }
+            .run(out);
     }
 
-    /// The loads of `samples` without expansions, with the closed form up to the distance `reach`.
-    fn exact(&self, samples: &[usize], reach: f64) -> Vec<Loads> {
-        let points = self.rule.len();
-        let own = || samples.iter().flat_map(|i| i * points..(i + 1) * points);
-        let places = [0, 1, 2].map(|d| own().map(|k| self.cloud.x[d][k]).collect());
-        let sums = direct_sums(&self.cloud, SOFTENING, &places);
+    /// The loads of `samples` without expansions, by stricter rules.
+    fn exact(&self, samples: &[usize]) -> Vec<Loads> {
         let mut out = vec![[0.0; 7]; samples.len()];
-        for ((&i, out), sums) in samples.iter().zip(&mut out).zip(sums.chunks_exact(points)) {
-            self.add_points(i, sums, out);
+        let all = 0..self.tree.order.len();
+        let error = match self.accuracy {
+            Accuracy::Tolerance(tolerance) => (0.03 * tolerance).max(STRICTEST),
+            Accuracy::Order(_) => 1e-8,
+        };
+        let (rules, all) = (Rules::<f64>::new(error), std::slice::from_ref(&all));
+        let pairs = add_rules(self.lines, &rules, samples, all, [0.0; 3], &mut out);
+        for (&i, out) in samples.iter().zip(&mut out) {
+            self.lines.add_self(i, out);
+            let own: Vec<_> = pairs.iter().copied().filter(|pair| pair[0] == i).collect();
             let task = Task { bodies: i..i + 1, complete: false, out: std::slice::from_mut(out) };
-            let all = 0..self.tree.order.len();
-            self.lines.add_close(i..i + 1, std::slice::from_ref(&all), reach, task);
+            add_close(self.lines, &own, self.sine, task);
         }
         out
     }
 
     /// Adds the loads of segment `i` in the potentials and gradients at its points.
     fn add_points(&self, i: usize, sums: &[[f64; 4]], out: &mut Loads) {
-        let charges = &self.cloud.charge[i * self.rule.len()..];
-        for (([x, _], charge), [potential, gradient @ ..]) in
-            self.rule.iter().zip(charges).zip(sums)
-        {
+        let rule = self.rules.far();
+        let charges = &self.cloud.charge[i * rule.len()..];
+        for (([x, _], charge), [potential, gradient @ ..]) in rule.iter().zip(charges).zip(sums) {
+            let x = x.double();
             out[0] += 0.5 * charge * potential;
             for c in 0..3 {
                 let force = -charge * gradient[c];
@@ -284,22 +322,23 @@ impl Sum<'_> {
     }
 }
 
-impl Leaf for Sum<'_> {
+impl<E: Real> Leaf for Sum<'_, E> {
     type Out = Loads;
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<Loads>) {
-        let points = self.rule.len();
-        let scaled = |range: &Range<usize>| range.start * points..range.end * points;
-        let own = scaled(&cell.bodies);
-        let sources: Vec<_> = near.iter().map(scaled).collect();
+        let points = self.rules.far().len();
+        let own = cell.bodies.start * points..cell.bodies.end * points;
         let mut sums = vec![[0.0; 4]; own.len()];
-        far.add(cell, &self.cloud.x, own.clone(), &mut sums);
-        add_pairs(&self.cloud, &sources, SOFTENING, &self.cloud.x, own, &mut sums);
-        for ((i, out), sums) in
-            cell.bodies.clone().zip(task.of(cell)).zip(sums.chunks_exact(points))
-        {
+        far.add(cell, &self.cloud.x, own, &mut sums);
+        let out = task.of(cell);
+        for ((i, out), sums) in cell.bodies.clone().zip(&mut *out).zip(sums.chunks_exact(points)) {
             self.add_points(i, sums, out);
+            self.lines.add_self(i, out);
         }
-        self.lines.add_close(cell.bodies.clone(), near, REACH, task);
+        let bodies: Vec<_> = cell.bodies.clone().collect();
+        let center = cell.center.into();
+        let mut pairs = add_rules(self.lines, &self.rules, &bodies, near, center, out);
+        pairs.retain(|&[i, j]| j > i || !task.both(j));
+        add_close(self.lines, &pairs, self.sine, task);
     }
 }

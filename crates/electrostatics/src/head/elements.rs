@@ -1,0 +1,138 @@
+//! Charged triangles and what they do to each other and to points.
+
+use super::triangle::Triangle;
+use crate::multipole::tree::Tree;
+use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields, Method, Multipole, Plan};
+use nalgebra::{Point3, Vector3};
+use rapunzel_collision::field::Mesh;
+use rayon::prelude::*;
+
+/// Distance from a triangle's center, over its longest side, up to which integrals are exact.
+const NEAR: f64 = 3.0;
+
+/// Accuracy of the multipole method beyond.
+const ACCURACY: Accuracy = Accuracy::Tolerance(1e-6);
+
+/// Triangles with constant charge.
+#[derive(Debug)]
+pub(super) struct Elements {
+    triangles: Vec<Triangle>,
+    centers: Vec<Point3<f64>>,
+    tree: Tree,
+    /// The longest side of all.
+    longest: f64,
+    plan: Plan,
+    /// For each center the triangles that are close, and by how much more than points they act.
+    excess: Vec<Vec<(usize, f64)>>,
+    /// Potentials of triangles at their own centers, V/C.
+    diagonal: Vec<f64>,
+}
+
+impl Elements {
+    pub(super) fn new(mesh: &Mesh) -> Result<Self, ElectrostaticsError> {
+        let corner = |vertex: u32| mesh.vertices()[vertex as usize];
+        let triangles: Vec<_> =
+            mesh.triangles().iter().map(|t| Triangle::new(t.map(corner))).collect();
+        let centers: Vec<_> = triangles.iter().map(Triangle::center).collect();
+        let tree = Tree::new(centers.len(), 16, |i| [centers[i]; 2]);
+        let longest = triangles.iter().map(Triangle::longest).fold(0.0, f64::max);
+        let plan = Plan::new(&centers, &centers, ACCURACY)?;
+        let (excess, diagonal) = (Vec::new(), Vec::new());
+        let mut all = Self { triangles, centers, tree, longest, plan, excess, diagonal };
+        let excess = |(i, x): (usize, &Point3<f64>)| {
+            let triangle = |j: usize| (j, all.triangles[j].potential(x) - all.point(i, j));
+            all.near(x).into_iter().map(triangle).collect()
+        };
+        all.excess = all.centers.par_iter().enumerate().map(excess).collect();
+        let own = |(t, x): (&Triangle, &Point3<f64>)| COULOMB_CONSTANT * t.potential(x);
+        all.diagonal = all.triangles.iter().zip(&all.centers).map(own).collect();
+        Ok(all)
+    }
+
+    pub(super) fn centers(&self) -> &[Point3<f64>] {
+        &self.centers
+    }
+
+    pub(super) fn diagonal(&self) -> &[f64] {
+        &self.diagonal
+    }
+
+    /// What the charge of triangle j as a point makes at the center of i; a point does not feel itself.
+    fn point(&self, i: usize, j: usize) -> f64 {
+        if i == j { 0.0 } else { inverse(self.centers[i] - self.centers[j]) }
+    }
+
+    /// The triangles that `x` is close to, ascending.
+    fn near(&self, x: &Point3<f64>) -> Vec<usize> {
+        let mut found = Vec::new();
+        let mut stack: Vec<_> = (0..self.tree.cells.len().min(1)).collect();
+        while let Some(cell) = stack.pop().map(|k| &self.tree.cells[k]) {
+            if (cell.center - x).norm() > cell.radius + NEAR * self.longest {
+                continue;
+            }
+            stack.extend(cell.children.clone());
+            if cell.is_leaf() {
+                let bodies = self.tree.order[cell.bodies.clone()].iter().map(|j| *j as usize);
+                found.extend(bodies.filter(|&j| {
+                    (self.centers[j] - x).norm() < NEAR * self.triangles[j].longest()
+                }));
+            }
+        }
+        found.sort_unstable();
+        found
+    }
+
+    /// The potentials (V) that `charges` of the triangles (C) make at all centers.
+    pub(super) fn apply(&self, charges: &[f64]) -> Result<Vec<f64>, ElectrostaticsError> {
+        let mut potentials = self.plan.fields(charges)?.0.potentials;
+        potentials.par_iter_mut().zip(&self.excess).for_each(|(potential, excess)| {
+            let more: f64 = excess.iter().map(|(j, more)| charges[*j] * more).sum();
+            *potential += COULOMB_CONSTANT * more;
+        });
+        Ok(potentials)
+    }
+
+    /// The potentials (V) that points make at the triangles.
+    pub(super) fn potentials(
+        &self,
+        sources: &[Point3<f64>],
+        charges: &[f64],
+    ) -> Result<Vec<f64>, ElectrostaticsError> {
+        let method = Multipole { accuracy: ACCURACY };
+        let mut potentials = method.fields(sources, charges, &self.centers)?.potentials;
+        let near: Vec<_> = sources.par_iter().map(|x| self.near(x)).collect();
+        for ((x, charge), near) in sources.iter().zip(charges).zip(near) {
+            for j in near {
+                let more = self.triangles[j].potential(x) - inverse(x - self.centers[j]);
+                potentials[j] += COULOMB_CONSTANT * charge * more;
+            }
+        }
+        Ok(potentials)
+    }
+
+    /// The fields that `charges` of the triangles (C) make at points.
+    pub(super) fn fields(
+        &self,
+        charges: &[f64],
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, ElectrostaticsError> {
+        let method = Multipole { accuracy: ACCURACY };
+        let mut fields = method.fields(&self.centers, charges, targets)?;
+        let found = fields.potentials.par_iter_mut().zip(&mut fields.fields).zip(targets);
+        found.for_each(|((potential, field), x)| {
+            for j in self.near(x) {
+                let (triangle, r) = (&self.triangles[j], x - self.centers[j]);
+                let charge = COULOMB_CONSTANT * charges[j];
+                *potential += charge * (triangle.potential(x) - inverse(r));
+                *field -= charge * (triangle.gradient(x) + r * inverse(r).powi(3));
+            }
+        });
+        Ok(fields)
+    }
+}
+
+/// The inverse length of `r`; zero for zero, as a charge does not feel itself.
+fn inverse(r: Vector3<f64>) -> f64 {
+    let length = r.norm();
+    if length > 0.0 { 1.0 / length } else { 0.0 }
+}
