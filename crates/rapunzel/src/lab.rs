@@ -3,10 +3,11 @@ use crate::drawing::{Chart, Curve, Drawing, svg};
 use crate::failure::Failure;
 use crate::words::say;
 use rapunzel_keratin::{Climate, KeratinError, Treatment};
-use rapunzel_sim::SimError;
 use rapunzel_sim::lab::{Number, Reading, Sample, measure};
 use rapunzel_sim::scene::{Keratin, Law};
+use rapunzel_sim::{SimError, write_atomically};
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -41,9 +42,10 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
         if swept { sweep_charts(&title, axis, &measured) } else { chart(&title, &measured) };
     let write = |file: &str, text: String| -> Result<PathBuf, Failure> {
         let path = folder.join(file);
-        let written = fs::create_dir_all(&folder).and_then(|()| fs::write(&path, text));
-        written
-            .map_err(|error| Failure::File(format!("cannot write {}: {error}", path.display())))?;
+        fs::create_dir_all(&folder).map_err(|error| {
+            Failure::File(format!("cannot make the folder {}: {error}", folder.display()))
+        })?;
+        write_atomically(&path, |to| to.write_all(text.as_bytes())).map_err(Failure::of(&path))?;
         Ok(path)
     };
     let table = write("table.csv", table)?;

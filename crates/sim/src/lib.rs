@@ -29,6 +29,7 @@ pub use plan::Plan;
 pub use run::{Control, Progress, run};
 pub use scene::Scene;
 pub use stepper::{FreeFibers, StepReport, Stepper};
+pub use storage::write_atomically;
 pub use summary::{Outcome, Statistics, Summary};
 pub use works::Works;
 pub use world::{Snapshot, World};

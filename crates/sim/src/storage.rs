@@ -14,7 +14,7 @@ pub(crate) const PARTIAL: &str = ".partial";
 ///
 /// # Errors
 /// [`SimError::Io`]; the temporary file is removed.
-pub(crate) fn write_atomically(
+pub fn write_atomically(
     path: &Path,
     contents: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), SimError> {
