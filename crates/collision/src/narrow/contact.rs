@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Pairs that one thread looks at a time.
 const CHUNK: usize = 4096;
-/// Axes that enclose less than 15 degrees may touch in two points; the squared sine of that.
+/// Axes that enclose less than 15 degrees may touch in several points; the squared sine of that.
 const PARALLEL: f64 = 0.067;
 
 /// Two capsules that touch, or come close, at a point.

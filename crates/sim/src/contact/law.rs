@@ -31,14 +31,15 @@ impl<'a> Laws<'a> {
     /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
     /// over the length of the part, `before` the normal velocity then.
     ///
-    /// A touch that would close returns with its share of the velocity of approach (Newton). Whether
-    /// it would is told by the start of the part, with what gravity may add, so that it neither
-    /// depends on the search nor is a fall stopped at the surface before it bounces. What comes no
-    /// faster than gravity drives it in two parts is at rest, and stays so.
+    /// A touch that would close returns with its share, if there is one, of the velocity of approach
+    /// (Newton). Whether it would is told by the start of the part, with what gravity may add, so that
+    /// it neither depends on the search nor is a fall stopped at the surface before it bounces. What
+    /// comes no faster than gravity drives it in two parts is at rest, and stays so.
     pub(super) fn closing(&self, touch: &Touch, gap: f64, before: f64) -> f64 {
         let own = self.object(touch).and_then(|object| object.restitution);
         let restitution = own.unwrap_or(self.settings.restitution);
-        let bounces = before < -2.0 * self.fall && gap + before < self.fall;
+        let fast = before < -2.0 * self.fall && gap + before < self.fall;
+        let bounces = restitution > 0.0 && fast;
         if bounces { gap.min(restitution * before) } else { gap }
     }
 
