@@ -324,8 +324,7 @@ impl Touching {
     /// How well the contacts of a step of `dt` seconds must be solved.
     fn tolerance(&self, dt: f64) -> Tolerance {
         let ContactSettings { residual, slip, iterations, .. } = self.settings;
-        // In a short step what is left of a fall would bounce.
-        Tolerance { residual, normal: 0.2 * self.depth() / dt, slip, iterations }
+        Tolerance { residual, normal: 0.5 * self.depth() / dt, slip, iterations }
     }
 
     /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
