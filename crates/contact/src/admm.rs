@@ -94,7 +94,7 @@ struct Sides {
 /// Iterations between two looks at the tolerance.
 const LOOK: usize = 5;
 /// Contacts that one task takes.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 256;
 
 impl Admm {
     /// The solver with its usual relaxation, weight and memory.
@@ -128,6 +128,7 @@ impl Solver for Admm {
         sides.prepare(bodies, contacts, velocities, impulses, self.weight)?;
         let responses = sides.responses();
         let weights: Vec<f64> = responses.iter().map(|w| 1.0 / w).collect();
+        let roots: Vec<f64> = sides.metric.iter().map(|mass| mass.sqrt()).collect();
         // Impulses on the first points, world.
         let mut world = vec![Vector3::zeros(); contacts.len()];
         let mut iterations = 0;
@@ -136,7 +137,7 @@ impl Solver for Admm {
             sides.obey(contacts, &responses, impulses, &mut world);
             sides.respond(bodies, velocities, &world, self.relaxation);
             if self.memory > 0 {
-                self.anderson.next(&sides.metric, &sides.step, &mut sides.h);
+                self.anderson.next(&roots, &sides.step, &mut sides.h);
             } else {
                 sides.h.iter_mut().zip(&sides.step).for_each(|(h, step)| *h += step);
             }

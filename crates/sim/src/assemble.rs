@@ -1,7 +1,7 @@
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, ContactSettings, Initial, Law, Method, Scene, Shape};
+use crate::scene::{Arrangement, Bundle, Initial, Law, Method, Scene, Shape};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -130,10 +130,7 @@ impl Scene {
         }
         Ok(match &self.contact {
             None => Box::new(FreeFibers),
-            Some(settings) => {
-                let friction = settings.friction.looked_up();
-                Box::new(Touching::new(ContactSettings { friction, ..settings.clone() }, world)?)
-            }
+            Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
         })
     }
 
@@ -142,10 +139,10 @@ impl Scene {
         let Some(keratin) = bundle.material.keratin() else {
             // Another material without a section has been refused.
             let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
-            return Ok((
-                NodeProperties::new(section, &bundle.material.into()),
-                SectionLaws::Linear,
-            ));
+            let material = bundle.material.solid();
+            return material
+                .map(|solid| (NodeProperties::new(section, &solid), SectionLaws::Linear))
+                .map_err(|source| SimError::Keratin { bundle: i, source });
         };
         let climate = self.environment.climate.at(0.0);
         climate

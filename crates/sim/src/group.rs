@@ -8,7 +8,7 @@ use rapunzel_rod_dynamic::{
 use std::sync::Arc;
 
 /// Rods that are stepped together.
-pub(crate) trait Batch: Send {
+pub(crate) trait Batch: Send + Sync {
     fn state(&self, lane: usize) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
@@ -104,7 +104,7 @@ impl<I: RodIntegrator> Rods<I> {
     }
 }
 
-impl<I: RodIntegrator> Batch for Rods<I> {
+impl<I: RodIntegrator + Sync> Batch for Rods<I> {
     fn state(&self, lane: usize) -> RodState {
         self.rods[lane].state()
     }

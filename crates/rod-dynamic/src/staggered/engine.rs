@@ -13,7 +13,7 @@ use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
 
 /// What a batch needs of a [`Pack`], whatever its register width.
-pub(super) trait Engine: Send {
+pub(super) trait Engine: Send + Sync {
     fn attempt(
         &mut self,
         dt: &[f64; 8],

@@ -1,9 +1,10 @@
 //! Fibres as bodies of the contact solver.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
-use pulp::{Arch, NullaryFnOnce};
+use super::explicit::{Answer, Explicit};
+use nalgebra::{Matrix3, Vector3};
+use pulp::Arch;
 use rapunzel_contact::{Body, ContactError};
-use rapunzel_rod_dynamic::{ImpulseResponse, Point, PointResponses, RodError, StaggeredBatch};
+use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
 
 /// Multiplications that a pass over a segment costs, and lanes that a pass serves at once: what a
 /// product with matrices that are written out has to beat.
@@ -17,21 +18,15 @@ pub(super) struct Fibers<'a> {
     /// How the points answer, by fibre, where there are so few that this is cheaper than to go
     /// through the fibres.
     explicit: Option<Vec<Explicit>>,
-}
-
-/// The answers of the points of one fibre, written out.
-struct Explicit {
-    own: PointResponses,
-    /// With the masses added.
-    weighted: DMatrix<f64>,
-    /// Impulses and velocities.
-    room: [Vec<f64>; 2],
+    /// Whether answers with masses must be more precise than single precision.
+    exact: bool,
 }
 
 impl<'a> Fibers<'a> {
     pub(super) fn new(
         batch: &'a mut StaggeredBatch,
         points: &'a [Point],
+        exact: bool,
     ) -> Result<Self, ContactError> {
         let mut counts = [0; LANES];
         points.iter().for_each(|point| counts[point.fiber as usize] += 1);
@@ -43,60 +38,7 @@ impl<'a> Fibers<'a> {
         } else {
             None
         };
-        Ok(Self { batch, points, explicit })
-    }
-}
-
-impl Explicit {
-    fn new(own: PointResponses) -> Self {
-        let size = own.matrix.nrows();
-        let room = [vec![0.0; size], vec![0.0; size]];
-        Self { own, weighted: DMatrix::zeros(size, size), room }
-    }
-
-    /// With `M` the masses, `W - W S (1 + S W S)^-1 S W` where `S^2 = M`. False if `W` is not
-    /// positive semidefinite.
-    fn weigh(&mut self, masses: &[f64]) -> bool {
-        let root = |i: usize| masses[self.own.points[i / 3]].sqrt();
-        let mut half = self.own.matrix.clone();
-        half.row_iter_mut().enumerate().for_each(|(i, mut row)| row *= root(i));
-        let mut inner = half.clone();
-        inner.column_iter_mut().enumerate().for_each(|(i, mut column)| column *= root(i));
-        (0..inner.nrows()).for_each(|i| inner[(i, i)] += 1.0);
-        let Some(factor) = inner.cholesky() else { return false };
-        let solved = factor.l_dirty().solve_lower_triangular_mut(&mut half);
-        self.weighted.copy_from(&self.own.matrix);
-        self.weighted.gemm_tr(-1.0, &half, &half, 1.0);
-        solved
-    }
-}
-
-/// Replaces impulses on points by the velocities that they cause, fibre by fibre.
-struct Answer<'a> {
-    explicit: &'a mut [Explicit],
-    weighted: bool,
-    impulses: &'a [Vector3<f64>],
-    velocities: &'a mut [Vector3<f64>],
-}
-
-impl NullaryFnOnce for Answer<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for Explicit { own, weighted, room: [from, to] } in self.explicit {
-            let matrix = if self.weighted { weighted } else { &own.matrix };
-            for (&point, from) in own.points.iter().zip(from.as_chunks_mut::<3>().0) {
-                *from = self.impulses[point].into();
-            }
-            to.fill(0.0);
-            for (column, x) in matrix.as_slice().chunks_exact(to.len()).zip(&*from) {
-                to.iter_mut().zip(column).for_each(|(y, a)| *y += a * x);
-            }
-            for (&point, to) in own.points.iter().zip(to.as_chunks::<3>().0) {
-                self.velocities[point] = (*to).into();
-            }
-        }
+        Ok(Self { batch, points, explicit, exact })
     }
 }
 
@@ -111,7 +53,7 @@ impl Body for Fibers<'_> {
 
     fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError> {
         if let Some(explicit) = &mut self.explicit {
-            if explicit.iter_mut().all(|one| one.weigh(weights)) {
+            if explicit.iter_mut().all(|one| one.weigh(weights, self.exact)) {
                 return Ok(());
             }
             // Far from where it goes a step may be no minimum, and its answer not positive.
@@ -121,21 +63,16 @@ impl Body for Fibers<'_> {
     }
 
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(explicit) = &mut self.explicit {
-            return Arch::new().dispatch(Answer {
-                explicit,
-                weighted: false,
-                impulses,
-                velocities,
-            });
+        if let Some(explicit) = &self.explicit {
+            return explicit.iter().for_each(|one| one.respond(impulses, velocities));
         }
         let answered = self.batch.respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
     }
 
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(explicit) = &mut self.explicit {
-            return Arch::new().dispatch(Answer { explicit, weighted: true, impulses, velocities });
+        if let Some(explicit) = &self.explicit {
+            return Arch::new().dispatch(Answer { explicit, impulses, velocities });
         }
         let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
@@ -143,11 +80,7 @@ impl Body for Fibers<'_> {
 
     fn own_traces(&mut self, traces: &mut [f64]) {
         if let Some(explicit) = &self.explicit {
-            for PointResponses { points, matrix } in explicit.iter().map(|one| &one.own) {
-                for (i, &point) in points.iter().enumerate() {
-                    traces[point] = matrix.fixed_view::<3, 3>(3 * i, 3 * i).trace();
-                }
-            }
+            explicit.iter().for_each(|one| one.traces(traces));
             return;
         }
         let nodes = self.batch.nodes() / self.batch.rods().len();
@@ -190,8 +123,9 @@ mod tests {
         let masses = [0.3, 0.1, 0.0, 2.0, 1.0].map(|share| share * mass);
         let asked = [1.0, -2.0, 0.5, 0.7, 3.0].map(|x| Vector3::new(x, 1.0, -x) * mass);
         let mut answers = Vec::new();
-        for written_out in [true, false] {
-            let mut fibers = Fibers::new(&mut batch, &points).expect("points on the fibers");
+        for (written_out, exact) in [(true, true), (false, true), (true, false)] {
+            let fibers = Fibers::new(&mut batch, &points, exact);
+            let mut fibers = fibers.expect("points on the fibers");
             assert!(fibers.explicit.is_some());
             if !written_out {
                 fibers.explicit = None;
@@ -204,11 +138,16 @@ mod tests {
             fibers.own_traces(&mut traces);
             answers.push((free, weighted, traces));
         }
-        let (one, other) = (&answers[0], &answers[1]);
+        let (one, other, single) = (&answers[0], &answers[1], &answers[2]);
         for i in 0..5 {
             assert!((one.0[i] - other.0[i]).norm() < 1e-10 * other.0[i].norm().max(1.0), "{i}");
             assert!((one.1[i] - other.1[i]).norm() < 1e-10 * other.0[i].norm().max(1.0), "{i}");
         }
+        for i in 0..5 {
+            let error = (one.1[i] - single.1[i]).norm();
+            assert!(error < 1e-6 * other.0[i].norm().max(1.0), "{i}: {error}");
+        }
+        assert!(single.1 != one.1, "that is of single precision");
         assert!((one.1[0] - one.0[0]).norm() > 1e-2 * one.0[0].norm(), "masses matter");
         // At nodes the traces are exact too.
         assert!((one.2[0] - other.2[0]).abs() < 1e-10 * other.2[0]);

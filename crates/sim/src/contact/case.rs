@@ -11,6 +11,9 @@ use rapunzel_contact::{Admm, Body, Bond, Contact, ContactError, Report, Solver, 
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
+/// Residuals below this take more than single precision.
+const ROUNDING: f64 = 1e-5;
+
 /// All contacts between the points of all groups, in the order of the touches they are made of.
 pub(super) struct Case {
     contacts: Vec<Contact>,
@@ -142,12 +145,12 @@ impl Case {
         patient: bool,
     ) -> Result<Report, ContactError> {
         let velocities = self.at_points(world, &world.linear_velocities());
-        for (i, working) in self.working.iter_mut().enumerate() {
+        self.working.par_iter_mut().enumerate().for_each(|(i, working)| {
             *working = patient && *working
                 || self.impulses[i] != Vector3::zeros()
                 || self.contacts[i].adhesion > 0.0
                 || self.contacts[i].relative(&velocities).x < 0.0;
-        }
+        });
         let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
         let mut used = vec![false; velocities.len()];
         for &i in &working {
@@ -171,9 +174,10 @@ impl Case {
         let points = select(&self.points, &mut used);
         let levers = select(&self.levers, &mut used);
         let mut free = world.free_bodies(&levers)?;
+        let exact = solver.tolerance.residual < ROUNDING;
         let groups = world.groups.par_iter_mut().zip(&points);
         let mut fibers: Vec<Fibers> = groups
-            .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points)))
+            .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points, exact)))
             .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
@@ -264,7 +268,7 @@ impl Case {
 
     fn relative(&self, world: &World, mean: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let velocities = self.at_points(world, mean);
-        self.contacts.iter().map(|contact| contact.relative(&velocities)).collect()
+        self.contacts.par_iter().map(|contact| contact.relative(&velocities)).collect()
     }
 }
 

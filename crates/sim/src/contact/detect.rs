@@ -1,7 +1,7 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
 use super::object::{Object, Strand};
-use super::touch::{Partner, Touch};
+use super::touch::{self, Partner, Touch};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::{
@@ -76,18 +76,16 @@ impl Detector {
             Place::Start => {
                 let near = within_reach(&start, &end, pairs, margin);
                 contacts(&start, &near, f64::MAX, &mut self.contacts)?;
-                let found = self.contacts.iter().filter(|contact| !bends(&start, contact));
+                let found = self.contacts.par_iter().filter(|contact| !bends(&start, contact));
                 let moved = found.map(|contact| Contact { gap: gap(&end, contact), ..*contact });
-                touches.extend(moved.map(|contact| fiber_touch(&start, &contact)));
+                touches.par_extend(moved.map(|contact| fiber_touch(&start, &contact)));
             }
             Place::End => {
                 let (near, fast) = sort(&start, &end, pairs, margin, place);
                 contacts(&end, &near, margin, &mut self.contacts)?;
-                let found = self.contacts.iter().chain(&fast);
+                let found = self.contacts.par_iter().chain(&fast);
                 let found = found.filter(|contact| !bends(&end, contact));
-                let sided =
-                    found.map(|contact| (fiber_touch(&end, contact), turned(&start, contact)));
-                keep_sides(sided.collect(), touches);
+                touches.par_extend(found.map(|contact| fiber_touch(&end, contact)));
             }
         }
         let fibers = motion.layout.fibers();
@@ -107,8 +105,11 @@ impl Detector {
         };
         let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
         found.iter().for_each(|found| touches.extend_from_slice(found));
-        touches.par_sort_unstable_by(Touch::order);
+        touch::sort(touches);
         touches.dedup_by(|a, b| a.same(b));
+        if place == Place::End {
+            keep_sides(&start, touches);
+        }
         Ok(())
     }
 }
@@ -222,24 +223,34 @@ fn bends(end: &Capsules, contact: &Contact) -> bool {
     between < reach
 }
 
-/// Whether the places of a contact were on the other side of each other at the start.
-fn turned(start: &Capsules, contact: &Contact) -> bool {
-    let [first, second] = contact.pair.map(|segment| start.get(segment as usize));
-    let [s, t] = contact.fractions;
-    (second.at(t) - first.at(s)).dot(&contact.normal) < 0.0
+/// Whether the places of a touch of fibres were on the other side of each other at the start.
+fn turned(start: &Capsules, touch: &Touch) -> bool {
+    let Partner::Fiber(partner) = touch.partner else { return false };
+    let [s, t] = touch.segments;
+    let at = |fiber: u32, segment: u32, fraction: f64| {
+        let first = start.layout().segment_range(fiber as usize).start;
+        start.get(first + segment as usize).at(fraction)
+    };
+    let own = at(touch.fiber, s, touch.fractions[0]);
+    (own - at(partner, t, touch.fractions[1])).dot(&touch.normal) < 0.0
 }
 
-/// Appends the touches of fibres but those that have turned to the other side beside one of their
-/// pair that has not. About a bend one segment may meet a fibre that its neighbor would pass
-/// through, and find it on its far side: between the two normals the fibre could not move at all.
-fn keep_sides(mut found: Vec<(Touch, bool)>, touches: &mut Vec<Touch>) {
-    found.par_sort_unstable_by(|a, b| a.0.order(&b.0));
-    for group in found.chunk_by(|(a, _), (b, _)| (a.fiber, a.partner) == (b.fiber, b.partner)) {
-        let jams =
-            |touch: &Touch| group.iter().any(|(other, turned)| !turned && other.opposes(touch));
-        let kept = group.iter().filter(|(touch, turned)| !(*turned && jams(touch)));
-        touches.extend(kept.map(|(touch, _)| *touch));
-    }
+/// Drops the touches that have turned to the other side beside one of their pair that has not. About
+/// a bend one segment may meet a fibre that its neighbor would pass through, and find it on its far
+/// side: between the two normals the fibre could not move at all. Touches are sorted by pair.
+fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
+    let jammed = |group: &[Touch]| {
+        let turned: Vec<_> = group.iter().map(|touch| turned(start, touch)).collect();
+        let stays = |i: usize| !turned[i];
+        let jams = |i: usize| {
+            (0..group.len()).any(|other| stays(other) && group[other].opposes(&group[i]))
+        };
+        (0..group.len()).map(|i| turned[i] && jams(i)).collect::<Vec<_>>()
+    };
+    let same = |a: &Touch, b: &Touch| (a.fiber, a.partner) == (b.fiber, b.partner);
+    let groups: Vec<_> = touches.par_chunk_by(same).flat_map_iter(jammed).collect();
+    let mut jammed = groups.into_iter();
+    touches.retain(|_| !jammed.next().unwrap_or_default());
 }
 
 /// The touch of two fibres; the one with the smaller number comes first.

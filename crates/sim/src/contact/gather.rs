@@ -45,17 +45,20 @@ impl World {
 
     fn of_nodes(
         &self,
-        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError>,
+        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError> + Sync,
     ) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
-        let mut all = vec![Vector3::zeros(); layout.nodes()];
-        let mut own = Vec::new();
-        for group in &self.groups {
-            let Some(batch) = group.batch.as_coupled() else { continue };
-            own.resize(batch.nodes(), Vector3::zeros());
+        let own = |group: &Group| {
+            let Some(batch) = group.batch.as_coupled() else { return Vec::new() };
+            let mut own = vec![Vector3::zeros(); batch.nodes()];
             let done = read(batch, &mut own);
             debug_assert!(done.is_ok(), "there is one for each node");
-            let mut rest = &own[..];
+            own
+        };
+        let parts: Vec<_> = self.groups.par_iter().map(own).collect();
+        let mut all = vec![Vector3::zeros(); layout.nodes()];
+        for (group, part) in self.groups.iter().zip(&parts).filter(|(_, part)| !part.is_empty()) {
+            let mut rest = &part[..];
             for &fiber in &group.fibers {
                 let range = layout.node_range(fiber);
                 let (head, tail) = rest.split_at(range.len());
@@ -73,15 +76,16 @@ impl World {
         nodes: &[Vector3<f64>],
     ) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
-        let mut values = Vec::new();
-        for (group, points) in self.groups.iter().zip(points) {
-            values.extend(points.iter().map(|point| {
+        let of_group = |(group, points): (&Group, &Vec<Point>)| {
+            let value = |point: &Point| {
                 let fiber = group.fibers[point.fiber as usize];
                 let node = layout.node_range(fiber).start + point.segment as usize;
                 nodes[node].lerp(&nodes[node + 1], point.fraction)
-            }));
-        }
-        values
+            };
+            points.iter().map(value).collect::<Vec<_>>()
+        };
+        let parts: Vec<_> = self.groups.par_iter().zip(points).map(of_group).collect();
+        parts.concat()
     }
 
     /// The impulses of touches on all nodes, N s.

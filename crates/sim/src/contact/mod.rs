@@ -31,6 +31,7 @@ mod body;
 mod case;
 mod detect;
 mod effort;
+mod explicit;
 mod free;
 mod gather;
 mod law;

@@ -3,6 +3,7 @@
 use super::free::FreeBody;
 use super::touch::{Partner, Touch};
 use crate::scene::Friction;
+use crate::{SimError, World};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
@@ -187,7 +188,9 @@ impl Object {
                 before: [before[s], before[s + 1]],
                 after: [after[s], after[s + 1]],
             };
-            let passed = if way < radius { None } else { self.passing(&moving, radius) };
+            let clears = |[a, b]: [Point3<f64>; 2]| self.clears(&a, &b, 0.5 * slope * way);
+            let clear = way < radius || clears(moving.before) && clears(moving.after);
+            let passed = if clear { None } else { self.passing(&moving, radius) };
             if let Some(contact) = passed {
                 contacts.push(FieldContact { normal: poses[1] * contact.normal, ..contact });
             } else if nearest <= radius + margin {
@@ -227,6 +230,20 @@ impl Object {
         }
     }
 
+    /// Whether all points between two, in the object's frame, are seen to be more than a `distance`
+    /// outside. Motions that begin and end so far from what they could reach in half their way never
+    /// meet the surface; few samples show that, where the search for an impact takes many.
+    fn clears(&self, a: &Point3<f64>, b: &Point3<f64>, distance: f64) -> bool {
+        let middle = nalgebra::center(a, b);
+        let (value, change) =
+            (self.field.value(&middle), 0.5 * self.field.lipschitz() * (b - a).norm());
+        value - change > distance
+            || value > distance
+                && change > 0.1 * distance
+                && self.clears(a, &middle, distance)
+                && self.clears(&middle, b, distance)
+    }
+
     /// Where the axis of a segment that moves in the object's frame meets the surface, with the gap
     /// along the normal there that the end of the motion would leave.
     fn passing(&self, moving: &MovingSegment, radius: f64) -> Option<FieldContact> {
@@ -239,4 +256,18 @@ impl Object {
         let gap = normal.dot(&(moving.at(1.0, radius).at(fraction) - surface)) - radius;
         Some(FieldContact { fraction, gap, normal })
     }
+}
+
+/// Refuses a step of `dt`, s, in which an object would jump over fibres.
+pub(super) fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
+    let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
+    let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
+    let gravity = world.gravity_at(time + 0.5 * dt);
+    for (object, one) in world.objects.iter().enumerate() {
+        let [way, most] = one.leap([time, dt], &gravity, segment)?;
+        if way > most {
+            return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
+        }
+    }
+    Ok(())
 }

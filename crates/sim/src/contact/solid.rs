@@ -3,7 +3,7 @@
 use super::free::FreeBody;
 use super::object::{Object, Way};
 use crate::SimError;
-use crate::scene::{self, Friction, Mass, Moves, ObjectShape};
+use crate::scene::{self, Mass, Moves, ObjectShape};
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
@@ -68,8 +68,7 @@ impl scene::Object {
             }
         };
         let endless = self.shape.has_no_end();
-        let friction = self.friction.map(Friction::looked_up);
-        Ok(Object::new(field, surface, friction, self.restitution, way, endless))
+        Ok(Object::new(field, surface, self.friction, self.restitution, way, endless))
     }
 }
 

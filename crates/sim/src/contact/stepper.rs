@@ -3,6 +3,7 @@ use super::detect::{Detector, Motion, Place};
 use super::effort::Effort;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
+use super::object::refuse_leaps;
 use super::report::Unresolved;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
@@ -141,9 +142,16 @@ impl Touching {
 }
 
 impl Stepper for Touching {
+    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
+        // A step has thousands of parallel loops: a thread outside the pool would sleep at each.
+        rayon::scope(|_| self.step_in_parts(world, dt))
+    }
+}
+
+impl Touching {
     /// Takes the step in parts where it must. A part of the shortest length is taken as far as it
     /// has come, which the report tells.
-    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
+    fn step_in_parts(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
         refuse_leaps(world, dt)?;
         let mut report =
@@ -176,9 +184,7 @@ impl Stepper for Touching {
         world.advance_clock(dt);
         Ok(report)
     }
-}
 
-impl Touching {
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
     /// as it comes.
     fn take(
@@ -379,20 +385,6 @@ impl Touching {
         recall(expected, &mut part.touches);
         Ok(())
     }
-}
-
-/// Refuses a step of `dt`, s, in which an object would jump over fibres.
-fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
-    let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
-    let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
-    let gravity = world.gravity_at(time + 0.5 * dt);
-    for (object, one) in world.objects.iter().enumerate() {
-        let [way, most] = one.leap([time, dt], &gravity, segment)?;
-        if way > most {
-            return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
-        }
-    }
-    Ok(())
 }
 
 /// Whether rods have gone nowhere, which a shorter part of a step may spare them.

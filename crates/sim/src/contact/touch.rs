@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
 use std::fmt;
 
 /// What a fibre touches.
@@ -63,12 +63,10 @@ impl Touch {
     }
 
     /// By pair, then by place, then by segments: of two that name one node the same comes first
-    /// whatever the order in which they were found.
-    pub(crate) fn order(&self, other: &Self) -> Ordering {
-        let ([s, t], [u, v]) = (self.at(), other.at());
-        let pairs = (self.fiber, self.partner).cmp(&(other.fiber, other.partner));
-        let places = s.total_cmp(&u).then(t.total_cmp(&v));
-        pairs.then(places).then(self.segments.cmp(&other.segments))
+    /// whatever the order in which they were found. Places are not negative, so that their bits are
+    /// in order.
+    fn rank(&self) -> (u32, Partner, [u64; 2], [u32; 2]) {
+        (self.fiber, self.partner, self.at().map(f64::to_bits), self.segments)
     }
 
     /// Whether two are of one pair, and not far from each other.
@@ -93,6 +91,15 @@ impl Touch {
     }
 }
 
+/// Sorts touches by pair and place.
+pub(super) fn sort(touches: &mut Vec<Touch>) {
+    // Touches are large: their ranks are sorted instead.
+    let mut ranks: Vec<_> =
+        touches.par_iter().enumerate().map(|(i, touch)| (touch.rank(), i)).collect();
+    ranks.par_sort_unstable();
+    *touches = ranks.par_iter().map(|(_, i)| touches[*i]).collect();
+}
+
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
 /// those that oppose them and, if `replace`, of those near them.
 pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
@@ -113,6 +120,6 @@ pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: boo
         }
     }
     merged.append(&mut new);
-    merged.sort_by(Touch::order);
+    sort(&mut merged);
     merged
 }

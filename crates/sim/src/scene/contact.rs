@@ -208,23 +208,19 @@ impl Friction {
         }
     }
 
-    /// The same with the number that a table has.
-    pub(crate) fn looked_up(self) -> Self {
-        match self {
-            Self::Keratin { on, wetness } => on.friction(wetness).map_or(self, Self::Isotropic),
-            _ => self,
-        }
-    }
-
-    /// The limit curve of a touch that `sticks`, or slides. Of two fibres that touch, both have this friction, each by its
-    /// own axis; with an object the axis is the fibre's.
+    /// The limit curve of a touch that `sticks`, or slides. Of two fibres that touch, both have this
+    /// friction, each by its own axis; with an object the axis is the fibre's.
     pub(crate) fn of(&self, touch: &Touch, sticks: bool) -> Result<LimitCurve, ContactError> {
         match *self {
             Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
-            // The scene has been checked.
-            Self::Keratin { on, wetness } => {
-                Ok(LimitCurve::Circle { mu: on.friction(wetness).unwrap_or_default() })
-            }
+            Self::Keratin { on, wetness } => match on.friction(wetness) {
+                Ok(mu) => Ok(LimitCurve::Circle { mu }),
+                Err(_) => Err(ContactError::Invalid {
+                    what: "the coefficient of friction",
+                    value: f64::NAN,
+                    why: "the table has none for this surface, dry; the scene must not ask for it",
+                }),
+            },
             Self::Resting { resting, sliding } => {
                 Ok(LimitCurve::Circle { mu: if sticks { resting } else { sliding } })
             }

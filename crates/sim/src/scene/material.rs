@@ -195,22 +195,6 @@ fn fading(decrement: f64) -> Result<Relaxation, KeratinError> {
     spectrum(storage)
 }
 
-impl From<Material> for fiber::Material {
-    /// Keratin as in the standard climate, 65 % and 23 C.
-    fn from(material: Material) -> Self {
-        match material {
-            Material::Hair => Self::HAIR,
-            Material::Elastic { density, youngs_modulus, shear_modulus } => {
-                Self { density, youngs_modulus, shear_modulus }
-            }
-            Material::Keratin { .. } => {
-                let standard = material.keratin().map(|keratin| keratin.standard());
-                standard.and_then(Result::ok).unwrap_or(Self::HAIR)
-            }
-        }
-    }
-}
-
 impl Keratin {
     /// As in the standard climate, where everything is measured.
     fn standard(&self) -> Result<fiber::Material, KeratinError> {
@@ -224,6 +208,22 @@ impl Keratin {
 }
 
 impl Material {
+    /// As a linearly elastic solid; keratin as in the standard climate, 65 % and 23 C.
+    ///
+    /// # Errors
+    /// [`KeratinError`] for keratin of which something is not measured.
+    pub fn solid(&self) -> Result<fiber::Material, KeratinError> {
+        match *self {
+            Self::Hair => Ok(fiber::Material::HAIR),
+            Self::Elastic { density, youngs_modulus, shear_modulus } => {
+                Ok(fiber::Material { density, youngs_modulus, shear_modulus })
+            }
+            Self::Keratin { kind, treatment, thickness, law, extrapolate } => {
+                Keratin { kind, treatment, thickness, law, extrapolate }.standard()
+            }
+        }
+    }
+
     /// The hair, if it is one by the tables.
     #[must_use]
     pub fn keratin(&self) -> Option<Keratin> {

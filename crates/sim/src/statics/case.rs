@@ -228,7 +228,8 @@ impl Case {
     pub(crate) fn properties(&self) -> ([f64; 3], f64, f64) {
         match self.rod {
             Rod::Solid { section, material } => {
-                let node = NodeProperties::new(section, &material.into());
+                let solid = material.solid().expect("the case has been checked");
+                let node = NodeProperties::new(section, &solid);
                 let stiffness = [0, 1, 2].map(|i| node.stiffness[i]);
                 (stiffness, node.linear_density, section.equivalent_radius())
             }
@@ -319,6 +320,9 @@ impl Rod {
             Self::Solid { section, material } => {
                 check.within("section", |c| check_section(c, section, length));
                 check.within("material", |c| material.check(c));
+                if let Err(error) = material.solid() {
+                    check.refuse("material", error.to_string());
+                }
             }
             Self::Measured { bending, torsion, linear_density, radius } => {
                 check.number("bending[0]", bending[0], Allowed::Positive, "N m^2");
