@@ -6,7 +6,9 @@ mod common;
 
 use common::Run;
 use nalgebra::Vector3;
+use rapunzel_contact::Cylinders;
 use rapunzel_sim::Scene;
+use std::f64::consts::PI;
 
 /// Radius of the hairs of this file, m.
 const RADIUS: f64 = 3.5e-5;
@@ -263,6 +265,43 @@ fn a_film_joins_a_pair() {
         run.step();
     }
     assert!(distance(&run, 2).abs() < 0.02 * 2.0 * RADIUS, "they stay together");
+}
+
+/// Water draws two free hairs to each other as the formulas for cylinders side by side and crossed say.
+#[test]
+fn water_draws_hairs_together() {
+    let (gap, area, volume, tension) = (2e-6, 2e-10, 1e-15, 0.0728e-6);
+    let laws = format!(
+        "friction: Isotropic(0.3), \
+         adhesion: Capillary(surface_tension: {tension:?}, area: {area:?}, volume: {volume:?})"
+    );
+    let water = Cylinders::new(RADIUS, tension).expect("positive");
+    let mass = weight() / G;
+    let above = |x: f64| Vector3::new(x, 0.0, 2.0 * RADIUS + gap);
+    let (lower, beside) =
+        (hair(&Vector3::zeros(), &Vector3::x()), hair(&above(0.0), &Vector3::x()));
+    let across = hair(&(above(0.004) - 0.004 * Vector3::y()), &Vector3::y());
+    let along = 0.008 * water.parallel_force(gap, area);
+    let crossed = water.crossed_force(gap, volume, 0.5 * PI);
+    for (other, force) in [(beside, along), (across, crossed)] {
+        let mut run = run_of(&format!("{lower}, {other}"), "", &laws, 0.0, 1e-4);
+        run.step();
+        let momentum = |fiber: usize| {
+            let velocities = run.world.state(fiber).velocities;
+            let ends = 0.5 * (velocities[0].z + velocities[4].z);
+            mass / 4.0 * (ends + velocities[1..4].iter().map(|v| v.z).sum::<f64>())
+        };
+        for found in [momentum(0), -momentum(1)] {
+            assert!((found / (force * 1e-4) - 1.0).abs() < 1e-4, "{found} for {}", force * 1e-4);
+        }
+    }
+    let drowned = laws.replace(&format!("{area:?}"), "1e-6");
+    let scene = format!(
+        "(format: 1, duration: 1.0, fibers: [{lower}], contact: ({drowned}), stepper: (dt: 1e-4))"
+    );
+    let scene = Scene::from_ron(&scene).expect("a scene");
+    let error = scene.stepper_of(&scene.build().expect("a world")).err().expect("it drowns");
+    assert!(error.to_string().contains("area of the liquid"), "{error}");
 }
 
 /// What is bonded goes on from a snapshot as it would have, bit for bit, and does not glue again what

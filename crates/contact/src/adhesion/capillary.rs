@@ -70,6 +70,25 @@ impl Cylinders {
         4.0 * PI * self.surface_tension * self.radius / sine * (1.0 - gap / height)
     }
 
+    /// Largest gap across which the volume of liquid `area` (m^2) per length reaches between parallel
+    /// cylinders, m: there [`Self::parallel_force`] still pulls. None for no liquid.
+    #[must_use]
+    pub fn reach(&self, area: f64) -> f64 {
+        let reaches = |gap: f64| self.meniscus(self.half_distance(gap), area).is_some();
+        let (mut low, mut high) = (0.0, self.radius);
+        while high.is_finite() && reaches(high) {
+            (low, high) = (high, 2.0 * high);
+        }
+        while high - low > 4.0 * f64::EPSILON * high {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            (low, high) = if reaches(middle) { (middle, high) } else { (low, middle) };
+        }
+        low
+    }
+
     fn half_distance(&self, gap: f64) -> f64 {
         self.radius + 0.5 * gap.max(0.0)
     }

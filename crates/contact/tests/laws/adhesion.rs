@@ -76,12 +76,16 @@ fn the_parallel_force_is_the_slope_of_the_energy() {
             assert!(force > 2.0 * WATER, "{share} {gap}: {force}");
             gap += 0.01 * HAIR;
         }
+        let reach = pair.reach(area);
+        assert!((reach - gap).abs() < 0.011 * HAIR && pair.parallel_force(reach, area) > 0.0);
+        assert_eq!(pair.parallel_force(reach * (1.0 + 1e-12), area), 0.0);
         assert!(gap > last_reach, "more liquid reaches farther");
         assert_eq!(pair.parallel_force(gap + 0.1 * HAIR, area), 0.0);
         last_reach = gap;
     }
     assert!((pair.parallel_force(0.0, flat) / (2.0 * WATER) - 1.0).abs() < 1e-6);
     assert_eq!(pair.parallel_force(0.0, 0.0), 0.0);
+    assert_eq!(pair.reach(0.0), 0.0);
     assert_eq!(pair.parallel_force(-HAIR, flat), pair.parallel_force(0.0, flat));
 }
 

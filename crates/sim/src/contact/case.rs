@@ -1,7 +1,7 @@
 //! The contacts of a step as the solver takes them.
 
 use super::body::Fibers;
-use super::law::{Laws, lengths};
+use super::law::Laws;
 use super::object::Way;
 use super::touch::{Partner, Touch};
 use super::work::ContactWork;
@@ -79,7 +79,7 @@ impl Case {
         let mut before = world.at_points(&points, before);
         before.extend(world.at_levers_before(&levers));
         type Place = ((usize, usize), Option<(usize, usize)>);
-        let contact = |((touch, (first, second)), length): ((&Touch, &Place), &f64)| {
+        let contact = |(touch, (first, second)): (&Touch, &Place)| {
             let frame = frame(&touch.normal, &touch.axis);
             let (first, second) = (index(*first), second.map(index));
             let relative = |velocities: &[Vector3<f64>]| {
@@ -96,19 +96,20 @@ impl Case {
                 frame,
                 bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
                 friction: laws.friction(touch, &before)?,
-                adhesion: laws.adhesion(touch, gap, *length)?,
+                adhesion: 0.0,
                 compliance: 0.0,
             };
             Ok((contact, gap))
         };
-        let (contacts, gaps): (Vec<_>, Vec<_>) = touches
+        let (mut contacts, gaps): (Vec<_>, Vec<_>) = touches
             .par_iter()
             .zip(&places)
-            .zip(&lengths(world.assembly(), touches))
             .map(contact)
             .collect::<Result<Vec<_>, ContactError>>()?
             .into_iter()
             .unzip();
+        let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
+        contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
         let impulses =
             touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);

@@ -22,6 +22,8 @@ pub(crate) struct Detector {
     margin: f64,
     /// How much larger gaps may be asked for, m.
     more: f64,
+    /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
+    holds: bool,
     candidates: Candidates,
     contacts: Vec<Contact>,
 }
@@ -47,11 +49,12 @@ pub(crate) enum Place {
 }
 
 impl Detector {
-    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked.
-    pub(crate) fn new(margin: f64, more: f64) -> Result<Self, CollisionError> {
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked; if a film
+    /// `holds` them, also those that only had such gaps at the start.
+    pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        Ok(Self { margin, more, candidates, contacts: Vec::new() })
+        Ok(Self { margin, more, holds, candidates, contacts: Vec::new() })
     }
 
     /// All touches of a motion, sorted by pair and place; none is missed that a straight motion of
@@ -81,8 +84,9 @@ impl Detector {
                 touches.par_extend(moved.map(|contact| fiber_touch(&start, &contact)));
             }
             Place::End => {
-                let (near, fast) = sort(&start, &end, pairs, margin, place);
-                contacts(&end, &near, margin, &mut self.contacts)?;
+                let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
+                let most = if self.holds { f64::MAX } else { margin };
+                contacts(&end, &near, most, &mut self.contacts)?;
                 let found = self.contacts.par_iter().chain(&fast);
                 let found = found.filter(|contact| !bends(&end, contact));
                 touches.par_extend(found.map(|contact| fiber_touch(&end, contact)));
@@ -122,7 +126,7 @@ fn fiber_number(fiber: usize) -> u32 {
 /// Pairs with gaps up to `margin`, m, at the start or the end, or that would pass through each other
 /// between.
 fn within_reach(start: &Capsules, end: &Capsules, pairs: &[Pair], margin: f64) -> Vec<Pair> {
-    let (mut near, fast) = sort(start, end, pairs, margin, Place::Start);
+    let (mut near, fast) = sort(start, end, pairs, margin, true);
     near.extend(fast.iter().map(|contact| contact.pair));
     near.par_sort_unstable();
     near.dedup();
@@ -136,14 +140,14 @@ fn gap(end: &Capsules, contact: &Contact) -> f64 {
     (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
 }
 
-/// Pairs with gaps up to `margin`, m, at the end, or at either place if it is the start, that cannot
-/// have passed through each other, and contacts of those that would.
+/// Pairs with gaps up to `margin`, m, at the end, or at `either` place, that cannot have passed through
+/// each other, and contacts of those that would.
 fn sort(
     start: &Capsules,
     end: &Capsules,
     pairs: &[Pair],
     margin: f64,
-    place: Place,
+    either: bool,
 ) -> (Vec<Pair>, Vec<Contact>) {
     let chunk = |pairs: &[Pair]| {
         let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -155,7 +159,7 @@ fn sort(
             let (reach, travel) = (r + q, travel(start, end, pair));
             // Axes that were apart by more than the way cannot have crossed.
             let crosses = travel > 0.25 * reach * reach && travel >= *squared.0;
-            let least = if place == Place::Start { squared.0.min(*squared.1) } else { *squared.1 };
+            let least = if either { squared.0.min(*squared.1) } else { *squared.1 };
             // The fast distances may be off by roundings.
             let close = (reach + margin) * (1.0 + 1e-6);
             match crosses.then(|| passing(start, end, pair)).flatten() {

@@ -1,5 +1,6 @@
 //! What a touch obeys, by the scene, its partner and what it did when the step began.
 
+use super::film::Film;
 use super::object::Object;
 use super::touch::{Partner, Touch};
 use crate::scene::{Adhesion, ContactSettings};
@@ -10,6 +11,7 @@ use rapunzel_fiber::Assembly;
 /// The laws of contact in one part of a step.
 pub(super) struct Laws<'a> {
     settings: &'a ContactSettings,
+    film: Option<&'a Film>,
     objects: &'a [Object],
     /// What gravity adds to a velocity in the part, m/s.
     fall: f64,
@@ -21,11 +23,12 @@ impl<'a> Laws<'a> {
     /// Those of a part of `dt` seconds under `gravity`, m/s^2.
     pub(super) fn new(
         settings: &'a ContactSettings,
+        film: Option<&'a Film>,
         objects: &'a [Object],
         gravity: f64,
         dt: f64,
     ) -> Self {
-        Self { settings, objects, fall: gravity * dt, dt }
+        Self { settings, film, objects, fall: gravity * dt, dt }
     }
 
     /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
@@ -56,23 +59,22 @@ impl<'a> Laws<'a> {
         own.unwrap_or(self.settings.friction).of(touch, sticks)
     }
 
-    /// Tensile impulse that a touch bears, N s, where it stands for a `length` of contact, m. `gap`
-    /// is as in [`Self::closing`].
+    /// Tensile impulses that touches bear, N s; `gaps` are those at the start, as in
+    /// [`Self::closing`]. Sorted by pair and place.
     pub(super) fn adhesion(
         &self,
-        touch: &Touch,
-        gap: f64,
-        length: f64,
-    ) -> Result<f64, ContactError> {
-        match self.settings.adhesion {
-            Some(Adhesion::Line { force, range }) if gap * self.dt <= range => {
-                Ok(force * length * self.dt)
-            }
-            Some(Adhesion::Bonds { strength, .. }) if touch.bonded => {
-                Ok(Bond::new(strength)?.adhesion(self.dt))
-            }
-            _ => Ok(0.0),
+        assembly: &Assembly,
+        touches: &[Touch],
+        gaps: &[f64],
+    ) -> Result<Vec<f64>, ContactError> {
+        if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
+            let bears = Bond::new(strength)?.adhesion(self.dt);
+            return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
         }
+        let Some(film) = self.film else { return Ok(vec![0.0; touches.len()]) };
+        let gaps: Vec<_> = gaps.iter().map(|gap| gap * self.dt).collect();
+        let forces = film.forces(assembly, touches, &gaps);
+        Ok(forces.into_iter().map(|force| force * self.dt).collect())
     }
 
     fn object(&self, touch: &Touch) -> Option<&Object> {
@@ -81,21 +83,4 @@ impl<'a> Laws<'a> {
             Partner::Fiber(_) => None,
         }
     }
-}
-
-/// The lengths of contact that some touches stand for, m: to each side half the way to the next of
-/// the pair, if that is at most a segment. Sorted by pair and place.
-pub(super) fn lengths(assembly: &Assembly, touches: &[Touch]) -> Vec<f64> {
-    let mut lengths = vec![0.0; touches.len()];
-    for (i, pair) in touches.windows(2).enumerate() {
-        let [a, b] = [&pair[0], &pair[1]];
-        let way = b.at()[0] - a.at()[0];
-        if (a.fiber, a.partner) == (b.fiber, b.partner) && way <= 1.0 + 1e-9 {
-            let fiber = &assembly.fibers()[a.fiber as usize];
-            let half = 0.5 * way * fiber.length() / fiber.segments() as f64;
-            lengths[i] += half;
-            lengths[i + 1] += half;
-        }
-    }
-    lengths
 }

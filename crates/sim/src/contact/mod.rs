@@ -29,9 +29,11 @@
 
 mod body;
 mod case;
+mod cut;
 mod detect;
 mod effort;
 mod explicit;
+mod film;
 mod free;
 mod gather;
 mod law;

@@ -1,6 +1,8 @@
 use super::case::Case;
+use super::cut::{Cut, lost};
 use super::detect::{Detector, Motion, Place};
 use super::effort::Effort;
+use super::film::Film;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
@@ -12,7 +14,6 @@ use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Admm, ContactError, Tolerance};
-use rapunzel_rod_dynamic::StepError;
 
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
@@ -41,6 +42,7 @@ const MOST_HALVINGS: u32 = 6;
 /// Fibres with all contacts among them and with objects.
 pub(crate) struct Touching {
     settings: ContactSettings,
+    film: Option<Film>,
     detector: Detector,
     solver: Admm,
     /// Of all segments, m.
@@ -49,34 +51,6 @@ pub(crate) struct Touching {
     radius: f64,
     /// At the start of a run.
     bonds: Vec<Remembered>,
-}
-
-/// Why a part of a step was not taken.
-enum Cut {
-    /// A rod did not converge.
-    Rod(StepError),
-    /// Contacts did not converge.
-    Contacts,
-    /// Shorter parts will not help.
-    Fatal(SimError),
-}
-
-impl From<CollisionError> for Cut {
-    fn from(error: CollisionError) -> Self {
-        Self::Fatal(error.into())
-    }
-}
-
-impl From<ContactError> for Cut {
-    fn from(error: ContactError) -> Self {
-        Self::Fatal(error.into())
-    }
-}
-
-impl From<StepError> for Cut {
-    fn from(error: StepError) -> Self {
-        Self::Rod(error)
-    }
 }
 
 /// The part of a step at hand.
@@ -100,11 +74,16 @@ impl Touching {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let range = settings.adhesion.map_or(0.0, Adhesion::range);
-        let detector = Detector::new(largest + range, WIDEST * largest)?;
+        let film = settings.adhesion.map(|adhesion| Film::new(adhesion, radius)).transpose()?;
+        let film = film.flatten();
+        let range = match settings.adhesion {
+            Some(Adhesion::Bonds { range, .. }) => range,
+            _ => film.as_ref().map_or(0.0, Film::reach),
+        };
+        let detector = Detector::new(largest + range, WIDEST * largest, film.is_some())?;
         let solver = Admm::new(Tolerance::EXACT);
         let bonds = Vec::new();
-        let mut touching = Self { settings, detector, solver, radii, radius, bonds };
+        let mut touching = Self { settings, film, detector, solver, radii, radius, bonds };
         touching.look(world)?;
         Ok(touching)
     }
@@ -240,7 +219,7 @@ impl Touching {
         let (mut turn, mut rough) = (0.0, false);
         for _ in 0..GUESSES {
             world.for_groups(|group| group.linearize())?;
-            turn = self.iterate(world, part, &mut case, Effort::FIRST, false)?;
+            turn = self.iterate(world, part, &mut case, self.first_effort(), false)?;
             rough |= case.error().is_some_and(|error| error > ROUGH);
         }
         if turn > LOST && !last {
@@ -288,9 +267,16 @@ impl Touching {
         if last { Ok(()) } else { Err(Cut::Contacts) }
     }
 
-    /// How deep in each other fibres may be after a step, m.
+    /// What a film pulls is far more than what moves fibres: loose answers would fling them apart.
+    fn first_effort(&self) -> Effort {
+        if self.film.is_some() { Effort::LAST } else { Effort::FIRST }
+    }
+
+    /// How deep in each other fibres may be after a step, m: so little that a film does not tear by an
+    /// error.
     fn depth(&self) -> f64 {
-        self.settings.depth * 2.0 * self.radius
+        let depth = self.settings.depth * 2.0 * self.radius;
+        self.film.as_ref().map_or(depth, |film| depth.min(0.1 * film.reach()))
     }
 
     /// Solves the step with the contacts of a case, of the list of this number. Tells whether rods and
@@ -311,7 +297,7 @@ impl Touching {
             }
             let effort = match case.error() {
                 Some(error) => Effort::after(error),
-                None if list == 0 => Effort::FIRST,
+                None if list == 0 => self.first_effort(),
                 // Where the list has hardly changed, loose answers lead away.
                 None => Effort::LAST,
             };
@@ -323,7 +309,7 @@ impl Touching {
     /// The contacts of a part.
     fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
-        let laws = Laws::new(&self.settings, &world.objects, gravity, part.dt);
+        let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
         Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
     }
 
@@ -385,11 +371,6 @@ impl Touching {
         recall(expected, &mut part.touches);
         Ok(())
     }
-}
-
-/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
-fn lost(error: &SimError) -> bool {
-    matches!(error, SimError::Collision(CollisionError::Position { .. }))
 }
 
 fn largest(turns: Vec<f64>) -> f64 {

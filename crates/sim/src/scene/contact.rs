@@ -52,14 +52,26 @@ fn iterations() -> usize {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Adhesion {
-    /// A pull along the contact, as of a film that wets it: the same up to a gap, then none. Places
-    /// where fibres cross have no length, and no pull.
+    /// A pull along the contact: the same up to a gap, then none. Places where fibres cross have no
+    /// length, and no pull.
     Line {
         /// Pull per length of contact, N/m.
         force: f64,
         /// Largest gap at the start of a step, m; the work of separation per length is the pull
         /// times this.
         range: f64,
+    },
+    /// Liquid that wets fibres completely and draws them together, as the gap lets it; fibres of
+    /// different radii as those of the smallest. Objects stay dry.
+    Capillary {
+        /// Surface tension, N/m; water at 20 C has 0.0728.
+        surface_tension: f64,
+        /// Cross section of the liquid between two fibres side by side, m^2. More than
+        /// `(4 - pi) r^2` counts as that.
+        area: f64,
+        /// Volume of the liquid where two fibres cross, m^3.
+        #[serde(default)]
+        volume: f64,
     },
     /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
     /// where they are nearest, which once broken is gone.
@@ -159,19 +171,21 @@ impl ContactSettings {
 
 impl Adhesion {
     fn check(self, check: &mut Check) {
+        let (positive, range) = (Allowed::Positive, "range");
         match self {
-            Self::Line { force, .. } => check.number("force", force, Allowed::Positive, "N/m"),
-            Self::Bonds { strength, .. } => {
-                check.number("strength", strength, Allowed::Positive, "N");
+            Self::Line { force, range: gap } => {
+                check.number("force", force, positive, "N/m");
+                check.number(range, gap, positive, "m");
             }
-        }
-        check.number("range", self.range(), Allowed::Positive, "m");
-    }
-
-    /// Largest gap at which it acts or comes to be, m.
-    pub(crate) fn range(self) -> f64 {
-        match self {
-            Self::Line { range, .. } | Self::Bonds { range, .. } => range,
+            Self::Capillary { surface_tension, area, volume } => {
+                check.number("surface_tension", surface_tension, positive, "N/m");
+                check.number("area", area, positive, "m^2");
+                check.number("volume", volume, Allowed::NonNegative, "m^3");
+            }
+            Self::Bonds { strength, range: gap } => {
+                check.number("strength", strength, positive, "N");
+                check.number(range, gap, positive, "m");
+            }
         }
     }
 }

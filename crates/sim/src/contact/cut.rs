@@ -1,0 +1,37 @@
+use crate::SimError;
+use rapunzel_collision::CollisionError;
+use rapunzel_contact::ContactError;
+use rapunzel_rod_dynamic::StepError;
+
+/// Why a part of a step was not taken.
+pub(super) enum Cut {
+    /// A rod did not converge.
+    Rod(StepError),
+    /// Contacts did not converge.
+    Contacts,
+    /// Shorter parts will not help.
+    Fatal(SimError),
+}
+
+impl From<CollisionError> for Cut {
+    fn from(error: CollisionError) -> Self {
+        Self::Fatal(error.into())
+    }
+}
+
+impl From<ContactError> for Cut {
+    fn from(error: ContactError) -> Self {
+        Self::Fatal(error.into())
+    }
+}
+
+impl From<StepError> for Cut {
+    fn from(error: StepError) -> Self {
+        Self::Rod(error)
+    }
+}
+
+/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
+pub(super) fn lost(error: &SimError) -> bool {
+    matches!(error, SimError::Collision(CollisionError::Position { .. }))
+}
