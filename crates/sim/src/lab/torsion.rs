@@ -2,9 +2,10 @@
 
 use super::{GRAVITY, Number, Reading, Record, Sample, natural, record, root};
 use crate::SimError;
+use crate::scene::{Keratin, Law, fading_power};
 use nalgebra::{Rotation3, Vector3};
 use rapunzel_fiber::so3;
-use rapunzel_keratin::lab::oscillation::{self, Oscillation};
+use rapunzel_keratin::lab::oscillation::Oscillation;
 use rapunzel_keratin::lab::pendulum::{self, Bob};
 use rapunzel_rod_dynamic::{Instant, Rod, RodState, Steady};
 use std::f64::consts::TAU;
@@ -23,12 +24,12 @@ const TIMES: [f64; 2] = [PERIOD / 400.0, 5.2 * PERIOD];
 /// Twists a hair with a bob, lets go, and reads period and decrement.
 pub(super) fn pendulum(sample: &Sample) -> Result<Reading, SimError> {
     let (hair, climate) = (sample.hair()?, &sample.climate);
-    let node = hair.node(climate)?;
+    let fading = Keratin { law: Law::Viscoelastic, ..sample.keratin };
+    let (node, laws) = fading.rod(&hair, climate)?;
     let decrement = hair.log_decrement(climate)?.value;
     let inertia = node.stiffness.z / LENGTH * (PERIOD / TAU).powi(2);
     let fiber = pendulum::fiber(node, LENGTH, SEGMENTS, Bob { mass: MASS, inertia })?;
     let fiber = fiber.with_root(root(-Vector3::z())?);
-    let swing = Oscillation { period: PERIOD, log_decrement: decrement };
     let mut start = natural(&fiber)?;
     let untwisted = start.frames[SEGMENTS];
     let arcs = fiber.arc_lengths();
@@ -36,7 +37,7 @@ pub(super) fn pendulum(sample: &Sample) -> Result<Reading, SimError> {
         let middle = 0.5 * (arcs[i] + arcs[i + 1]) / LENGTH;
         *frame *= so3::exp(&(TWIST * middle * Vector3::z()));
     }
-    let rod = Rod::damped(fiber, oscillation::damping_time(swing.loss_tangent(), TAU / PERIOD));
+    let rod = Rod { laws, ..Rod::new(fiber) };
     let hold = Steady(Instant::clamped(*rod.fiber.root(), -GRAVITY * Vector3::z()));
     let angle = |state: &RodState| {
         let turn: Rotation3<f64> = untwisted.inverse() * state.frames[SEGMENTS];
@@ -47,8 +48,12 @@ pub(super) fn pendulum(sample: &Sample) -> Result<Reading, SimError> {
     let section = hair.section(climate);
     let rigidity = pendulum::rigidity(inertia, LENGTH, found.period)?;
     let modulus = pendulum::shear_modulus(rigidity, section.area())?;
-    // The formulas take a circle, and the damped period.
-    let bias = pendulum::section_bias(&section) / (1.0 + (decrement / TAU).powi(2));
+    // The formulas take a circle, an elastic hair, and its period. Of a hair that fades with a power of
+    // time the modulus is that of 1 rad/s.
+    let power = fading_power(decrement);
+    let fading =
+        (1.0 + (decrement / TAU).powi(2)).powf(0.5 * power - 1.0) / (0.25 * TAU * power).cos();
+    let bias = fading * (TAU / found.period).powf(power) * pendulum::section_bias(&section);
     let numbers = vec![
         Number::new("shear modulus", "Pa", modulus).of(bias * hair.shear_modulus(climate)?.value),
         Number::new("logarithmic decrement", "", found.log_decrement).of(decrement),

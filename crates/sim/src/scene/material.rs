@@ -7,7 +7,7 @@ use rapunzel_keratin::{
 };
 use rapunzel_rod_dynamic::SectionLaws;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// What a fibre is made of.
@@ -159,7 +159,7 @@ impl Keratin {
             Law::Elastic => SectionLaws::Linear,
             Law::Viscoelastic => {
                 let decrement = hair.log_decrement(climate)?.value;
-                let law = Viscoelastic::new(node.stiffness, &fading(decrement)?, 0.0)?;
+                let law = Viscoelastic::new(node.stiffness, &fading_modulus(decrement)?, 0.0)?;
                 SectionLaws::Same(Arc::new(law))
             }
             Law::ThreeElement => {
@@ -171,17 +171,24 @@ impl Keratin {
     }
 }
 
-/// A relaxation function whose oscillations have a decrement between 0.01 and 100 rad/s, and the storage
-/// modulus 1 at 1 rad/s.
+/// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to fade with a
+/// logarithmic decrement, whatever their frequency: with an inertia they are the roots of `s^2 + k s^n`,
+/// which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
+pub(crate) fn fading_power(decrement: f64) -> f64 {
+    let x = 2.0 / PI * (decrement / TAU).atan();
+    2.0 * x / (1.0 + x)
+}
+
+/// A relaxation function whose free oscillations fade with a decrement between 0.01 and 100 rad/s, and
+/// the storage modulus 1 at 1 rad/s.
 ///
-/// Of all relaxation functions a power of time, `t^-n`, has the same loss tangent `tan(n pi / 2)` at any
-/// frequency; the decrement is `pi` times that. Its spectrum goes with `tau^-n` too: here from 1e-4 to
-/// 1e4 s, two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
-fn fading(decrement: f64) -> Result<Relaxation, KeratinError> {
+/// The spectrum of a power of time, [`fading_power`], goes with `tau^-n` too: here from 1e-4 to 1e4 s,
+/// two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
+fn fading_modulus(decrement: f64) -> Result<Relaxation, KeratinError> {
     const FIRST: f64 = 1e-4;
     const COUNT: u8 = 17;
     let ratio = 10_f64.sqrt();
-    let power = 2.0 / PI * (decrement / PI).atan();
+    let power = fading_power(decrement);
     let time = |i: f64| FIRST * ratio.powf(i);
     let slower = time(f64::from(COUNT) - 0.5).powf(-power) / (power * ratio.ln());
     let spectrum = |scale: f64| {
@@ -245,14 +252,24 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Complex;
 
     #[test]
     fn a_fading_modulus_has_its_decrement_at_any_frequency() {
         for decrement in [0.4, 0.65] {
-            let g = fading(decrement).expect("a model");
+            let g = fading_modulus(decrement).expect("a model");
+            let modulus = |s: Complex<f64>| {
+                let branch = |b: &Branch| s * b.modulus / (s + 1.0 / b.time);
+                g.branches().iter().map(branch).sum::<Complex<f64>>() + g.equilibrium()
+            };
             for frequency in [0.01, 0.1, 1.0, 5.0, 30.0, 100.0] {
-                let [storage, loss] = g.dynamic(frequency);
-                let found = PI * loss / storage;
+                // The root of `s^2 + k g(s)` near it, where the modulus changes slowly.
+                let mut s = Complex::new(0.0, frequency);
+                let stiffness = frequency * frequency / g.dynamic(frequency)[0];
+                for _ in 0..60 {
+                    s = -(-stiffness * modulus(s)).sqrt();
+                }
+                let found = TAU * (s.re / s.im).abs();
                 // What lies beyond the spectrum takes up to 0.8 % at 100 rad/s.
                 assert!((found / decrement - 1.0).abs() < 0.01, "{frequency}: {found}");
             }

@@ -23,6 +23,7 @@ pub use fibers::{Arrangement, Bundle, Initial, Orientation, PointForce, Pose, Sh
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
+pub(crate) use material::fading_power;
 pub use material::{Climate, Keratin, Law, Material};
 pub(crate) use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
