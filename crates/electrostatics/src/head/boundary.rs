@@ -59,6 +59,12 @@ impl ConductingSurface {
         self.unit.iter().sum()
     }
 
+    /// The charges of the triangles at a potential of 1 V without any other charge, C.
+    #[must_use]
+    pub fn unit_charges(&self) -> &[f64] {
+        &self.unit
+    }
+
     /// Refuses points (world, m) that are inside, by more than the error of a distance field of 64 nodes
     /// along the mesh.
     ///

@@ -1,3 +1,4 @@
+use super::charging::Charge;
 use super::check::{Allowed, Check};
 use super::material::{Law, Material};
 use super::motion::Motion;
@@ -55,6 +56,9 @@ pub struct Bundle {
     /// Forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
+    /// Their charge; needs `charging`.
+    #[serde(default)]
+    pub charge: Charge,
 }
 
 /// The shape of a fibre without load.
@@ -291,6 +295,7 @@ impl Bundle {
             c.vector("value", &force.value, "N");
             c.within("profile", |c| force.profile.check(c));
         });
+        check.within("charge", |c| self.charge.check(c, self.arrangement.fibers(), self.segments));
     }
 }
 

@@ -1,0 +1,159 @@
+//! All electric forces on the fibres of a world.
+
+use super::head::Head;
+use super::report::ChargeReport;
+use super::settle::{charges, positions};
+use crate::scene::{self, Charging};
+use crate::{SimError, World};
+use nalgebra::{Point3, Vector3};
+use rapunzel_electrostatics::{
+    Accuracy, ChargedFibers, ElectrostaticsError, Fields, Method, Multipole,
+};
+use rapunzel_fiber::Layout;
+
+/// Part of the tolerance that the forces may be off by.
+const SHARE: f64 = 0.1;
+/// Smallest tolerance of forces that is asked for.
+const LEAST: f64 = 1e-9;
+/// Where on a segment its charge is as far as the head is concerned: Gauss's two points.
+const PLACES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// What charge does in a world.
+#[derive(Debug)]
+pub(crate) struct Electric {
+    pub(super) charging: Charging,
+    /// Radii of the fibres, m.
+    radii: Vec<f64>,
+    head: Head,
+    /// Share of the charge that is dealt.
+    pub(super) share: f64,
+    /// On the last step.
+    pub(crate) report: ChargeReport,
+}
+
+/// Electric energy, J, and forces on the nodes (world), N.
+pub(super) struct Forces {
+    pub(super) energy: f64,
+    pub(super) forces: Vec<Vector3<f64>>,
+}
+
+impl Electric {
+    /// Nothing is dealt yet.
+    ///
+    /// # Errors
+    /// As [`Head::new`].
+    pub(crate) fn new(
+        charging: &Charging,
+        shapes: &[scene::Object],
+        world: &World,
+    ) -> Result<Self, SimError> {
+        let layout = world.assembly().layout();
+        let radius = |fiber: usize| world.assembly().radii()[layout.node_range(fiber).start];
+        Ok(Self {
+            charging: charging.clone(),
+            radii: (0..layout.fibers()).map(radius).collect(),
+            head: Head::new(&charging.head, shapes, &world.objects)?,
+            share: 0.0,
+            report: ChargeReport::default(),
+        })
+    }
+
+    /// How exact forces are.
+    pub(super) fn accuracy(&self) -> Accuracy {
+        Accuracy::Tolerance((SHARE * self.charging.tolerance).max(LEAST))
+    }
+
+    /// Energy and forces of the `charges` of all segments (C) with the nodes at `positions`.
+    ///
+    /// # Errors
+    /// [`SimError::InHead`] for charges in the head, and [`SimError::Electrostatics`].
+    pub(super) fn forces(
+        &self,
+        world: &World,
+        positions: &[Point3<f64>],
+        charges: &[f64],
+    ) -> Result<Forces, SimError> {
+        let layout = world.assembly().layout();
+        let mut sum = Forces { energy: 0.0, forces: vec![Vector3::zeros(); positions.len()] };
+        if charges.iter().all(|charge| *charge == 0.0) {
+            return Ok(sum);
+        }
+        let (radii, accuracy) = (&self.radii[..], self.accuracy());
+        let fibers = ChargedFibers { layout, charges, radii, accuracy };
+        let mutual = fibers.forces(positions).map_err(SimError::electric(world.time()))?;
+        sum.energy += mutual.energy;
+        sum.forces = mutual.forces;
+        let (points, halves) = placed(layout, positions, charges);
+        let field = Vector3::from(self.charging.field);
+        let mut pulls: Vec<_> = halves.iter().map(|q| *q * field).collect();
+        sum.energy -= points.iter().zip(&pulls).map(|(x, f)| f.dot(&x.coords)).sum::<f64>();
+        if !matches!(self.head, Head::None) {
+            let action = self.head.act(&world.objects, &points, &halves, self.share, accuracy);
+            let action = action.map_err(|error| self.located(world, error))?;
+            sum.energy += action.energy;
+            pulls.iter_mut().zip(&action.forces).for_each(|(pull, force)| *pull += force);
+        }
+        for (point, pull) in pulls.iter().enumerate() {
+            let [a, b] = layout.segment_nodes(point / 2);
+            let part = PLACES[point % 2];
+            sum.forces[a] += (1.0 - part) * pull;
+            sum.forces[b] += part * pull;
+        }
+        Ok(sum)
+    }
+
+    /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are points on
+    /// their axes.
+    ///
+    /// # Errors
+    /// Targets in the head, and [`SimError::Electrostatics`].
+    pub(crate) fn fields(
+        &self,
+        world: &World,
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, SimError> {
+        let refuse = SimError::electric(world.time());
+        let layout = world.assembly().layout();
+        let (points, halves) = placed(layout, &positions(world), &charges(world));
+        let all = || {
+            let accuracy = self.accuracy();
+            let mut sum = Multipole { accuracy }.fields(&points, &halves, targets)?;
+            let (induced, _) = self.head.induced(&points, &halves, self.share)?;
+            let induced = induced.fields(targets, accuracy)?;
+            let field = Vector3::from(self.charging.field);
+            for (i, target) in targets.iter().enumerate() {
+                sum.potentials[i] += induced.potentials[i] - field.dot(&target.coords);
+                sum.fields[i] += induced.fields[i] + field;
+            }
+            Ok(sum)
+        };
+        all().map_err(refuse)
+    }
+
+    /// The error with the fibre that it is about.
+    fn located(&self, world: &World, error: ElectrostaticsError) -> SimError {
+        let object = self.charging.head.object();
+        if let (ElectrostaticsError::Inside { index, depth }, Some(object)) = (&error, object) {
+            let layout = world.assembly().layout();
+            let fiber = layout.segment_fibers()[index / 2];
+            let segment = index / 2 - layout.segment_range(fiber).start;
+            return SimError::InHead { fiber, segment, object, depth: *depth, time: world.time() };
+        }
+        SimError::electric(world.time())(error)
+    }
+}
+
+/// Two points on each segment (world, m) with half of its charge each, C.
+fn placed(
+    layout: &Layout,
+    positions: &[Point3<f64>],
+    charges: &[f64],
+) -> (Vec<Point3<f64>>, Vec<f64>) {
+    let segments = charges.iter().enumerate();
+    segments
+        .flat_map(|(segment, charge)| {
+            let [a, b] = layout.segment_nodes(segment).map(|node| positions[node]);
+            PLACES.map(|part| (a + part * (b - a), 0.5 * charge))
+        })
+        .unzip()
+}
