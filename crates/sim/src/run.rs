@@ -1,5 +1,5 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
-use crate::folder::{CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
+use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
@@ -190,6 +190,10 @@ fn observers(
     if scene.contact.is_some() {
         let file = folder.file(CONTACTS);
         observers.push(Box::new(Table::open(&file, vec![Column::Contacts], every)?));
+    }
+    if scene.charging.is_some() {
+        let file = folder.file(CHARGE);
+        observers.push(Box::new(Table::open(&file, vec![Column::Charge], every)?));
     }
     if !output.probes.is_empty() {
         let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();
