@@ -2,7 +2,9 @@ use crate::charging::{Charged, Electric, Resting, relax, set_matter};
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, ContactSettings, Initial, Law, Method, Scene, Shape};
+use crate::scene::{
+    Arrangement, Bundle, ContactSettings, Flow, Initial, Law, Method, Scene, Shape,
+};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -192,6 +194,14 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// Resistance of fibres a length at time `t` (s), ohm/m.
+    pub(crate) fn resistance(&self, flow: &Flow, t: f64) -> Result<f64, SimError> {
+        let climate = self.environment.climate.at(t);
+        climate
+            .and_then(|climate| flow.resistance_in(&climate))
+            .map_err(|source| SimError::Keratin { bundle: 0, source })
     }
 
     /// The hair of a bundle whose law follows the climate, if that changes.

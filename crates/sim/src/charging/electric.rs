@@ -112,13 +112,23 @@ impl Electric {
         world: &World,
         targets: &[Point3<f64>],
     ) -> Result<Fields, SimError> {
-        let refuse = SimError::electric(world.time());
         let layout = world.assembly().layout();
         let (points, halves) = placed(layout, &positions(world), &charges(world));
+        self.fields_of(world, &points, &halves, targets)
+    }
+
+    /// The same of given `charges` (C) at `points` (world, m).
+    pub(super) fn fields_of(
+        &self,
+        world: &World,
+        points: &[Point3<f64>],
+        charges: &[f64],
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, SimError> {
         let all = || {
             let accuracy = self.accuracy();
-            let mut sum = Multipole { accuracy }.fields(&points, &halves, targets)?;
-            let (induced, _) = self.head.induced(&points, &halves, self.share)?;
+            let mut sum = Multipole { accuracy }.fields(points, charges, targets)?;
+            let (induced, _) = self.head.induced(points, charges, self.share)?;
             let induced = induced.fields(targets, accuracy)?;
             let field = Vector3::from(self.charging.field);
             for (i, target) in targets.iter().enumerate() {
@@ -127,7 +137,7 @@ impl Electric {
             }
             Ok(sum)
         };
-        all().map_err(refuse)
+        all().map_err(|error| self.located(world, error))
     }
 
     /// The error with the fibre that it is about.
@@ -144,7 +154,7 @@ impl Electric {
 }
 
 /// Two points on each segment (world, m) with half of its charge each, C.
-fn placed(
+pub(super) fn placed(
     layout: &Layout,
     positions: &[Point3<f64>],
     charges: &[f64],

@@ -2,6 +2,7 @@
 
 mod anderson;
 mod electric;
+mod flow;
 mod head;
 mod report;
 mod rods;

@@ -1,5 +1,6 @@
 //! Charge comes onto the fibres, and they come to rest (thesis, Algorithm 2).
 
+use super::flow;
 use super::report::ChargeReport;
 use super::settle::{Settled, charges, rod_mut, rods, settle};
 use crate::{Scene, SimError, StepReport, Stepper, World};
@@ -51,9 +52,17 @@ impl Stepper for Charged {
         if let Some(electric) = &mut world.electric {
             electric.share = share;
         }
+        let flowed = match self.scene.charging.as_ref().and_then(|charging| charging.flow) {
+            None => true,
+            Some(flow) => {
+                let resistance = self.scene.resistance(&flow, world.time())?;
+                flow::flow(world, &flow, resistance, dt)?
+            }
+        };
         let settled = settle(world)?;
         let dealt = share * self.given.iter().sum::<f64>();
-        let charge = report(world, &settled, dealt);
+        let mut charge = report(world, &settled, dealt);
+        charge.unsettled |= usize::from(!flowed);
         if let Some(electric) = &mut world.electric {
             electric.report = charge;
         }

@@ -148,9 +148,11 @@ impl Column {
             Self::Contacts => ",listed,active,parts,lists,solves,iterations,unresolved,residual,\
                 normal error (m/s),slip error (m/s),depth (m)"
                 .to_owned(),
-            Self::Charge => ",charge (C),drained (C),electric (J),mean field (V/m),lift,evaluations,\
+            Self::Charge => {
+                ",charge (C),drained (C),electric (J),mean field (V/m),lift,evaluations,\
                 retreats,unsettled,residual"
-                .to_owned(),
+                    .to_owned()
+            }
             Self::ObjectForce(object) => {
                 ["x", "y", "z"].map(|axis| format!(",objects[{object}] force {axis} (N)")).concat()
             }

@@ -265,6 +265,17 @@ impl Scene {
     /// Fibres with charge lie at rest, clamped at their roots: what moves has no meaning there.
     fn check_charging(&self, charging: &Charging, check: &mut Check) {
         check.within("charging", |c| charging.check(c, &self.objects, Plan::new(self).steps));
+        let course = &self.environment.climate.humidity;
+        if let Some(flow) = &charging.flow {
+            // Humidity goes straight from one of these to the next.
+            let refused = course.iter().find_map(|(t, _)| {
+                let climate = self.environment.climate.at(*t);
+                climate.and_then(|climate| flow.resistance_in(&climate)).err()
+            });
+            if let Some(error) = refused {
+                check.refuse("charging.flow.resistance", error.to_string());
+            }
+        }
         let why = "has no meaning with charging, where fibres lie at rest: leave it out";
         let mut refuse = |given: bool, field: &str| {
             if given {
