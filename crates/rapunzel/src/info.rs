@@ -85,6 +85,12 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
             "  rest        {} evaluations of the forces, {} retreats; residual at most {:.1e}",
             charge.evaluations, charge.retreats, charge.residual
         ));
+        if charge.equilibria > 0 {
+            lines.push(format!(
+                "  equilibria  {} by the ways of dealing that are compared, at most {:.1e} m apart",
+                charge.equilibria, charge.apart
+            ));
+        }
         if charge.unsettled > 0 {
             lines.push(format!(
                 "  unsettled   {} steps did not come to rest within the tolerance of `charging`",

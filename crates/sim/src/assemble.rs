@@ -3,7 +3,7 @@ use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{
-    Arrangement, Bundle, ContactSettings, Flow, Initial, Law, Method, Scene, Shape,
+    Arrangement, Bundle, ContactSettings, Flow, Initial, Law, Method, Scene, Shape, scalp,
 };
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
@@ -273,6 +273,12 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
         Arrangement::EllipseAtDensity { semi_axes: [a, b], density } => {
             let patch = Ellipse { pose, a, b };
             generate::bundle(&fiber, &patch, patch.count(density)?, seed)
+        }
+        Arrangement::Scalp { semi_axes, count, polar, azimuth } => {
+            // The shape has turned the root.
+            let turn = pose.rotation.inverse() * fiber.root().rotation;
+            let roots = scalp(semi_axes, count, polar, azimuth)?;
+            Ok(roots.iter().map(|root| fiber.clone().with_root(pose * root * turn)).collect())
         }
         Arrangement::Lock { count, radius, curvature_variation, clumping } => {
             Lock { count, radius, curvature_variation, clumping }.grow(&fiber, seed)

@@ -110,7 +110,7 @@ impl RunFolder {
         let frames = frames
             .filter(|file| {
                 let name = file.file_name().to_string_lossy().into_owned();
-                name.starts_with("frame-") || name.starts_with("objects-")
+                ["frame-", "objects-", "field-"].iter().any(|kind| name.starts_with(kind))
             })
             .map(|file| file.path());
         let files = frames.chain(FILES.iter().map(|name| self.file(name)));

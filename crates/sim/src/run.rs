@@ -1,6 +1,6 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
-use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
+use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
 use std::io::Write;
@@ -190,6 +190,9 @@ fn observers(
     if scene.contact.is_some() {
         let file = folder.file(CONTACTS);
         observers.push(Box::new(Table::open(&file, vec![Column::Contacts], every)?));
+    }
+    if let Some(grid) = scene.charging.as_ref().and_then(|charging| charging.grid) {
+        observers.push(Box::new(FieldWriter::new(folder, grid.into(), every_frame)));
     }
     if scene.charging.is_some() {
         let file = folder.file(CHARGE);

@@ -204,10 +204,10 @@ impl World {
     }
 
     /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being points
-    /// on their axes; nothing in a scene without charge. Cost: a call of the multipole method.
+    /// on their axes and conductors without a field inside; nothing in a scene without charge. Cost: a call of the multipole method.
     ///
     /// # Errors
-    /// [`SimError::Electrostatics`] for targets that are in the head or nowhere.
+    /// [`SimError::Electrostatics`] for targets that are nowhere, [`SimError::InHead`] for fibres there.
     pub fn electric_fields(&self, targets: &[Point3<f64>]) -> Result<Fields, SimError> {
         match &self.electric {
             Some(electric) => electric.fields(self, targets),

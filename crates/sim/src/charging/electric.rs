@@ -11,8 +11,8 @@ use rapunzel_electrostatics::{
 };
 use rapunzel_fiber::Layout;
 
-/// Part of the tolerance that the forces may be off by.
-const SHARE: f64 = 0.1;
+/// Parts of the tolerance that forces may be off by; a larger one where a smaller is out of reach.
+const SHARES: [f64; 3] = [0.1, 0.3, 1.0];
 /// Smallest tolerance of forces that is asked for.
 const LEAST: f64 = 1e-9;
 /// Where on a segment its charge is as far as the head is concerned: Gauss's two points.
@@ -58,9 +58,19 @@ impl Electric {
         })
     }
 
-    /// How exact forces are.
-    pub(super) fn accuracy(&self) -> Accuracy {
-        Accuracy::Tolerance((SHARE * self.charging.tolerance).max(LEAST))
+    /// What `solve` finds with the first accuracy that is within reach.
+    fn within_reach<T>(
+        &self,
+        solve: impl Fn(Accuracy) -> Result<T, ElectrostaticsError>,
+    ) -> Result<T, ElectrostaticsError> {
+        let tolerance = |share: f64| (share * self.charging.tolerance).max(LEAST);
+        let mut found = solve(Accuracy::Tolerance(tolerance(SHARES[0])));
+        for share in &SHARES[1..] {
+            if let Err(ElectrostaticsError::OutOfReach { .. }) = found {
+                found = solve(Accuracy::Tolerance(tolerance(*share)));
+            }
+        }
+        found
     }
 
     /// Energy and forces of the `charges` of all segments (C) with the nodes at `positions`.
@@ -78,9 +88,11 @@ impl Electric {
         if charges.iter().all(|charge| *charge == 0.0) {
             return Ok(sum);
         }
-        let (radii, accuracy) = (&self.radii[..], self.accuracy());
-        let fibers = ChargedFibers { layout, charges, radii, accuracy };
-        let mutual = fibers.forces(positions).map_err(SimError::electric(world.time()))?;
+        let radii = &self.radii[..];
+        let mutual = self.within_reach(|accuracy| {
+            ChargedFibers { layout, charges, radii, accuracy }.forces(positions)
+        });
+        let mutual = mutual.map_err(SimError::electric(world.time()))?;
         sum.energy += mutual.energy;
         sum.forces = mutual.forces;
         let (points, halves) = placed(layout, positions, charges);
@@ -88,7 +100,9 @@ impl Electric {
         let mut pulls: Vec<_> = halves.iter().map(|q| *q * field).collect();
         sum.energy -= points.iter().zip(&pulls).map(|(x, f)| f.dot(&x.coords)).sum::<f64>();
         if !matches!(self.head, Head::None) {
-            let action = self.head.act(&world.objects, &points, &halves, self.share, accuracy);
+            let (head, objects, share) = (&self.head, &world.objects, self.share);
+            let action =
+                self.within_reach(|accuracy| head.act(objects, &points, &halves, share, accuracy));
             let action = action.map_err(|error| self.located(world, error))?;
             sum.energy += action.energy;
             pulls.iter_mut().zip(&action.forces).for_each(|(pull, force)| *pull += force);
@@ -103,10 +117,10 @@ impl Electric {
     }
 
     /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are points on
-    /// their axes.
+    /// their axes. In a conductor it has its potential and no field.
     ///
     /// # Errors
-    /// Targets in the head, and [`SimError::Electrostatics`].
+    /// [`SimError::InHead`] for charges in the head, and [`SimError::Electrostatics`].
     pub(crate) fn fields(
         &self,
         world: &World,
@@ -125,19 +139,27 @@ impl Electric {
         charges: &[f64],
         targets: &[Point3<f64>],
     ) -> Result<Fields, SimError> {
-        let all = || {
-            let accuracy = self.accuracy();
-            let mut sum = Multipole { accuracy }.fields(points, charges, targets)?;
-            let (induced, _) = self.head.induced(points, charges, self.share)?;
-            let induced = induced.fields(targets, accuracy)?;
+        let all = |accuracy: Accuracy| {
+            let response = self.head.response(points, charges, self.share)?;
+            // Within the conductor.
+            let mut all = Fields {
+                potentials: vec![response.potential; targets.len()],
+                fields: vec![Vector3::zeros(); targets.len()],
+            };
+            let outside: Vec<_> =
+                (0..targets.len()).filter(|i| !self.head.holds(&targets[*i])).collect();
+            let places: Vec<_> = outside.iter().map(|i| targets[*i]).collect();
+            let direct = Multipole { accuracy }.fields(points, charges, &places)?;
+            let induced = response.induced.fields(&places, accuracy)?;
             let field = Vector3::from(self.charging.field);
-            for (i, target) in targets.iter().enumerate() {
-                sum.potentials[i] += induced.potentials[i] - field.dot(&target.coords);
-                sum.fields[i] += induced.fields[i] + field;
+            for (k, i) in outside.into_iter().enumerate() {
+                let own = field.dot(&targets[i].coords);
+                all.potentials[i] = direct.potentials[k] + induced.potentials[k] - own;
+                all.fields[i] = direct.fields[k] + induced.fields[k] + field;
             }
-            Ok(sum)
+            Ok(all)
         };
-        all().map_err(|error| self.located(world, error))
+        self.within_reach(all).map_err(|error| self.located(world, error))
     }
 
     /// The error with the fibre that it is about.

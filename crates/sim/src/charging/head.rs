@@ -53,6 +53,15 @@ pub(super) enum Induced<'a> {
     Triangles(&'a ConductingSurface, Vec<f64>),
 }
 
+/// What a conductor is like beside other charges.
+pub(super) struct Response<'a> {
+    pub(super) induced: Induced<'a>,
+    /// Its potential, V.
+    pub(super) potential: f64,
+    /// Its energy with the other charges, J, less half of theirs in the potential that it makes.
+    energy: f64,
+}
+
 impl Induced<'_> {
     /// What they make at `targets` outside.
     pub(super) fn fields(
@@ -102,18 +111,29 @@ impl Head {
         Ok(Self::Surface { surface: Box::new(surface), held })
     }
 
-    /// The charges on the conductor beside `charges` (C) at `points` (world, m) when this share of its own
-    /// is dealt, and the energy of both, J, less half of that of the charges in the potential of those.
-    pub(super) fn induced(
+    /// Whether a point (world, m) is in the conductor.
+    pub(super) fn holds(&self, point: &Point3<f64>) -> bool {
+        match self {
+            Self::None | Self::Thesis { .. } => false,
+            Self::Ball { center, radius, .. } => (point - center).norm() <= *radius,
+            Self::Surface { surface, .. } => surface.check_outside(&[*point]).is_err(),
+        }
+    }
+
+    /// The conductor beside `charges` (C) at `points` (world, m) when this share of its own charge or
+    /// potential is dealt.
+    pub(super) fn response(
         &self,
         points: &[Point3<f64>],
         charges: &[f64],
         share: f64,
-    ) -> Result<(Induced<'_>, f64), ElectrostaticsError> {
+    ) -> Result<Response<'_>, ElectrostaticsError> {
         // By Green's reciprocity the charge that is induced at zero potential is that of the potential of
         // the conductor at 1 V, at the charges.
         let (held, capacity, grounded) = match self {
-            Self::None | Self::Thesis { .. } => return Ok((Induced::None, 0.0)),
+            Self::None | Self::Thesis { .. } => {
+                return Ok(Response { induced: Induced::None, potential: 0.0, energy: 0.0 });
+            }
             Self::Ball { center, radius, held } => {
                 let condition = Condition::Potential(0.0);
                 let ball = ConductingSphere { center: *center, radius: *radius, condition };
@@ -151,7 +171,7 @@ impl Head {
             }
             Induced::None => Induced::None,
         };
-        Ok((induced, 0.5 * own * drawn))
+        Ok(Response { induced, potential, energy: 0.5 * own * drawn })
     }
 
     /// What it does to `charges` (C) at `points` (world, m) when this share of its own charge or
@@ -167,10 +187,10 @@ impl Head {
         if let Self::Thesis { object, charge } = *self {
             return thesis(&objects[object], share * charge, points, charges);
         }
-        let (induced, own) = self.induced(points, charges, share)?;
+        let Response { induced, energy, .. } = self.response(points, charges, share)?;
         let Fields { potentials, fields } = induced.fields(points, accuracy)?;
         let forces = charges.iter().zip(fields).map(|(q, field)| *q * field).collect();
-        Ok(Action { energy: own + 0.5 * super::anderson::dot(charges, &potentials), forces })
+        Ok(Action { energy: energy + 0.5 * super::anderson::dot(charges, &potentials), forces })
     }
 }
 

@@ -22,6 +22,11 @@ pub struct ChargeReport {
     pub mean_field: f64,
     /// The largest ratio of the electric force on a fibre to its weight.
     pub lift: f64,
+    /// Different equilibria that the ways of dealing that are compared have come to, with that of the run;
+    /// zero as long as none are compared.
+    pub equilibria: usize,
+    /// The largest distance of a node from where it is in another of them, m.
+    pub apart: f64,
 }
 
 impl ChargeReport {
@@ -32,6 +37,8 @@ impl ChargeReport {
             retreats: self.retreats + next.retreats,
             unsettled: self.unsettled + next.unsettled,
             residual: self.residual.max(next.residual),
+            equilibria: self.equilibria.max(next.equilibria),
+            apart: self.apart.max(next.apart),
             ..*next
         };
     }

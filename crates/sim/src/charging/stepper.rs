@@ -2,9 +2,13 @@
 
 use super::flow;
 use super::report::ChargeReport;
-use super::settle::{Settled, charges, rod_mut, rods, settle};
+use super::settle::{Settled, charges, positions, rod_mut, rods, settle};
 use crate::{Scene, SimError, StepReport, Stepper, World};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
+
+/// Two ends are the same equilibrium if no node is farther apart than this times the tolerance and the
+/// length of the longest fibre.
+const SAME: f64 = 10.0;
 
 /// Deals a portion of charge in each step, lets it flow, and brings the fibres to rest.
 #[derive(Debug)]
@@ -31,6 +35,42 @@ impl Charged {
     fn dealt(&self, steps: u64) -> f64 {
         let portions = usize::try_from(steps).unwrap_or(usize::MAX).min(self.shares.len());
         self.shares[..portions].iter().sum()
+    }
+
+    /// Deals the whole charge in the other ways too, and tells how many equilibria all have come to.
+    fn compare(&self, world: &World, report: &mut ChargeReport) -> Result<(), SimError> {
+        let others = self.scene.charging.iter().flat_map(|charging| &charging.compared);
+        let mut ends = vec![positions(world)];
+        for &dealing in others {
+            let mut scene = self.scene.clone();
+            scene.duration = scene.stepper.dt * dealing.portions() as f64;
+            if let Some(charging) = &mut scene.charging {
+                (charging.dealing, charging.compared) = (dealing, Vec::new());
+            }
+            let (mut other, mut stepper) = (scene.build()?, Self::new(&scene, dealing));
+            for _ in 0..dealing.portions() {
+                let charge = stepper.step(&mut other, scene.stepper.dt)?.charge;
+                report.evaluations += charge.evaluations;
+                report.unsettled += charge.unsettled;
+            }
+            ends.push(positions(&other));
+        }
+        if ends.len() == 1 {
+            return Ok(());
+        }
+        let tolerance = self.scene.charging.as_ref().map_or(0.0, |charging| charging.tolerance);
+        let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
+        let same = SAME * tolerance * lengths.fold(0.0, f64::max);
+        let mut different: Vec<&[Point3<f64>]> = Vec::new();
+        for end in &ends {
+            let known = |other: &&[Point3<f64>]| apart(end, other) <= same;
+            if !different.iter().any(known) {
+                different.push(end);
+            }
+        }
+        report.equilibria = different.len();
+        report.apart = ends.iter().map(|end| apart(end, &ends[0])).fold(0.0, f64::max);
+        Ok(())
     }
 }
 
@@ -63,11 +103,19 @@ impl Stepper for Charged {
         let dealt = share * self.given.iter().sum::<f64>();
         let mut charge = report(world, &settled, dealt);
         charge.unsettled |= usize::from(!flowed);
+        if steps + 1 == self.shares.len() as u64 {
+            self.compare(world, &mut charge)?;
+        }
         if let Some(electric) = &mut world.electric {
             electric.report = charge;
         }
         Ok(StepReport { fibers: layout.fibers(), charge, ..StepReport::default() })
     }
+}
+
+/// The largest distance of two nodes.
+fn apart(a: &[Point3<f64>], b: &[Point3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
 /// What is told of a step.
@@ -98,5 +146,6 @@ fn report(world: &World, settled: &Settled, dealt: f64) -> ChargeReport {
         energy: settled.electric.energy,
         mean_field: fields.iter().sum::<f64>() / fields.len().max(1) as f64,
         lift,
+        ..ChargeReport::default()
     }
 }

@@ -3,7 +3,7 @@
 use super::check::{Allowed, Check};
 use super::{Object, ObjectShape};
 use crate::scene::{Motion, Moves};
-use rapunzel_electrostatics::{self as electrostatics, units};
+use rapunzel_electrostatics::{self as electrostatics, FieldGrid, units};
 use serde::{Deserialize, Serialize};
 
 /// The most portions, against typing errors.
@@ -53,6 +53,10 @@ pub struct Charging {
     /// In which portions the charge is dealt, and with it the charge or the potential of the head.
     #[serde(default)]
     pub dealing: Dealing,
+    /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they come to
+    /// the same equilibrium is told. With flow they take other times, and it says nothing.
+    #[serde(default)]
+    pub compared: Vec<Dealing>,
     /// The head.
     #[serde(default)]
     pub head: Head,
@@ -177,6 +181,12 @@ pub struct Grid {
     pub counts: [usize; 3],
 }
 
+impl From<Grid> for FieldGrid {
+    fn from(grid: Grid) -> Self {
+        Self { origin: grid.origin.into(), spacing: grid.spacing.into(), counts: grid.counts }
+    }
+}
+
 impl Charge {
     /// The charges of the segments of fibre number `fiber` of a bundle, C, when all is dealt.
     pub(crate) fn of_segments(
@@ -287,6 +297,9 @@ impl Charging {
     pub(super) fn check(&self, check: &mut Check, objects: &[Object], steps: u64) {
         let portions = self.dealing.portions();
         check.count("dealing", portions, 1, MOST_PORTIONS);
+        for (i, other) in self.compared.iter().enumerate() {
+            check.count(&format!("compared[{i}]"), other.portions(), 1, MOST_PORTIONS);
+        }
         if portions as u64 > steps {
             let message = format!(
                 "deals {portions} portions, but the run has {steps} steps of stepper.dt; make the \

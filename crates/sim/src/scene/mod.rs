@@ -4,6 +4,7 @@
 //! directions are in the world frame. Fields that are left out have defaults; a field that is not
 //! known is an error, and so is a number that makes no sense.
 
+mod arrangement;
 mod charging;
 mod check;
 mod contact;
@@ -18,10 +19,12 @@ mod read;
 mod stepper;
 mod tip;
 
+pub use arrangement::Arrangement;
+pub(crate) use arrangement::scalp;
 pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactSettings, Friction, Surface};
-pub use fibers::{Arrangement, Bundle, Initial, Orientation, PointForce, Pose, Shape};
+pub use fibers::{Bundle, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
