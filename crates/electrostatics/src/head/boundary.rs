@@ -17,8 +17,8 @@ const NODES: f64 = 64.0;
 /// A conductor whose surface is a mesh.
 ///
 /// The charge density is constant on each triangle, and the potential is right at their centers. What
-/// is within three sides of a triangle acts on it and feels it by exact integrals, all else as points by
-/// the multipole method. The error falls as the square of the triangles' size where the surface is
+/// is within three sides of a triangle acts on it and feels it by integrals, exact ones where it is close,
+/// all else as points by the multipole method. The error falls as the square of the triangles' size where the surface is
 /// smooth. A charge must be seen by more than one triangle for its image to be right: closer to the
 /// surface than a triangle is large it is drawn too weakly.
 ///

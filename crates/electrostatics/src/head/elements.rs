@@ -40,7 +40,7 @@ impl Elements {
         let (excess, diagonal) = (Vec::new(), Vec::new());
         let mut all = Self { triangles, centers, tree, longest, plan, excess, diagonal };
         let excess = |(i, x): (usize, &Point3<f64>)| {
-            let triangle = |j: usize| (j, all.triangles[j].potential(x) - all.point(i, j));
+            let triangle = |j: usize| (j, all.triangles[j].seen(x).0 - all.point(i, j));
             all.near(x).into_iter().map(triangle).collect()
         };
         all.excess = all.centers.par_iter().enumerate().map(excess).collect();
@@ -100,11 +100,14 @@ impl Elements {
     ) -> Result<Vec<f64>, ElectrostaticsError> {
         let method = Multipole { accuracy: ACCURACY };
         let mut potentials = method.fields(sources, charges, &self.centers)?.potentials;
-        let near: Vec<_> = sources.par_iter().map(|x| self.near(x)).collect();
-        for ((x, charge), near) in sources.iter().zip(charges).zip(near) {
-            for j in near {
-                let more = self.triangles[j].potential(x) - inverse(x - self.centers[j]);
-                potentials[j] += COULOMB_CONSTANT * charge * more;
+        let excess = |x: &Point3<f64>| {
+            let more = |j: usize| self.triangles[j].seen(x).0 - inverse(x - self.centers[j]);
+            self.near(x).into_iter().map(|j| (j, more(j))).collect::<Vec<_>>()
+        };
+        let near: Vec<_> = sources.par_iter().map(excess).collect();
+        for (near, charge) in near.iter().zip(charges) {
+            for (j, more) in near {
+                potentials[*j] += COULOMB_CONSTANT * charge * more;
             }
         }
         Ok(potentials)
@@ -123,8 +126,9 @@ impl Elements {
             for j in self.near(x) {
                 let (triangle, r) = (&self.triangles[j], x - self.centers[j]);
                 let charge = COULOMB_CONSTANT * charges[j];
-                *potential += charge * (triangle.potential(x) - inverse(r));
-                *field -= charge * (triangle.gradient(x) + r * inverse(r).powi(3));
+                let (mean, gradient) = triangle.seen(x);
+                *potential += charge * (mean - inverse(r));
+                *field -= charge * (gradient + r * inverse(r).powi(3));
             }
         });
         Ok(fields)
