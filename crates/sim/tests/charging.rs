@@ -5,8 +5,10 @@ mod common;
 use common::Run;
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{COULOMB_CONSTANT, units};
+use rapunzel_sim::scene::Arrangement;
 use rapunzel_sim::{ChargeReport, Scene, SimError};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Hair of the research that the thesis's numbers are compared with: 80 um, 4 GPa, 1.32 g/cm^3.
 const HAIR: &str = "section: Circle(radius: 4e-5),
@@ -325,4 +327,38 @@ fn bad_heads_are_refused() {
         let error = scene.build().err().expect("no surface of a body");
         assert!(matches!(error, SimError::Mesh { object: 0, .. }), "{error}");
     }
+}
+
+/// The scenes with charge that ship are sound, survive writing, and take their first portion with fewer
+/// fibres; the head that ships is the ellipsoid that its first line says.
+#[test]
+fn the_scenes_that_ship_settle() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/charge"));
+    for (name, fibers) in
+        [("tress", 5), ("tress-without-gravity", 5), ("van-de-graaff", 12), ("half-head", 20)]
+    {
+        let text = std::fs::read_to_string(folder.join(name).with_extension("ron")).expect("reads");
+        let scene = Scene::from_ron(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(!scene.name.is_empty(), "{name} has no title");
+        assert_eq!(Scene::from_ron(&scene.to_ron().expect("sound")).expect("reads back"), scene);
+        let mut scene = scene.seen_from(folder);
+        match &mut scene.fibers[0].arrangement {
+            Arrangement::Ellipse { count, .. } | Arrangement::Scalp { count, .. } => {
+                *count = fibers;
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+        let report = settled(&mut Run::new(&scene));
+        assert!(report.charge != 0.0 && report.mean_field > 0.0, "{name}: {report:?}");
+    }
+    let mut head = rapunzel_collision::field::shapes::sphere(1.0, 12);
+    let axes = Vector3::new(0.095, 0.075, 0.09);
+    head.vertices.iter_mut().for_each(|p| p.coords.component_mul_assign(&axes));
+    let vertices = head.vertices.iter().map(|p| format!("v {:.6} {:.6} {:.6}\n", p.x, p.y, p.z));
+    let triangles = head.triangles.iter().map(|t| t.map(|vertex| vertex + 1));
+    let triangles = triangles.map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+    let file = std::fs::read_to_string(folder.join("head.obj")).expect("reads");
+    let (title, rest) = file.split_once('\n').expect("a title");
+    assert!(title.contains("9.5, 7.5 and 9 cm"), "{title}");
+    assert_eq!(rest, vertices.chain(triangles).collect::<String>());
 }

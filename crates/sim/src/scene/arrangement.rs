@@ -167,7 +167,7 @@ mod tests {
         let poses = scalp(axes, 400, [20.0, 100.0], [0.0, 180.0]).expect("directions");
         for pose in &poses {
             let (x, n) = (pose.translation.vector, pose.rotation * Vector3::z());
-            let on = x.component_div(&axes.into()).norm_squared();
+            let on = x.component_div(&Vector3::from(axes)).norm_squared();
             assert!((on - 1.0).abs() < 1e-12 && x.y > -1e-12, "{x}");
             let gradient = x.component_div(&Vector3::from(axes).map(|a| a * a));
             assert!(gradient.normalize().cross(&n).norm() < 1e-12 && n.dot(&x) > 0.0, "{n}");
