@@ -278,6 +278,7 @@ fn nonsense_is_refused_by_the_name_of_its_field() {
         ("object: 0", "object: 1", "charging.head.object"),
         ("Ball(radius: 0.05)", "Plane(normal: (0, 0, 1))", "charging.head.object"),
         ("dealing:", "tolerance: 0, dealing:", "charging.tolerance"),
+        ("dealing:", "compared: [Once], flow: (), dealing:", "charging.compared"),
         ("dealing:", "flow: (drained: true), dealing:", "charging.flow.drained"),
         (
             "dealing:",

@@ -206,11 +206,6 @@ mod tests {
             ("Conductor(object: 0, held: Potential(300))", "Ball(radius: 0.03)", 2e-3),
             ("Conductor(object: 0, held: Charge(1e-10))", "Ball(radius: 0.03)", 2e-3),
             (
-                "Conductor(object: 0, held: Potential(300))",
-                "Capsule(length: 0.01, radius: 0.03)",
-                5e-3,
-            ),
-            (
                 "Conductor(object: 0, held: Charge(1e-10))",
                 "Capsule(length: 0.01, radius: 0.03)",
                 5e-3,

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// The most portions, against typing errors.
 const MOST_PORTIONS: usize = 100_000;
+/// The most points of a grid, some 10 GB.
+const MOST_POINTS: usize = 100_000_000;
 
 /// The charge of a bundle; it lies where it is put unless the scene lets it flow.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -54,7 +56,7 @@ pub struct Charging {
     #[serde(default)]
     pub dealing: Dealing,
     /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they come to
-    /// the same equilibrium is told. With flow they take other times, and it says nothing.
+    /// the same equilibrium is told. Not where charge flows or the humidity changes: they take other times.
     #[serde(default)]
     pub compared: Vec<Dealing>,
     /// The head.
@@ -330,8 +332,10 @@ impl Charging {
                 for axis in 0..3 {
                     let spacing = format!("spacing[{axis}]");
                     c.number(&spacing, grid.spacing[axis], Allowed::Positive, "m");
-                    c.count(&format!("counts[{axis}]"), grid.counts[axis], 1, 10_000);
+                    c.count(&format!("counts[{axis}]"), grid.counts[axis], 1, MOST_POINTS);
                 }
+                let points = grid.counts.iter().fold(1, |all: usize, n| all.saturating_mul(*n));
+                c.count("counts", points, 0, MOST_POINTS);
             });
         }
     }

@@ -279,6 +279,12 @@ impl Scene {
                 check.refuse("charging.flow.resistance", error.to_string());
             }
         }
+        let waits = charging.flow.is_some() || self.environment.climate.changes();
+        if waits && !charging.compared.is_empty() {
+            let message =
+                "take other times, but charge flows or the humidity changes: leave them out";
+            check.refuse("charging.compared", message.into());
+        }
         let why = "has no meaning with charging, where fibres lie at rest: leave it out";
         let mut refuse = |given: bool, field: &str| {
             if given {
