@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Distance from a triangle's center, over its longest side, up to which integrals are exact.
 const NEAR: f64 = 3.0;
 
-/// Accuracy of the multipole method beyond.
+/// Accuracy of what triangles do to each other beyond.
 const ACCURACY: Accuracy = Accuracy::Tolerance(1e-6);
 
 /// Triangles with constant charge.
@@ -97,8 +97,9 @@ impl Elements {
         &self,
         sources: &[Point3<f64>],
         charges: &[f64],
+        accuracy: Accuracy,
     ) -> Result<Vec<f64>, ElectrostaticsError> {
-        let method = Multipole { accuracy: ACCURACY };
+        let method = Multipole { accuracy };
         let mut potentials = method.fields(sources, charges, &self.centers)?.potentials;
         let excess = |x: &Point3<f64>| {
             let more = |j: usize| self.triangles[j].seen(x).0 - inverse(x - self.centers[j]);
@@ -118,8 +119,9 @@ impl Elements {
         &self,
         charges: &[f64],
         targets: &[Point3<f64>],
+        accuracy: Accuracy,
     ) -> Result<Fields, ElectrostaticsError> {
-        let method = Multipole { accuracy: ACCURACY };
+        let method = Multipole { accuracy };
         let mut fields = method.fields(&self.centers, charges, targets)?;
         let found = fields.potentials.par_iter_mut().zip(&mut fields.fields).zip(targets);
         found.for_each(|((potential, field), x)| {

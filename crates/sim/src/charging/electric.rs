@@ -140,7 +140,7 @@ impl Electric {
         targets: &[Point3<f64>],
     ) -> Result<Fields, SimError> {
         let all = |accuracy: Accuracy| {
-            let response = self.head.response(points, charges, self.share)?;
+            let response = self.head.response(points, charges, self.share, accuracy)?;
             // Within the conductor.
             let mut all = Fields {
                 potentials: vec![response.potential; targets.len()],

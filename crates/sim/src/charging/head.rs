@@ -77,7 +77,7 @@ impl Induced<'_> {
             Self::Points(points, charges) => {
                 Multipole { accuracy }.fields(points, charges, targets)
             }
-            Self::Triangles(surface, charges) => surface.fields(charges, targets),
+            Self::Triangles(surface, charges) => surface.fields(charges, targets, accuracy),
         }
     }
 }
@@ -127,6 +127,7 @@ impl Head {
         points: &[Point3<f64>],
         charges: &[f64],
         share: f64,
+        accuracy: Accuracy,
     ) -> Result<Response<'_>, ElectrostaticsError> {
         // By Green's reciprocity the charge that is induced at zero potential is that of the potential of
         // the conductor at 1 V, at the charges.
@@ -141,7 +142,7 @@ impl Head {
                 (held, radius / COULOMB_CONSTANT, Induced::Points(places, images))
             }
             Self::Surface { surface, held } => {
-                let potentials = surface.potentials(points, charges)?;
+                let potentials = surface.potentials(points, charges, accuracy)?;
                 let induced = surface.charges(&potentials, Condition::Potential(0.0))?;
                 (held, surface.capacity(), Induced::Triangles(surface, induced))
             }
@@ -187,7 +188,7 @@ impl Head {
         if let Self::Thesis { object, charge } = *self {
             return thesis(&objects[object], share * charge, points, charges);
         }
-        let Response { induced, energy, .. } = self.response(points, charges, share)?;
+        let Response { induced, energy, .. } = self.response(points, charges, share, accuracy)?;
         let Fields { potentials, fields } = induced.fields(points, accuracy)?;
         let forces = charges.iter().zip(fields).map(|(q, field)| *q * field).collect();
         Ok(Action { energy: energy + 0.5 * super::anderson::dot(charges, &potentials), forces })
