@@ -76,6 +76,10 @@ impl<'a> Run<'a> {
             }
             Some(last) => {
                 world.restore(&last.snapshot)?;
+                if scene.charging.is_some() {
+                    let time = world.time();
+                    scene.load_at(&mut world, time)?;
+                }
                 for (observer, mark) in observers.iter_mut().zip(&last.marks) {
                     observer.rewind(*mark)?;
                 }

@@ -144,7 +144,7 @@ fn the_way_of_dealing_does_not_matter() {
 }
 
 #[test]
-#[ignore = "slow: 20 s, for its 72 equilibria"]
+#[ignore = "slow: 50 s, for its 74 equilibria"]
 fn many_ways_of_dealing_do_not_matter() {
     check_dealings("Equal(8), Falling(64)");
 }

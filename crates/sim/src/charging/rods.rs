@@ -190,7 +190,7 @@ pub(crate) struct Resting {
 }
 
 impl Resting {
-    /// Fibres in their natural shapes; `first` is the index of the first one's bundle.
+    /// Fibres in their natural shapes; `numbers` are their indices over all bundles.
     pub(crate) fn new<'a>(
         fibers: impl Iterator<Item = &'a Fiber>,
         numbers: &[usize],

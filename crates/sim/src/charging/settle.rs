@@ -44,8 +44,9 @@ struct Trial {
 ///
 /// The unknowns are the electric forces on the nodes. Under any given ones each fibre has its own
 /// equilibrium, by Newton's method; sought are those that the charges make where that puts them. That
-/// iteration, accelerated, goes down: its steps are shortened until they do not raise the energy of all,
-/// so that it ends in a minimum. The fibres are left in the equilibrium under the forces found.
+/// iteration, accelerated, goes down: its steps are shortened until they do not raise the energy of all
+/// by more than the tolerance of it, so that it does not end where the energy is stationary but not least,
+/// unless it begins there. The fibres are left in the equilibrium under the forces found.
 pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
     let (tolerance, most) = match &world.electric {
         Some(electric) => (electric.charging.tolerance, electric.charging.evaluations),
@@ -60,10 +61,12 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
         let forces = flat(&now.electric.forces);
         let residual = if size > 0.0 { size / dot(&forces, &forces).sqrt() } else { 0.0 };
         let at_rest = residual <= tolerance;
+        let settled = |world: &mut World, now: Trial, evaluations, retreats| {
+            hold(world, &now.held, now.shapes);
+            Settled { evaluations, retreats, residual, at_rest, electric: now.electric }
+        };
         if at_rest || evaluations >= most {
-            restore(world, &now);
-            let electric = now.electric;
-            return Ok(Settled { evaluations, retreats, residual, at_rest, electric });
+            return Ok(settled(world, now, evaluations, retreats));
         }
         let mut step = anderson.step(&now.held, &now.residual);
         // The energy is known as well as the forces are.
@@ -77,8 +80,12 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
                 Ok(next) => next.energy <= now.energy + slack,
                 Err(_) => false,
             };
-            if ready || part < SHORTEST || evaluations >= most {
+            // So short a step is within what the forces are known by.
+            if ready || part < SHORTEST {
                 break next?;
+            }
+            if evaluations >= most {
+                return Ok(settled(world, now, evaluations, retreats));
             }
             retreats += 1;
             if part == 1.0 {
@@ -101,11 +108,6 @@ fn trial(world: &mut World, held: Vec<f64>, shapes: Vec<Shape>) -> Result<Trial,
     let residual = flat(&electric.forces).iter().zip(&held).map(|(f, h)| f - h).collect();
     let energy = mechanical + electric.energy;
     Ok(Trial { held, residual, energy, electric, shapes: self::shapes(world) })
-}
-
-/// Lays the fibres as in a trial.
-fn restore(world: &mut World, trial: &Trial) {
-    hold(world, &trial.held, trial.shapes.clone());
 }
 
 /// Gives all fibres electric forces and shapes.
