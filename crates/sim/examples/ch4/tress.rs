@@ -77,7 +77,7 @@ fn drawings(number: &str, run: Run) -> Vec<Drawing> {
     };
     vec![
         Drawing::Pictures(Pictures {
-            title: format!("{number} The tress, seen along y and before"),
+            title: format!("{number} The tress, before its charge first"),
             view: "seen along y, x to the right",
             axes: [Vector3::x(), Vector3::z()],
             columns: 3,
