@@ -6,9 +6,11 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{DistanceField, Mesh, Sample, shapes};
 use rapunzel_electrostatics::{
-    COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface, Direct, ElectrostaticsError,
-    Method, thesis_repulsion,
+    Accuracy, COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface, Direct,
+    ElectrostaticsError, Method, thesis_repulsion,
 };
+
+const EXACT: Accuracy = Accuracy::Tolerance(1e-6);
 
 /// The force on a charge q at the distance r from a sphere with the total charge `total`.
 fn exact_force(q: f64, total: f64, radius: f64, r: f64) -> f64 {
@@ -128,9 +130,9 @@ fn check_sphere(n: i32, least: usize) {
     for gap in [20.0, 8.0, 2.0, 1.0] {
         let r = radius + gap * size;
         let at = [Point3::from(r * direction)];
-        let outer = surface.potentials(&at, &[q]).expect("outside");
+        let outer = surface.potentials(&at, &[q], EXACT).expect("outside");
         let charges = surface.charges(&outer, Condition::Charge(3e-12)).expect("converges");
-        let fields = surface.fields(&charges, &at).expect("outside");
+        let fields = surface.fields(&charges, &at, EXACT).expect("outside");
         let force = q * fields.fields[0].dot(&direction);
         let exact = exact_force(q, 3e-12, radius, r);
         // Of the triangles' size over the distance, and over the radius, by their second powers.
@@ -180,14 +182,15 @@ fn triangles_feel_what_they_do() {
     for at in
         [Point3::new(0.0, 0.03, 0.092), Point3::new(0.05, 0.08, 0.01), Point3::new(0.3, 0.0, 0.1)]
     {
-        let fields = surface.fields(&charges, &[at]).expect("outside");
-        let felt = surface.potentials(&[at], &[1.0]).expect("outside");
+        let fields = surface.fields(&charges, &[at], EXACT).expect("outside");
+        let felt = surface.potentials(&[at], &[1.0], EXACT).expect("outside");
         let energy: f64 = felt.iter().zip(&charges).map(|(v, q)| v * q).sum();
         assert!((fields.potentials[0] - energy).abs() < 1e-12 * energy.abs(), "{energy}");
         let step = 1e-7;
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-            let potential =
-                |t: f64| surface.fields(&charges, &[at + t * axis]).expect("outside").potentials[0];
+            let potential = |t: f64| {
+                surface.fields(&charges, &[at + t * axis], EXACT).expect("outside").potentials[0]
+            };
             let slope = (potential(step) - potential(-step)) / (2.0 * step);
             let error = (slope + fields.fields[0].dot(&axis)).abs();
             assert!(error < 1e-6 * fields.fields[0].norm(), "{slope} at {at}");
@@ -204,8 +207,8 @@ fn points_inside_are_refused() {
     let charges = vec![0.0; surface.centers().len()];
     for result in [
         surface.check_outside(&points),
-        surface.potentials(&points, &[0.0; 2]).map(|_| ()),
-        surface.fields(&charges, &points).map(|_| ()),
+        surface.potentials(&points, &[0.0; 2], EXACT).map(|_| ()),
+        surface.fields(&charges, &points, EXACT).map(|_| ()),
     ] {
         let Err(ElectrostaticsError::Inside { index: 1, depth }) = result else {
             panic!("the second point is inside: {result:?}");

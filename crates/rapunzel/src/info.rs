@@ -76,6 +76,28 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
             ));
         }
     }
+    if let Some(charge) = &summary.charge {
+        lines.push(format!(
+            "  charge      {:.4e} C, {:.3e} C drained; mean field {:.3e} V/m, lift at most {:.3} weights",
+            charge.charge, charge.drained, charge.mean_field, charge.lift
+        ));
+        lines.push(format!(
+            "  rest        {} evaluations of the forces, {} retreats; residual at most {:.1e}",
+            charge.evaluations, charge.retreats, charge.residual
+        ));
+        if charge.equilibria > 0 {
+            lines.push(format!(
+                "  equilibria  {} by the ways of dealing that are compared, at most {:.1e} m apart",
+                charge.equilibria, charge.apart
+            ));
+        }
+        if charge.unsettled > 0 {
+            lines.push(format!(
+                "  unsettled   {} steps did not come to rest within the tolerance of `charging`",
+                charge.unsettled
+            ));
+        }
+    }
     if summary.missed > 0 {
         lines.push(format!("  tolerance   missed {} times by the smallest step", summary.missed));
     }

@@ -60,7 +60,8 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         Ok(summary) => {
             tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
             tell(&summary, &path, wall, json)?;
-            let unresolved = summary.contact.is_some_and(|contact| contact.unresolved > 0);
+            let unresolved = summary.contact.is_some_and(|contact| contact.unresolved > 0)
+                || summary.charge.is_some_and(|charge| charge.unsettled > 0);
             Ok(ExitCode::from(match summary.outcome {
                 Outcome::Cancelled => INTERRUPTED,
                 _ if unresolved => UNRESOLVED,

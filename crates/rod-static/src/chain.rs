@@ -225,6 +225,21 @@ impl Chain {
         Ok(self.shape(frames))
     }
 
+    /// The shape with the given frames of all nodes, the clamp first: what [`Shape::frames`] of a shape
+    /// of this chain makes, to the last bit.
+    ///
+    /// # Errors
+    /// Not one frame for each node, and numbers that are not finite.
+    pub fn shape_of(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Shape, StaticError> {
+        let (given, nodes) = (frames.len(), self.forces.len());
+        let quantity = "the frames of the shape";
+        if given != nodes {
+            return Err(StaticError::WrongCount { quantity, given, nodes });
+        }
+        frames.iter().try_for_each(|frame| finite(quantity, frame.coords.as_slice()))?;
+        Ok(self.shape(frames))
+    }
+
     /// The shape with the given frames of the nodes behind the clamp.
     pub(crate) fn shape(&self, frames: Vec<UnitQuaternion<f64>>) -> Shape {
         let mut shape = Shape { frames, positions: Vec::new() };

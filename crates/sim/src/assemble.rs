@@ -1,7 +1,8 @@
+use crate::charging::{Charged, Electric, Resting, relax, set_matter};
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Initial, Law, Method, Scene, Shape};
+use crate::scene::{Arrangement, Bundle, Flow, Initial, Law, Method, Scene, Shape, scalp};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -48,7 +49,7 @@ impl Scene {
         for (i, bundle) in self.fibers.iter().enumerate() {
             // Bundles of one scene must not repeat each other's random choices.
             let seed = self.seed.wrapping_add(i as u64);
-            let (node, laws) = self.matter(bundle, i)?;
+            let (node, laws) = self.matter(bundle, i, 0.0)?;
             let fibers =
                 grow(bundle, node, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
             let radius = node.section.equivalent_radius();
@@ -73,8 +74,14 @@ impl Scene {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
                 let bundle = starts[0].bundle;
                 let method = self.stepper.method(self.contact.is_some());
-                let batch = batch(method, self.stepper.tolerance, &starts)
-                    .map_err(|source| SimError::Rod { bundle, source })?;
+                let batch = match self.charging {
+                    Some(_) => {
+                        let rods = starts.iter().map(|start| &start.rod.fiber);
+                        Box::new(Resting::new(rods, fibers)?) as Box<dyn Batch>
+                    }
+                    None => batch(method, self.stepper.tolerance, &starts)
+                        .map_err(|source| SimError::Rod { bundle, source })?,
+                };
                 let lane = |(lane, start): (usize, &&Start)| FiberConditions {
                     bundle: Arc::clone(&start.conditions),
                     root: *start.rod.fiber.root(),
@@ -100,6 +107,12 @@ impl Scene {
         let objects = self.objects.iter().enumerate();
         world.objects =
             objects.map(|(i, object)| object.build(i, &around)).collect::<Result<_, _>>()?;
+        if let Some(charging) = &self.charging {
+            world.electric = Some(Electric::new(charging, &self.objects, &world)?);
+            self.load_at(&mut world, 0.0)?;
+            let gravity = world.gravity();
+            relax(&mut world, &gravity)?;
+        }
         Ok(world)
     }
 
@@ -128,14 +141,22 @@ impl Scene {
         if self.mass_spring.is_some() {
             return Ok(Box::new(MassSprings));
         }
+        if let Some(charging) = &self.charging {
+            return Ok(Box::new(Charged::new(self, charging.dealing)));
+        }
         Ok(match &self.contact {
             None => Box::new(FreeFibers),
             Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
         })
     }
 
-    /// What the fibres of bundle `i` are made of, and the laws of their sections at the start.
-    fn matter(&self, bundle: &Bundle, i: usize) -> Result<(NodeProperties, SectionLaws), SimError> {
+    /// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
+    fn matter(
+        &self,
+        bundle: &Bundle,
+        i: usize,
+        t: f64,
+    ) -> Result<(NodeProperties, SectionLaws), SimError> {
         let Some(keratin) = bundle.material.keratin() else {
             // Another material without a section has been refused.
             let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
@@ -144,10 +165,38 @@ impl Scene {
                 .map(|solid| (NodeProperties::new(section, &solid), SectionLaws::Linear))
                 .map_err(|source| SimError::Keratin { bundle: i, source });
         };
-        let climate = self.environment.climate.at(0.0);
+        let climate = self.environment.climate.at(t);
         climate
             .and_then(|climate| keratin.rod(&keratin.hair(bundle.section)?, &climate))
             .map_err(|source| SimError::Keratin { bundle: i, source })
+    }
+
+    /// Puts the loads of the scene at time `t` (s) on fibres at rest, and makes them of their matter in the
+    /// climate then, if that changes.
+    pub(crate) fn load_at(&self, world: &mut World, t: f64) -> Result<(), SimError> {
+        for group in &mut world.groups {
+            group.put_forces(t).map_err(|source| SimError::Step { time: t, source })?;
+        }
+        if !self.environment.climate.changes() {
+            return Ok(());
+        }
+        let mut fiber = 0;
+        for (i, bundle) in self.fibers.iter().enumerate() {
+            let (node, _) = self.matter(bundle, i, t)?;
+            for _ in 0..bundle.arrangement.fibers() {
+                set_matter(world, fiber, &node)?;
+                fiber += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Resistance of fibres a length at time `t` (s), ohm/m.
+    pub(crate) fn resistance(&self, flow: &Flow, t: f64) -> Result<f64, SimError> {
+        let climate = self.environment.climate.at(t);
+        climate
+            .and_then(|climate| flow.resistance_in(&climate))
+            .map_err(|source| SimError::Keratin { bundle: 0, source })
     }
 
     /// The hair of a bundle whose law follows the climate, if that changes.
@@ -219,6 +268,12 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
         Arrangement::EllipseAtDensity { semi_axes: [a, b], density } => {
             let patch = Ellipse { pose, a, b };
             generate::bundle(&fiber, &patch, patch.count(density)?, seed)
+        }
+        Arrangement::Scalp { semi_axes, count, polar, azimuth } => {
+            // The shape has turned the root.
+            let turn = pose.rotation.inverse() * fiber.root().rotation;
+            let roots = scalp(semi_axes, count, polar, azimuth)?;
+            Ok(roots.iter().map(|root| fiber.clone().with_root(pose * root * turn)).collect())
         }
         Arrangement::Lock { count, radius, curvature_variation, clumping } => {
             Lock { count, radius, curvature_variation, clumping }.grow(&fiber, seed)

@@ -2,6 +2,7 @@ use crate::export::ExportError;
 use crate::scene::Problem;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
+use rapunzel_electrostatics::ElectrostaticsError;
 use rapunzel_fiber::FiberError;
 use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;
@@ -121,6 +122,39 @@ pub enum SimError {
     /// A rod has no equilibrium that was found.
     #[error("the case has no answer: {0}")]
     Static(#[from] StaticError),
+    /// A fibre of a scene with charge has no equilibrium that was found.
+    #[error("fibre {fiber} does not come to rest: {source}; deal its charge in more portions")]
+    Rest {
+        /// Index of the fibre, over all bundles.
+        fiber: usize,
+        /// Why.
+        source: StaticError,
+    },
+    /// A charged fibre is in the head.
+    #[error(
+        "fibre {fiber} is {depth:.2e} m deep in objects[{object}], the head, at its segment {segment}, \
+         t = {time} s; nothing but charge keeps it out: move it, make it shorter, or charge it more"
+    )]
+    InHead {
+        /// Index of the fibre, over all bundles.
+        fiber: usize,
+        /// Where along it, from the root.
+        segment: usize,
+        /// Index of the object that is the head.
+        object: usize,
+        /// How deep at least, m.
+        depth: f64,
+        /// End of the step, s.
+        time: f64,
+    },
+    /// The forces of charges were not found.
+    #[error("charging, t = {time} s: {source}")]
+    Electrostatics {
+        /// End of the step, s.
+        time: f64,
+        /// What is wrong.
+        source: ElectrostaticsError,
+    },
     /// No length of a rod does what is wished.
     #[error(
         "no length between {shortest} and {longest} m does what is wished; allow a longer rod, or \
@@ -198,6 +232,11 @@ pub enum SimError {
 }
 
 impl SimError {
+    /// An [`SimError::Electrostatics`] at a time, s.
+    pub(crate) fn electric(time: f64) -> impl Fn(ElectrostaticsError) -> Self {
+        move |source| Self::Electrostatics { time, source }
+    }
+
     /// An [`SimError::Io`] from what was tried on which path.
     pub(crate) fn io<'a>(
         action: &'static str,

@@ -19,7 +19,7 @@ pub enum Existing {
 /// The folder of a run, held by this process alone until it is dropped.
 ///
 /// It holds `scene.ron` (the scene with all defaults), `summary.json`, `energies.csv`, `contacts.csv`,
-/// `probes.csv`, `objects.csv`, `frames.pvd` with `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one
+/// `charge.csv`, `probes.csv`, `objects.csv`, `frames.pvd` with `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one
 /// file where none of them moves), `preview.png`, the formats that the scene
 /// asks for, `checkpoint.bin`, and `run.log` if the program keeps one.
 #[derive(Debug)]
@@ -35,6 +35,7 @@ pub(crate) const SCENE: &str = "scene.ron";
 pub(crate) const CHECKPOINT: &str = "checkpoint.bin";
 pub(crate) const ENERGIES: &str = "energies.csv";
 pub(crate) const CONTACTS: &str = "contacts.csv";
+pub(crate) const CHARGE: &str = "charge.csv";
 pub(crate) const PROBES: &str = "probes.csv";
 pub(crate) const OBJECTS: &str = "objects.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
@@ -43,11 +44,12 @@ pub(crate) const PREVIEW: &str = "preview.png";
 pub(crate) const USD: &str = "fibers.usda";
 pub(crate) const OBJECTS_USD: &str = "objects.usda";
 /// The files of a run beside the frames.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     SCENE,
     CHECKPOINT,
     ENERGIES,
     CONTACTS,
+    CHARGE,
     PROBES,
     OBJECTS,
     SUMMARY,
@@ -108,7 +110,7 @@ impl RunFolder {
         let frames = frames
             .filter(|file| {
                 let name = file.file_name().to_string_lossy().into_owned();
-                name.starts_with("frame-") || name.starts_with("objects-")
+                ["frame-", "objects-", "field-"].iter().any(|kind| name.starts_with(kind))
             })
             .map(|file| file.path());
         let files = frames.chain(FILES.iter().map(|name| self.file(name)));

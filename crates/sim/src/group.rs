@@ -1,4 +1,5 @@
 use crate::StepReport;
+use crate::charging::Resting;
 use crate::conditions::{BundleConditions, FiberConditions};
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{
@@ -19,6 +20,14 @@ pub(crate) trait Batch: Send + Sync {
     }
     /// The same to be read.
     fn as_coupled(&self) -> Option<&StaggeredBatch> {
+        None
+    }
+    /// The batch as one of fibres at rest, if it is.
+    fn resting(&mut self) -> Option<&mut Resting> {
+        None
+    }
+    /// The same to be read.
+    fn as_resting(&self) -> Option<&Resting> {
         None
     }
     /// Keeps ledgers of the steps from now on, if it can.
@@ -225,8 +234,14 @@ impl Group {
     fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
         let middle = time + 0.5 * dt;
         self.follow_climate(time, dt)?;
+        self.put_forces(middle)?;
+        Ok(middle)
+    }
+
+    /// Puts the forces of the scene at a time (s) on the nodes.
+    pub(crate) fn put_forces(&mut self, time: f64) -> Result<(), StepError> {
         for (lane, conditions) in self.lanes.iter().enumerate() {
-            if let Some(forces) = conditions.node_forces(middle) {
+            if let Some(forces) = conditions.node_forces(time) {
                 self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {
                     fiber: self.fibers[lane],
                     what: "node forces",
@@ -235,7 +250,7 @@ impl Group {
                 })?;
             }
         }
-        Ok(middle)
+        Ok(())
     }
 }
 

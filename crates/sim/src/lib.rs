@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assemble;
+mod charging;
 mod checkpoint;
 mod conditions;
 mod contact;
@@ -21,6 +22,7 @@ mod summary;
 mod works;
 mod world;
 
+pub use charging::ChargeReport;
 pub use contact::{Bearing, ContactReport, ContactWork, Partner, Unresolved};
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};

@@ -18,7 +18,11 @@ impl Plan {
     /// The plan of a valid scene.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        let interval = 1.0 / scene.output.frame_rate;
+        // With charge every step is a frame.
+        let interval = match scene.charging {
+            Some(_) => scene.stepper.dt,
+            None => 1.0 / scene.output.frame_rate,
+        };
         let steps_per_frame = up(interval / scene.stepper.dt);
         let dt = interval / steps_per_frame as f64;
         let steps_per_record = up((scene.output.record_interval / dt).round());

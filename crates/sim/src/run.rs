@@ -1,6 +1,6 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
-use crate::folder::{CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
-use crate::observers::{Column, FrameWriter, Observer, Shown, Table};
+use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
+use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
 use crate::storage::write_atomically;
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
 use std::io::Write;
@@ -76,6 +76,10 @@ impl<'a> Run<'a> {
             }
             Some(last) => {
                 world.restore(&last.snapshot)?;
+                if scene.charging.is_some() {
+                    let time = world.time();
+                    scene.load_at(&mut world, time)?;
+                }
                 for (observer, mark) in observers.iter_mut().zip(&last.marks) {
                     observer.rewind(*mark)?;
                 }
@@ -190,6 +194,13 @@ fn observers(
     if scene.contact.is_some() {
         let file = folder.file(CONTACTS);
         observers.push(Box::new(Table::open(&file, vec![Column::Contacts], every)?));
+    }
+    if let Some(grid) = scene.charging.as_ref().and_then(|charging| charging.grid) {
+        observers.push(Box::new(FieldWriter::new(folder, grid.into(), every_frame)));
+    }
+    if scene.charging.is_some() {
+        let file = folder.file(CHARGE);
+        observers.push(Box::new(Table::open(&file, vec![Column::Charge], every)?));
     }
     if !output.probes.is_empty() {
         let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();

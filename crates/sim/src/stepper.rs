@@ -1,3 +1,4 @@
+use crate::charging::ChargeReport;
 use crate::contact::ContactReport;
 use crate::{SimError, World};
 use rapunzel_rod_dynamic::Ledger;
@@ -18,6 +19,8 @@ pub struct StepReport {
     pub missed: usize,
     /// What the contacts were and cost, if there are any.
     pub contact: ContactReport,
+    /// How charged fibres came to rest, if there are any.
+    pub charge: ChargeReport,
 }
 
 impl StepReport {
@@ -30,6 +33,7 @@ impl StepReport {
             halvings,
             missed,
             contact: ContactReport::default(),
+            charge: ChargeReport::default(),
         }
     }
 
@@ -41,6 +45,7 @@ impl StepReport {
         self.halvings += other.halvings;
         self.missed += other.missed;
         self.contact.add(&other.contact);
+        self.charge.add(&other.charge);
     }
 }
 

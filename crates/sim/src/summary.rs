@@ -1,6 +1,6 @@
 use crate::folder::{RunFolder, SUMMARY};
 use crate::storage::write_atomically;
-use crate::{ContactReport, Plan, Scene, SimError, StepReport, World};
+use crate::{ChargeReport, ContactReport, Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -22,6 +22,9 @@ pub struct Statistics {
     /// What the contacts were and cost.
     #[serde(default)]
     pub contact: ContactReport,
+    /// How charged fibres came to rest, if there are any.
+    #[serde(default)]
+    pub charge: ChargeReport,
 }
 
 impl Statistics {
@@ -33,6 +36,7 @@ impl Statistics {
         self.halvings += report.halvings as u64;
         self.missed += report.missed as u64;
         self.contact.add(&report.contact);
+        self.charge.add(&report.charge);
     }
 
     /// Mean number of iterations in a step of a fibre.
@@ -93,6 +97,9 @@ pub struct Summary {
     /// What the contacts were and cost, if the scene has any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact: Option<ContactReport>,
+    /// How charged fibres came to rest, if the scene has any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub charge: Option<ChargeReport>,
     /// Kinetic energy of all fibres, J.
     pub kinetic_energy: f64,
     /// Elastic energy of all fibres, J.
@@ -128,6 +135,7 @@ impl Summary {
             halvings: statistics.halvings,
             missed: statistics.missed,
             contact: scene.contact.is_some().then_some(statistics.contact),
+            charge: scene.charging.is_some().then_some(statistics.charge),
             kinetic_energy: energy.kinetic,
             elastic_energy: energy.elastic,
             gravitational_energy: energy.gravitational,

@@ -1,3 +1,4 @@
+use crate::charging::{ChargeReport, Electric};
 use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
@@ -5,6 +6,7 @@ use crate::{SimError, Works, scene::Environment};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
+use rapunzel_electrostatics::Fields;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
 use serde::{Deserialize, Serialize};
@@ -25,6 +27,8 @@ pub struct World {
     pub(crate) objects: Vec<Object>,
     /// In place of fibres.
     pub(crate) springs: Option<Box<dyn Springs>>,
+    /// What charge does, in a scene with charge.
+    pub(crate) electric: Option<Electric>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -69,6 +73,7 @@ impl World {
             works: None,
             objects: Vec::new(),
             springs: None,
+            electric: None,
         }
     }
 
@@ -196,6 +201,24 @@ impl World {
             sum += Momentum { linear: body.mass() * body.velocity, angular };
         }
         Some(sum)
+    }
+
+    /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being points
+    /// on their axes and conductors without a field inside; nothing in a scene without charge. Cost: a call of the multipole method.
+    ///
+    /// # Errors
+    /// [`SimError::Electrostatics`] for targets that are nowhere, [`SimError::InHead`] for fibres there.
+    pub fn electric_fields(&self, targets: &[Point3<f64>]) -> Result<Fields, SimError> {
+        match &self.electric {
+            Some(electric) => electric.fields(self, targets),
+            None => Ok(Fields::default()),
+        }
+    }
+
+    /// How fibres with charge came to rest in the last step, if the scene has any.
+    #[must_use]
+    pub fn charge_report(&self) -> Option<ChargeReport> {
+        Some(self.electric.as_ref()?.report)
     }
 
     /// What fibres touched in the last part of a step, with what force: by fibre, then by partner

@@ -189,3 +189,49 @@ fn a_checkpoint_of_another_scene_or_damaged_is_refused() {
     assert!(matches!(error, SimError::FolderNotEmpty(_)), "{error}");
     run_until(&scene(), folder.path(), Existing::Overwrite, u64::MAX).expect("starts anew");
 }
+
+/// Hair that is charged in two portions and then becomes wet goes on to the same bytes, with its fields,
+/// also when it is resumed at its end.
+#[test]
+fn a_charged_run_goes_on_to_the_same_bytes() {
+    let scene = Scene::from_ron(
+        "(
+            format: 1, name: \"charged\", duration: 4, stepper: (dt: 1),
+            fibers: [(
+                length: 0.1, segments: 12, material: Keratin(type: \"Caucasian\"),
+                shape: Curved(curvature: (0, 5, 0)),
+                arrangement: Ellipse(semi_axes: (0.002, 0.002), count: 3),
+                charge: (amount: Fiber(2e-11)),
+            )],
+            environment: (climate: (humidity: [(2, 0.65), (3, 1)])),
+            charging: (
+                dealing: Equal(2),
+                grid: (origin: (-0.05, 0, -0.1), spacing: (0.01, 0.01, 0.01), counts: (11, 1, 11)),
+            ),
+        )",
+    )
+    .expect("a sound scene");
+    let [whole, parts] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let summary = run_until(&scene, whole.path(), Existing::Refuse, u64::MAX).expect("runs");
+    assert_eq!((summary.steps, summary.frames), (4, 5), "every step is a frame");
+    let charge = summary.charge.expect("it is charged");
+    assert!(charge.unsettled == 0 && (charge.charge / 6e-11 - 1.0).abs() < 1e-12, "{charge:?}");
+    for (existing, stop) in
+        [(Existing::Refuse, 1), (Existing::Resume, 3), (Existing::Resume, 9), (Existing::Resume, 9)]
+    {
+        run_until(&scene, parts.path(), existing, stop).expect("runs");
+    }
+    let [whole, parts] = [&whole, &parts].map(|folder| files(folder.path()));
+    assert!(whole == parts, "{:?}", differing(&whole, &parts));
+    for name in ["/charge.csv", "/frames/field-000000.vti", "/frames/field-000004.vti"] {
+        assert!(whole.contains_key(name), "{name} in {:?}", whole.keys());
+    }
+}
+
+/// The names of files that are not the same.
+fn differing<'a>(
+    a: &'a BTreeMap<String, Vec<u8>>,
+    b: &BTreeMap<String, Vec<u8>>,
+) -> Vec<&'a String> {
+    a.iter().filter(|(name, bytes)| b.get(*name) != Some(bytes)).map(|(name, _)| name).collect()
+}

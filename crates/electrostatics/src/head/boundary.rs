@@ -4,7 +4,7 @@ use super::Condition;
 use super::elements::Elements;
 use super::iteration::{MOST, solve};
 use crate::error::{check_charges, check_count, check_positions};
-use crate::{ElectrostaticsError, Fields};
+use crate::{Accuracy, ElectrostaticsError, Fields};
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
 
@@ -17,8 +17,8 @@ const NODES: f64 = 64.0;
 /// A conductor whose surface is a mesh.
 ///
 /// The charge density is constant on each triangle, and the potential is right at their centers. What
-/// is within three sides of a triangle acts on it and feels it by exact integrals, all else as points by
-/// the multipole method. The error falls as the square of the triangles' size where the surface is
+/// is within three sides of a triangle acts on it and feels it by integrals, exact ones where it is close,
+/// all else as points by the multipole method. The error falls as the square of the triangles' size where the surface is
 /// smooth. A charge must be seen by more than one triangle for its image to be right: closer to the
 /// surface than a triangle is large it is drawn too weakly.
 ///
@@ -59,6 +59,12 @@ impl ConductingSurface {
         self.unit.iter().sum()
     }
 
+    /// The charges of the triangles at a potential of 1 V without any other charge, C.
+    #[must_use]
+    pub fn unit_charges(&self) -> &[f64] {
+        &self.unit
+    }
+
     /// Refuses points (world, m) that are inside, by more than the error of a distance field of 64 nodes
     /// along the mesh.
     ///
@@ -76,7 +82,7 @@ impl ConductingSurface {
     }
 
     /// The potentials (V) that `charges` (C) at `sources` (world, m) make at the triangles: means over
-    /// those that are close, else at their centers.
+    /// those that are close, else at their centers, by the multipole method of this accuracy.
     ///
     /// # Errors
     /// Sources that are inside or not finite, and charges that do not fit.
@@ -84,10 +90,11 @@ impl ConductingSurface {
         &self,
         sources: &[Point3<f64>],
         charges: &[f64],
+        accuracy: Accuracy,
     ) -> Result<Vec<f64>, ElectrostaticsError> {
         self.check_outside(sources)?;
         check_charges(charges, sources.len())?;
-        self.elements.potentials(sources, charges)
+        self.elements.potentials(sources, charges, accuracy)
     }
 
     /// The charges of the triangles (C) when the other charges make `potentials` (V) at them.
@@ -110,7 +117,7 @@ impl ConductingSurface {
     }
 
     /// The potentials and fields that triangles with the `charges` of a solution (C) make at `targets`
-    /// (world, m) outside; the forces on charges there are the gradient of their energy in the
+    /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there are the gradient of their energy in the
     /// [`potentials`](Self::potentials) that they make.
     ///
     /// # Errors
@@ -119,10 +126,11 @@ impl ConductingSurface {
         &self,
         charges: &[f64],
         targets: &[Point3<f64>],
+        accuracy: Accuracy,
     ) -> Result<Fields, ElectrostaticsError> {
         check_charges(charges, self.unit.len())?;
         self.check_outside(targets)?;
-        self.elements.fields(charges, targets)
+        self.elements.fields(charges, targets, accuracy)
     }
 }
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Distance from a triangle's center, over its longest side, up to which integrals are exact.
 const NEAR: f64 = 3.0;
 
-/// Accuracy of the multipole method beyond.
+/// Accuracy of what triangles do to each other beyond.
 const ACCURACY: Accuracy = Accuracy::Tolerance(1e-6);
 
 /// Triangles with constant charge.
@@ -40,7 +40,7 @@ impl Elements {
         let (excess, diagonal) = (Vec::new(), Vec::new());
         let mut all = Self { triangles, centers, tree, longest, plan, excess, diagonal };
         let excess = |(i, x): (usize, &Point3<f64>)| {
-            let triangle = |j: usize| (j, all.triangles[j].potential(x) - all.point(i, j));
+            let triangle = |j: usize| (j, all.triangles[j].seen(x).0 - all.point(i, j));
             all.near(x).into_iter().map(triangle).collect()
         };
         all.excess = all.centers.par_iter().enumerate().map(excess).collect();
@@ -97,14 +97,18 @@ impl Elements {
         &self,
         sources: &[Point3<f64>],
         charges: &[f64],
+        accuracy: Accuracy,
     ) -> Result<Vec<f64>, ElectrostaticsError> {
-        let method = Multipole { accuracy: ACCURACY };
+        let method = Multipole { accuracy };
         let mut potentials = method.fields(sources, charges, &self.centers)?.potentials;
-        let near: Vec<_> = sources.par_iter().map(|x| self.near(x)).collect();
-        for ((x, charge), near) in sources.iter().zip(charges).zip(near) {
-            for j in near {
-                let more = self.triangles[j].potential(x) - inverse(x - self.centers[j]);
-                potentials[j] += COULOMB_CONSTANT * charge * more;
+        let excess = |x: &Point3<f64>| {
+            let more = |j: usize| self.triangles[j].seen(x).0 - inverse(x - self.centers[j]);
+            self.near(x).into_iter().map(|j| (j, more(j))).collect::<Vec<_>>()
+        };
+        let near: Vec<_> = sources.par_iter().map(excess).collect();
+        for (near, charge) in near.iter().zip(charges) {
+            for (j, more) in near {
+                potentials[*j] += COULOMB_CONSTANT * charge * more;
             }
         }
         Ok(potentials)
@@ -115,16 +119,18 @@ impl Elements {
         &self,
         charges: &[f64],
         targets: &[Point3<f64>],
+        accuracy: Accuracy,
     ) -> Result<Fields, ElectrostaticsError> {
-        let method = Multipole { accuracy: ACCURACY };
+        let method = Multipole { accuracy };
         let mut fields = method.fields(&self.centers, charges, targets)?;
         let found = fields.potentials.par_iter_mut().zip(&mut fields.fields).zip(targets);
         found.for_each(|((potential, field), x)| {
             for j in self.near(x) {
                 let (triangle, r) = (&self.triangles[j], x - self.centers[j]);
                 let charge = COULOMB_CONSTANT * charges[j];
-                *potential += charge * (triangle.potential(x) - inverse(r));
-                *field -= charge * (triangle.gradient(x) + r * inverse(r).powi(3));
+                let (mean, gradient) = triangle.seen(x);
+                *potential += charge * (mean - inverse(r));
+                *field -= charge * (gradient + r * inverse(r).powi(3));
             }
         });
         Ok(fields)

@@ -1,8 +1,10 @@
 //! What looks at a world while it moves, and never changes it.
 
+mod fields;
 mod frames;
 mod table;
 
+pub(crate) use fields::FieldWriter;
 pub(crate) use frames::{FrameWriter, Shown};
 pub(crate) use table::{Column, Table};
 

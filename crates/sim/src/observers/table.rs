@@ -39,6 +39,8 @@ pub(crate) enum Column {
     Contacts,
     /// Force of all fibres on an object, by its index.
     ObjectForce(usize),
+    /// How charged fibres came to rest in the last step.
+    Charge,
 }
 
 /// Pending rows are written when they are longer than this, bytes.
@@ -146,6 +148,11 @@ impl Column {
             Self::Contacts => ",listed,active,parts,lists,solves,iterations,unresolved,residual,\
                 normal error (m/s),slip error (m/s),depth (m)"
                 .to_owned(),
+            Self::Charge => {
+                ",charge (C),drained (C),electric (J),mean field (V/m),lift,evaluations,\
+                retreats,unsettled,residual"
+                    .to_owned()
+            }
             Self::ObjectForce(object) => {
                 ["x", "y", "z"].map(|axis| format!(",objects[{object}] force {axis} (N)")).concat()
             }
@@ -188,6 +195,12 @@ impl Column {
                 let counts = counts.into_iter().chain([of.unresolved]).map(|count| count as f64);
                 let errors = [of.residual, of.normal_error, of.slip_error, of.depth];
                 counts.chain(errors).collect()
+            }
+            Self::Charge => {
+                let of = world.charge_report().unwrap_or_default();
+                let counts = [of.evaluations, of.retreats, of.unsettled].map(|n| n as f64);
+                let sizes = [of.charge, of.drained, of.energy, of.mean_field, of.lift];
+                sizes.into_iter().chain(counts).chain([of.residual]).collect()
             }
             Self::ObjectForce(object) => world.force_on(*object).iter().copied().collect(),
         }

@@ -1,14 +1,13 @@
+use super::arrangement::Arrangement;
+use super::charging::Charge;
 use super::check::{Allowed, Check};
 use super::material::{Law, Material};
 use super::motion::Motion;
 use super::tip::{Joint, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use rapunzel_fiber::generate::{Ellipse, Handedness, root_pose};
+use rapunzel_fiber::generate::{Handedness, root_pose};
 use rapunzel_fiber::{FiberError, Section};
 use serde::{Deserialize, Serialize};
-
-/// The most fibres of a bundle, against typing errors.
-const MOST_FIBERS: usize = 1_000_000;
 
 /// Fibres that belong together: one, or many of the same kind on one moving base.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,6 +54,9 @@ pub struct Bundle {
     /// Forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
+    /// Their charge; needs `charging`.
+    #[serde(default)]
+    pub charge: Charge,
 }
 
 /// The shape of a fibre without load.
@@ -159,42 +161,6 @@ impl Default for Orientation {
     }
 }
 
-/// One fibre or many.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Arrangement {
-    /// One fibre.
-    #[default]
-    Single,
-    /// Parallel copies with their roots spread over an ellipse across the direction of the root.
-    Ellipse {
-        /// Semi-axes along d1 and d2 of the root, m.
-        semi_axes: [f64; 2],
-        /// Number of fibres.
-        count: usize,
-    },
-    /// The same with a number of fibres per area.
-    EllipseAtDensity {
-        /// Semi-axes along d1 and d2 of the root, m.
-        semi_axes: [f64; 2],
-        /// Fibres per area, 1/m^2; a scalp has about 2.5e6.
-        density: f64,
-    },
-    /// A lock: a guide fibre and others around it that follow its shape.
-    Lock {
-        /// Number of fibres beside the guide, which is the first.
-        count: usize,
-        /// Radius of the disc on which the roots stand, m.
-        radius: f64,
-        /// Relative variation of the natural curvature, 0 to 1.
-        #[serde(default)]
-        curvature_variation: f64,
-        /// How far the tips draw together, 0 (parallel) to 1 (all at the guide's tip).
-        #[serde(default)]
-        clumping: f64,
-    },
-}
-
 /// A force at a place along every fibre of a bundle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -291,6 +257,7 @@ impl Bundle {
             c.vector("value", &force.value, "N");
             c.within("profile", |c| force.profile.check(c));
         });
+        check.within("charge", |c| self.charge.check(c, self.arrangement.fibers(), self.segments));
     }
 }
 
@@ -331,54 +298,5 @@ impl Shape {
             }
             Self::Curved { curvature } => check.vector("curvature", curvature, "1/m"),
         }
-    }
-}
-
-impl Arrangement {
-    /// Number of fibres.
-    #[must_use]
-    pub fn fibers(&self) -> usize {
-        match *self {
-            Self::Single => 1,
-            Self::Ellipse { count, .. } => count,
-            Self::EllipseAtDensity { semi_axes: [a, b], density } => {
-                let patch = Ellipse { pose: Isometry3::identity(), a, b };
-                patch.count(density).unwrap_or(0)
-            }
-            Self::Lock { count, .. } => 1 + count,
-        }
-    }
-
-    fn check(&self, check: &mut Check) {
-        match self {
-            Self::Single => {}
-            Self::Ellipse { semi_axes, count } => {
-                check_axes(check, semi_axes);
-                check.count("count", *count, 1, MOST_FIBERS);
-            }
-            Self::EllipseAtDensity { semi_axes, density } => {
-                check_axes(check, semi_axes);
-                check.number("density", *density, Allowed::Positive, "1/m^2");
-                let count = self.fibers();
-                if *density > 0.0 && !(1..=MOST_FIBERS).contains(&count) {
-                    let message =
-                        format!("makes {count} fibres, but must make between 1 and {MOST_FIBERS}");
-                    check.refuse("density", message);
-                }
-            }
-            Self::Lock { count, radius, curvature_variation, clumping } => {
-                check.count("count", *count, 1, MOST_FIBERS);
-                check.number("radius", *radius, Allowed::Positive, "m");
-                let fraction = Allowed::Within(0.0, 1.0);
-                check.number("curvature_variation", *curvature_variation, fraction, "");
-                check.number("clumping", *clumping, fraction, "");
-            }
-        }
-    }
-}
-
-fn check_axes(check: &mut Check, semi_axes: &[f64; 2]) {
-    for (i, &x) in semi_axes.iter().enumerate() {
-        check.number(&format!("semi_axes[{i}]"), x, Allowed::Positive, "m");
     }
 }

@@ -4,6 +4,8 @@
 //! directions are in the world frame. Fields that are left out have defaults; a field that is not
 //! known is an error, and so is a number that makes no sense.
 
+mod arrangement;
+mod charging;
 mod check;
 mod contact;
 mod fibers;
@@ -17,9 +19,12 @@ mod read;
 mod stepper;
 mod tip;
 
+pub use arrangement::Arrangement;
+pub(crate) use arrangement::scalp;
+pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactSettings, Friction, Surface};
-pub use fibers::{Arrangement, Bundle, Initial, Orientation, PointForce, Pose, Shape};
+pub use fibers::{Bundle, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
@@ -32,6 +37,7 @@ pub use output::{Format, Node, Output, Probe, Quantity};
 pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
+use crate::Plan;
 pub(crate) use check::{Allowed, Check};
 pub(crate) use fibers::check_section;
 use nalgebra::Vector3;
@@ -68,6 +74,9 @@ pub struct Scene {
     /// What fibres do where they touch; left out, they pass through each other.
     #[serde(default)]
     pub contact: Option<ContactSettings>,
+    /// Charge that comes onto the fibres, which then lie at rest instead of moving.
+    #[serde(default)]
+    pub charging: Option<Charging>,
     /// A mass-spring system in their place.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
@@ -246,13 +255,64 @@ impl Scene {
         if let Err(error) = known {
             check.refuse("material", error.to_string());
         }
-        if keratin.law != Law::ThreeElement && self.environment.climate.changes() {
+        let remembers = self.charging.is_none();
+        if remembers && keratin.law != Law::ThreeElement && self.environment.climate.changes() {
             let message = "follows no climate that changes; take ThreeElement, or one humidity";
             check.refuse("material.law", message.into());
         }
         if keratin.law != Law::Elastic && !self.stepper.keeps_ledgers() {
             let message = "is for the methods Staggered and BackwardEuler without a tolerance";
             check.refuse("material.law", message.into());
+        }
+    }
+
+    /// Fibres with charge lie at rest, clamped at their roots: what moves has no meaning there.
+    fn check_charging(&self, charging: &Charging, check: &mut Check) {
+        check.within("charging", |c| charging.check(c, &self.objects, Plan::new(self).steps));
+        let course = &self.environment.climate.humidity;
+        if let Some(flow) = &charging.flow {
+            // Humidity goes straight from one of these to the next.
+            let refused = course.iter().find_map(|(t, _)| {
+                let climate = self.environment.climate.at(*t);
+                climate.and_then(|climate| flow.resistance_in(&climate)).err()
+            });
+            if let Some(error) = refused {
+                check.refuse("charging.flow.resistance", error.to_string());
+            }
+        }
+        let waits = charging.flow.is_some() || self.environment.climate.changes();
+        if waits && !charging.compared.is_empty() {
+            let message =
+                "take other times, but charge flows or the humidity changes: leave them out";
+            check.refuse("charging.compared", message.into());
+        }
+        let why = "has no meaning with charging, where fibres lie at rest: leave it out";
+        let mut refuse = |given: bool, field: &str| {
+            if given {
+                check.refuse(field, why.into());
+            }
+        };
+        refuse(self.contact.is_some(), "contact");
+        refuse(self.mass_spring.is_some(), "mass_spring");
+        refuse(self.stepper.method.is_some(), "stepper.method");
+        refuse(self.stepper.tolerance.is_some(), "stepper.tolerance");
+        refuse(self.output.ledger, "output.ledger");
+        refuse(self.environment.viscosity != 0.0, "environment.viscosity");
+        for (i, bundle) in self.fibers.iter().enumerate() {
+            let mut refuse = |given: bool, field: &str| {
+                refuse(given, &format!("fibers[{i}].{field}"));
+            };
+            refuse(bundle.initial != Initial::Natural, "initial");
+            refuse(bundle.motion != Motion::Fixed, "motion");
+            refuse(bundle.root_joint != Joint::Clamped, "root_joint");
+            refuse(bundle.tip != Tip::Free, "tip");
+            refuse(bundle.velocity != [0.0; 3], "velocity");
+            refuse(bundle.damping_time != 0.0, "damping_time");
+            refuse(bundle.law() != Law::Elastic, "material.law");
+        }
+        for i in (0..self.objects.len()).filter(|i| charging.head.object() != Some(*i)) {
+            let message = "is not the head, and nothing else is met by fibres at rest".into();
+            check.refuse(&format!("objects[{i}]"), message);
         }
     }
 
@@ -290,6 +350,7 @@ impl Scene {
                 check.refuse("stepper.method", message.into());
             }
         } else if !self.objects.is_empty()
+            && self.charging.is_none()
             && self.mass_spring.as_ref().is_none_or(|springs| springs.contacts.is_none())
         {
             let message = "are given, but nothing touches them; say what happens with `contact`, \
@@ -300,6 +361,16 @@ impl Scene {
             let message = "is kept of fibres alone, by the methods Staggered and BackwardEuler without \
                            a tolerance: leave it out";
             check.refuse("output.ledger", message.into());
+        }
+        match &self.charging {
+            Some(charging) => self.check_charging(charging, check),
+            None => check.each("fibers", &self.fibers, |c, bundle| {
+                if bundle.charge != Charge::default() {
+                    let message = "is given, but the scene does not say how it is put there; add \
+                                   `charging`";
+                    c.refuse("charge", message.into());
+                }
+            }),
         }
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));

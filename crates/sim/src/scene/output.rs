@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a
-    /// little smaller where the interval is not a multiple of it.
+    /// little smaller where the interval is not a multiple of it. With `charging` every step is a frame.
     pub frame_rate: f64,
     /// Files written of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
     /// ParaView), which are always written.

@@ -1,0 +1,68 @@
+//! Draws the figures of the thesis's chapter 4 on charged hair anew, and compares what it says of them with
+//! our numbers.
+//!
+//! `cargo xtask repro ch4` runs it. Each figure is an SVG with its numbers as CSV. The tress has fewer fibers,
+//! as dense, so that all takes a minute or two; `--full` takes it as it ships.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
+
+mod accuracy;
+#[path = "../repro/drawing.rs"]
+mod drawing;
+mod field;
+#[path = "../repro/film.rs"]
+mod film;
+#[path = "../repro/program.rs"]
+mod program;
+#[path = "../repro/report.rs"]
+mod report;
+#[path = "../repro/svg.rs"]
+mod svg;
+mod tress;
+
+use program::Entry;
+use rapunzel_sim::Scene;
+use rapunzel_sim::scene::Arrangement;
+use report::Figure;
+use std::process::ExitCode;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+type Draw = fn(Size) -> Fallible<Figure>;
+
+const FIGURES: [Entry<Draw>; 4] = [
+    Entry { number: "4.3", title: "The field of a charged tress", draw: field::plane },
+    Entry { number: "4.7", title: "A charged tress, dry and wet", draw: tress::humidity },
+    Entry { number: "4.8", title: "A charged tress without gravity", draw: tress::weightless },
+    Entry { number: "4.10", title: "Time and error over the terms", draw: accuracy::terms },
+];
+
+fn main() -> ExitCode {
+    let (full, others): (Vec<_>, Vec<_>) =
+        std::env::args().skip(1).partition(|argument| argument == "--full");
+    let size = if full.is_empty() { Size::Reduced } else { Size::Full };
+    program::main(&FIGURES, others.into_iter(), |draw| draw(size))
+}
+
+/// How large scenes are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Size {
+    Reduced,
+    /// As they ship.
+    Full,
+}
+
+impl Size {
+    /// A scene of the folder `scenes/charge`; reduced, its tress has 60 fibers, as dense as they were.
+    fn scene(self, name: &str) -> Fallible<Scene> {
+        let mut scene = film::scene(&format!("charge/{name}"))?;
+        if self == Self::Reduced {
+            for bundle in &mut scene.fibers {
+                if let Arrangement::Ellipse { semi_axes, count } = &mut bundle.arrangement {
+                    let smaller = (60.0 / *count as f64).sqrt();
+                    semi_axes.iter_mut().for_each(|axis| *axis *= smaller);
+                    *count = 60;
+                }
+            }
+        }
+        Ok(scene)
+    }
+}

@@ -1,0 +1,246 @@
+//! All electric forces on the fibres of a world.
+
+use super::head::Head;
+use super::report::ChargeReport;
+use super::settle::{charges, positions};
+use crate::scene::{self, Charging};
+use crate::{SimError, World};
+use nalgebra::{Point3, Vector3};
+use rapunzel_electrostatics::{
+    Accuracy, ChargedFibers, ElectrostaticsError, Fields, Method, Multipole,
+};
+use rapunzel_fiber::Layout;
+
+/// Parts of the tolerance that forces may be off by; a larger one where a smaller is out of reach.
+const SHARES: [f64; 3] = [0.1, 0.3, 1.0];
+/// Smallest tolerance of forces that is asked for.
+const LEAST: f64 = 1e-9;
+/// Where on a segment its charge is as far as the head is concerned: Gauss's two points.
+const PLACES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// What charge does in a world.
+#[derive(Debug)]
+pub(crate) struct Electric {
+    pub(super) charging: Charging,
+    /// Radii of the fibres, m.
+    radii: Vec<f64>,
+    head: Head,
+    /// Share of the charge that is dealt.
+    pub(super) share: f64,
+    /// On the last step.
+    pub(crate) report: ChargeReport,
+}
+
+/// Electric energy, J, and forces on the nodes (world), N.
+pub(super) struct Forces {
+    pub(super) energy: f64,
+    pub(super) forces: Vec<Vector3<f64>>,
+}
+
+impl Electric {
+    /// Nothing is dealt yet.
+    ///
+    /// # Errors
+    /// As [`Head::new`].
+    pub(crate) fn new(
+        charging: &Charging,
+        shapes: &[scene::Object],
+        world: &World,
+    ) -> Result<Self, SimError> {
+        let layout = world.assembly().layout();
+        let radius = |fiber: usize| world.assembly().radii()[layout.node_range(fiber).start];
+        Ok(Self {
+            charging: charging.clone(),
+            radii: (0..layout.fibers()).map(radius).collect(),
+            head: Head::new(&charging.head, shapes, &world.objects)?,
+            share: 0.0,
+            report: ChargeReport::default(),
+        })
+    }
+
+    /// What `solve` finds with the first accuracy that is within reach.
+    fn within_reach<T>(
+        &self,
+        solve: impl Fn(Accuracy) -> Result<T, ElectrostaticsError>,
+    ) -> Result<T, ElectrostaticsError> {
+        let tolerance = |share: f64| (share * self.charging.tolerance).max(LEAST);
+        let mut found = solve(Accuracy::Tolerance(tolerance(SHARES[0])));
+        for share in &SHARES[1..] {
+            if let Err(ElectrostaticsError::OutOfReach { .. }) = found {
+                found = solve(Accuracy::Tolerance(tolerance(*share)));
+            }
+        }
+        found
+    }
+
+    /// Energy and forces of the `charges` of all segments (C) with the nodes at `positions`.
+    ///
+    /// # Errors
+    /// [`SimError::InHead`] for charges in the head, and [`SimError::Electrostatics`].
+    pub(super) fn forces(
+        &self,
+        world: &World,
+        positions: &[Point3<f64>],
+        charges: &[f64],
+    ) -> Result<Forces, SimError> {
+        let layout = world.assembly().layout();
+        let mut sum = Forces { energy: 0.0, forces: vec![Vector3::zeros(); positions.len()] };
+        if charges.iter().all(|charge| *charge == 0.0) {
+            return Ok(sum);
+        }
+        let radii = &self.radii[..];
+        let mutual = self.within_reach(|accuracy| {
+            ChargedFibers { layout, charges, radii, accuracy }.forces(positions)
+        });
+        let mutual = mutual.map_err(SimError::electric(world.time()))?;
+        sum.energy += mutual.energy;
+        sum.forces = mutual.forces;
+        let (points, halves) = placed(layout, positions, charges);
+        let field = Vector3::from(self.charging.field);
+        let mut pulls: Vec<_> = halves.iter().map(|q| *q * field).collect();
+        sum.energy -= points.iter().zip(&pulls).map(|(x, f)| f.dot(&x.coords)).sum::<f64>();
+        if !matches!(self.head, Head::None) {
+            let (head, objects, share) = (&self.head, &world.objects, self.share);
+            let action =
+                self.within_reach(|accuracy| head.act(objects, &points, &halves, share, accuracy));
+            let action = action.map_err(|error| self.located(world, error))?;
+            sum.energy += action.energy;
+            pulls.iter_mut().zip(&action.forces).for_each(|(pull, force)| *pull += force);
+        }
+        for (point, pull) in pulls.iter().enumerate() {
+            let [a, b] = layout.segment_nodes(point / 2);
+            let part = PLACES[point % 2];
+            sum.forces[a] += (1.0 - part) * pull;
+            sum.forces[b] += part * pull;
+        }
+        Ok(sum)
+    }
+
+    /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are points on
+    /// their axes. In a conductor it has its potential and no field.
+    ///
+    /// # Errors
+    /// [`SimError::InHead`] for charges in the head, and [`SimError::Electrostatics`].
+    pub(crate) fn fields(
+        &self,
+        world: &World,
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, SimError> {
+        let layout = world.assembly().layout();
+        let (points, halves) = placed(layout, &positions(world), &charges(world));
+        self.fields_of(world, &points, &halves, targets)
+    }
+
+    /// The same of given `charges` (C) at `points` (world, m).
+    pub(super) fn fields_of(
+        &self,
+        world: &World,
+        points: &[Point3<f64>],
+        charges: &[f64],
+        targets: &[Point3<f64>],
+    ) -> Result<Fields, SimError> {
+        let all = |accuracy: Accuracy| {
+            let response = self.head.response(points, charges, self.share, accuracy)?;
+            // Within the conductor.
+            let mut all = Fields {
+                potentials: vec![response.potential; targets.len()],
+                fields: vec![Vector3::zeros(); targets.len()],
+            };
+            let outside: Vec<_> =
+                (0..targets.len()).filter(|i| !self.head.holds(&targets[*i])).collect();
+            let places: Vec<_> = outside.iter().map(|i| targets[*i]).collect();
+            let direct = Multipole { accuracy }.fields(points, charges, &places)?;
+            let induced = response.induced.fields(&places, accuracy)?;
+            let field = Vector3::from(self.charging.field);
+            for (k, i) in outside.into_iter().enumerate() {
+                let own = field.dot(&targets[i].coords);
+                all.potentials[i] = direct.potentials[k] + induced.potentials[k] - own;
+                all.fields[i] = direct.fields[k] + induced.fields[k] + field;
+            }
+            Ok(all)
+        };
+        self.within_reach(all).map_err(|error| self.located(world, error))
+    }
+
+    /// The error with the fibre that it is about.
+    fn located(&self, world: &World, error: ElectrostaticsError) -> SimError {
+        let object = self.charging.head.object();
+        if let (ElectrostaticsError::Inside { index, depth }, Some(object)) = (&error, object) {
+            let layout = world.assembly().layout();
+            let fiber = layout.segment_fibers()[index / 2];
+            let segment = index / 2 - layout.segment_range(fiber).start;
+            return SimError::InHead { fiber, segment, object, depth: *depth, time: world.time() };
+        }
+        SimError::electric(world.time())(error)
+    }
+}
+
+/// Two points on each segment (world, m) with half of its charge each, C.
+pub(super) fn placed(
+    layout: &Layout,
+    positions: &[Point3<f64>],
+    charges: &[f64],
+) -> (Vec<Point3<f64>>, Vec<f64>) {
+    let segments = charges.iter().enumerate();
+    segments
+        .flat_map(|(segment, charge)| {
+            let [a, b] = layout.segment_nodes(segment).map(|node| positions[node]);
+            PLACES.map(|part| (a + part * (b - a), 0.5 * charge))
+        })
+        .unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    /// Forces are the gradient of the energy for every kind of head: over a step of 0.2 mm the central
+    /// difference is off by the square of that over the gap of 1 cm; boundary elements jump by a
+    /// thousandth where a triangle becomes close.
+    #[test]
+    fn forces_are_the_gradient_of_the_energy() {
+        for (head, shape, tolerance) in [
+            ("None", "Ball(radius: 0.03)", 1e-6),
+            ("Thesis(object: 0, charge: 1e-10)", "Ball(radius: 0.03)", 2e-3),
+            ("Conductor(object: 0, held: Potential(300))", "Ball(radius: 0.03)", 2e-3),
+            ("Conductor(object: 0, held: Charge(1e-10))", "Ball(radius: 0.03)", 2e-3),
+            (
+                "Conductor(object: 0, held: Charge(1e-10))",
+                "Capsule(length: 0.01, radius: 0.03)",
+                5e-3,
+            ),
+        ] {
+            let objects =
+                if head == "None" { "" } else { "(shape: OF, position: (-0.04, 0, -0.05))" };
+            let text = format!(
+                "(format: 1, duration: 1, stepper: (dt: 1),
+                  fibers: [(length: 0.1, segments: 12, section: Circle(radius: 4e-5),
+                    charge: (amount: Fiber(1e-10)))],
+                  objects: [{}],
+                  charging: (head: {head}, field: (1e3, 2e3, -5e2), tolerance: 1e-5))",
+                objects.replace("OF", shape)
+            );
+            let scene = Scene::from_ron(&text).expect("a scene");
+            let world = scene.build().expect("a world");
+            let charging = scene.charging.as_ref().expect("with charge");
+            let mut electric = Electric::new(charging, &scene.objects, &world).expect("a head");
+            electric.share = 1.0;
+            let (places, charges) = (positions(&world), vec![1e-10 / 12.0; 12]);
+            let at = |places: &[Point3<f64>]| {
+                electric.forces(&world, places, &charges).expect("outside")
+            };
+            let forces = at(&places).forces;
+            for direction in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                let step = 2e-4;
+                let moved =
+                    |by: f64| -> Vec<_> { places.iter().map(|x| x + by * direction).collect() };
+                let [ahead, behind] = [step, -step].map(|by| at(&moved(by)).energy);
+                let slope = (behind - ahead) / (2.0 * step);
+                let force: Vector3<f64> = forces.iter().sum();
+                let error = (force.dot(&direction) - slope).abs() / force.norm();
+                assert!(error < tolerance, "{head}, {shape}: {error} along {direction}");
+            }
+        }
+    }
+}

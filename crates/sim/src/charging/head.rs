@@ -1,0 +1,234 @@
+//! What the head does to charges.
+
+use crate::SimError;
+use crate::contact::Object;
+use crate::scene::{self, Held, ObjectShape};
+use nalgebra::{Point3, Vector3};
+use rapunzel_collision::CollisionError;
+use rapunzel_collision::field::{Mesh, Soup};
+use rapunzel_electrostatics::{
+    Accuracy, COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface,
+    ElectrostaticsError, Fields, Method, Multipole, thesis_repulsion,
+};
+
+/// Least number of triangles of a conductor; shapes that are shown with fewer are refined.
+const TRIANGLES: usize = 2000;
+
+/// The head as far as charge is concerned.
+#[derive(Debug)]
+pub(super) enum Head {
+    None,
+    /// A conducting ball.
+    Ball {
+        center: Point3<f64>,
+        radius: f64,
+        held: Held,
+    },
+    /// Any other conductor.
+    Surface {
+        surface: Box<ConductingSurface>,
+        held: Held,
+    },
+    /// The thesis's.
+    Thesis {
+        object: usize,
+        charge: f64,
+    },
+}
+
+/// What the head does to charges at some points.
+pub(super) struct Action {
+    /// Its energy with them and theirs in what they induce, J.
+    pub(super) energy: f64,
+    /// Forces on them (world), N.
+    pub(super) forces: Vec<Vector3<f64>>,
+}
+
+/// The charges on a conductor beside other charges.
+pub(super) enum Induced<'a> {
+    None,
+    /// As if they were points inside.
+    Points(Vec<Point3<f64>>, Vec<f64>),
+    /// Of triangles.
+    Triangles(&'a ConductingSurface, Vec<f64>),
+}
+
+/// What a conductor is like beside other charges.
+pub(super) struct Response<'a> {
+    pub(super) induced: Induced<'a>,
+    /// Its potential, V.
+    pub(super) potential: f64,
+    /// Its energy with the other charges, J, less half of theirs in the potential that it makes.
+    energy: f64,
+}
+
+impl Induced<'_> {
+    /// What they make at `targets` outside.
+    pub(super) fn fields(
+        &self,
+        targets: &[Point3<f64>],
+        accuracy: Accuracy,
+    ) -> Result<Fields, ElectrostaticsError> {
+        match self {
+            Self::None => Ok(Fields {
+                potentials: vec![0.0; targets.len()],
+                fields: vec![Vector3::zeros(); targets.len()],
+            }),
+            Self::Points(points, charges) => {
+                Multipole { accuracy }.fields(points, charges, targets)
+            }
+            Self::Triangles(surface, charges) => surface.fields(charges, targets, accuracy),
+        }
+    }
+}
+
+impl Head {
+    /// The head of a scene, which is one of the objects that are there.
+    ///
+    /// # Errors
+    /// [`SimError::Object`] for a surface that bounds nothing, [`SimError::Electrostatics`] for one whose
+    /// charges are not found.
+    pub(super) fn new(
+        head: &scene::Head,
+        shapes: &[scene::Object],
+        objects: &[Object],
+    ) -> Result<Self, SimError> {
+        let (object, held) = match *head {
+            scene::Head::None => return Ok(Self::None),
+            scene::Head::Thesis { object, charge } => return Ok(Self::Thesis { object, charge }),
+            scene::Head::Conductor { object, held } => (object, held),
+        };
+        if let ObjectShape::Ball { radius } = shapes[object].shape {
+            return Ok(Self::Ball { center: shapes[object].position.into(), radius, held });
+        }
+        let mut surface = objects[object].surface(0.0);
+        while shapes[object].shape.file().is_none() && surface.triangles.len() < TRIANGLES {
+            surface = refined(&surface);
+        }
+        let refuse = |source: CollisionError| SimError::Object { object, source };
+        let mesh = Mesh::new(surface).map_err(refuse)?;
+        let surface = ConductingSurface::new(&mesh).map_err(SimError::electric(0.0))?;
+        Ok(Self::Surface { surface: Box::new(surface), held })
+    }
+
+    /// Whether a point (world, m) is in the conductor.
+    pub(super) fn holds(&self, point: &Point3<f64>) -> bool {
+        match self {
+            Self::None | Self::Thesis { .. } => false,
+            Self::Ball { center, radius, .. } => (point - center).norm() <= *radius,
+            Self::Surface { surface, .. } => surface.check_outside(&[*point]).is_err(),
+        }
+    }
+
+    /// The conductor beside `charges` (C) at `points` (world, m) when this share of its own charge or
+    /// potential is dealt.
+    pub(super) fn response(
+        &self,
+        points: &[Point3<f64>],
+        charges: &[f64],
+        share: f64,
+        accuracy: Accuracy,
+    ) -> Result<Response<'_>, ElectrostaticsError> {
+        // By Green's reciprocity the charge that is induced at zero potential is that of the potential of
+        // the conductor at 1 V, at the charges.
+        let (held, capacity, grounded) = match self {
+            Self::None | Self::Thesis { .. } => {
+                return Ok(Response { induced: Induced::None, potential: 0.0, energy: 0.0 });
+            }
+            Self::Ball { center, radius, held } => {
+                let condition = Condition::Potential(0.0);
+                let ball = ConductingSphere { center: *center, radius: *radius, condition };
+                let (places, images) = ball.images(points, charges)?;
+                (held, radius / COULOMB_CONSTANT, Induced::Points(places, images))
+            }
+            Self::Surface { surface, held } => {
+                let potentials = surface.potentials(points, charges, accuracy)?;
+                let induced = surface.charges(&potentials, Condition::Potential(0.0))?;
+                (held, surface.capacity(), Induced::Triangles(surface, induced))
+            }
+        };
+        let drawn = match &grounded {
+            Induced::Points(_, charges) | Induced::Triangles(_, charges) => {
+                -charges.iter().sum::<f64>()
+            }
+            Induced::None => 0.0,
+        };
+        let (potential, own) = match *held {
+            Held::Potential(potential) => (share * potential, share * potential),
+            Held::Charge(charge) => {
+                ((share * charge + drawn) / capacity, share * charge / capacity)
+            }
+        };
+        let induced = match grounded {
+            Induced::Points(places, mut charges) => {
+                if let Some(center) = charges.last_mut() {
+                    *center += potential * capacity;
+                }
+                Induced::Points(places, charges)
+            }
+            Induced::Triangles(surface, mut charges) => {
+                super::anderson::add(&mut charges, potential, surface.unit_charges());
+                Induced::Triangles(surface, charges)
+            }
+            Induced::None => Induced::None,
+        };
+        Ok(Response { induced, potential, energy: 0.5 * own * drawn })
+    }
+
+    /// What it does to `charges` (C) at `points` (world, m) when this share of its own charge or
+    /// potential is dealt.
+    pub(super) fn act(
+        &self,
+        objects: &[Object],
+        points: &[Point3<f64>],
+        charges: &[f64],
+        share: f64,
+        accuracy: Accuracy,
+    ) -> Result<Action, ElectrostaticsError> {
+        if let Self::Thesis { object, charge } = *self {
+            return thesis(&objects[object], share * charge, points, charges);
+        }
+        let Response { induced, energy, .. } = self.response(points, charges, share, accuracy)?;
+        let Fields { potentials, fields } = induced.fields(points, accuracy)?;
+        let forces = charges.iter().zip(fields).map(|(q, field)| *q * field).collect();
+        Ok(Action { energy: energy + 0.5 * super::anderson::dot(charges, &potentials), forces })
+    }
+}
+
+/// (4.13), corrected.
+fn thesis(
+    object: &Object,
+    total: f64,
+    points: &[Point3<f64>],
+    charges: &[f64],
+) -> Result<Action, ElectrostaticsError> {
+    let here = object.obstacle([0.0, 0.0]);
+    let pose = here.poses[1];
+    let own: Vec<_> = points.iter().map(|x| pose.inverse_transform_point(x)).collect();
+    let forces = thesis_repulsion(here.field, total, &own, charges)?;
+    let energy = own.iter().zip(charges).map(|(x, q)| q / here.field.value(x)).sum::<f64>();
+    Ok(Action {
+        energy: COULOMB_CONSTANT * total * energy,
+        forces: forces.iter().map(|force| pose * force).collect(),
+    })
+}
+
+/// The surface with every triangle cut into four.
+fn refined(surface: &Soup) -> Soup {
+    let mut vertices = surface.vertices.clone();
+    let mut known = std::collections::BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *known.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+            vertices.push(nalgebra::center(&vertices[a as usize], &vertices[b as usize]));
+            #[expect(clippy::cast_possible_truncation, reason = "a few thousand vertices")]
+            let index = (vertices.len() - 1) as u32;
+            index
+        })
+    };
+    let mut triangles = Vec::with_capacity(4 * surface.triangles.len());
+    for &[a, b, c] in &surface.triangles {
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    Soup { vertices, triangles }
+}

@@ -1,0 +1,368 @@
+//! What a scene says of charge.
+
+use super::check::{Allowed, Check};
+use super::{Object, ObjectShape};
+use crate::scene::{Motion, Moves};
+use rapunzel_electrostatics::{self as electrostatics, FieldGrid, units};
+use serde::{Deserialize, Serialize};
+
+/// The most portions, against typing errors.
+const MOST_PORTIONS: usize = 100_000;
+/// The most points of a grid, some 10 GB.
+const MOST_POINTS: usize = 100_000_000;
+
+/// The charge of a bundle; it lies where it is put unless the scene lets it flow.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Charge {
+    /// How much.
+    pub amount: Amount,
+    /// How it lies along each fibre: pairs of the arc length as a part of the whole, 0 at the root and 1
+    /// at the tip, and a weight, with straight lines between them; left out, evenly.
+    #[serde(default)]
+    pub along: Vec<(f64, f64)>,
+}
+
+/// How much charge the fibres of a bundle have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Amount {
+    /// Each fibre so much, C.
+    Fiber(f64),
+    /// All fibres together so much, C, each the same.
+    Bundle(f64),
+    /// Each fibre its own, C, in their order.
+    Fibers(Vec<f64>),
+    /// So much a length, C/m.
+    CoulombPerMeter(f64),
+    /// So much a length in Gaussian units, statC/cm; the thesis's is -7.7e-4.
+    StatcoulombPerCentimeter(f64),
+}
+
+impl Default for Amount {
+    fn default() -> Self {
+        Self::Fiber(0.0)
+    }
+}
+
+/// Charge comes onto fibres, which lie at rest after each portion of it (thesis, Algorithm 2).
+///
+/// Every step deals a portion, as long as there are any, and lasts `stepper.dt`; in it charge flows, if it
+/// does. Each step gives a frame. Before the first the fibres lie at rest without charge. Nothing bears
+/// on anything: fibres and objects are kept apart by charge alone, or not at all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Charging {
+    /// In which portions the charge is dealt, and with it the charge or the potential of the head.
+    #[serde(default)]
+    pub dealing: Dealing,
+    /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they come to
+    /// the same equilibrium is told. Not where charge flows or the humidity changes: they take other times.
+    #[serde(default)]
+    pub compared: Vec<Dealing>,
+    /// The head.
+    #[serde(default)]
+    pub head: Head,
+    /// An electric field from afar, V/m, world; it is there from the first step and acts on fibres alone.
+    #[serde(default)]
+    pub field: [f64; 3],
+    /// How charge flows; left out, it is frozen, as on dry hair.
+    #[serde(default)]
+    pub flow: Option<Flow>,
+    /// A step has settled when the electric forces on the nodes where they are differ from those that
+    /// hold the fibres there by no more than this part of them (root of the sum of squares).
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
+    /// The most evaluations of the electric forces in a step.
+    #[serde(default = "evaluations")]
+    pub evaluations: usize,
+    /// Points at which the field is written with every frame.
+    #[serde(default)]
+    pub grid: Option<Grid>,
+}
+
+fn tolerance() -> f64 {
+    1e-4
+}
+
+fn evaluations() -> usize {
+    200
+}
+
+/// In which portions charge is dealt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Dealing {
+    /// All at once.
+    #[default]
+    Once,
+    /// In so many equal portions.
+    Equal(usize),
+    /// In so many portions that fall as the differences of a logarithm.
+    Falling(usize),
+}
+
+/// What the fibres grow on, as far as charge is concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Head {
+    /// Nothing.
+    #[default]
+    None,
+    /// An object of the scene is a conductor: a ball by its exact images, any other that ends by
+    /// boundary elements on its triangles.
+    Conductor {
+        /// Index of the object.
+        object: usize,
+        /// What is known of it.
+        #[serde(default)]
+        held: Held,
+    },
+    /// The thesis's repulsion by the distance to an object (4.13), with Coulomb's constant and a signed
+    /// distance: for comparison only.
+    Thesis {
+        /// Index of the object.
+        object: usize,
+        /// Its charge, C.
+        charge: f64,
+    },
+}
+
+/// What is known of a conductor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Held {
+    /// Its potential, V: zero if it is earthed.
+    Potential(f64),
+    /// Its total charge, C: it is insulated.
+    Charge(f64),
+}
+
+impl Default for Held {
+    fn default() -> Self {
+        Self::Potential(0.0)
+    }
+}
+
+/// Charge flows along the fibres.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flow {
+    /// What hinders it.
+    #[serde(default)]
+    pub resistance: Resistance,
+    /// Capacity a length of one fibre, F/m.
+    #[serde(default = "capacity")]
+    pub capacity: f64,
+    /// Whether the roots touch the head, which then must be a conductor of known potential.
+    #[serde(default)]
+    pub drained: bool,
+}
+
+fn capacity() -> f64 {
+    19e-12
+}
+
+/// The resistance of fibres a length.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub enum Resistance {
+    /// That of hair in the climate of the environment, as `rapunzel-keratin` has it, the measured
+    /// resistance being taken for that of a centimeter: the thesis does not tell the length.
+    #[default]
+    Climate,
+    /// Given, ohm/m.
+    OhmPerMeter(f64),
+}
+
+/// A lattice of points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// The first point, m, world.
+    pub origin: [f64; 3],
+    /// From point to point along each axis, m.
+    pub spacing: [f64; 3],
+    /// Points along each axis; one for a plane.
+    pub counts: [usize; 3],
+}
+
+impl From<Grid> for FieldGrid {
+    fn from(grid: Grid) -> Self {
+        Self { origin: grid.origin.into(), spacing: grid.spacing.into(), counts: grid.counts }
+    }
+}
+
+impl Charge {
+    /// The charges of the segments of fibre number `fiber` of a bundle, C, when all is dealt.
+    pub(crate) fn of_segments(
+        &self,
+        fiber: usize,
+        fibers: usize,
+        length: f64,
+        segments: usize,
+    ) -> Vec<f64> {
+        let total = match &self.amount {
+            Amount::Fiber(charge) => *charge,
+            Amount::Bundle(charge) => charge / fibers as f64,
+            // There is one for each fibre, or the scene has been refused.
+            Amount::Fibers(charges) => charges.get(fiber).copied().unwrap_or_default(),
+            Amount::CoulombPerMeter(density) => density * length,
+            Amount::StatcoulombPerCentimeter(density) => {
+                units::statcoulomb_per_centimeter(*density) * length
+            }
+        };
+        let weights = self.weights(segments);
+        let sum: f64 = weights.iter().sum();
+        weights.iter().map(|weight| total * weight / sum).collect()
+    }
+
+    /// Weights of the segments, by their middles.
+    fn weights(&self, segments: usize) -> Vec<f64> {
+        if self.along.is_empty() {
+            return vec![1.0; segments];
+        }
+        let course = super::Profile::Linear { points: self.along.clone() };
+        (0..segments).map(|k| course.at((k as f64 + 0.5) / segments as f64)).collect()
+    }
+
+    pub(super) fn check(&self, check: &mut Check, fibers: usize, segments: usize) {
+        let field = "amount";
+        match &self.amount {
+            Amount::Fiber(x) | Amount::Bundle(x) => check.number(field, *x, Allowed::Finite, "C"),
+            Amount::CoulombPerMeter(x) => check.number(field, *x, Allowed::Finite, "C/m"),
+            Amount::StatcoulombPerCentimeter(x) => {
+                check.number(field, *x, Allowed::Finite, "statC/cm");
+            }
+            Amount::Fibers(charges) => {
+                for (i, x) in charges.iter().enumerate() {
+                    check.number(&format!("{field}[{i}]"), *x, Allowed::Finite, "C");
+                }
+                if charges.len() != fibers {
+                    let message = format!(
+                        "has {} charges, but the bundle has {fibers} fibres",
+                        charges.len()
+                    );
+                    check.refuse(field, message);
+                }
+            }
+        }
+        if self.along.is_empty() {
+            return;
+        }
+        let unit = Allowed::Within(0.0, 1.0);
+        for (i, (at, weight)) in self.along.iter().enumerate() {
+            check.number(&format!("along[{i}][0]"), *at, unit, "a part of the length");
+            check.number(&format!("along[{i}][1]"), *weight, Allowed::Finite, "");
+            if i > 0 && *at <= self.along[i - 1].0 {
+                check.refuse(&format!("along[{i}][0]"), format!("is {at:?}, but must increase"));
+            }
+        }
+        let weights = self.weights(segments);
+        let (sum, size) = weights.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
+        if sum.abs() <= 1e-9 * size || sum.is_nan() {
+            check.refuse("along", "sums up to nothing, but is to hold the whole charge".into());
+        }
+    }
+}
+
+impl Dealing {
+    /// The share of the charge that each portion deals.
+    pub(crate) fn shares(self) -> Vec<f64> {
+        match self {
+            Self::Once => electrostatics::Dealing::Once,
+            Self::Equal(portions) => electrostatics::Dealing::Equal(portions),
+            Self::Falling(portions) => electrostatics::Dealing::Falling(portions),
+        }
+        .shares()
+    }
+
+    /// Number of portions.
+    #[must_use]
+    pub fn portions(self) -> usize {
+        match self {
+            Self::Once => 1,
+            Self::Equal(portions) | Self::Falling(portions) => portions,
+        }
+    }
+}
+
+impl Head {
+    /// The object that it is.
+    #[must_use]
+    pub fn object(&self) -> Option<usize> {
+        match *self {
+            Self::None => None,
+            Self::Conductor { object, .. } | Self::Thesis { object, .. } => Some(object),
+        }
+    }
+}
+
+impl Charging {
+    /// Notes what makes no sense among the `objects` of the scene, or in so many steps.
+    pub(super) fn check(&self, check: &mut Check, objects: &[Object], steps: u64) {
+        let portions = self.dealing.portions();
+        check.count("dealing", portions, 1, MOST_PORTIONS);
+        for (i, other) in self.compared.iter().enumerate() {
+            check.count(&format!("compared[{i}]"), other.portions(), 1, MOST_PORTIONS);
+        }
+        if portions as u64 > steps {
+            let message = format!(
+                "deals {portions} portions, but the run has {steps} steps of stepper.dt; make the \
+                 duration longer"
+            );
+            check.refuse("dealing", message);
+        }
+        check.within("head", |c| self.check_head(c, objects));
+        check.vector("field", &self.field, "V/m");
+        check.number("tolerance", self.tolerance, Allowed::Within(1e-9, 0.1), "");
+        check.count("evaluations", self.evaluations, 1, 1_000_000);
+        if let Some(flow) = &self.flow {
+            check.within("flow", |c| {
+                c.number("capacity", flow.capacity, Allowed::Positive, "F/m");
+                if let Resistance::OhmPerMeter(x) = flow.resistance {
+                    c.number("resistance", x, Allowed::Positive, "ohm/m");
+                }
+                let known = matches!(self.head, Head::Conductor { held: Held::Potential(_), .. });
+                if flow.drained && !known {
+                    let message = "is given, but the head is no Conductor of known Potential";
+                    c.refuse("drained", message.into());
+                }
+            });
+        }
+        if let Some(grid) = &self.grid {
+            check.within("grid", |c| {
+                c.vector("origin", &grid.origin, "m");
+                for axis in 0..3 {
+                    let spacing = format!("spacing[{axis}]");
+                    c.number(&spacing, grid.spacing[axis], Allowed::Positive, "m");
+                    c.count(&format!("counts[{axis}]"), grid.counts[axis], 1, MOST_POINTS);
+                }
+                let points = grid.counts.iter().fold(1, |all: usize, n| all.saturating_mul(*n));
+                c.count("counts", points, 0, MOST_POINTS);
+            });
+        }
+    }
+
+    fn check_head(&self, check: &mut Check, objects: &[Object]) {
+        match self.head {
+            Head::None => {}
+            Head::Conductor { held: Held::Potential(x), .. } => {
+                check.number("held", x, Allowed::Finite, "V");
+            }
+            Head::Conductor { held: Held::Charge(x), .. } => {
+                check.number("held", x, Allowed::Finite, "C");
+            }
+            Head::Thesis { charge, .. } => check.number("charge", charge, Allowed::Finite, "C"),
+        }
+        let Some(index) = self.head.object() else { return };
+        let Some(object) = objects.get(index) else {
+            check.refuse("object", format!("is {index}, but there is no such object"));
+            return;
+        };
+        if object.motion != Motion::Fixed || object.moves != Moves::Led {
+            check.refuse("object", format!("is {index}, which moves; a head must rest"));
+        }
+        let endless =
+            matches!(object.shape, ObjectShape::Plane { .. } | ObjectShape::HeightField { .. });
+        if endless && matches!(self.head, Head::Conductor { .. }) {
+            check.refuse("object", format!("is {index}, which has no end; a conductor must end"));
+        }
+    }
+}
