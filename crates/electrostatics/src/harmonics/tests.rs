@@ -111,7 +111,7 @@ fn far_multipoles_become_local_for_every_pair_of_orders() {
             let mut out = vec![0.0; count(q)];
             let shift =
                 Shift { coefficients: &multipole, degrees: [p, q], offset, scales: [0.5, 0.4] };
-            Translator::new(30).sum(Kind::Far, &[shift], &mut out);
+            Translator::new(30).sum(Kind::Far(0), &[shift], &mut out);
             for n in 0..=q {
                 // |R_l(x)| <= 0.52^l, and the coefficient (n+l)!/(n! l!) bounds the matrix.
                 let term = |l: usize| {
@@ -124,6 +124,28 @@ fn far_multipoles_become_local_for_every_pair_of_orders() {
                     assert!(error <= bound + 1e-12, "{p} to {q}, {k}: {error} > {bound}");
                 }
             }
+        }
+    }
+}
+
+/// What is moved with and without low degrees adds up to all.
+#[test]
+fn low_and_higher_degrees_are_moved_apart() {
+    let (p, cloud) = (9, cloud(3));
+    let multipole = expansion(p, &cloud, 0.5, false);
+    for direction in directions() {
+        let moved = |kind: Kind, degree: usize| {
+            let (degrees, offset, scales) = ([degree; 2], direction * 2.0, [0.5, 0.4]);
+            let shift = Shift { coefficients: &multipole, degrees, offset, scales };
+            let mut out = vec![0.0; count(p)];
+            Translator::new(p).sum(kind, &[shift], &mut out);
+            out
+        };
+        let all = moved(Kind::Far(0), p);
+        for low in 1..=p {
+            let sum = moved(Kind::Far(low), p).into_iter().zip(moved(Kind::Far(0), low - 1));
+            let sum: Vec<_> = sum.map(|(higher, lower)| higher + lower).collect();
+            assert_close(&sum, &all, 1e-13, &format!("below {low}"));
         }
     }
 }
