@@ -338,10 +338,11 @@ pub(crate) fn find_order<'a, E: Real>(
             }
             order -= 1;
         } else {
-            // An error that two degrees more leave as it is has another cause.
+            // An error that two degrees more leave as it is has another cause; one that is no number is
+            // that of single precision out of its range.
             let earlier =
                 errors[..order.saturating_sub(1)].iter().copied().fold(f64::INFINITY, f64::min);
-            if order == MAX_ORDER || reached > 0.9 * earlier {
+            if order == MAX_ORDER || reached > 0.9 * earlier || !reached.is_finite() {
                 return Err(ElectrostaticsError::OutOfReach { tolerance, reached, order });
             }
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some")]
