@@ -1,7 +1,8 @@
 //! Arithmetic with a number in each SIMD lane, in the notation of scalars.
 
+use crate::machine::Roots;
 use crate::real::Real;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Most lanes of any register of doubles.
@@ -122,6 +123,12 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd, E: Real> Lanes<S, E> {
+    /// The sum of all lanes.
+    #[inline(always)]
+    pub(crate) fn sum(self) -> E {
+        E::sum(self.simd, self.values)
+    }
+
     /// The lanes one after another, as many as a register has.
     #[inline(always)]
     pub(crate) fn numbers(&self) -> &[E] {
@@ -161,138 +168,6 @@ pub(crate) fn along<S: Simd, E: Real>(
     factor: Lanes<S, E>,
 ) -> Vectors<S, E> {
     [b[0].times_plus(factor, a[0]), b[1].times_plus(factor, a[1]), b[2].times_plus(factor, a[2])]
-}
-
-/// Roots and reciprocals as the machine makes them best.
-pub(crate) trait Roots<S: Simd, E: Real = f64>: Copy {
-    /// `1/sqrt(x)` to 6e-13, or to rounding, and zero for zero.
-    fn inverse_root(self, x: Lanes<S, E>) -> Lanes<S, E>;
-    /// `sqrt(x)` of positive numbers, to rounding.
-    fn root(self, x: Lanes<S, E>) -> Lanes<S, E>;
-    /// `1/x`, to rounding.
-    fn reciprocal(self, x: Lanes<S, E>) -> Lanes<S, E>;
-}
-
-/// By division and square roots.
-#[derive(Clone, Copy)]
-pub(crate) struct Portable;
-
-impl<S: Simd, E: Real> Roots<S, E> for Portable {
-    #[inline(always)]
-    fn inverse_root(self, x: Lanes<S, E>) -> Lanes<S, E> {
-        let zero = x.of(0.0);
-        zero.below(x, self.reciprocal(self.root(x)), zero)
-    }
-
-    #[inline(always)]
-    fn root(self, x: Lanes<S, E>) -> Lanes<S, E> {
-        x.square_root()
-    }
-
-    #[inline(always)]
-    fn reciprocal(self, x: Lanes<S, E>) -> Lanes<S, E> {
-        x.of(1.0).over(x)
-    }
-}
-
-/// By estimates of 14 bits and iterations: the inverse root by one of third order.
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-pub(crate) struct Estimate;
-
-#[cfg(target_arch = "x86_64")]
-impl Roots<pulp::x86::V4> for Estimate {
-    #[inline(always)]
-    fn inverse_root(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
-        let simd = x.simd;
-        let (one, half) = (x.of(1.0), x.of(0.5));
-        let positive = simd.greater_than_f64s(x.values, simd.splat_f64s(0.0));
-        let estimate = simd.avx512f._mm512_maskz_rsqrt14_pd(positive.0, pulp::cast(x.values));
-        let y = Lanes { simd, values: pulp::cast(estimate) };
-        let e = (x * y).times_from(y, one);
-        (y * e).times_plus(e.times_plus(x.of(0.375), half), y)
-    }
-
-    #[inline(always)]
-    fn root(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
-        let y = self.inverse_root(x);
-        let root = x * y;
-        (y * x.of(0.5)).times_plus(root.times_from(root, x), root)
-    }
-
-    #[inline(always)]
-    fn reciprocal(self, x: Lanes<pulp::x86::V4>) -> Lanes<pulp::x86::V4> {
-        let simd = x.simd;
-        let one = x.of(1.0);
-        let estimate = simd.avx512f._mm512_rcp14_pd(pulp::cast(x.values));
-        let y = Lanes { simd, values: pulp::cast(estimate) };
-        let y = y.times_plus(x.times_from(y, one), y);
-        y.times_plus(x.times_from(y, one), y)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-impl Roots<pulp::x86::V4, f32> for Estimate {
-    #[inline(always)]
-    fn inverse_root(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
-        let simd = x.simd;
-        let positive = simd.greater_than_f32s(x.values, simd.splat_f32s(0.0));
-        let estimate = simd.avx512f._mm512_maskz_rsqrt14_ps(positive.0, pulp::cast(x.values));
-        let y = Lanes { simd, values: pulp::cast(estimate) };
-        let e = (x * y).times_from(y, x.of(1.0));
-        (y * x.of(0.5)).times_plus(e, y)
-    }
-
-    #[inline(always)]
-    fn root(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
-        Portable.root(x)
-    }
-
-    #[inline(always)]
-    fn reciprocal(self, x: Lanes<pulp::x86::V4, f32>) -> Lanes<pulp::x86::V4, f32> {
-        Portable.reciprocal(x)
-    }
-}
-
-/// Work that is compiled for each kind of machine.
-pub(crate) trait Kernel {
-    fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R);
-}
-
-/// Runs `kernel` with the widest registers of this machine.
-pub(crate) fn dispatch<K: Kernel>(kernel: K) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V4::try_new() {
-        return simd.vectorize(Widest { simd, kernel });
-    }
-    Arch::new().dispatch(Usual(kernel));
-}
-
-#[cfg(target_arch = "x86_64")]
-struct Widest<K> {
-    simd: pulp::x86::V4,
-    kernel: K,
-}
-
-#[cfg(target_arch = "x86_64")]
-impl<K: Kernel> pulp::NullaryFnOnce for Widest<K> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.kernel.run(self.simd, Estimate);
-    }
-}
-
-struct Usual<K>(K);
-
-impl<K: Kernel> WithSimd for Usual<K> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.run(simd, Portable);
-    }
 }
 
 /// Natural logarithms of positive normal numbers, to some units in the last place.
@@ -353,6 +228,8 @@ pub(crate) fn angle<S: Simd, R: Roots<S>>(roots: R, x: Lanes<S>, y: Lanes<S>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::{Kernel, Usual, dispatch};
+    use pulp::Arch;
 
     struct Check;
 

@@ -7,11 +7,13 @@ mod grid;
 mod harmonics;
 mod head;
 mod lanes;
+mod machine;
 mod method;
 mod multipole;
 mod quadrature;
 mod real;
 mod segments;
+mod transpose;
 pub mod units;
 
 pub use barnes_hut::BarnesHut;

@@ -1,7 +1,9 @@
 //! Numbers of single and double precision, a register of them at a time.
 
 use crate::harmonics::Moves;
-use crate::lanes::{Lanes, Roots};
+use crate::lanes::Lanes;
+use crate::machine::{Machine, Roots};
+use crate::transpose::{ROWS, Transpose};
 use pulp::Simd;
 use pulp::bytemuck::Pod;
 use std::sync::OnceLock;
@@ -52,6 +54,14 @@ pub(crate) trait Real: Pod + Send + Sync + PartialOrd {
         roots: R,
         x: Lanes<S, Self>,
     ) -> Lanes<S, Self>;
+    /// As [`Transpose::transpose`].
+    fn transpose<S: Simd, M: Machine<S>, const C: usize>(
+        simd: S,
+        machine: M,
+        rows: &[&[Self]; ROWS],
+        c: usize,
+        columns: &mut [[Self::Lanes<S>; C]],
+    );
     /// The sum of all lanes.
     fn sum<S: Simd>(simd: S, a: Self::Lanes<S>) -> Self;
     /// The constants that move expansions.
@@ -163,6 +173,17 @@ macro_rules! real {
                 x: Lanes<S, Self>,
             ) -> Lanes<S, Self> {
                 roots.inverse_root(x)
+            }
+
+            #[inline(always)]
+            fn transpose<S: Simd, M: Machine<S>, const C: usize>(
+                simd: S,
+                machine: M,
+                rows: &[&[Self]; ROWS],
+                c: usize,
+                columns: &mut [[S::$lanes; C]],
+            ) {
+                Transpose::<S, Self>::transpose(machine, simd, rows, c, columns);
             }
 
             #[inline(always)]

@@ -191,6 +191,18 @@ fn degenerate_input_is_answered() {
         let tiny = vec![1e-300; 3000];
         let fields = method.fields(&cube(3000, 2), &tiny, &cube(3000, 2)).expect("defined");
         assert!(fields.fields.iter().all(|e| e.amax() > 0.0));
+        for scale in [1e-50, 1e50] {
+            let points: Vec<_> = cube(3000, 2).into_iter().map(|x| x * scale).collect();
+            let charges = charges(3000, true, 4);
+            let exact = Direct.fields(&points, &charges, &points).expect("valid").fields;
+            let fields = method.fields(&points, &charges, &points).expect("met").fields;
+            // In units of the scale, since squares of fields underflow.
+            let unit = |fields: &[Vector3<f64>]| -> Vec<_> {
+                fields.iter().map(|field| field * scale * scale).collect()
+            };
+            let error = relative(&unit(&fields), &unit(&exact));
+            assert!(error < tolerance, "{scale:e}: {error}");
+        }
         let none = method.fields(&cube(3000, 2), &vec![0.0; 3000], &cube(3000, 2));
         assert!(none.expect("defined").fields.iter().all(|e| *e == Vector3::zeros()));
     }

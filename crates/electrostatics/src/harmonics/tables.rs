@@ -7,9 +7,6 @@ use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Rows of a matrix that are multiplied at once.
-pub(super) const ROWS: usize = 8;
-
 /// Coefficients of degree 0 up to `order`.
 pub(crate) const fn count(order: usize) -> usize {
     (order + 1) * (order + 1)
@@ -30,10 +27,10 @@ pub(crate) const fn index(n: usize, m: usize) -> [usize; 2] {
     }
 }
 
-/// The four runs of degree `n`, and which run each becomes when y and z are exchanged.
+/// The four runs of degree `n`, from its first coefficient, and which run each becomes when y and z are exchanged.
 fn runs(n: usize) -> [(Range<usize>, usize); 4] {
     let (evens, odds) = (n / 2 + 1, n.div_ceil(2));
-    let ends = [0, evens, evens + odds, evens + 2 * odds, 2 * n + 1].map(|k| n * n + k);
+    let ends = [0, evens, evens + odds, evens + 2 * odds, 2 * n + 1];
     let partner = if n.is_multiple_of(2) { [0, 1, 3, 2] } else { [1, 0, 2, 3] };
     [0, 1, 2, 3].map(|k| (ends[k]..ends[k + 1], partner[k]))
 }
@@ -42,16 +39,16 @@ fn runs(n: usize) -> [(Range<usize>, usize); 4] {
 pub(super) struct Swap<E> {
     pub(super) from: Range<usize>,
     pub(super) to: Range<usize>,
-    pub(super) matrix: Matrix<E>,
+    pub(super) matrix: Matrix<E, 8>,
 }
 
-/// A matrix in blocks of eight rows, column by column.
-pub(super) struct Matrix<E> {
+/// A matrix in blocks of rows, column by column.
+pub(super) struct Matrix<E, const ROWS: usize> {
     columns: usize,
     blocks: Vec<[E; ROWS]>,
 }
 
-impl<E: Real> Matrix<E> {
+impl<E: Real, const ROWS: usize> Matrix<E, ROWS> {
     fn new(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
         let mut blocks = Vec::new();
         for first in (0..rows).step_by(ROWS) {
@@ -129,12 +126,12 @@ fn factorials() -> Vec<f64> {
 
 /// Matrices that move expansions.
 pub(crate) struct Moves<E> {
-    /// Where the coefficients `[m][n - m]` stand.
+    /// Where cosine and sine of `[n][m]` stand among those of the degree n.
     pub(super) places: Vec<Vec<[usize; 2]>>,
     /// The exchange of y and z, for each degree.
     pub(super) swaps: Vec<[Swap<E>; 4]>,
     /// `far[m]` takes a multipole along z to a local expansion: rows n - m, columns l - m.
-    pub(super) far: Vec<Matrix<E>>,
+    pub(super) far: Vec<Matrix<E, 4>>,
     /// `shifts[m][n - m][l - m]` moves a multipole along z, its transpose a local expansion.
     pub(super) shifts: Vec<Vec<Vec<E>>>,
 }
@@ -153,7 +150,9 @@ impl<E: Real> Moves<E> {
         };
         let orders = || 0..=MAX_ORDER;
         Self {
-            places: orders().map(|m| (m..=MAX_ORDER).map(|n| index(n, m)).collect()).collect(),
+            places: orders()
+                .map(|n| (0..=n).map(|m| index(n, m).map(|place| place - n * n)).collect())
+                .collect(),
             swaps: swaps(Tables::get()),
             far: orders()
                 .map(|m| {
@@ -200,7 +199,7 @@ fn swaps<E: Real>(tables: &Tables) -> Vec<[Swap<E>; 4]> {
             let from = runs[partner].0.clone();
             let matrix = Matrix::new(to.len(), from.len(), |row, column| {
                 let term = |(w, y, swapped): &(f64, Vec<f64>, Vec<f64>)| {
-                    w * swapped[to.start + row] * y[from.start + column]
+                    w * swapped[n * n + to.start + row] * y[n * n + from.start + column]
                 };
                 (2 * n + 1) as f64 * samples.iter().map(term).sum::<f64>()
             });

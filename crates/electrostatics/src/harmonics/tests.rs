@@ -46,7 +46,7 @@ fn assert_close(actual: &[f64], expected: &[f64], tolerance: f64, what: &str) {
 /// reach: also through a zero offset, and for all pairs of orders.
 #[test]
 fn multipoles_shift_exactly_for_every_pair_of_orders() {
-    let cloud = cloud(1);
+    let (cloud, mut translator) = (cloud(1), Translator::new(30));
     for (k, direction) in directions().into_iter().enumerate() {
         let offset = direction * [0.4, 0.0][usize::from(k == 3)];
         let moved: Vec<_> = cloud.iter().map(|x| x - offset).collect();
@@ -56,7 +56,7 @@ fn multipoles_shift_exactly_for_every_pair_of_orders() {
             let mut out = vec![0.0; count(q)];
             let shift =
                 Shift { coefficients: &before, degrees: [p, q], offset, scales: [0.5, 0.9] };
-            Translator::new(30).sum(Kind::Multipole, &[shift], &mut out);
+            translator.sum(Kind::Multipole, &[shift], &mut out);
             let exact = count(p.min(q));
             assert_close(&out[..exact], &after[..exact], 1e-11, &format!("{p} to {q}"));
         }
@@ -67,6 +67,7 @@ fn multipoles_shift_exactly_for_every_pair_of_orders() {
 /// smaller q the coefficients that remain are the same.
 #[test]
 fn local_expansions_shift_exactly_for_every_pair_of_orders() {
+    let mut translator = Translator::new(30);
     for direction in directions() {
         let local = expansion(30, &[Vector3::new(2.0, 1.0, -1.5)], 0.8, true);
         let offset = direction * 0.3;
@@ -78,7 +79,7 @@ fn local_expansions_shift_exactly_for_every_pair_of_orders() {
                 scales: [0.8, 0.4],
             };
             let mut full = vec![0.0; count(30)];
-            Translator::new(30).sum(Kind::Local, &[shift(30)], &mut full);
+            translator.sum(Kind::Local, &[shift(30)], &mut full);
             assert!(full[count(p)..].iter().all(|c| c.abs() < 1e-13), "{p}: no new degrees");
             let at = |x: Vector3<f64>, scale: f64, c: &[f64]| -> f64 {
                 let values = expansion(30, &[x], scale, false);
@@ -90,7 +91,7 @@ fn local_expansions_shift_exactly_for_every_pair_of_orders() {
             }
             for q in 0..=30 {
                 let mut out = vec![0.0; count(q)];
-                Translator::new(30).sum(Kind::Local, &[shift(q)], &mut out);
+                translator.sum(Kind::Local, &[shift(q)], &mut out);
                 assert_close(&out, &full[..count(q)], 1e-13, &format!("{p} to {q}"));
             }
         }
@@ -101,7 +102,16 @@ fn local_expansions_shift_exactly_for_every_pair_of_orders() {
 /// ratio of radius to distance to the power of the order of the multipole.
 #[test]
 fn far_multipoles_become_local_for_every_pair_of_orders() {
-    let cloud = cloud(2);
+    let (cloud, mut translator) = (cloud(2), Translator::new(30));
+    let bound = |p: usize, n: usize| -> f64 {
+        // |R_l(x)| <= 0.52^l, and the coefficient (n+l)!/(n! l!) bounds the matrix.
+        let term = |l: usize| {
+            let binomial: f64 = (1..=n).map(|k| (l + k) as f64 / k as f64).product();
+            binomial * 0.26f64.powf(l as f64) * 0.2f64.powf(n as f64)
+        };
+        0.5 * 12.0 * (p + 1..p + 200).map(term).sum::<f64>()
+    };
+    let bounds: Vec<Vec<_>> = (0..=30).map(|p| (0..=30).map(|n| bound(p, n)).collect()).collect();
     for direction in directions() {
         let offset = direction * 2.0;
         let from_there: Vec<_> = cloud.iter().map(|x| x - offset).collect();
@@ -111,19 +121,36 @@ fn far_multipoles_become_local_for_every_pair_of_orders() {
             let mut out = vec![0.0; count(q)];
             let shift =
                 Shift { coefficients: &multipole, degrees: [p, q], offset, scales: [0.5, 0.4] };
-            Translator::new(30).sum(Kind::Far, &[shift], &mut out);
+            translator.sum(Kind::Far(0), &[shift], &mut out);
             for n in 0..=q {
-                // |R_l(x)| <= 0.52^l, and the coefficient (n+l)!/(n! l!) bounds the matrix.
-                let term = |l: usize| {
-                    let binomial: f64 = (1..=n).map(|k| (l + k) as f64 / k as f64).product();
-                    binomial * 0.26f64.powf(l as f64) * 0.2f64.powf(n as f64)
-                };
-                let bound: f64 = 0.5 * 12.0 * (p + 1..p + 200).map(term).sum::<f64>();
+                let bound = bounds[p][n];
                 for k in n * n..count(n) {
                     let error = (out[k] - exact[k]).abs();
                     assert!(error <= bound + 1e-12, "{p} to {q}, {k}: {error} > {bound}");
                 }
             }
+        }
+    }
+}
+
+/// What is moved with and without low degrees adds up to all.
+#[test]
+fn low_and_higher_degrees_are_moved_apart() {
+    let (p, cloud) = (9, cloud(3));
+    let multipole = expansion(p, &cloud, 0.5, false);
+    for direction in directions() {
+        let moved = |kind: Kind, degree: usize| {
+            let (degrees, offset, scales) = ([degree; 2], direction * 2.0, [0.5, 0.4]);
+            let shift = Shift { coefficients: &multipole, degrees, offset, scales };
+            let mut out = vec![0.0; count(p)];
+            Translator::new(p).sum(kind, &[shift], &mut out);
+            out
+        };
+        let all = moved(Kind::Far(0), p);
+        for low in 1..=p {
+            let sum = moved(Kind::Far(low), p).into_iter().zip(moved(Kind::Far(0), low - 1));
+            let sum: Vec<_> = sum.map(|(higher, lower)| higher + lower).collect();
+            assert_close(&sum, &all, 1e-13, &format!("below {low}"));
         }
     }
 }

@@ -6,19 +6,21 @@
 //! double sum takes `p^4`.
 
 use super::tables::count;
-use super::turn::{Axis, Turn, axis_size};
+use super::turn::{Block, Turn, turn_size};
+use crate::machine::{Kernel, Machine, dispatch};
 use crate::real::Real;
+use crate::transpose::ROWS as LANES;
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 
 /// What becomes of the expansion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A multipole about another center (M2M).
     Multipole,
-    /// A local expansion of a multipole (M2L).
-    Far,
+    /// A local expansion of a multipole (M2L), without what degrees below this one do to each other.
+    Far(usize),
     /// A local expansion about another center (L2L).
     Local,
 }
@@ -36,34 +38,36 @@ pub(crate) struct Shift<'a, E> {
     pub(crate) scales: [f64; 2],
 }
 
+/// Coefficients up to degree `order` with what fills the last register.
+pub(crate) const fn padded(order: usize) -> usize {
+    count(order).next_multiple_of(LANES)
+}
+
 /// Scratch space for moving expansions.
 pub(crate) struct Translator<E> {
     order: usize,
     work: AVec<E, ConstAlign<64>>,
 }
 
-/// Most lanes of any register.
-pub(super) const LANES: usize = 16;
-
 impl<E: Real> Translator<E> {
     /// For expansions of degree up to `order`.
     pub(crate) fn new(order: usize) -> Self {
-        let size = (3 * count(order) + axis_size(order)) * LANES;
+        let size = (count(order) + 2 * padded(order) + 2 * turn_size(order)) * LANES;
         Self { order, work: avec![[64]| E::of(0.0); size] }
     }
 
-    /// Adds the moved `shifts` to `out`. As many as there are lanes are moved at once, by the highest of
-    /// their degrees: it is fastest to have like degrees together.
+    /// Adds the moved `shifts` to `out`. As many as two registers have lanes are moved at once, by the
+    /// highest of their degrees: it is fastest to have like degrees together.
     pub(crate) fn sum(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
-        Arch::new().dispatch(Sum { order: *order, kind, shifts, work, out: Out::Sum(out) });
+        dispatch(Sum { order: *order, kind, shifts, work, out: Out::Sum(out) });
     }
 
     /// Moves each of `shifts` to an expansion of its own, all of one degree; those stand in `out` one
     /// after another.
     pub(crate) fn each(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
-        Arch::new().dispatch(Sum { order: *order, kind, shifts, work, out: Out::Each(out) });
+        dispatch(Sum { order: *order, kind, shifts, work, out: Out::Each(out) });
     }
 }
 
@@ -80,46 +84,22 @@ struct Sum<'a, E> {
     out: Out<'a, E>,
 }
 
-impl<E: Real> WithSimd for Sum<'_, E> {
-    type Output = ();
-
+impl<E: Real> Kernel for Sum<'_, E> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { order, kind, shifts, work, mut out } = self;
-        let size = count(order);
-        let (moves, lanes) = (E::moves(), E::lanes::<S>());
-        let work = E::registers_mut::<S>(work);
-        let (a, rest) = work.split_at_mut(size);
-        let (b, rest) = rest.split_at_mut(size);
-        let (total, rest) = rest.split_at_mut(size);
-        let mut axis = Axis::new(order, rest);
+        let lanes = E::lanes::<S>();
+        let (total, work) = E::registers_mut::<S>(work).split_at_mut(count(order));
         total.fill(E::splat(simd, E::of(0.0)));
-        for (chunk, shifts) in shifts.chunks(lanes).enumerate() {
-            let [p, q] =
-                [0, 1].map(|k| shifts.iter().map(|shift| shift.degrees[k]).max().unwrap_or(0));
-            load::<S, E>(&mut a[..count(p)], shifts);
-            let turn = Turn::new(simd, shifts);
-            turn.forth(moves, p, a, b);
-            axis.shift(kind, [p, q], &turn, a, b);
-            turn.back(moves, q, a, b);
-            match &mut out {
-                Out::Sum(_) => {
-                    for (total, a) in total[..count(q)].iter_mut().zip(&*a) {
-                        *total = E::add(simd, *total, *a);
-                    }
-                }
-                Out::Each(out) => {
-                    let rows: &[E] = pulp::bytemuck::cast_slice(&a[..count(q)]);
-                    let first = chunk * lanes * count(q);
-                    for (lane, out) in out[first..].chunks_exact_mut(count(q)).enumerate() {
-                        if lane < shifts.len() {
-                            for (out, a) in out.iter_mut().zip(rows.chunks_exact(lanes)) {
-                                *out = a[lane];
-                            }
-                        }
-                    }
-                }
+        let mut rest = shifts;
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(rest.len().min(2 * lanes));
+            if now.len() > lanes {
+                moved::<S, E, M, 2>(simd, machine, kind, now, work, total, &mut out);
+            } else {
+                moved::<S, E, M, 1>(simd, machine, kind, now, work, total, &mut out);
             }
+            rest = later;
         }
         if let Out::Sum(out) = out {
             for (out, total) in out.iter_mut().zip(&*total) {
@@ -129,36 +109,85 @@ impl<E: Real> WithSimd for Sum<'_, E> {
     }
 }
 
-/// Puts one expansion into each lane; lanes without one hold zeros.
+/// Moves as many expansions as `C` registers have lanes, and adds them to `total` or puts each into its
+/// place.
 #[inline(always)]
-fn load<S: Simd, E: Real>(a: &mut [E::Lanes<S>], shifts: &[Shift<E>]) {
+fn moved<S: Simd, E: Real, M: Machine<S>, const C: usize>(
+    simd: S,
+    machine: M,
+    kind: Kind,
+    shifts: &[Shift<E>],
+    work: &mut [E::Lanes<S>],
+    total: &mut [E::Lanes<S>],
+    out: &mut Out<E>,
+) {
     let lanes = E::lanes::<S>();
-    let places: &mut [E] = pulp::bytemuck::cast_slice_mut(a);
-    if shifts.len() == lanes && lanes == 16 {
-        fill::<E, 16>(places, shifts);
-    } else if shifts.len() == lanes && lanes == 8 {
-        fill::<E, 8>(places, shifts);
-    } else {
-        places.fill(E::of(0.0));
-        for (k, shift) in shifts.iter().enumerate() {
-            for (lane, c) in places.chunks_exact_mut(lanes).zip(shift.coefficients) {
-                lane[k] = *c;
+    let [p, q] = [0, 1].map(|k| shifts.iter().map(|shift| shift.degrees[k]).max().unwrap_or(0));
+    let order = p.max(q);
+    let (a, work) = work.as_chunks_mut::<C>().0.split_at_mut(padded(order));
+    let mut turn = Turn::new(simd, kind, order, shifts, work);
+    let mut loaded = 0;
+    for n in 0..=p {
+        while loaded < count(n) {
+            load::<S, E, M, C>(simd, machine, loaded, shifts, &mut a[loaded..loaded + lanes]);
+            loaded += lanes;
+        }
+        turn.forth(n, &mut a[n * n..count(n)]);
+    }
+    for m in 0..=q {
+        turn.along(m, [p, q]);
+    }
+    for n in 0..=q {
+        let degree = turn.back(n);
+        match out {
+            Out::Sum(_) => {
+                for (total, block) in total[n * n..].iter_mut().zip(degree) {
+                    for a in block {
+                        *total = E::add(simd, *total, *a);
+                    }
+                }
+            }
+            Out::Each(out) => {
+                let numbers: &[E] = pulp::bytemuck::cast_slice(degree.as_flattened());
+                for (lane, out) in out.chunks_exact_mut(count(q)).take(shifts.len()).enumerate() {
+                    for (out, a) in out[n * n..].iter_mut().zip(numbers.chunks_exact(C * lanes)) {
+                        *out = a[lane];
+                    }
+                }
             }
         }
     }
+    if let Out::Each(out) = out {
+        *out = std::mem::take(out).split_at_mut(shifts.len() * count(q)).1;
+    }
 }
 
-/// Puts the expansions into all of the lanes.
+/// Puts the coefficients of the `shifts` from `first` on into `a`, a shift in each lane and as many
+/// coefficients as lanes; those that are missing are zero.
 #[inline(always)]
-fn fill<E: Real, const N: usize>(places: &mut [E], shifts: &[Shift<E>]) {
-    let size = places.len() / N;
-    let mut rows = [&shifts[0].coefficients[..size]; N];
-    for (row, shift) in rows.iter_mut().zip(shifts) {
-        *row = &shift.coefficients[..size];
-    }
-    for (i, lane) in places.as_chunks_mut::<N>().0.iter_mut().enumerate() {
-        for k in 0..N {
-            lane[k] = rows[k][i];
+fn load<S: Simd, E: Real, M: Machine<S>, const C: usize>(
+    simd: S,
+    machine: M,
+    first: usize,
+    shifts: &[Shift<E>],
+    a: &mut [Block<S, E, C>],
+) {
+    let lanes = E::lanes::<S>();
+    let none = [E::of(0.0); LANES];
+    let mut last = [none; LANES];
+    for c in 0..C {
+        let shifts = shifts.get(c * lanes..).unwrap_or(&[]);
+        let mut rows = [&none[..]; LANES];
+        for ((row, last), shift) in rows[..lanes].iter_mut().zip(&mut last).zip(shifts) {
+            *row = match shift.coefficients.get(first..first + lanes) {
+                Some(row) => row,
+                None => {
+                    let rest = &shift.coefficients[first..];
+                    last[..rest.len()].copy_from_slice(rest);
+                    last
+                }
+            };
         }
+        E::transpose(simd, machine, &rows, c, a);
     }
 }

@@ -1,25 +1,87 @@
-//! Turns about an axis and shifts along it.
+//! Turns about an axis and shifts along it, of some registers of expansions at once.
 
-use super::tables::{Matrix, Moves, ROWS, Swap, count};
-use super::translate::{Kind, LANES, Shift};
+use super::tables::{Matrix, Moves, Swap};
+use super::translate::{Kind, Shift};
 use crate::real::Real;
+use crate::transpose::ROWS as LANES;
 use pulp::Simd;
 
-/// The rotation that takes the offsets onto the z axis, and lengths along it.
-pub(super) struct Turn<S: Simd, E: Real> {
-    simd: S,
-    azimuth: [E::Lanes<S>; 2],
-    polar: [E::Lanes<S>; 2],
-    distance: E::Lanes<S>,
-    scales: [E::Lanes<S>; 2],
+/// A coefficient of the expansions: `C` registers side by side, which share the constants.
+pub(super) type Block<S, E, const C: usize> = [<E as Real>::Lanes<S>; C];
+
+/// Numbers in each lane of a block that [`Turn`] needs for degrees up to `order`.
+pub(super) const fn turn_size(order: usize) -> usize {
+    // Two angles, three powers, three sets of one degree or m, all coefficients with sines for m = 0.
+    4 * (order + 1) + 3 * (order + 1) + 3 * (2 * order + 2) + (order + 1) * (order + 2)
 }
 
-impl<S: Simd, E: Real> Turn<S, E> {
+/// The turn that takes the offsets onto the z axis, and the shift along it.
+pub(super) struct Turn<'a, S: Simd, E: Real, const C: usize> {
+    simd: S,
+    moves: &'static Moves<E>,
+    kind: Kind,
+    order: usize,
+    /// Cosines and sines of the multiples of the azimuth, and of the negative polar angle.
+    angles: [&'a mut [[Block<S, E, C>; 2]]; 2],
+    /// Factors of each degree before and after the shift, and powers of its length.
+    before: &'a mut [Block<S, E, C>],
+    after: &'a mut [Block<S, E, C>],
+    steps: &'a mut [Block<S, E, C>],
+    /// Coefficients of one degree.
+    degree: [&'a mut [Block<S, E, C>]; 2],
+    /// Cosines and sines of one m.
+    rows: &'a mut [[Block<S, E, C>; 2]],
+    /// Cosines and sines, by m and then by the degree.
+    axis: &'a mut [[Block<S, E, C>; 2]],
+}
+
+impl<'a, S: Simd, E: Real, const C: usize> Turn<'a, S, E, C> {
+    /// For expansions of degree up to `order`, in the space `work` for that or more.
     #[inline(always)]
-    pub(super) fn new(simd: S, shifts: &[Shift<E>]) -> Self {
+    pub(super) fn new(
+        simd: S,
+        kind: Kind,
+        order: usize,
+        shifts: &[Shift<E>],
+        work: &'a mut [Block<S, E, C>],
+    ) -> Self {
+        let size = order + 1;
+        let (azimuth, rest) = work.split_at_mut(2 * size);
+        let (polar, rest) = rest.split_at_mut(2 * size);
+        let (before, rest) = rest.split_at_mut(size);
+        let (after, rest) = rest.split_at_mut(size);
+        let (steps, rest) = rest.split_at_mut(size);
+        let (degree, rest) = rest.split_at_mut(2 * order + 1);
+        let (other, rest) = rest.split_at_mut(2 * order + 1);
+        let (rows, axis) = rest.split_at_mut(2 * size);
+        let mut turn = Self {
+            simd,
+            moves: E::moves(),
+            kind,
+            order,
+            angles: [azimuth.as_chunks_mut().0, polar.as_chunks_mut().0],
+            before,
+            after,
+            steps,
+            degree: [degree, other],
+            rows: rows.as_chunks_mut().0,
+            axis: axis.as_chunks_mut().0,
+        };
+        let lanes = E::lanes::<S>();
+        for c in 0..C {
+            turn.prepare(c, shifts.get(c * lanes..).unwrap_or(&[]));
+        }
+        turn
+    }
+
+    /// Finds angles and powers for the first of the `shifts`, in the registers `c`.
+    #[inline(always)]
+    fn prepare(&mut self, c: usize, shifts: &[Shift<E>]) {
+        let simd = self.simd;
         // Offsets and both scales; those of lanes without a shift are along z.
         let mut rows = [0.0, 0.0, 1.0, 1.0, 1.0].map(|x| [E::of(x); LANES]);
-        for (lane, Shift { offset, scales, .. }) in shifts.iter().enumerate() {
+        for (lane, Shift { offset, scales, .. }) in shifts.iter().take(E::lanes::<S>()).enumerate()
+        {
             let values = [offset.x, offset.y, offset.z, scales[0], scales[1]];
             rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = E::of(value));
         }
@@ -29,62 +91,110 @@ impl<S: Simd, E: Real> Turn<S, E> {
         }
         let [x, y, z, from, to] = values;
         let (flat, azimuth) = polar::<S, E>(simd, [x, y]);
-        let (distance, polar) = polar::<S, E>(simd, [z, flat]);
-        Self { simd, azimuth, polar, distance, scales: [from, to] }
-    }
+        let (distance, [cosine, sine]) = polar::<S, E>(simd, [z, flat]);
+        multiples::<S, E, C>(simd, azimuth, c, self.angles[0]);
+        multiples::<S, E, C>(simd, [cosine, E::neg(simd, sine)], c, self.angles[1]);
 
-    /// Into the frame whose z axis is the offset.
-    #[inline(always)]
-    pub(super) fn forth(
-        &self,
-        moves: &Moves<E>,
-        order: usize,
-        a: &mut [E::Lanes<S>],
-        b: &mut [E::Lanes<S>],
-    ) {
-        self.about_z(moves, order, self.azimuth, a);
-        swap::<S, E>(self.simd, moves, order, a, b);
-        self.about_z(moves, order, self.minus(self.polar), b);
-        swap::<S, E>(self.simd, moves, order, b, a);
-    }
-
-    /// Back from it.
-    #[inline(always)]
-    pub(super) fn back(
-        &self,
-        moves: &Moves<E>,
-        order: usize,
-        a: &mut [E::Lanes<S>],
-        b: &mut [E::Lanes<S>],
-    ) {
-        swap::<S, E>(self.simd, moves, order, a, b);
-        self.about_z(moves, order, self.polar, b);
-        swap::<S, E>(self.simd, moves, order, b, a);
-        self.about_z(moves, order, self.minus(self.azimuth), a);
-    }
-
-    #[inline(always)]
-    fn minus(&self, [cosine, sine]: [E::Lanes<S>; 2]) -> [E::Lanes<S>; 2] {
-        [cosine, E::neg(self.simd, sine)]
-    }
-
-    /// Reduces the azimuth by the angle with this cosine and sine.
-    #[inline(always)]
-    fn about_z(
-        &self,
-        moves: &Moves<E>,
-        order: usize,
-        angle: [E::Lanes<S>; 2],
-        a: &mut [E::Lanes<S>],
-    ) {
-        let mut multiple = angle;
-        for (m, places) in moves.places[..=order].iter().enumerate().skip(1) {
-            for &[i, j] in &places[..=order - m] {
-                [a[i], a[j]] = turned::<S, E>(self.simd, multiple, [a[i], a[j]]);
+        let one = E::splat(simd, E::of(1.0));
+        // Factors per degree before and after, and the length of the shift.
+        let (before, first, after, step) = match self.kind {
+            // The charges move backward as the center moves forward.
+            Kind::Multipole => {
+                (E::div(simd, from, to), one, one, { E::neg(simd, E::div(simd, distance, to)) })
             }
-            multiple = self.minus(turned::<S, E>(self.simd, angle, self.minus(multiple)));
+            Kind::Far(_) => {
+                let inverse = E::div(simd, one, distance);
+                (E::mul(simd, from, inverse), inverse, E::mul(simd, to, inverse), one)
+            }
+            Kind::Local => (one, one, E::div(simd, to, from), E::div(simd, distance, from)),
+        };
+        powers::<S, E, C>(simd, before, one, c, self.before);
+        powers::<S, E, C>(simd, after, first, c, self.after);
+        powers::<S, E, C>(simd, step, one, c, self.steps);
+    }
+
+    /// Turns the degree `n`, which is `a`, into the frame whose z axis is the offset.
+    #[inline(always)]
+    pub(super) fn forth(&mut self, n: usize, a: &mut [Block<S, E, C>]) {
+        let (simd, places) = (self.simd, &self.moves.places[n]);
+        let [x, y] = self.degree.each_mut().map(|degree| &mut degree[..2 * n + 1]);
+        about_z::<S, E, C, false>(simd, places, self.angles[0], a);
+        swap::<S, E, C>(simd, &self.moves.swaps[n], a, x);
+        about_z::<S, E, C, false>(simd, places, self.angles[1], x);
+        swap::<S, E, C>(simd, &self.moves.swaps[n], x, y);
+        for (m, &[i, j]) in places.iter().enumerate() {
+            let place = place(self.order, n, m);
+            let factor = self.before[n];
+            let to = &mut self.axis[place];
+            for c in 0..C {
+                to[0][c] = E::mul(simd, y[i][c], factor[c]);
+                to[1][c] = E::mul(simd, y[j][c], factor[c]);
+            }
         }
     }
+
+    /// Turns the degree `n` back from there.
+    #[inline(always)]
+    pub(super) fn back(&mut self, n: usize) -> &[Block<S, E, C>] {
+        let (simd, places) = (self.simd, &self.moves.places[n]);
+        for m in (0..=n).rev() {
+            let [i, j] = places[m];
+            let place = place(self.order, n, m);
+            let (from, factor) = (&self.axis[place], self.after[n]);
+            let x = &mut self.degree[0];
+            for c in 0..C {
+                // For m = 0 both places are one, and the cosine is written last.
+                x[j][c] = E::mul(simd, from[1][c], factor[c]);
+                x[i][c] = E::mul(simd, from[0][c], factor[c]);
+            }
+        }
+        let [x, y] = self.degree.each_mut().map(|degree| &mut degree[..2 * n + 1]);
+        swap::<S, E, C>(simd, &self.moves.swaps[n], x, y);
+        about_z::<S, E, C, true>(simd, places, self.angles[1], y);
+        swap::<S, E, C>(simd, &self.moves.swaps[n], y, x);
+        about_z::<S, E, C, true>(simd, places, self.angles[0], x);
+        x
+    }
+
+    /// Shifts the coefficients of one m along z, from degrees up to `p` to those up to `q`.
+    #[inline(always)]
+    pub(super) fn along(&mut self, m: usize, [p, q]: [usize; 2]) {
+        let (simd, first) = (self.simd, place(self.order, m, m));
+        let x = &self.axis[first..first + (p + 1).saturating_sub(m)];
+        let y = &mut self.rows[..q + 1 - m];
+        match self.kind {
+            Kind::Far(least) => {
+                let left_out = least.saturating_sub(m).min(x.len());
+                for (block, y) in y.chunks_mut(4).enumerate() {
+                    let columns = self.moves.far[m].block(block);
+                    // A block of rows that are partly without the first columns is made in both ways.
+                    let without = left_out.saturating_sub(4 * block).min(y.len());
+                    let mut rest = [[[E::splat(simd, E::of(0.0)); C]; 2]; 4];
+                    if without > 0 {
+                        far::<S, E, 4, C>(simd, &columns[left_out..], &x[left_out..], &mut rest);
+                    }
+                    match y.len() {
+                        1 => far::<S, E, 1, C>(simd, columns, x, y),
+                        2 => far::<S, E, 2, C>(simd, columns, x, y),
+                        3 => far::<S, E, 3, C>(simd, columns, x, y),
+                        _ => far::<S, E, 4, C>(simd, columns, x, y),
+                    }
+                    for (y, rest) in y[..without].iter_mut().zip(rest) {
+                        *y = rest;
+                    }
+                }
+            }
+            kind => triangle::<S, E, C>(simd, &self.moves.shifts[m], kind, self.steps, x, y),
+        }
+        for (to, row) in self.axis[first..].iter_mut().zip(y) {
+            *to = *row;
+        }
+    }
+}
+
+/// Where `m` of the degree `n` stands in the frame of the axis.
+const fn place(order: usize, n: usize, m: usize) -> usize {
+    m * (2 * order + 1 - m) / 2 + n
 }
 
 /// Length of a vector, and cosine and sine of its angle; an angle that is not defined is none.
@@ -96,186 +206,175 @@ fn polar<S: Simd, E: Real>(simd: S, [x, y]: [E::Lanes<S>; 2]) -> (E::Lanes<S>, [
     (length, [cosine, E::below(simd, [zero, length], E::div(simd, y, length), zero)])
 }
 
-/// The vector `[x, y]` turned back by the angle with this cosine and sine.
+/// Cosines and sines of the multiples of an angle from none, in the registers `c`.
 #[inline(always)]
-fn turned<S: Simd, E: Real>(
+fn multiples<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    angle: [E::Lanes<S>; 2],
+    c: usize,
+    out: &mut [[Block<S, E, C>; 2]],
+) {
+    let [mut cosine, mut sine] = [E::splat(simd, E::of(1.0)), E::splat(simd, E::of(0.0))];
+    for out in out {
+        (out[0][c], out[1][c]) = (cosine, sine);
+        [cosine, sine] = turned::<S, E, true>(simd, angle, [cosine, sine]);
+    }
+}
+
+/// `first` times the powers of `base`, in the registers `c`.
+#[inline(always)]
+fn powers<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    base: E::Lanes<S>,
+    first: E::Lanes<S>,
+    c: usize,
+    out: &mut [Block<S, E, C>],
+) {
+    let mut power = first;
+    for out in out {
+        out[c] = power;
+        power = E::mul(simd, power, base);
+    }
+}
+
+/// The vector `[x, y]` turned back by the angle with this cosine and sine, or forward.
+#[inline(always)]
+fn turned<S: Simd, E: Real, const FORWARD: bool>(
     simd: S,
     [c, s]: [E::Lanes<S>; 2],
     [x, y]: [E::Lanes<S>; 2],
 ) -> [E::Lanes<S>; 2] {
-    let cosine = E::mul_add(simd, c, x, E::mul(simd, s, y));
-    [cosine, E::mul_from(simd, s, x, E::mul(simd, c, y))]
+    let (cx, cy) = (E::mul(simd, c, x), E::mul(simd, c, y));
+    if FORWARD {
+        [E::mul_from(simd, s, y, cx), E::mul_add(simd, s, x, cy)]
+    } else {
+        [E::mul_add(simd, s, y, cx), E::mul_from(simd, s, x, cy)]
+    }
 }
 
-/// Exchanges y and z.
+/// Reduces the azimuth by the angle with these cosines and sines of multiples, or adds it.
 #[inline(always)]
-fn swap<S: Simd, E: Real>(
+fn about_z<S: Simd, E: Real, const C: usize, const FORWARD: bool>(
     simd: S,
-    moves: &Moves<E>,
-    order: usize,
-    a: &[E::Lanes<S>],
-    b: &mut [E::Lanes<S>],
+    places: &[[usize; 2]],
+    angle: &[[Block<S, E, C>; 2]],
+    x: &mut [Block<S, E, C>],
 ) {
-    b[0] = a[0];
-    for swaps in &moves.swaps[1..=order] {
-        for Swap { from, to, matrix } in swaps {
-            product::<S, E>(simd, matrix, &a[from.clone()], &mut b[to.clone()]);
+    for (&[i, j], [cosine, sine]) in places[1..].iter().zip(&angle[1..]) {
+        for c in 0..C {
+            [x[i][c], x[j][c]] =
+                turned::<S, E, FORWARD>(simd, [cosine[c], sine[c]], [x[i][c], x[j][c]]);
         }
     }
 }
 
-/// Numbers in each lane that [`Axis`] needs for degrees up to `order`.
-pub(super) const fn axis_size(order: usize) -> usize {
-    5 * (order + 1)
-}
-
-/// Scratch space for shifts along the z axis.
-pub(super) struct Axis<'a, S: Simd, E: Real> {
-    before: &'a mut [E::Lanes<S>],
-    after: &'a mut [E::Lanes<S>],
-    steps: &'a mut [E::Lanes<S>],
-    x: &'a mut [E::Lanes<S>],
-    y: &'a mut [E::Lanes<S>],
-}
-
-impl<'a, S: Simd, E: Real> Axis<'a, S, E> {
-    /// Takes the space from `work`.
-    #[inline(always)]
-    pub(super) fn new(order: usize, work: &'a mut [E::Lanes<S>]) -> Self {
-        let (before, rest) = work.split_at_mut(order + 1);
-        let (after, rest) = rest.split_at_mut(order + 1);
-        let (steps, rest) = rest.split_at_mut(order + 1);
-        let (x, y) = rest.split_at_mut(order + 1);
-        Self { before, after, steps, x, y }
-    }
-
-    /// Shifts along the z axis, from `a` to `a`.
-    #[inline(always)]
-    pub(super) fn shift(
-        &mut self,
-        kind: Kind,
-        [p, q]: [usize; 2],
-        turn: &Turn<S, E>,
-        a: &mut [E::Lanes<S>],
-        b: &mut [E::Lanes<S>],
-    ) {
-        let (simd, moves, [from, to]) = (turn.simd, E::moves(), turn.scales);
-        let one = E::splat(simd, E::of(1.0));
-        // Factors per degree before and after, and the length of the shift.
-        let (before, after, step) = match kind {
-            // The charges move backward as the center moves forward.
-            Kind::Multipole => {
-                let step =
-                    E::div(simd, turn.distance, E::mul(simd, to, E::splat(simd, E::of(-1.0))));
-                (E::div(simd, from, to), one, step)
-            }
-            Kind::Far => {
-                let inverse = E::div(simd, one, turn.distance);
-                (E::mul(simd, from, inverse), E::mul(simd, to, inverse), inverse)
-            }
-            Kind::Local => (one, E::div(simd, to, from), E::div(simd, turn.distance, from)),
-        };
-        let far = kind == Kind::Far;
-        powers::<S, E>(simd, before, one, &mut self.before[..=p]);
-        powers::<S, E>(simd, after, if far { step } else { one }, &mut self.after[..=q]);
-        if !far {
-            powers::<S, E>(simd, step, one, &mut self.steps[..=p.max(q)]);
-        }
-        for m in 0..=q {
-            for part in 0..if m > 0 { 2 } else { 1 } {
-                let [inputs, rows] = [(p + 1).saturating_sub(m), q + 1 - m];
-                let (x, y) = (&mut self.x[..inputs], &mut self.y[..rows]);
-                for (l, x) in x.iter_mut().enumerate() {
-                    let place = moves.places[m][l][part];
-                    *x = E::mul(simd, a[place], self.before[l + m]);
-                }
-                match kind {
-                    Kind::Far => product::<S, E>(simd, &moves.far[m], x, y),
-                    _ => triangle::<S, E>(simd, &moves.shifts[m], kind, self.steps, x, y),
-                }
-                for (n, y) in y.iter().enumerate() {
-                    b[moves.places[m][n][part]] = E::mul(simd, *y, self.after[n + m]);
-                }
-            }
-        }
-        a[..count(q)].copy_from_slice(&b[..count(q)]);
-    }
-}
-
-/// `first` times the powers of `base`.
+/// Exchanges y and z in one degree.
 #[inline(always)]
-fn powers<S: Simd, E: Real>(
+fn swap<S: Simd, E: Real, const C: usize>(
     simd: S,
-    base: E::Lanes<S>,
-    first: E::Lanes<S>,
-    out: &mut [E::Lanes<S>],
+    swaps: &[Swap<E>; 4],
+    x: &[Block<S, E, C>],
+    out: &mut [Block<S, E, C>],
 ) {
-    let mut power = first;
-    for out in out {
-        *out = power;
-        power = E::mul(simd, power, base);
+    for Swap { from, to, matrix } in swaps {
+        product::<S, E, C>(simd, matrix, &x[from.clone()], &mut out[to.clone()]);
+    }
+}
+
+/// `out = matrix x`.
+#[inline(always)]
+fn product<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    matrix: &Matrix<E, 8>,
+    x: &[Block<S, E, C>],
+    out: &mut [Block<S, E, C>],
+) {
+    for (block, out) in out.chunks_mut(8).enumerate() {
+        let columns = matrix.block(block);
+        match out.len() {
+            1 => rows::<S, E, 1, C>(simd, columns, x, out),
+            2 => rows::<S, E, 2, C>(simd, columns, x, out),
+            3 => rows::<S, E, 3, C>(simd, columns, x, out),
+            4 => rows::<S, E, 4, C>(simd, columns, x, out),
+            5 => rows::<S, E, 5, C>(simd, columns, x, out),
+            6 => rows::<S, E, 6, C>(simd, columns, x, out),
+            7 => rows::<S, E, 7, C>(simd, columns, x, out),
+            _ => rows::<S, E, 8, C>(simd, columns, x, out),
+        }
+    }
+}
+
+#[inline(always)]
+fn rows<S: Simd, E: Real, const R: usize, const C: usize>(
+    simd: S,
+    columns: &[[E; 8]],
+    x: &[Block<S, E, C>],
+    out: &mut [Block<S, E, C>],
+) {
+    let mut sums = [[E::splat(simd, E::of(0.0)); C]; R];
+    for (column, x) in columns.iter().zip(x) {
+        for r in 0..R {
+            let entry = E::splat(simd, column[r]);
+            for c in 0..C {
+                sums[r][c] = E::mul_add(simd, entry, x[c], sums[r][c]);
+            }
+        }
+    }
+    // One by one: a copy of all would keep the sums in memory.
+    for (out, sum) in out.iter_mut().zip(sums) {
+        *out = sum;
+    }
+}
+
+/// Rows of the matrix that takes a multipole along z to a local expansion, times cosines and sines.
+#[inline(always)]
+fn far<S: Simd, E: Real, const R: usize, const C: usize>(
+    simd: S,
+    columns: &[[E; 4]],
+    x: &[[Block<S, E, C>; 2]],
+    out: &mut [[Block<S, E, C>; 2]],
+) {
+    let mut sums = [[[E::splat(simd, E::of(0.0)); C]; 2]; R];
+    for (column, x) in columns.iter().zip(x) {
+        for r in 0..R {
+            let entry = E::splat(simd, column[r]);
+            for part in 0..2 {
+                for c in 0..C {
+                    sums[r][part][c] = E::mul_add(simd, entry, x[part][c], sums[r][part][c]);
+                }
+            }
+        }
+    }
+    // One by one: a copy of all would keep the sums in memory.
+    for (out, sum) in out.iter_mut().zip(sums) {
+        *out = sum;
     }
 }
 
 /// The shift of a multipole, or of a local expansion, whose matrix is the transpose.
 #[inline(always)]
-fn triangle<S: Simd, E: Real>(
+fn triangle<S: Simd, E: Real, const C: usize>(
     simd: S,
     matrix: &[Vec<E>],
     kind: Kind,
-    steps: &[E::Lanes<S>],
-    x: &[E::Lanes<S>],
-    y: &mut [E::Lanes<S>],
+    steps: &[Block<S, E, C>],
+    x: &[[Block<S, E, C>; 2]],
+    y: &mut [[Block<S, E, C>; 2]],
 ) {
     for (n, y) in y.iter_mut().enumerate() {
-        *y = E::splat(simd, E::of(0.0));
-        for (l, x) in x.iter().enumerate() {
-            let entry = match kind {
-                Kind::Multipole if l <= n => matrix[n][l],
-                Kind::Local if l >= n => matrix[l][n],
-                _ => continue,
-            };
-            let factor = E::mul(simd, steps[n.abs_diff(l)], E::splat(simd, entry));
-            *y = E::mul_add(simd, factor, *x, *y);
+        *y = [[E::splat(simd, E::of(0.0)); C]; 2];
+        let range = match kind {
+            Kind::Multipole => 0..x.len().min(n + 1),
+            _ => n.min(x.len())..x.len(),
+        };
+        for l in range {
+            let entry = if kind == Kind::Multipole { matrix[n][l] } else { matrix[l][n] };
+            for c in 0..C {
+                let factor = E::mul(simd, steps[n.abs_diff(l)][c], E::splat(simd, entry));
+                for part in 0..2 {
+                    y[part][c] = E::mul_add(simd, factor, x[l][part][c], y[part][c]);
+                }
+            }
         }
     }
-}
-
-/// `out = matrix x`, where both may be shorter than the matrix.
-#[inline(always)]
-fn product<S: Simd, E: Real>(
-    simd: S,
-    matrix: &Matrix<E>,
-    x: &[E::Lanes<S>],
-    out: &mut [E::Lanes<S>],
-) {
-    for (block, out) in out.chunks_mut(ROWS).enumerate() {
-        let columns = matrix.block(block);
-        match out.len() {
-            1 => rows::<S, E, 1>(simd, columns, x, out),
-            2 => rows::<S, E, 2>(simd, columns, x, out),
-            3 => rows::<S, E, 3>(simd, columns, x, out),
-            4 => rows::<S, E, 4>(simd, columns, x, out),
-            5 => rows::<S, E, 5>(simd, columns, x, out),
-            6 => rows::<S, E, 6>(simd, columns, x, out),
-            7 => rows::<S, E, 7>(simd, columns, x, out),
-            _ => rows::<S, E, 8>(simd, columns, x, out),
-        }
-    }
-}
-
-#[inline(always)]
-fn rows<S: Simd, E: Real, const R: usize>(
-    simd: S,
-    columns: &[[E; ROWS]],
-    x: &[E::Lanes<S>],
-    out: &mut [E::Lanes<S>],
-) {
-    let mut sums = [E::splat(simd, E::of(0.0)); R];
-    for (column, x) in columns.iter().zip(x) {
-        for (sum, entry) in sums.iter_mut().zip(column) {
-            *sum = E::mul_add(simd, E::splat(simd, *entry), *x, *sum);
-        }
-    }
-    out.copy_from_slice(&sums);
 }

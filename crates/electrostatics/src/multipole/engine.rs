@@ -21,6 +21,13 @@ pub(crate) struct Multipoles<'a, E> {
     pub(crate) tree: &'a Tree,
     order: usize,
     moments: Vec<E>,
+    rounded: Option<Rounded>,
+}
+
+/// Moments in single precision, for what degrees from `low` on take part in.
+struct Rounded {
+    low: usize,
+    moments: Vec<f32>,
 }
 
 impl<'a, E: Real> Multipoles<'a, E> {
@@ -53,7 +60,16 @@ impl<'a, E: Real> Multipoles<'a, E> {
             });
             below = level[0]..level[1];
         }
-        Self { tree, order, moments }
+        Self { tree, order, moments, rounded: None }
+    }
+
+    /// The same, that are moved far in single precision but for what degrees below `low` do to each
+    /// other: the others are small.
+    pub(crate) fn rounded(mut self, low: usize) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
+        let moments = self.moments.iter().map(|moment| moment.double() as f32).collect();
+        self.rounded = Some(Rounded { low, moments });
+        self
     }
 
     /// The coefficients of a cell.
@@ -129,6 +145,36 @@ impl Far {
     }
 }
 
+/// Which degree is enough for the expansions of two cells.
+pub(crate) struct Degrees {
+    /// Ratios up to which each degree is enough, ascending; the last serves all.
+    falls: Vec<f64>,
+}
+
+impl Degrees {
+    /// The degrees at which expansions err as those of degree `order` do for equal cells at the least
+    /// distance for `opening`, if their number of terms is the share `thinning` of the logarithm that
+    /// this takes; zero leaves all of them the full degree.
+    pub(crate) fn new(order: usize, opening: f64, thinning: f64) -> Self {
+        let slowest = (opening / (2.0 - opening)).ln();
+        let fall = |degree: usize| {
+            if degree < order.min(2) {
+                return 0.0;
+            }
+            let share = (degree + 1) as f64 / (order + 1) as f64;
+            (slowest * share.powf(-1.0 / thinning)).exp()
+        };
+        Self { falls: (0..order).map(fall).collect() }
+    }
+
+    /// The degree for cells with these radii and at this distance. A term falls from degree to degree by
+    /// at least the larger radius over the distance of its center from the other sphere.
+    fn of(&self, radii: [f64; 2], distance: f64) -> usize {
+        let falls = radii[0].max(radii[1]) / (distance - radii[0].min(radii[1]));
+        self.falls.partition_point(|fall| *fall < falls)
+    }
+}
+
 /// The way down.
 pub(crate) struct Descent<'a, L, E> {
     pub(crate) sources: &'a Multipoles<'a, E>,
@@ -138,8 +184,8 @@ pub(crate) struct Descent<'a, L, E> {
     pub(crate) order: usize,
     /// Largest ratio of the sum of the radii of two cells to their distance.
     pub(crate) opening: f64,
-    /// Power of the share of the degree that distant cells are left; zero leaves them all of it.
-    pub(crate) thinning: f64,
+    /// Degrees of distant cells.
+    pub(crate) degrees: Degrees,
     /// Least length between cells whose expansions are used.
     pub(crate) clearance: f64,
     /// Pairs of bodies that are cheaper one by one than by their cells.
@@ -157,19 +203,45 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         let local = vec![E::of(0.0); count(self.order)];
         let bodies = self.targets.cells[0].bodies.clone();
         let task = Task { bodies, complete: self.samples.is_none(), out };
-        self.visit(0, local, vec![0], &mut Translator::new(self.order), task);
+        self.visit(0, local, vec![0], &mut self.movers(), task);
     }
 
-    /// The degree at which the expansions of two cells, of the radii and at the distance given, err as
-    /// those of the full order do for equal cells at the least distance. A term falls from degree to
-    /// degree by at least the larger radius over the distance of its center from the other sphere.
-    fn degree(&self, radii: [f64; 2], distance: f64) -> usize {
-        let falls = radii[0].max(radii[1]) / (distance - radii[0].min(radii[1]));
-        let least = self.opening / (2.0 - self.opening);
-        let share = (least.ln() / falls.max(1e-6).ln()).powf(self.thinning);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
-        let terms = ((self.order + 1) as f64 * share).ceil() as usize;
-        terms.saturating_sub(1).clamp(self.order.min(2), self.order)
+    fn movers(&self) -> Movers<E> {
+        let single = || Single {
+            translator: Translator::new(self.order),
+            sums: vec![0.0; count(self.order)],
+        };
+        let single = self.sources.rounded.is_some().then(single);
+        Movers { translator: Translator::new(self.order), single }
+    }
+
+    /// Adds the expansions `far`, of falling degree, to the local expansion of `cell`.
+    fn add_far(&self, far: &[Distant], cell: &Cell, movers: &mut Movers<E>, local: &mut [E]) {
+        let sources = self.sources;
+        let cells = &sources.tree.cells;
+        let highest = sources.rounded.as_ref().map_or(usize::MAX, |rounded| rounded.low - 1);
+        let exact = |far: &Distant| {
+            let source = far.cell as usize;
+            let degree = far.degree.min(highest);
+            shift(&cells[source], cell, sources.moments(source), degree)
+        };
+        let shifts: Vec<_> = far.iter().map(exact).collect();
+        movers.translator.sum(Kind::Far(0), &shifts, local);
+        if let (Some(rounded), Some(single)) = (&sources.rounded, &mut movers.single) {
+            let higher = |far: &Distant| {
+                let source = far.cell as usize;
+                let size = count(sources.order);
+                let moments = &rounded.moments[size * source..size * (source + 1)];
+                shift(&cells[source], cell, moments, far.degree)
+            };
+            let higher: Vec<_> =
+                far.iter().take_while(|far| far.degree > highest).map(higher).collect();
+            single.sums.fill(0.0);
+            single.translator.sum(Kind::Far(rounded.low), &higher, &mut single.sums);
+            for (local, sum) in local.iter_mut().zip(&single.sums) {
+                *local = E::of(local.double() + f64::from(*sum));
+            }
+        }
     }
 
     fn wanted(&self, cell: &Cell) -> bool {
@@ -183,7 +255,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         index: usize,
         mut local: Vec<E>,
         pending: Vec<u32>,
-        translator: &mut Translator<E>,
+        movers: &mut Movers<E>,
         task: Task<L::Out>,
     ) {
         let cell = &self.targets.cells[index];
@@ -192,14 +264,8 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         }
         let mut lists = Lists::default();
         lists.sort(self, index, pending);
-        let cells = &self.sources.tree.cells;
         lists.far.sort_by_key(|far| std::cmp::Reverse(far.degree));
-        let far = |far: &Distant| {
-            let source = far.cell as usize;
-            shift(&cells[source], cell, self.sources.moments(source), far.degree)
-        };
-        let shifts: Vec<_> = lists.far.iter().map(far).collect();
-        translator.sum(Kind::Far, &shifts, &mut local);
+        self.add_far(&lists.far, cell, movers, &mut local);
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
             let local: Vec<_> = local.iter().map(|c| c.double()).collect();
@@ -213,13 +279,13 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
             children.iter().map(|child| shift(cell, child, &local, self.order)).collect();
         let size = count(self.order);
         let mut locals = vec![E::of(0.0); size * children.len()];
-        translator.each(Kind::Local, &shifts, &mut locals);
+        movers.translator.each(Kind::Local, &shifts, &mut locals);
         let locals = cell.children.clone().zip(locals.chunks_exact(size));
         let (pending, Task { bodies, complete, mut out }) = (&lists.pending, task);
         if cell.bodies.len() <= TASK {
             for (child, local) in locals {
                 let task = Task { bodies: bodies.clone(), complete, out: &mut *out };
-                self.visit(child, local.to_vec(), pending.clone(), translator, task);
+                self.visit(child, local.to_vec(), pending.clone(), movers, task);
             }
             return;
         }
@@ -231,10 +297,21 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
             out = rest;
         }
         parts.into_par_iter().for_each(|(child, local, task)| {
-            let mut translator = Translator::new(self.order);
-            self.visit(child, local, pending.clone(), &mut translator, task);
+            self.visit(child, local, pending.clone(), &mut self.movers(), task);
         });
     }
+}
+
+/// What moves the expansions of one thread.
+struct Movers<E> {
+    translator: Translator<E>,
+    single: Option<Single>,
+}
+
+/// The same in single precision, with space for a sum.
+struct Single {
+    translator: Translator<f32>,
+    sums: Vec<f32>,
 }
 
 /// A source cell that is far away.
@@ -269,7 +346,7 @@ impl Lists {
                 if leaves && pairs <= descent.direct {
                     self.near(&source.bodies);
                 } else {
-                    let degree = descent.degree([source.radius, target.radius], distance);
+                    let degree = descent.degrees.of([source.radius, target.radius], distance);
                     self.far.push(Distant { cell: index, degree });
                 }
             } else if leaves {

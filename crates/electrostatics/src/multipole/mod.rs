@@ -3,6 +3,7 @@
 pub(crate) mod engine;
 pub(crate) mod near;
 mod points;
+mod reference;
 mod single;
 pub(crate) mod solver;
 pub(crate) mod tree;

@@ -1,6 +1,7 @@
 //! The direct sum over pairs of points, targets in the lanes.
 
-use crate::lanes::{Kernel, Lanes, Roots, Vectors, dispatch};
+use crate::lanes::{Lanes, Vectors};
+use crate::machine::{Kernel, Roots, dispatch};
 use pulp::Simd;
 use std::ops::Range;
 

@@ -5,18 +5,19 @@
 
 use super::near::Cloud;
 use super::tree::Cell;
-use crate::lanes::{Kernel, LANES, Lanes, Roots, dispatch};
+use crate::lanes::{LANES, Lanes};
+use crate::machine::{Kernel, Roots, dispatch};
 use pulp::Simd;
 use std::ops::Range;
 
-/// Sources that are taken at once; their sum is added in double precision.
-const TILE: usize = 256;
+/// Sources whose sum is made before it is added to that of all, so that few roundings add up.
+const TILE: usize = 64;
 
-/// Targets in two registers.
-const BLOCK: usize = 4 * LANES;
+/// Most targets in a register.
+const BLOCK: usize = 2 * LANES;
 
 /// As [`add_pairs`](super::near::add_pairs) without softening, for targets in `cell`, to some 1e-6 of
-/// each pair. Lengths are divided by the larger of the cell's radius and `least`, which keeps all
+/// each pair, if `fine`; else coordinates are rounded to single precision. Lengths are divided by the larger of the cell's radius and `least`, which keeps all
 /// powers of distances within range.
 ///
 /// Cost: 0.2 ns a pair with AVX-512.
@@ -26,9 +27,10 @@ pub(crate) fn add_pairs_single(
     places: &[Vec<f64>; 3],
     cell: &Cell,
     least: f64,
+    fine: bool,
     out: &mut [[f64; 4]],
 ) {
-    dispatch(Pairs { sources, ranges, places, cell, least, out });
+    dispatch(Pairs { sources, ranges, places, cell, least, fine, out });
 }
 
 struct Pairs<'a> {
@@ -37,105 +39,115 @@ struct Pairs<'a> {
     places: &'a [Vec<f64>; 3],
     cell: &'a Cell,
     least: f64,
+    fine: bool,
     out: &'a mut [[f64; 4]],
 }
 
-/// Some points: coordinates, what their rounding leaves, and charges.
-struct Tile<const N: usize> {
-    x: [[f32; N]; 3],
-    rest: [[f32; N]; 3],
-    charge: [f32; N],
+/// A point: coordinates, what their rounding leaves, and charge.
+#[derive(Clone, Copy)]
+struct Point {
+    x: [f32; 3],
+    rest: [f32; 3],
+    charge: f32,
 }
 
-impl<const N: usize> Tile<N> {
-    const EMPTY: Self = Self { x: [[0.0; N]; 3], rest: [[0.0; N]; 3], charge: [0.0; N] };
+/// Coordinates from a center, in units of a length.
+struct Frame {
+    center: [f64; 3],
+    inverse: f64,
+}
 
-    /// Takes the coordinates from `center` in units of `1/scale`.
+impl Frame {
+    /// The point `k` of some, with half of its charge.
     #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
-    fn fill(&mut self, places: [&[f64]; 3], center: [f64; 3], scale: f64) {
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is meant; charges are about one")]
+    fn point(&self, places: &[Vec<f64>; 3], charge: f64, k: usize) -> Point {
+        let [mut x, mut rest] = [[0.0; 3]; 2];
         for d in 0..3 {
-            let lanes = self.x[d].iter_mut().zip(&mut self.rest[d]);
-            for ((x, rest), place) in lanes.zip(places[d]) {
-                let exact = (place - center[d]) * scale;
-                *x = exact as f32;
-                *rest = (exact - f64::from(*x)) as f32;
-            }
+            let exact = (places[d][k] - self.center[d]) * self.inverse;
+            x[d] = exact as f32;
+            rest[d] = (exact - f64::from(x[d])) as f32;
         }
+        Point { x, rest, charge: 0.5 * charge as f32 }
     }
 }
 
 impl Kernel for Pairs<'_> {
     #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "charges are about one")]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
-        let Self { sources, ranges, places, cell, least, out } = self;
-        let scale = 1.0 / cell.scale.max(least);
-        let center = cell.center.into();
-        let (mut tile, mut targets) = (Tile::<TILE>::EMPTY, Tile::<BLOCK>::EMPTY);
+        let Self { sources, ranges, places, cell, least, fine, out } = self;
+        let frame = Frame { center: cell.center.into(), inverse: 1.0 / cell.scale.max(least) };
+        let mut points = Vec::with_capacity(ranges.iter().map(Range::len).sum());
         for range in ranges {
-            for first in range.clone().step_by(TILE) {
-                let range = first..range.end.min(first + TILE);
-                tile.fill([0, 1, 2].map(|d| &sources.x[d][range.clone()]), center, scale);
-                for (to, from) in tile.charge.iter_mut().zip(&sources.charge[range.clone()]) {
-                    *to = *from as f32;
+            for k in range.clone() {
+                points.push(frame.point(&sources.x, sources.charge[k], k));
+            }
+        }
+        let lanes = S::F32_LANES;
+        for (first, out) in cell.bodies.clone().step_by(lanes).zip(out.chunks_mut(lanes)) {
+            // Lanes without a target are at the center.
+            let mut rows = [[0.0; BLOCK]; 6];
+            for k in 0..out.len() {
+                let target = frame.point(places, 0.0, first + k);
+                for d in 0..3 {
+                    (rows[d][k], rows[3 + d][k]) = (target.x[d], target.rest[d]);
                 }
-                let lanes = 2 * S::F32_LANES;
-                let bodies = cell.bodies.clone().step_by(lanes);
-                for (first, out) in bodies.zip(out.chunks_mut(lanes)) {
-                    let own = first..first + out.len();
-                    targets.fill([0, 1, 2].map(|d| &places[d][own.clone()]), center, scale);
-                    let sums = add_tile(simd, roots, &tile, range.len(), &targets);
-                    for (sums, out) in sums.iter().zip(out.chunks_mut(S::F32_LANES)) {
-                        for (c, sum) in sums.iter().enumerate() {
-                            // A potential is an inverse length, a field one squared.
-                            let unit = if c == 0 { scale } else { scale * scale };
-                            for (out, lane) in out.iter_mut().zip(sum.numbers()) {
-                                out[c] += unit * f64::from(*lane);
-                            }
-                        }
-                    }
+            }
+            let sums = if fine {
+                add_points::<S, R, true>(simd, roots, &points, &rows)
+            } else {
+                add_points::<S, R, false>(simd, roots, &points, &rows)
+            };
+            for (c, sum) in sums.iter().enumerate() {
+                // A potential is an inverse length, a field one squared, of a half and a quarter.
+                let unit = frame.inverse * if c == 0 { 1.0 } else { 0.25 * frame.inverse };
+                for (out, lane) in out.iter_mut().zip(sum.numbers()) {
+                    out[c] += unit * f64::from(*lane);
                 }
             }
         }
     }
 }
 
-/// The sums of the first `count` points of `tile` at two registers of targets.
+/// The sums of `points` at a register of targets, without what the rounding of coordinates leaves unless
+/// `FINE`, in units of
+/// [`double_inverse_root`](Roots::double_inverse_root).
 #[inline(always)]
-fn add_tile<S: Simd, R: Roots<S, f32>>(
+fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
     simd: S,
     roots: R,
-    tile: &Tile<TILE>,
-    count: usize,
-    targets: &Tile<BLOCK>,
-) -> [[Lanes<S, f32>; 4]; 2] {
+    points: &[Point],
+    targets: &[[f32; BLOCK]; 6],
+) -> [Lanes<S, f32>; 4] {
     let zero = Lanes::splat(simd, 0.0);
-    let (mut x, mut rest) = ([[zero; 3]; 2], [[zero; 3]; 2]);
-    for k in 0..2 {
-        for d in 0..3 {
-            x[k][d] = Lanes::load(simd, &targets.x[d][k * S::F32_LANES..]);
-            rest[k][d] = Lanes::load(simd, &targets.rest[d][k * S::F32_LANES..]);
-        }
+    let (mut x, mut rest) = ([zero; 3], [zero; 3]);
+    for d in 0..3 {
+        x[d] = Lanes::load(simd, &targets[d]);
+        rest[d] = Lanes::load(simd, &targets[3 + d]);
     }
-    let mut sums = [[zero; 4]; 2];
-    for j in 0..count {
-        let charge = Lanes::all(simd, tile.charge[j]);
-        for k in 0..2 {
+    let mut totals = [zero; 4];
+    for tile in points.chunks(TILE) {
+        let mut sums = [zero; 4];
+        for point in tile {
             let mut r = [zero; 3];
             for d in 0..3 {
-                let difference = Lanes::all(simd, tile.rest[d][j]) - rest[k][d];
-                r[d] = (Lanes::all(simd, tile.x[d][j]) - x[k][d]) + difference;
+                r[d] = Lanes::all(simd, point.x[d]) - x[d];
+                if FINE {
+                    r[d] = r[d] + (Lanes::all(simd, point.rest[d]) - rest[d]);
+                }
             }
             let r2 = r[2].times_plus(r[2], r[1].times_plus(r[1], r[0] * r[0]));
-            let inverse = roots.inverse_root(r2);
-            let potential = charge * inverse;
-            sums[k][0] = sums[k][0] + potential;
+            let inverse = roots.double_inverse_root(r2);
+            let potential = Lanes::all(simd, point.charge) * inverse;
+            sums[0] = sums[0] + potential;
             let force = potential * (inverse * inverse);
             for d in 0..3 {
-                sums[k][d + 1] = force.times_plus(r[d], sums[k][d + 1]);
+                sums[d + 1] = force.times_plus(r[d], sums[d + 1]);
             }
         }
+        for c in 0..4 {
+            totals[c] = totals[c] + sums[c];
+        }
     }
-    sums
+    totals
 }

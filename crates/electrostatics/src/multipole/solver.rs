@@ -1,7 +1,8 @@
 //! The fast multipole method for point charges.
 
-use super::engine::{Descent, Far, Leaf, Multipoles, Task};
+use super::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
 use super::near::{Cloud, add_pairs};
+use super::reference::Reference;
 use super::single::add_pairs_single;
 use super::tree::{Cell, Tree};
 use crate::ElectrostaticsError;
@@ -37,7 +38,7 @@ pub struct Certificate {
 /// The fast multipole method.
 ///
 /// Cost: see the table in the README; memory beside the points about 60 bytes a point and
-/// `8 (order + 1)^2` bytes a cell, of which there are fewer than one for thirty points.
+/// 4 to 12 times `(order + 1)^2` bytes a cell, of which there are fewer than one for thirty points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multipole {
     /// How exact the fields must be.
@@ -104,22 +105,27 @@ impl Plan {
         let cloud = Cloud { x: self.places.clone(), charge };
         let own = (&self.sources, &self.places);
         let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
-        let single = match self.accuracy {
-            Accuracy::Tolerance(tolerance) => tolerance >= SINGLE,
-            Accuracy::Order(_) => false,
+        let (plan, cloud) = (self, &cloud);
+        // What is found in single precision, or partly so, may be too inexact or overflow.
+        let single = || {
+            let real = PhantomData::<f32>;
+            Sum { plan, cloud, targets: tree, places, low: None, real }.run()
         };
-        let sum =
-            Sum { plan: self, cloud: &cloud, targets: tree, places, real: PhantomData::<f32> };
-        let found = if single { sum.run().ok() } else { None };
+        let double = |low| {
+            let real = PhantomData::<f64>;
+            Sum { plan, cloud, targets: tree, places, low, real }.run()
+        };
         let finite = |(sums, _): &(Vec<[f64; 4]>, Certificate)| {
             sums.as_flattened().iter().all(|x| x.is_finite())
         };
-        let (sums, certificate) = match found.filter(finite) {
+        let quick = match self.accuracy {
+            Accuracy::Tolerance(tolerance) if tolerance >= SINGLE => single().ok(),
+            Accuracy::Tolerance(tolerance) => double(Some(low(tolerance))).ok(),
+            Accuracy::Order(_) => None,
+        };
+        let (sums, certificate) = match quick.filter(finite) {
             Some(found) => found,
-            None => {
-                let real = PhantomData::<f64>;
-                Sum { plan: self, cloud: &cloud, targets: tree, places, real }.run()?
-            }
+            None => double(None)?,
         };
         Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
     }
@@ -163,14 +169,23 @@ pub(crate) fn guess(accuracy: Accuracy) -> usize {
 }
 
 /// Logarithm of the factor by which one degree more reduces the error, usually.
-const SLOPE: f64 = 0.7;
+const SLOPE: f64 = 0.66;
 
 /// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77 and
 /// 0.8 for a million uniform points.
 const OPENING: f64 = 0.75;
 
-/// Tolerances from which single precision is enough.
-pub(crate) const SINGLE: f64 = 1e-5;
+/// Tolerances from which single precision is usually enough: it errs by some 2e-7.
+pub(crate) const SINGLE: f64 = 5e-7;
+
+/// Tolerances from which coordinates of single precision are enough for close pairs.
+const COARSE: f64 = 1e-4;
+
+/// Degree from which on single precision is enough where `tolerance` is asked: what higher degrees add
+/// is some 1e6 of it.
+fn low(tolerance: f64) -> usize {
+    guess(Accuracy::Tolerance((1e6 * tolerance).min(0.1))) + 1
+}
 
 /// Power of the share of the degree that distant cells are left. For a tolerance it is less than one,
 /// because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
@@ -190,6 +205,8 @@ struct Sum<'a, E> {
     cloud: &'a Cloud,
     targets: &'a Tree,
     places: &'a [Vec<f64>; 3],
+    /// Degree from which on expansions are moved in single precision, if that is not `E`.
+    low: Option<usize>,
     real: PhantomData<E>,
 }
 
@@ -207,10 +224,16 @@ impl<E: Real> Sum<'_, E> {
         if tolerance > 0.0 && n * m < 4_000_000 {
             return Ok(direct());
         }
-        let reference = Reference::new(self);
+        let reference = Reference::new(self.cloud, self.places, &self.strengths());
         let guess = guess(self.plan.accuracy);
         let (order, multipoles, error) = if tolerance > 0.0 {
-            let multipoles = |order| Multipoles::new(&self.plan.sources, self.cloud, 1, order);
+            let multipoles = |order| {
+                let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, order);
+                match self.low {
+                    Some(low) if low <= order => multipoles.rounded(low),
+                    _ => multipoles,
+                }
+            };
             let error = |multipoles: &Multipoles<E>, order| {
                 let mut out = vec![[0.0; 4]; m];
                 self.descend(multipoles, order, Some(&reference.samples), &mut out);
@@ -236,14 +259,24 @@ impl<E: Real> Sum<'_, E> {
             for leaf in self.targets.cells.iter().filter(|cell| cell.is_leaf()) {
                 let bodies = leaf.bodies.clone();
                 let out = &mut out[bodies.clone()];
-                let own = std::slice::from_ref(&leaf.bodies);
-                add_pairs(self.cloud, own, 0.0, self.places, bodies, out);
+                self.add_near(leaf, std::slice::from_ref(&leaf.bodies), out);
             }
         } else {
             let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, 2);
             self.descend(&multipoles, 2, None, &mut out);
         }
         out.iter().map(|[_, x, y, z]| x * x + y * y + z * z).collect()
+    }
+
+    /// Adds what the bodies `near` do to those of `cell`.
+    fn add_near(&self, cell: &Cell, near: &[Range<usize>], out: &mut [[f64; 4]]) {
+        if size_of::<E>() == size_of::<f64>() {
+            add_pairs(self.cloud, near, 0.0, self.places, cell.bodies.clone(), out);
+        } else {
+            let least = LEAST * self.targets.cells[0].scale;
+            let fine = !matches!(self.plan.accuracy, Accuracy::Tolerance(t) if t >= COARSE);
+            add_pairs_single(self.cloud, near, self.places, cell, least, fine, out);
+        }
     }
 
     fn descend(
@@ -259,7 +292,7 @@ impl<E: Real> Sum<'_, E> {
             leaf: self,
             order,
             opening: OPENING,
-            thinning: thinning(self.plan.accuracy),
+            degrees: Degrees::new(order, OPENING, thinning(self.plan.accuracy)),
             clearance: 0.0,
             direct: pairs_per_shift(order),
             samples,
@@ -272,14 +305,9 @@ impl<E: Real> Leaf for Sum<'_, E> {
     type Out = [f64; 4];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
-        let (bodies, out) = (cell.bodies.clone(), task.of(cell));
-        far.add(cell, self.places, bodies.clone(), out);
-        if size_of::<E>() == size_of::<f64>() {
-            add_pairs(self.cloud, near, 0.0, self.places, bodies, out);
-        } else {
-            let least = LEAST * self.targets.cells[0].scale;
-            add_pairs_single(self.cloud, near, self.places, cell, least, out);
-        }
+        let out = task.of(cell);
+        far.add(cell, self.places, cell.bodies.clone(), out);
+        self.add_near(cell, near, out);
     }
 }
 
@@ -292,7 +320,8 @@ pub(crate) fn find_order<'a, E: Real>(
     error: impl Fn(&Multipoles<'a, E>, usize) -> f64,
 ) -> Result<(usize, Multipoles<'a, E>, f64), ElectrostaticsError> {
     let allowed = MARGIN * tolerance;
-    let mut order = guess;
+    // Half the degree takes an eighth of the time, and tells which will be enough.
+    let mut order = guess.div_ceil(2);
     let mut expansions = multipoles(order);
     let mut highest = order;
     let mut errors = [f64::NAN; MAX_ORDER + 1];
@@ -303,78 +332,26 @@ pub(crate) fn find_order<'a, E: Real>(
         let reached = errors[order];
         if reached <= allowed {
             // What is almost too large is so with one degree less.
-            let almost = reached > (-SLOPE).exp() * allowed;
+            let almost = reached > (-0.8 * SLOPE).exp() * allowed;
             if order == 1 || almost || errors[order - 1] > allowed {
                 return Ok((order, expansions, reached));
             }
             order -= 1;
         } else {
-            // An error that two degrees more leave as it is has another cause.
+            // An error that two degrees more leave as it is has another cause; one that is no number is
+            // that of single precision out of its range.
             let earlier =
                 errors[..order.saturating_sub(1)].iter().copied().fold(f64::INFINITY, f64::min);
-            if order == MAX_ORDER || reached > 0.9 * earlier {
+            if order == MAX_ORDER || reached > 0.9 * earlier || !reached.is_finite() {
                 return Err(ElectrostaticsError::OutOfReach { tolerance, reached, order });
             }
-            let [low, high] = [1.0, 4.0];
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 4")]
-            let more = ((reached / allowed).ln() / SLOPE).ceil().clamp(low, high) as usize;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some")]
+            let more = ((reached / allowed).ln() / SLOPE).ceil().clamp(1.0, 40.0) as usize;
             order = (order + more).min(MAX_ORDER);
             if order > highest {
                 expansions = multipoles(order);
                 highest = order;
             }
         }
-    }
-}
-
-/// The direct sums at some of the targets.
-struct Reference {
-    samples: Vec<usize>,
-    /// For how many targets each sample stands.
-    weights: Vec<f64>,
-    sums: Vec<[f64; 4]>,
-}
-
-impl Reference {
-    /// Takes samples all over the tree. A third of them is uniform, a third as frequent as the field
-    /// is strong and a third as its square, because few targets may hold most of the sum of squares.
-    fn new<E: Real>(sum: &Sum<E>) -> Self {
-        let targets = sum.places[0].len();
-        let wanted = (100_000_000 / sum.cloud.len().max(1)).clamp(64, 2048).min(targets);
-        let strengths = sum.strengths();
-        let totals = strengths.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
-        let share = |part: f64, total: f64| if total > 0.0 { part / total } else { 0.0 };
-        let (mut samples, mut weights) = (Vec::new(), Vec::new());
-        let (mut picks, mut passed) = (0, 0.0);
-        // The golden ratio spreads the places within equal parts evenly.
-        let place = |k: usize| (k as f64 + (k as f64 * 0.618_033_988_75).fract()) / wanted as f64;
-        for (target, &strength) in strengths.iter().enumerate() {
-            let strong = share(strength, totals[0]) + share(strength.sqrt(), totals[1]);
-            let chance = (1.0 / targets as f64 + strong) / 3.0;
-            passed += chance;
-            let before = picks;
-            while picks < wanted && place(picks) < passed {
-                picks += 1;
-            }
-            if picks > before {
-                samples.push(target);
-                weights.push((picks - before) as f64 / (chance * wanted as f64));
-            }
-        }
-        let places = [0, 1, 2].map(|d| samples.iter().map(|&k| sum.places[d][k]).collect());
-        let sums = direct_sums(sum.cloud, 0.0, &places);
-        Self { samples, weights, sums }
-    }
-
-    /// The relative error of the gradients.
-    fn error(&self, out: &[[f64; 4]]) -> f64 {
-        let [mut errors, mut squares] = [0.0; 2];
-        for ((sample, weight), exact) in self.samples.iter().zip(&self.weights).zip(&self.sums) {
-            for c in 1..4 {
-                errors += weight * (out[*sample][c] - exact[c]).powi(2);
-                squares += weight * exact[c].powi(2);
-            }
-        }
-        if errors > 0.0 { (errors / squares).sqrt() } else { 0.0 }
     }
 }

@@ -17,7 +17,11 @@ pub(super) const SOFTENING: f64 = CLOSEST * CLOSEST;
 pub(super) struct Lines {
     pub(super) start: [Vec<f64>; 3],
     pub(super) tangent: [Vec<f64>; 3],
+    middle: [Vec<f64>; 3],
+    /// Half of each segment.
+    half: [Vec<f64>; 3],
     pub(super) length: Vec<f64>,
+    inverse_length: Vec<f64>,
     pub(super) charge: Vec<f64>,
     /// Square of the radius.
     softening: Vec<f64>,
@@ -40,10 +44,14 @@ impl Lines {
     ) {
         let length = (end - start).norm();
         for c in 0..3 {
+            let half = 0.5 * (end - start)[c];
             self.start[c].push(start[c]);
             self.tangent[c].push((end - start)[c] / length);
+            self.middle[c].push(start[c] + half);
+            self.half[c].push(half);
         }
         self.length.push(length);
+        self.inverse_length.push(1.0 / length);
         self.charge.push(charge);
         self.softening.push(radius * radius);
         self.fiber.push(fiber);
@@ -52,13 +60,19 @@ impl Lines {
 
     /// Half of segment `i`, as a vector.
     pub(super) fn half(&self, i: usize) -> [f64; 3] {
-        [0, 1, 2].map(|c| 0.5 * self.length[i] * self.tangent[c][i])
+        [0, 1, 2].map(|c| self.half[c][i])
     }
 
     /// The middle of segment `i`.
     pub(super) fn middle(&self, i: usize) -> [f64; 3] {
-        let half = self.half(i);
-        [0, 1, 2].map(|c| self.start[c][i] + half[c])
+        [0, 1, 2].map(|c| self.middle[c][i])
+    }
+
+    /// Middle from `center`, half, length, its inverse and charge of segment `i`.
+    pub(super) fn bar(&self, i: usize, center: [f64; 3]) -> [f64; 9] {
+        let ([x, y, z], [a, b, c]) = (self.middle(i), self.half(i));
+        let (length, inverse) = (self.length[i], self.inverse_length[i]);
+        [x - center[0], y - center[1], z - center[2], a, b, c, length, inverse, self.charge[i]]
     }
 
     /// Square of the length that the distance of two segments is softened with.

@@ -2,7 +2,8 @@
 
 use super::lines::{Lines, Loads};
 use super::skew::{Means, parallel, skew};
-use crate::lanes::{Kernel, LANES, Lanes, Roots, dispatch};
+use crate::lanes::{LANES, Lanes};
+use crate::machine::{Kernel, Roots, dispatch};
 use crate::multipole::engine::Task;
 use nalgebra::Vector3;
 use pulp::Simd;

@@ -1,4 +1,4 @@
-//! Pairs of segments by the points of Gauss's rules, a segment in each lane.
+//! Pairs of segments by the points of Gauss's rules, a source in each lane.
 //!
 //! The kernel is analytic in the place on a segment, within the ellipse about its ends that passes
 //! through the other's nearest point. If the sum of the half axes of this ellipse is r half lengths,
@@ -6,11 +6,11 @@
 //! theorem 19.3). So each rule is right from a place of the other on.
 
 use super::lines::{Lines, Loads, SOFTENING};
-use crate::lanes::{Kernel, Lanes, Roots, Vectors, along, dispatch, dot, minus};
+use crate::lanes::{Lanes, Vectors, along, dot, minus};
+use crate::machine::{Kernel, Roots, dispatch};
 use crate::quadrature::gauss_legendre;
 use crate::real::Real;
 use pulp::Simd;
-use std::marker::PhantomData;
 use std::ops::Range;
 
 /// Sum of half axes over half the length from which the rule of the fewest points is used.
@@ -25,9 +25,6 @@ const EXACT: [f64; 3] = [2.5, 1.5, 1.0];
 
 /// Error below which as few pairs as possible are done in closed form.
 const STRICT: f64 = 1e-6;
-
-/// Beyond all rules.
-const FARTHEST: f64 = 1e30;
 
 /// A rule for both of a pair.
 struct Rule<E> {
@@ -84,30 +81,36 @@ pub(super) fn add_rules<E: Real>(
     center: [f64; 3],
     out: &mut [Loads],
 ) -> Vec<[usize; 2]> {
-    let source = |j: usize| {
-        let (middle, half) = (lines.middle(j), lines.half(j));
-        let [x, y, z] = [0, 1, 2].map(|c| middle[c] - center[c]);
-        let [a, b, c] = half;
-        let length = lines.length[j];
-        let row = [x, y, z, a, b, c, length, 1.0 / length, lines.charge[j]];
-        (j, row.map(E::of))
-    };
-    let sources: Vec<_> = sources.iter().flat_map(|range| range.clone().map(source)).collect();
+    let indices: Vec<_> = sources.iter().cloned().flatten().collect();
+    // The last register is filled with segments without charge.
+    let size = indices.len().next_multiple_of(MOST_LANES);
+    let mut rows = [(); 9].map(|()| Vec::with_capacity(size));
+    for &j in &indices {
+        for (row, value) in rows.iter_mut().zip(lines.bar(j, center)) {
+            row.push(E::of(value));
+        }
+    }
+    for row in &mut rows {
+        row.resize(size, E::of(0.0));
+    }
     let mut close = Vec::new();
-    let real = PhantomData::<E>;
-    dispatch(Pairs { lines, rules, targets, sources, center, close: &mut close, out, real });
+    dispatch(Pairs { lines, rules, targets, indices, rows, center, close: &mut close, out });
     close
 }
+
+/// Most lanes of any register.
+const MOST_LANES: usize = 16;
 
 struct Pairs<'a, E> {
     lines: &'a Lines,
     rules: &'a Rules<E>,
     targets: &'a [usize],
-    sources: Vec<(usize, [E; 9])>,
+    /// The sources, and what [`Lines::bar`] says of them.
+    indices: Vec<usize>,
+    rows: [Vec<E>; 9],
     center: [f64; 3],
     close: &'a mut Vec<[usize; 2]>,
     out: &'a mut [Loads],
-    real: PhantomData<E>,
 }
 
 /// Segments by their middles and halves.
@@ -117,6 +120,14 @@ struct Bars<S: Simd, E: Real> {
     half: Vectors<S, E>,
     length: Lanes<S, E>,
     inverse_length: Lanes<S, E>,
+    charge: Lanes<S, E>,
+}
+
+impl<S: Simd, E: Real> Bars<S, E> {
+    #[inline(always)]
+    fn new([x, y, z, a, b, c, length, inverse_length, charge]: [Lanes<S, E>; 9]) -> Self {
+        Self { middle: [x, y, z], half: [a, b, c], length, inverse_length, charge }
+    }
 }
 
 /// Sums over pairs: of `1/r`, of `r/r^3`, and of the latter times the place on the target.
@@ -129,87 +140,82 @@ struct Sums<S: Simd, E: Real> {
 impl<E: Real> Kernel for Pairs<'_, E> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
+        let Self { lines, rules, targets, indices, rows, center, close, out } = self;
         let lanes = E::lanes::<S>();
-        let Self { lines, rules, targets, sources, center, close, out, .. } = self;
         let zero = Lanes::<S, E>::splat(simd, 0.0);
         let far = rules.rules[2].least.sqrt();
-        for (targets, out) in targets.chunks(lanes).zip(out.chunks_mut(lanes)) {
-            let own = bars(simd, lines, targets, center);
+        let least = [0, 1, 2].map(|k| E::of(rules.rules[k].least));
+        // The sources that no rule serves, and those for the rules with more points, and how many.
+        let mut lists = [(); 3].map(|()| vec![0; rows[0].len()]);
+        for (&i, out) in targets.iter().zip(out) {
+            let mut of = [zero; 9];
+            for (of, value) in of.iter_mut().zip(lines.bar(i, center)) {
+                *of = Lanes::splat(simd, value);
+            }
+            let own = Bars::new(of);
             let mut sums = Sums { energy: zero, force: [zero; 3], moment: [zero; 3] };
-            for (j, row) in &sources {
-                let mut of = [zero; 9];
-                for k in 0..9 {
-                    of[k] = Lanes::all(simd, row[k]);
+            let mut counts = [0; 3];
+            for first in (0..indices.len()).step_by(lanes) {
+                for (of, row) in of.iter_mut().zip(&rows) {
+                    *of = Lanes::load(simd, &row[first..]);
                 }
-                let [x, y, z, a, b, c, length, inverse_length, charge] = of;
-                let other = Bars { middle: [x, y, z], half: [a, b, c], length, inverse_length };
+                let mut other = Bars::new(of);
                 let r = minus(&own.middle, &other.middle);
                 let limit = (own.length + other.length) * zero.of(0.5 * far);
-                if !dot(&r, &r).any_below(limit * limit) {
-                    let rule = rules.far();
-                    add_rule(roots, rule, &own, &other, &r, charge, &mut sums);
-                    continue;
-                }
-                let nearness = nearness(roots, &own, &other, &r);
-                let least = zero.of(rules.rules[0].least);
-                let share = nearness.below(least, zero, charge);
-                if nearness.any_below(least) {
-                    let near = nearness.below(least, zero.of(1.0), zero);
-                    for (i, near) in targets.iter().zip(near.numbers()) {
-                        if *near > E::of(0.0) && i != j {
-                            close.push([*i, *j]);
+                if dot(&r, &r).any_below(limit * limit) {
+                    let nearness = nearness(roots, &own, &other, &r);
+                    let limit = Lanes::all(simd, least[2]);
+                    if nearness.any_below(limit) {
+                        other.charge = nearness.below(limit, zero, other.charge);
+                        for (k, nearness) in nearness.numbers().iter().enumerate() {
+                            if *nearness < least[2] {
+                                let rule = usize::from(*nearness >= least[0])
+                                    + usize::from(*nearness >= least[1]);
+                                lists[rule][counts[rule]] = first + k;
+                                counts[rule] += 1;
+                            }
                         }
                     }
                 }
-                // One rule serves all lanes: what is enough for the closest is so for the others.
-                let nearness = nearness.below(least, zero.of(FARTHEST), nearness);
-                let mut rule = &rules.rules[0];
-                for next in &rules.rules[1..] {
-                    if !nearness.any_below(zero.of(next.least)) {
-                        rule = next;
-                    }
-                }
-                add_rule(roots, &rule.points, &own, &other, &r, share, &mut sums);
+                add_rule(roots, rules.far(), &own, &other, &mut sums);
             }
-            for (k, (i, out)) in targets.iter().zip(out).enumerate() {
-                let lane = |x: &Lanes<S, E>| lines.charge[*i] * x.numbers()[k].double();
-                out[0] += 0.5 * lane(&sums.energy);
-                for c in 0..3 {
-                    let (force, moment) = (lane(&sums.force[c]), lane(&sums.moment[c]));
-                    out[1 + c] += 0.5 * (force - moment);
-                    out[4 + c] += 0.5 * (force + moment);
+            for &k in &lists[0][..counts[0]] {
+                if k < indices.len() && indices[k] != i {
+                    close.push([i, indices[k]]);
                 }
+            }
+            for k in 0..2 {
+                for list in lists[k + 1][..counts[k + 1]].chunks(lanes) {
+                    let other = gather(simd, &rows, list);
+                    add_rule(roots, &rules.rules[k].points, &own, &other, &mut sums);
+                }
+            }
+            let charge = lines.charge[i];
+            out[0] += 0.5 * charge * sums.energy.sum().double();
+            for c in 0..3 {
+                let force = charge * sums.force[c].sum().double();
+                let moment = charge * sums.moment[c].sum().double();
+                out[1 + c] += 0.5 * (force - moment);
+                out[4 + c] += 0.5 * (force + moment);
             }
         }
     }
 }
 
-/// The segments `indices`, one in each lane; the lanes beyond repeat the first.
+/// The sources of a list, one in each lane; those beyond have no charge.
 #[inline(always)]
-fn bars<S: Simd, E: Real>(
-    simd: S,
-    lines: &Lines,
-    indices: &[usize],
-    center: [f64; 3],
-) -> Bars<S, E> {
-    let mut rows = [[E::of(0.0); 16]; 8];
-    for k in 0..E::lanes::<S>() {
-        let i = indices[if k < indices.len() { k } else { 0 }];
-        let (middle, half) = (lines.middle(i), lines.half(i));
-        for c in 0..3 {
-            rows[c][k] = E::of(middle[c] - center[c]);
-            rows[3 + c][k] = E::of(half[c]);
+fn gather<S: Simd, E: Real>(simd: S, rows: &[Vec<E>; 9], list: &[usize]) -> Bars<S, E> {
+    let mut lanes = [[E::of(0.0); MOST_LANES]; 9];
+    for (lanes, row) in lanes.iter_mut().zip(rows) {
+        for (lane, &k) in lanes.iter_mut().zip(list) {
+            *lane = row[k];
         }
-        rows[6][k] = E::of(lines.length[i]);
-        rows[7][k] = E::of(1.0 / lines.length[i]);
     }
-    let [x, y, z, a, b, c, length, inverse_length] = rows;
-    Bars {
-        middle: [Lanes::load(simd, &x), Lanes::load(simd, &y), Lanes::load(simd, &z)],
-        half: [Lanes::load(simd, &a), Lanes::load(simd, &b), Lanes::load(simd, &c)],
-        length: Lanes::load(simd, &length),
-        inverse_length: Lanes::load(simd, &inverse_length),
+    let mut of = [Lanes::splat(simd, 0.0); 9];
+    for (of, lanes) in of.iter_mut().zip(&lanes) {
+        *of = Lanes::load(simd, lanes);
     }
+    Bars::new(of)
 }
 
 /// At most the square of the sum of the distances of a point of one segment from the ends of the other,
@@ -249,23 +255,22 @@ fn nearness<S: Simd, E: Real, R: Roots<S> + Roots<S, f32>>(
     least
 }
 
-/// Adds the sums over the points of both segments, with the middles apart by `r`.
+/// Adds the sums over the points of both segments.
 #[inline(always)]
 fn add_rule<S: Simd, E: Real, R: Roots<S> + Roots<S, f32>>(
     roots: R,
     rule: &[[E; 2]],
     own: &Bars<S, E>,
     other: &Bars<S, E>,
-    r: &Vectors<S, E>,
-    charge: Lanes<S, E>,
     sums: &mut Sums<S, E>,
 ) {
-    let softening = charge.of(SOFTENING);
-    let simd = charge.simd;
+    let softening = other.charge.of(SOFTENING);
+    let simd = other.charge.simd;
+    let r = minus(&own.middle, &other.middle);
     for [u, w] in rule {
         let place = Lanes::all(simd, *u);
-        let charge = charge * Lanes::all(simd, *w);
-        let from = along(r, &own.half, place);
+        let charge = other.charge * Lanes::all(simd, *w);
+        let from = along(&r, &own.half, place);
         let mut force = [charge.of(0.0); 3];
         for [v, x] in rule {
             let back = Lanes::all(simd, *v);

@@ -1,6 +1,7 @@
 //! Two straight charged lines in closed form, a pair in each lane.
 
-use crate::lanes::{Lanes, Roots, Vectors, along, angle, cross, dot, ln, minus, scaled};
+use crate::lanes::{Lanes, Vectors, along, angle, cross, dot, ln, minus, scaled};
+use crate::machine::Roots;
 use pulp::Simd;
 
 /// Sine of the angle at which lines are nearly parallel, for each unit of their distance over their
@@ -267,7 +268,7 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Kernel, dispatch};
+    use crate::machine::{Kernel, dispatch};
     use crate::quadrature::gauss_legendre;
     use nalgebra::Vector3;
 

@@ -5,7 +5,7 @@ use super::near::add_close;
 use super::rules::{Rules, add_rules};
 use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
-use crate::multipole::engine::{Descent, Far, Leaf, Multipoles, Task};
+use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
 use crate::multipole::near::Cloud;
 use crate::multipole::solver::{SINGLE, check_accuracy, find_order, guess, thinning};
 use crate::multipole::tree::{Cell, Tree};
@@ -282,8 +282,9 @@ impl<'a, E: Real> Sum<'a, E> {
         out: &mut [Loads],
     ) {
         let (targets, opening, clearance) = (self.tree, OPENING, self.clearance);
-        let (leaf, thinning, direct) = (self, thinning(self.accuracy), 0);
-        Descent { sources, targets, leaf, order, opening, thinning, clearance, direct, samples }
+        let (leaf, direct) = (self, 0);
+        let degrees = Degrees::new(order, opening, thinning(self.accuracy));
+        Descent { sources, targets, leaf, order, opening, degrees, clearance, direct, samples }
             .run(out);
     }
 
