@@ -48,7 +48,7 @@ pub enum KeratinError {
     /// A value was asked for where nobody measured.
     #[error(
         "{quantity} is measured for {of} in [{}, {}], not at {value}; ask there, or allow \
-         extrapolation with Outside::Mark", range[0], range[1]
+         extrapolation (in the library: Outside::Mark)", range[0], range[1]
     )]
     Outside {
         /// The quantity.
