@@ -7,11 +7,13 @@ use super::touch::{Partner, Touch};
 use super::work::ContactWork;
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Body, Bond, Contact, ContactError, Report, Solver, report};
+use rapunzel_contact::{
+    Admm, Body, Bond, Contact, ContactError, Report, Solver, Tolerance, report,
+};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
-/// Residuals below this take more than single precision.
+/// Residuals, and errors of velocities in m/s, below this take more than single precision.
 const ROUNDING: f64 = 1e-5;
 
 /// All contacts between the points of all groups, in the order of the touches they are made of.
@@ -175,7 +177,8 @@ impl Case {
         let points = select(&self.points, &mut used);
         let levers = select(&self.levers, &mut used);
         let mut free = world.free_bodies(&levers)?;
-        let exact = solver.tolerance.residual < ROUNDING;
+        let Tolerance { residual, normal, slip, .. } = solver.tolerance;
+        let exact = residual.min(normal).min(slip) < ROUNDING;
         let groups = world.groups.par_iter_mut().zip(&points);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points, exact)))

@@ -13,9 +13,10 @@ use std::f64::consts::TAU;
 /// Length of the hair, m, and its segments.
 const LENGTH: f64 = 0.05;
 const SEGMENTS: usize = 10;
-/// Mass of the bob, kg; its inertia is such that the hair swings once a second.
+/// Mass of the bob, kg; its inertia is such that the hair swings with 1 rad/s, where the moduli of one that
+/// fades are those of the tables.
 const MASS: f64 = 1e-4;
-const PERIOD: f64 = 1.0;
+const PERIOD: f64 = TAU;
 /// Twist at the start, rad.
 const TWIST: f64 = 0.5;
 /// Length of a step, s, and of the record.
