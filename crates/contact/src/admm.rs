@@ -149,7 +149,7 @@ impl Solver for Admm {
             if last || self.tolerance.reached(&near) {
                 sides.truth(bodies, velocities, &world);
                 let velocities: Vec<_> = contacts
-                    .iter()
+                    .par_iter()
                     .zip(&*impulses)
                     .map(|(c, r)| c.relative(&sides.v) + r * c.compliance)
                     .collect();
@@ -333,20 +333,20 @@ impl Sides {
         base: &[Vector3<f64>],
         impulses: &[Vector3<f64>],
     ) {
-        for (point, asked) in self.asked.iter_mut().enumerate() {
-            *asked = -self.given[point];
-            for (contact, sign) in &self.contact[self.starts[point]..self.starts[point + 1]] {
-                *asked += impulses[*contact] * *sign;
+        let ranges = ranges(bodies);
+        let Self { starts, contact, given, v, asked, .. } = self;
+        let (v, asked) = (split(v, bodies), split(asked, bodies));
+        let bodies = bodies.par_iter_mut().zip(ranges);
+        bodies.zip(asked.into_par_iter().zip(v)).for_each(|((body, range), (asked, v))| {
+            for (point, asked) in range.clone().zip(&mut *asked) {
+                *asked = -given[point];
+                for (contact, sign) in &contact[starts[point]..starts[point + 1]] {
+                    *asked += impulses[*contact] * *sign;
+                }
             }
-        }
-        let (asked, v) = (split(&mut self.asked, bodies), split(&mut self.v, bodies));
-        bodies
-            .par_iter_mut()
-            .zip(asked.into_par_iter().zip(v))
-            .for_each(|(body, (asked, v))| body.respond(asked, v));
-        for (v, base) in self.v.iter_mut().zip(base) {
-            *v += base;
-        }
+            body.respond(asked, v);
+            v.iter_mut().zip(&base[range]).for_each(|(v, base)| *v += base);
+        });
     }
 
     /// How far what the contacts want is from what the bodies do.
@@ -357,20 +357,31 @@ impl Sides {
         impulses: &[Vector3<f64>],
         relaxation: f64,
     ) -> Report {
-        let (mut wrong, mut all) = (0.0, 0.0);
-        let mut found = Report::default();
         let step = |side: Option<usize>| side.map_or_else(Vector3::zeros, |side| self.step[side]);
-        for (i, (contact, r)) in contacts.iter().zip(impulses).enumerate() {
-            let [first, second] = self.of_contact[i];
-            let mut off = contact.frame.tr_mul(&(step(first) - step(second))) / relaxation;
-            if r.x <= -contact.adhesion {
-                // Nothing holds it: only what closes the gap is wrong.
-                off = Vector3::new(contact.relative(&self.v).x.min(0.0), 0.0, 0.0);
+        let part = |chunk: usize| {
+            let (mut wrong, mut all, mut found) = (0.0, 0.0, Report::default());
+            for i in chunk * CHUNK..contacts.len().min((chunk + 1) * CHUNK) {
+                let (contact, r, [first, second]) =
+                    (&contacts[i], &impulses[i], self.of_contact[i]);
+                let mut off = contact.frame.tr_mul(&(step(first) - step(second))) / relaxation;
+                if r.x <= -contact.adhesion {
+                    // Nothing holds it: only what closes the gap is wrong.
+                    off = Vector3::new(contact.relative(&self.v).x.min(0.0), 0.0, 0.0);
+                }
+                wrong += off.norm_squared() / (responses[i] * responses[i]);
+                all += r.norm_squared();
+                found.normal_error = found.normal_error.max(off.x.abs());
+                found.slip_error = found.slip_error.max(off.yz().norm());
             }
-            wrong += off.norm_squared() / (responses[i] * responses[i]);
-            all += r.norm_squared();
-            found.normal_error = found.normal_error.max(off.x.abs());
-            found.slip_error = found.slip_error.max(off.yz().norm());
+            (wrong, all, found)
+        };
+        let parts: Vec<_> = (0..contacts.len().div_ceil(CHUNK)).into_par_iter().map(part).collect();
+        let (mut wrong, mut all, mut found) = (0.0, 0.0, Report::default());
+        for (of_part, all_of_part, part) in parts {
+            wrong += of_part;
+            all += all_of_part;
+            found.normal_error = found.normal_error.max(part.normal_error);
+            found.slip_error = found.slip_error.max(part.slip_error);
         }
         if wrong > 0.0 {
             found.residual = if all > 0.0 { (wrong / all).sqrt() } else { f64::INFINITY };

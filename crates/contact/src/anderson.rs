@@ -3,14 +3,16 @@
 //! Type II (Walker and Ni 2011): of the last steps it finds the combination whose residual is
 //! least, and steps to the same combination of their images. A step that raises the residual is
 //! taken back.
+//!
+//! Differences of steps are remembered in single precision, which is half of what has to be read:
+//! they only choose the next state, and their roundings shrink with them.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Vectors that one task takes.
-const CHUNK: usize = 512;
+const CHUNK: usize = 256;
 /// Sums that a product runs side by side.
 const LANES: usize = 32;
 /// Part of the largest entry that keeps the small system regular.
@@ -22,16 +24,28 @@ const GROWTH: f64 = 1.0;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Anderson {
     depth: usize,
-    /// Differences of residuals and of images, the oldest overwritten first.
-    residuals: Vec<Vec<[f64; 3]>>,
-    images: Vec<Vec<[f64; 3]>>,
+    parts: Vec<Part>,
     steps: usize,
-    /// Residual and image of the step before, and of the next.
-    last: [Vec<[f64; 3]>; 2],
-    next: [Vec<[f64; 3]>; 2],
     /// Norm of the residual of the step before; `None` if there is none.
     norm: Option<f64>,
     gram: DMatrix<f64>,
+}
+
+/// The last steps of some of the vectors.
+#[derive(Debug, Clone, Default)]
+struct Part {
+    /// Differences of residuals and of images, the oldest overwritten first.
+    differences: Vec<[Vec<f32>; 2]>,
+    /// Residual and image of the step before, and of the next.
+    last: [Vec<f64>; 2],
+    next: [Vec<f64>; 2],
+}
+
+/// Where the newest difference goes, and how many are then remembered.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    newest: usize,
+    count: usize,
 }
 
 impl Anderson {
@@ -55,66 +69,177 @@ impl Anderson {
         residual: &[Vector3<f64>],
         state: &mut [Vector3<f64>],
     ) {
-        let [weighted, image] = &mut self.next;
-        weighted.clear();
-        weighted.extend(residual.iter().zip(roots).map(|(f, w)| <[f64; 3]>::from(f * *w)));
-        image.clear();
-        image.extend(state.iter().zip(residual).map(|(h, f)| <[f64; 3]>::from(h + f)));
-        let remembers = self.norm.is_some();
-        let slot = self.steps % self.depth;
-        if remembers {
-            if self.residuals.len() <= slot {
-                self.residuals.push(Vec::new());
-                self.images.push(Vec::new());
-            }
-            difference(&mut self.residuals[slot], weighted, &self.last[0]);
-            difference(&mut self.images[slot], image, &self.last[1]);
-        }
-        let count = (self.steps + usize::from(remembers)).min(self.depth);
-        let newest = remembers.then_some(slot);
-        let products = products(&self.residuals[..count], newest, weighted);
+        let place = self.norm.map(|_| Place {
+            newest: self.steps % self.depth,
+            count: (self.steps + 1).min(self.depth),
+        });
+        self.parts.resize_with(state.len().div_ceil(CHUNK), Part::default);
+        let given = residual.par_chunks(CHUNK).zip(roots.par_chunks(CHUNK));
+        let parts = self.parts.par_iter_mut().zip(state.par_chunks(CHUNK).zip(given));
+        let products: Vec<Products> = parts
+            .map(|(part, (state, (residual, roots)))| {
+                let vectors = Vectors { state, residual, roots };
+                Arch::new().dispatch(Look { part, place, vectors })
+            })
+            .collect();
+        let products = Products::sum(&products);
         let norm = products.norm.sqrt();
         if let Some(before) = self.norm
             && (norm > GROWTH * before || norm.is_nan())
         {
             // Back to where plain steps lead.
-            state.iter_mut().zip(&self.last[1]).for_each(|(h, image)| *h = (*image).into());
+            let parts = self.parts.par_iter().zip(state.par_chunks_mut(CHUNK));
+            parts.for_each(|(part, state)| set(state, &part.last[1]));
             self.forget();
             return;
         }
-        if remembers {
+        if let Some(Place { newest, .. }) = place {
             self.steps += 1;
-            for (i, &entry) in products.with_newest.iter().enumerate() {
-                (self.gram[(slot, i)], self.gram[(i, slot)]) = (entry, entry);
+            for (i, &[_, entry]) in products.with.iter().enumerate() {
+                (self.gram[(newest, i)], self.gram[(i, newest)]) = (entry, entry);
             }
         }
         self.norm = Some(norm);
-        std::mem::swap(&mut self.last, &mut self.next);
+        let shares = self.shares(&products);
+        let parts = self.parts.par_iter_mut().zip(state.par_chunks_mut(CHUNK));
+        parts.for_each(|(part, state)| {
+            Arch::new().dispatch(Mix { part, shares: &shares, state });
+        });
+    }
+
+    /// The shares of the differences that leave the least residual; none where they cannot be told.
+    fn shares(&self, products: &Products) -> Vec<f64> {
+        let count = products.with.len();
         let mut gram = self.gram.view((0, 0), (count, count)).into_owned();
         let ridge = RIDGE * gram.amax();
         for i in 0..count {
             gram[(i, i)] += ridge;
         }
-        let right = DVector::from_vec(products.with_residual);
+        let right = DVector::from_iterator(count, products.with.iter().map(|[right, _]| *right));
         let shares = gram.cholesky().map(|cholesky| cholesky.solve(&right));
         let shares = shares.filter(|shares| shares.iter().all(|x| x.is_finite()));
-        let shares = shares.as_ref().map_or(&[][..], |shares| shares.as_slice());
-        let (image, images) = (&self.last[1], &self.images);
-        state.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, state)| {
-            let range = chunk * CHUNK..chunk * CHUNK + state.len();
-            let mut mixed = image[range.clone()].to_vec();
-            Arch::new().dispatch(Mix { mixed: &mut mixed, shares, images, range });
-            state.iter_mut().zip(mixed).for_each(|(h, mixed)| *h = mixed.into());
-        });
+        shares.map_or_else(Vec::new, |shares| shares.as_slice().to_vec())
     }
 }
 
-/// Takes shares of differences of images from some vectors.
+/// Products of what is remembered.
+#[derive(Debug, Clone, Default)]
+struct Products {
+    /// Of the residual with itself.
+    norm: f64,
+    /// Of every difference of residuals with the residual and with the newest difference.
+    with: Vec<[f64; 2]>,
+}
+
+impl Products {
+    /// Those of all parts, in their order.
+    fn sum(parts: &[Self]) -> Self {
+        let count = parts.first().map_or(0, |part| part.with.len());
+        let sum = |i: usize| [0, 1].map(|k| parts.iter().map(|part| part.with[i][k]).sum());
+        Self { norm: parts.iter().map(|part| part.norm).sum(), with: (0..count).map(sum).collect() }
+    }
+}
+
+/// Some of the vectors of a step.
+struct Vectors<'a> {
+    state: &'a [Vector3<f64>],
+    residual: &'a [Vector3<f64>],
+    roots: &'a [f64],
+}
+
+/// Remembers a step and finds its products.
+struct Look<'a> {
+    part: &'a mut Part,
+    place: Option<Place>,
+    vectors: Vectors<'a>,
+}
+
+impl NullaryFnOnce for Look<'_> {
+    type Output = Products;
+
+    #[inline(always)]
+    fn call(self) -> Products {
+        let Self { part, place, vectors: Vectors { state, residual, roots } } = self;
+        let [weighted, image] = &mut part.next;
+        weighted.resize(3 * state.len(), 0.0);
+        image.resize(3 * state.len(), 0.0);
+        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(image.as_chunks_mut::<3>().0);
+        for (((weighted, image), h), (f, w)) in rooms.zip(state).zip(residual.iter().zip(roots)) {
+            *weighted = (f * *w).into();
+            *image = (h + f).into();
+        }
+        let mut products = Products { norm: product(weighted), with: Vec::new() };
+        let Some(Place { newest, count }) = place else { return products };
+        part.differences.resize_with(part.differences.len().max(count), Default::default);
+        let steps = part.next.iter().zip(&part.last);
+        for (difference, (next, last)) in part.differences[newest].iter_mut().zip(steps) {
+            difference.resize(next.len(), 0.0);
+            let both = next.iter().zip(last);
+            difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = single(a - b));
+        }
+        let [newest, _] = &part.differences[newest];
+        let with = |[other, _]: &[Vec<f32>; 2]| dots(other, &part.next[0], newest);
+        products.with.extend(part.differences[..count].iter().map(with));
+        products
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
+fn single(x: f64) -> f32 {
+    x as f32
+}
+
+/// The product of numbers with themselves.
+#[inline(always)]
+fn product(a: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (whole, rest) = a.as_chunks::<LANES>();
+    for a in whole {
+        for i in 0..LANES {
+            sums[i] += a[i] * a[i];
+        }
+    }
+    total(sums) + rest.iter().map(|a| a * a).sum::<f64>()
+}
+
+/// The products of a difference with a residual and with another difference.
+#[inline(always)]
+fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
+    let mut sums = [[0.0; LANES]; 2];
+    let (d, rest) = difference.as_chunks::<LANES>();
+    let (r, rest_r) = residual.as_chunks::<LANES>();
+    let (o, rest_o) = other.as_chunks::<LANES>();
+    for ((d, r), o) in d.iter().zip(r).zip(o) {
+        for i in 0..LANES {
+            sums[0][i] += f64::from(d[i]) * r[i];
+            sums[1][i] += f64::from(d[i]) * f64::from(o[i]);
+        }
+    }
+    let rest = rest.iter().zip(rest_r).zip(rest_o).fold([0.0; 2], |[a, b], ((d, r), o)| {
+        [a + f64::from(*d) * r, b + f64::from(*d) * f64::from(*o)]
+    });
+    [0, 1].map(|k| total(sums[k]) + rest[k])
+}
+
+/// By halves.
+#[inline(always)]
+fn total(mut sums: [f64; LANES]) -> f64 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for i in 0..half {
+            sums[i] += sums[i + half];
+        }
+        half /= 2;
+    }
+    sums[0]
+}
+
+/// Takes shares of the differences of images from the next one, and makes that the last.
 struct Mix<'a> {
-    mixed: &'a mut [[f64; 3]],
+    part: &'a mut Part,
     shares: &'a [f64],
-    images: &'a [Vec<[f64; 3]>],
-    range: Range<usize>,
+    state: &'a mut [Vector3<f64>],
 }
 
 impl NullaryFnOnce for Mix<'_> {
@@ -122,85 +247,19 @@ impl NullaryFnOnce for Mix<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let mixed = self.mixed.as_flattened_mut();
-        for (share, image) in self.shares.iter().zip(self.images) {
-            let image = image[self.range.clone()].as_flattened();
-            mixed.iter_mut().zip(image).for_each(|(h, d)| *h -= d * share);
+        let Part { differences, last, next } = self.part;
+        std::mem::swap(last, next);
+        // The room of the next step serves for the sum.
+        let mixed = &mut next[1];
+        mixed.clone_from(&last[1]);
+        for (share, [_, image]) in self.shares.iter().zip(differences) {
+            mixed.iter_mut().zip(&*image).for_each(|(h, d)| *h -= f64::from(*d) * share);
         }
+        set(self.state, mixed);
     }
 }
 
-/// Products of what is remembered.
-struct Products {
-    /// Of the residual with itself.
-    norm: f64,
-    /// Of every difference of residuals with the newest one, if there is one.
-    with_newest: Vec<f64>,
-    /// Of every difference with the residual.
-    with_residual: Vec<f64>,
-}
-
-/// All products in one pass, summed in a fixed order.
-fn products(
-    differences: &[Vec<[f64; 3]>],
-    newest: Option<usize>,
-    residual: &[[f64; 3]],
-) -> Products {
-    let part = |start: usize| {
-        let range = start..residual.len().min(start + CHUNK);
-        let residual = residual[range.clone()].as_flattened();
-        let newest = newest.map(|slot| differences[slot][range.clone()].as_flattened());
-        let others = differences.iter().map(|d| d[range.clone()].as_flattened()).collect();
-        Arch::new().dispatch(Dots { residual, newest, others })
-    };
-    let starts: Vec<usize> = (0..residual.len()).step_by(CHUNK).collect();
-    let parts: Vec<Vec<f64>> = starts.into_par_iter().map(part).collect();
-    let sum = |i: usize| parts.iter().map(|sums| sums[i]).sum::<f64>();
-    let count = differences.len();
-    let newest = if newest.is_some() { count } else { 0 };
-    Products {
-        norm: sum(0),
-        with_residual: (1..=count).map(sum).collect(),
-        with_newest: (count + 1..=count + newest).map(sum).collect(),
-    }
-}
-
-/// The products of a residual with itself and with others, and of those with the newest of them.
-struct Dots<'a> {
-    residual: &'a [f64],
-    newest: Option<&'a [f64]>,
-    others: Vec<&'a [f64]>,
-}
-
-impl NullaryFnOnce for Dots<'_> {
-    type Output = Vec<f64>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        let mut dots = vec![dot(self.residual, self.residual)];
-        dots.extend(self.others.iter().map(|other| dot(other, self.residual)));
-        if let Some(newest) = self.newest {
-            dots.extend(self.others.iter().map(|other| dot(other, newest)));
-        }
-        dots
-    }
-}
-
-/// Sums that run side by side, then one after another.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    for (a, b) in a.iter().zip(b) {
-        for i in 0..LANES {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    let rest: f64 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
-}
-
-fn difference(out: &mut Vec<[f64; 3]>, new: &[[f64; 3]], old: &[[f64; 3]]) {
-    out.clear();
-    out.extend(new.iter().zip(old).map(|(a, b)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]]));
+fn set(state: &mut [Vector3<f64>], numbers: &[f64]) {
+    let vectors = numbers.as_chunks::<3>().0;
+    state.iter_mut().zip(vectors).for_each(|(h, &numbers)| *h = numbers.into());
 }

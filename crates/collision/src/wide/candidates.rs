@@ -1,6 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
+use super::lines::Lines;
 use super::way::Way;
 use super::{NONE, Tree};
 use crate::capsules::length;
@@ -49,7 +50,8 @@ struct List {
     way: Way,
     /// Motions in a row that were too wide for a list.
     wide: usize,
-    /// Room for their pairs.
+    /// Room for them and their pairs.
+    lines: Vec<Lines>,
     swept: Vec<Pair>,
     /// Room for the squared distances of all pairs, m².
     squared: Vec<f64>,
@@ -170,6 +172,7 @@ impl List {
             regions,
             way: Way::default(),
             wide: 0,
+            lines: Vec::new(),
             swept: Vec::new(),
             squared: Vec::new(),
         };
@@ -198,7 +201,8 @@ impl List {
         } else {
             self.wide += 1;
             self.tree.refit_swept(start, end, 0.5 * (reach + slack))?;
-            self.tree.pairs(&mut self.swept);
+            self.tree.lines(start, end, reach + slack, &mut self.lines);
+            self.tree.pairs_in_reach(&self.lines, &mut self.swept);
             self.way.set_out(start, end, &self.swept, reaches);
         }
         Ok(())

@@ -9,6 +9,7 @@ mod block;
 mod bounds;
 mod build;
 mod candidates;
+mod lines;
 mod pairs;
 mod refit;
 mod way;

@@ -1,6 +1,6 @@
 //! Fibres as bodies of the contact solver.
 
-use super::explicit::{Answer, Explicit};
+use super::explicit::{Answer, Explicit, Inertia};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use rapunzel_contact::{Body, ContactError};
@@ -64,7 +64,8 @@ impl Body for Fibers<'_> {
 
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
         if let Some(explicit) = &self.explicit {
-            return explicit.iter().for_each(|one| one.respond(impulses, velocities));
+            let inertia = Inertia::Own;
+            return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
         }
         let answered = self.batch.respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
@@ -72,7 +73,8 @@ impl Body for Fibers<'_> {
 
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
         if let Some(explicit) = &self.explicit {
-            return Arch::new().dispatch(Answer { explicit, impulses, velocities });
+            let inertia = Inertia::Weighted;
+            return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
         }
         let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");

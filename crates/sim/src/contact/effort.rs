@@ -5,6 +5,8 @@ use rapunzel_contact::Tolerance;
 /// The least and the largest of the errors, in tolerances, that solves of contacts leave.
 const TIGHT: f64 = 0.8;
 const LOOSE: f64 = 15.0;
+/// The same of a first guess.
+const GUESS: f64 = 40.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
 const SQUARE: f64 = 1e-5;
 
@@ -17,7 +19,7 @@ pub(super) struct Effort {
 
 impl Effort {
     /// As long as the rods are far from where they go, exact answers are wasted.
-    pub(super) const FIRST: Self = Self { slack: LOOSE, most: 60 };
+    pub(super) const FIRST: Self = Self { slack: GUESS, most: 60 };
     /// What is asked for in the end.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
 

@@ -1,10 +1,10 @@
 //! How the points of one fibre answer impulses, written out.
 
-use nalgebra::{RealField, Vector3, convert, convert_unchecked};
+use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
 use rapunzel_rod_dynamic::PointResponses;
 
-/// Columns are filled up to a multiple of this many rows, so that loops over them leave no rest.
+/// Rows of a strip: the lanes of the widest register in single precision.
 const ROWS: usize = 16;
 /// Columns that a product takes at once.
 const COLUMNS: usize = 4;
@@ -12,62 +12,38 @@ const COLUMNS: usize = 4;
 /// The answers of the points of one fibre.
 pub(super) struct Explicit {
     own: PointResponses,
-    /// With masses added.
+    /// The same with masses added.
     weighted: Weighted,
-    /// Of the weighted matrix, column by column.
-    stride: usize,
+    /// The own answers in strips.
+    strips: Strips<f64>,
 }
 
 /// A matrix as precise as the solver needs it: half the bytes are half the time.
 enum Weighted {
-    Single(Vec<f32>),
-    Double(Vec<f64>),
+    Single(Strips<f32>),
+    Double(Strips<f64>),
 }
 
 impl Explicit {
     pub(super) fn new(own: PointResponses) -> Self {
-        let stride = own.matrix.nrows().next_multiple_of(ROWS);
-        Self { own, weighted: Weighted::Double(Vec::new()), stride }
+        let strips = Strips::new(own.matrix.as_slice(), own.matrix.nrows());
+        Self { own, weighted: Weighted::Double(Strips::new(&[], 0)), strips }
     }
 
-    /// Adds a mass at each point, one after another: a mass `m` at `i` leaves
-    /// `W - W e_i e_i^T W m/(1 + m W_ii)` of the answer `W`. In single precision unless `exact`.
-    /// False if `W` is not positive semidefinite.
+    /// Adds a mass at each point, one after another, with `W` the answer so far: a mass `m` at `i`
+    /// leaves `W - W_i S W_i^T` of it, with the columns `W_i` and `S = (W_ii + 1/m)^-1`. In single
+    /// precision unless `exact`. False if `W` is not positive semidefinite.
     pub(super) fn weigh(&mut self, masses: &[f64], exact: bool) -> bool {
-        let (size, stride) = (self.own.matrix.nrows(), self.stride);
-        let mut matrix = vec![0.0; stride * size];
-        if size == 0 {
-            return true;
-        }
-        for (to, from) in
-            matrix.chunks_exact_mut(stride).zip(self.own.matrix.as_slice().chunks_exact(size))
-        {
-            to[..size].copy_from_slice(from);
-        }
-        let masses = self.own.points.iter().flat_map(|&point| [masses[point]; 3]);
-        let positive = Arch::new().dispatch(AddMasses {
-            matrix: &mut matrix,
-            stride,
-            masses: masses.collect(),
-        });
+        let PointResponses { points, matrix } = &self.own;
+        let (size, masses) = (matrix.nrows(), points.iter().map(|&point| masses[point]).collect());
+        let add = AddMasses { answers: matrix.as_slice(), size, masses };
+        let Some(lower) = Arch::new().dispatch(add) else { return false };
         self.weighted = if exact {
-            Weighted::Double(matrix)
+            Weighted::Double(Strips::new(&lower, size))
         } else {
-            #[expect(clippy::cast_possible_truncation, reason = "that is what it is for")]
-            Weighted::Single(matrix.into_iter().map(|x| x as f32).collect())
+            Weighted::Single(Strips::new(&lower, size))
         };
-        positive
-    }
-
-    /// Writes the velocities that impulses cause, both by point.
-    pub(super) fn respond(&self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        for (i, &point) in self.own.points.iter().enumerate() {
-            let mut velocity = Vector3::zeros();
-            for (j, &other) in self.own.points.iter().enumerate() {
-                velocity += self.own.matrix.fixed_view::<3, 3>(3 * i, 3 * j) * impulses[other];
-            }
-            velocities[point] = velocity;
-        }
+        true
     }
 
     /// The traces of the blocks of each point with itself, by point.
@@ -78,38 +54,115 @@ impl Explicit {
     }
 }
 
-/// Takes the rows of a matrix after one mass after another was added.
+/// A symmetric matrix in strips of rows, each column by column, filled up with zeros: a product reads
+/// it from the first entry to the last.
+struct Strips<T> {
+    size: usize,
+    entries: Vec<T>,
+}
+
+impl<T: RealField + Copy> Strips<T> {
+    /// From the lower triangle of a matrix that is stored column by column.
+    fn new(lower: &[f64], size: usize) -> Self {
+        let columns = size.next_multiple_of(COLUMNS);
+        let mut entries = vec![T::zero(); size.next_multiple_of(ROWS) * columns];
+        let at = |i: usize, j: usize| (i / ROWS * columns + j) * ROWS + i % ROWS;
+        for j in 0..size {
+            for i in j..size {
+                let entry = convert::<f64, T>(lower[j * size + i]);
+                entries[at(i, j)] = entry;
+                entries[at(j, i)] = entry;
+            }
+        }
+        Self { size, entries }
+    }
+
+    /// Writes the product with `from`; both are filled up as the matrix is.
+    #[inline(always)]
+    fn multiply(&self, from: &[T], to: &mut [T]) {
+        let strips = self.entries.chunks_exact(ROWS * from.len().max(1));
+        for (strip, to) in strips.zip(to.as_chunks_mut::<ROWS>().0) {
+            // Four sums that do not wait for each other.
+            let zero = [T::zero(); ROWS];
+            let (mut p, mut q, mut r, mut s) = (zero, zero, zero, zero);
+            let columns = strip.as_chunks::<ROWS>().0.as_chunks::<COLUMNS>().0;
+            for ([a, b, c, d], &[x, y, z, w]) in columns.iter().zip(from.as_chunks::<COLUMNS>().0) {
+                for i in 0..ROWS {
+                    p[i] += a[i] * x;
+                    q[i] += b[i] * y;
+                    r[i] += c[i] * z;
+                    s[i] += d[i] * w;
+                }
+            }
+            for i in 0..ROWS {
+                to[i] = (p[i] + q[i]) + (r[i] + s[i]);
+            }
+        }
+    }
+}
+
+/// Adds masses; of the matrix that is left the lower triangle is right.
 struct AddMasses<'a> {
-    matrix: &'a mut [f64],
-    stride: usize,
+    /// Symmetric, column by column.
+    answers: &'a [f64],
+    size: usize,
     masses: Vec<f64>,
 }
 
 impl NullaryFnOnce for AddMasses<'_> {
-    type Output = bool;
+    type Output = Option<Vec<f64>>;
 
     #[inline(always)]
-    fn call(self) -> bool {
-        let mut column = vec![0.0; self.stride];
-        for (i, &mass) in self.masses.iter().enumerate() {
-            column.copy_from_slice(&self.matrix[i * self.stride..(i + 1) * self.stride]);
-            let pivot = 1.0 + mass * column[i];
-            if pivot <= 0.0 {
-                return false;
+    fn call(self) -> Option<Vec<f64>> {
+        let Self { answers, size, masses } = self;
+        let mut left = answers.to_vec();
+        let mut columns = [(); 3].map(|()| vec![0.0; size]);
+        let mut shares = columns.clone();
+        for (first, &mass) in (0..size).step_by(3).zip(&masses) {
+            if mass <= 0.0 {
+                continue;
             }
-            let share = mass / pivot;
-            for (to, x) in self.matrix.chunks_exact_mut(self.stride).zip(&column) {
-                let factor = share * x;
-                to.iter_mut().zip(&column).for_each(|(y, a)| *y -= factor * a);
+            for (k, column) in (first..).zip(&mut columns) {
+                let (before, behind) = left.split_at(k * size);
+                let (above, below) = column.split_at_mut(k);
+                for (x, other) in above.iter_mut().zip(before.chunks_exact(size)) {
+                    *x = other[k];
+                }
+                below.copy_from_slice(&behind[k..size]);
+            }
+            let own = Matrix3::from_fn(|i, j| columns[j][first + i]);
+            let inverse = (own + Matrix3::from_diagonal_element(1.0 / mass)).cholesky()?.inverse();
+            let [a, b, c] = &columns;
+            for (j, share) in shares.iter_mut().enumerate() {
+                let [x, y, z] = [inverse[(0, j)], inverse[(1, j)], inverse[(2, j)]];
+                for (((to, a), b), c) in share.iter_mut().zip(a).zip(b).zip(c) {
+                    *to = x * a + y * b + z * c;
+                }
+            }
+            let [u, v, w] = &shares;
+            for (j, left) in left.chunks_exact_mut(size).enumerate() {
+                let [x, y, z] = [a[j], b[j], c[j]];
+                let shares = u[j..].iter().zip(&v[j..]).zip(&w[j..]);
+                for (to, ((u, v), w)) in left[j..].iter_mut().zip(shares) {
+                    *to -= x * u + y * v + z * w;
+                }
             }
         }
-        true
+        Some(left)
     }
 }
 
-/// Replaces impulses on points by the velocities that they cause with masses added, fibre by fibre.
+/// Which of the answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Inertia {
+    Own,
+    Weighted,
+}
+
+/// Replaces impulses on points by the velocities that they cause, fibre by fibre.
 pub(super) struct Answer<'a> {
     pub(super) explicit: &'a [Explicit],
+    pub(super) inertia: Inertia,
     pub(super) impulses: &'a [Vector3<f64>],
     pub(super) velocities: &'a mut [Vector3<f64>],
 }
@@ -119,14 +172,16 @@ impl NullaryFnOnce for Answer<'_> {
 
     #[inline(always)]
     fn call(self) {
+        let Self { explicit, inertia, impulses, velocities } = self;
         let (mut single, mut double) = (Room::default(), Room::default());
-        for Explicit { own, weighted, stride } in self.explicit {
-            match weighted {
-                Weighted::Single(matrix) => {
-                    single.multiply(matrix, *stride, own, self.impulses, self.velocities);
+        for Explicit { own: PointResponses { points, .. }, weighted, strips } in explicit {
+            match (inertia, weighted) {
+                (Inertia::Own, _) => double.answer(strips, points, impulses, velocities),
+                (Inertia::Weighted, Weighted::Single(matrix)) => {
+                    single.answer(matrix, points, impulses, velocities);
                 }
-                Weighted::Double(matrix) => {
-                    double.multiply(matrix, *stride, own, self.impulses, self.velocities);
+                (Inertia::Weighted, Weighted::Double(matrix)) => {
+                    double.answer(matrix, points, impulses, velocities);
                 }
             }
         }
@@ -142,36 +197,22 @@ struct Room<T> {
 
 impl<T: RealField + Copy> Room<T> {
     #[inline(always)]
-    fn multiply(
+    fn answer(
         &mut self,
-        matrix: &[T],
-        stride: usize,
-        own: &PointResponses,
+        matrix: &Strips<T>,
+        points: &[usize],
         impulses: &[Vector3<f64>],
         velocities: &mut [Vector3<f64>],
     ) {
         self.from.clear();
-        for &point in &own.points {
-            self.from.extend(impulses[point].iter().map(|&x| convert::<f64, T>(x)));
+        self.from.resize(matrix.size.next_multiple_of(COLUMNS), T::zero());
+        for (from, &point) in self.from.as_chunks_mut::<3>().0.iter_mut().zip(points) {
+            *from = impulses[point].map(|x| convert::<f64, T>(x)).into();
         }
-        self.to.clear();
-        self.to.resize(stride, T::zero());
-        let whole = matrix.chunks_exact(COLUMNS * stride);
-        let rest = whole.remainder();
-        let (fours, one_by_one) = self.from.as_chunks::<COLUMNS>();
-        for (columns, [x, y, z, w]) in whole.zip(fours) {
-            let (a, columns) = columns.split_at(stride);
-            let (b, columns) = columns.split_at(stride);
-            let (c, d) = columns.split_at(stride);
-            for ((((to, a), b), c), d) in self.to.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                *to += (*a * *x + *b * *y) + (*c * *z + *d * *w);
-            }
-        }
-        for (column, x) in rest.chunks_exact(stride).zip(one_by_one) {
-            self.to.iter_mut().zip(column).for_each(|(to, a)| *to += *a * *x);
-        }
-        for (&point, to) in own.points.iter().zip(self.to.as_chunks::<3>().0) {
-            velocities[point] = Vector3::from(*to).map(convert_unchecked::<T, f64>);
+        self.to.resize(matrix.size.next_multiple_of(ROWS), T::zero());
+        matrix.multiply(&self.from, &mut self.to);
+        for (to, &point) in self.to.as_chunks::<3>().0.iter().zip(points) {
+            velocities[point] = Vector3::from(*to).map(|x| convert_unchecked::<T, f64>(x));
         }
     }
 }
