@@ -52,9 +52,6 @@ pub(super) trait Compare: Copy {
     /// The lanes of `nodes` that differ from `node` by at most one, as bits; also those that do
     /// so across the end of the range, where lanes are empty.
     fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16;
-
-    /// The lanes of positive numbers, as bits.
-    fn positive(self, numbers: &[f32; WIDTH]) -> u16;
 }
 
 /// Comparison that compilers turn into what the machine has.
@@ -81,11 +78,6 @@ impl Compare for Portable {
             adjacent[lane] = nodes[lane].wrapping_sub(node).wrapping_add(1) <= 2;
         }
         bits(&adjacent)
-    }
-
-    #[inline(always)]
-    fn positive(self, numbers: &[f32; WIDTH]) -> u16 {
-        bits(&numbers.map(|x| x > 0.0))
     }
 }
 
@@ -123,12 +115,6 @@ impl Compare for Masks {
         let ahead = simd.wrapping_sub_u32x16(pulp::cast(*nodes), before);
         simd.cmp_le_u32x16(ahead, simd.splat_u32s(2)).0
     }
-
-    #[inline(always)]
-    fn positive(self, numbers: &[f32; WIDTH]) -> u16 {
-        let Self(simd) = self;
-        simd.cmp_gt_f32x16(pulp::cast(*numbers), simd.splat_f32s(0.0)).0
-    }
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
@@ -165,10 +151,6 @@ mod tests {
             if let Some(simd) = pulp::x86::V4::try_new() {
                 prop_assert_eq!(Masks(simd).meet(&block, &bounds), meet);
                 prop_assert_eq!(Masks(simd).adjacent(&nodes, node), adjacent);
-                for numbers in block.low {
-                    let positive = Portable.positive(&numbers);
-                    prop_assert_eq!(Masks(simd).positive(&numbers), positive);
-                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::lines::Lines;
+use super::lines::{Line, lines};
 use super::way::Way;
 use super::{NONE, Tree};
 use crate::capsules::length;
@@ -51,7 +51,7 @@ struct List {
     /// Motions in a row that were too wide for a list.
     wide: usize,
     /// Room for them and their pairs.
-    lines: Vec<Lines>,
+    lines: Vec<Line>,
     swept: Vec<Pair>,
     /// Room for the squared distances of all pairs, m².
     squared: Vec<f64>,
@@ -201,7 +201,7 @@ impl List {
         } else {
             self.wide += 1;
             self.tree.refit_swept(start, end, 0.5 * (reach + slack))?;
-            self.tree.lines(start, end, reach + slack, &mut self.lines);
+            lines(start, end, reach + slack, &mut self.lines);
             self.tree.pairs_in_reach(&self.lines, &mut self.swept);
             self.way.set_out(start, end, &self.swept, reaches);
         }

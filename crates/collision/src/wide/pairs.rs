@@ -2,7 +2,7 @@
 
 use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
-use super::lines::Lines;
+use super::lines::{Line, sift};
 use super::{Level, Tree};
 use crate::Pair;
 use pulp::{Arch, NullaryFnOnce};
@@ -18,21 +18,22 @@ impl Tree {
     /// The order depends on the tree alone, not on the number of threads. Cost: 45 ns a segment
     /// where a segment has one partner.
     pub fn pairs(&mut self, pairs: &mut Vec<Pair>) {
-        self.collect(None, pairs);
+        self.collect(pairs, |_| ());
     }
 
-    /// The same but for pairs that `lines` tell apart.
-    pub(super) fn pairs_in_reach(&mut self, lines: &[Lines], pairs: &mut Vec<Pair>) {
-        self.collect(Some(lines), pairs);
+    /// The same but for those that `lines` tell apart.
+    pub(super) fn pairs_in_reach(&mut self, lines: &[Line], pairs: &mut Vec<Pair>) {
+        self.collect(pairs, |found| sift(lines, found));
     }
 
-    fn collect(&mut self, lines: Option<&[Lines]>, pairs: &mut Vec<Pair>) {
+    fn collect(&mut self, pairs: &mut Vec<Pair>, choose: impl Fn(&mut Vec<Pair>) + Sync) {
         let levels = &self.levels;
         let chunks = levels[1].blocks.len().div_ceil(CHUNK);
         self.found.resize_with(chunks, Vec::new);
         self.found.par_iter_mut().enumerate().for_each(|(chunk, found)| {
             let end = levels[1].blocks.len().min((chunk + 1) * CHUNK);
-            search(Query { levels, nodes: &self.nodes, lines, firsts: chunk * CHUNK..end }, found);
+            search(Query { levels, nodes: &self.nodes, firsts: chunk * CHUNK..end }, found);
+            choose(found);
         });
         pairs.clear();
         pairs.reserve(self.found.iter().map(Vec::len).sum());
@@ -67,7 +68,6 @@ impl Tree {
 struct Query<'a> {
     levels: &'a [Level],
     nodes: &'a [[u32; WIDTH]],
-    lines: Option<&'a [Lines]>,
     firsts: Range<usize>,
 }
 
@@ -135,11 +135,6 @@ impl<C: Compare> Search<'_, C> {
             meet &= !self.compare.adjacent(other_nodes, nodes[lane]);
             if a == b {
                 meet &= u16::MAX << lane;
-            }
-            if let Some(lines) = self.query.lines
-                && meet != 0
-            {
-                meet &= !self.compare.positive(&lines[b].apart(&lines[a], lane));
             }
             let s = segments[lane];
             for other in lanes(meet) {
