@@ -13,7 +13,7 @@ const BATCH: usize = 64;
 const PARALLEL: f32 = 1e-3;
 const ROUNDING: f64 = 1e-4;
 /// What may be left of the squared sine of parallels.
-const CANCELLED: f32 = 1e-6;
+const CANCELLED: f32 = 4e-6;
 /// Numbers are off by less than this part.
 const NUMBER: f64 = 1e-7;
 
@@ -49,7 +49,7 @@ pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64, lines: &mut Ve
             axis: single(&axis),
             inverse: above(1.0 / axis.norm_squared()),
             way: single(&way),
-            own: above((own + roundings) * (1.0 + NUMBER)),
+            own: above((own + roundings) * (1.0 + 4.0 * NUMBER)),
         }
     }));
 }
