@@ -49,8 +49,8 @@ pub(crate) trait Real: Pod + Send + Sync + PartialOrd {
     ) -> Self::Lanes<S>;
     /// Whether the first of `sides` is the smaller in any lane.
     fn any_below<S: Simd>(simd: S, sides: [Self::Lanes<S>; 2]) -> bool;
-    /// As [`Roots::inverse_root`].
-    fn inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
+    /// As [`Roots::double_inverse_root`].
+    fn double_inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
         roots: R,
         x: Lanes<S, Self>,
     ) -> Lanes<S, Self>;
@@ -168,11 +168,11 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
+            fn double_inverse_root<S: Simd, R: Roots<S> + Roots<S, f32>>(
                 roots: R,
                 x: Lanes<S, Self>,
             ) -> Lanes<S, Self> {
-                roots.inverse_root(x)
+                roots.double_inverse_root(x)
             }
 
             #[inline(always)]

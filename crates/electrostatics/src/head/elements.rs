@@ -1,13 +1,14 @@
 //! Charged triangles and what they do to each other and to points.
 
-use super::triangle::Triangle;
+use super::triangle::{POINTS, RULED, Triangle};
 use crate::multipole::tree::Tree;
 use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields, Method, Multipole, Plan};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Mesh;
 use rayon::prelude::*;
 
-/// Distance from a triangle's center, over its longest side, up to which integrals are exact.
+/// Distance from a triangle's center, over its longest side, from which on it acts as a point on other
+/// triangles.
 const NEAR: f64 = 3.0;
 
 /// Accuracy of what triangles do to each other beyond.
@@ -21,6 +22,10 @@ pub(super) struct Elements {
     tree: Tree,
     /// The longest side of all.
     longest: f64,
+    /// The points that stand for the triangles where they are not close, one triangle after another, and
+    /// their shares.
+    points: Vec<Point3<f64>>,
+    shares: Vec<f64>,
     plan: Plan,
     /// For each center the triangles that are close, and by how much more than points they act.
     excess: Vec<Vec<(usize, f64)>>,
@@ -37,14 +42,20 @@ impl Elements {
         let tree = Tree::new(centers.len(), 16, |i| [centers[i]; 2]);
         let longest = triangles.iter().map(Triangle::longest).fold(0.0, f64::max);
         let plan = Plan::new(&centers, &centers, ACCURACY)?;
+        let (points, shares) = triangles.iter().flat_map(Triangle::points).unzip();
         let (excess, diagonal) = (Vec::new(), Vec::new());
-        let mut all = Self { triangles, centers, tree, longest, plan, excess, diagonal };
+        let mut all =
+            Self { triangles, centers, tree, longest, points, shares, plan, excess, diagonal };
         let excess = |(i, x): (usize, &Point3<f64>)| {
-            let triangle = |j: usize| (j, all.triangles[j].seen(x).0 - all.point(i, j));
-            all.near(x).into_iter().map(triangle).collect()
+            let seen = |j: usize| {
+                let triangle = &all.triangles[j];
+                if triangle.is_close(x) { triangle.exact(x).0 } else { triangle.by_points(x).0 }
+            };
+            let more = |j: usize| (j, seen(j) - all.point(i, j));
+            all.near(x, NEAR).into_iter().map(more).collect()
         };
         all.excess = all.centers.par_iter().enumerate().map(excess).collect();
-        let own = |(t, x): (&Triangle, &Point3<f64>)| COULOMB_CONSTANT * t.potential(x);
+        let own = |(t, x): (&Triangle, &Point3<f64>)| COULOMB_CONSTANT * t.exact(x).0;
         all.diagonal = all.triangles.iter().zip(&all.centers).map(own).collect();
         Ok(all)
     }
@@ -62,19 +73,19 @@ impl Elements {
         if i == j { 0.0 } else { inverse(self.centers[i] - self.centers[j]) }
     }
 
-    /// The triangles that `x` is close to, ascending.
-    fn near(&self, x: &Point3<f64>) -> Vec<usize> {
+    /// The triangles whose centers are closer to `x` than `times` their longest side, ascending.
+    fn near(&self, x: &Point3<f64>, times: f64) -> Vec<usize> {
         let mut found = Vec::new();
         let mut stack: Vec<_> = (0..self.tree.cells.len().min(1)).collect();
         while let Some(cell) = stack.pop().map(|k| &self.tree.cells[k]) {
-            if (cell.center - x).norm() > cell.radius + NEAR * self.longest {
+            if (cell.center - x).norm() > cell.radius + times * self.longest {
                 continue;
             }
             stack.extend(cell.children.clone());
             if cell.is_leaf() {
                 let bodies = self.tree.order[cell.bodies.clone()].iter().map(|j| *j as usize);
                 found.extend(bodies.filter(|&j| {
-                    (self.centers[j] - x).norm() < NEAR * self.triangles[j].longest()
+                    (self.centers[j] - x).norm() < times * self.triangles[j].longest()
                 }));
             }
         }
@@ -99,13 +110,19 @@ impl Elements {
         charges: &[f64],
         accuracy: Accuracy,
     ) -> Result<Vec<f64>, ElectrostaticsError> {
-        let method = Multipole { accuracy };
-        let mut potentials = method.fields(sources, charges, &self.centers)?.potentials;
-        let excess = |x: &Point3<f64>| {
-            let more = |j: usize| self.triangles[j].seen(x).0 - inverse(x - self.centers[j]);
-            self.near(x).into_iter().map(|j| (j, more(j))).collect::<Vec<_>>()
+        let at_points = Multipole { accuracy }.fields(sources, charges, &self.points)?.potentials;
+        let shared: Vec<_> =
+            at_points.iter().zip(&self.shares).map(|(v, share)| v * share).collect();
+        let mut potentials: Vec<f64> =
+            shared.chunks_exact(POINTS).map(|points| points.iter().sum()).collect();
+        let more = |x: &Point3<f64>| {
+            let more = |j: usize| {
+                let triangle = &self.triangles[j];
+                (j, triangle.exact(x).0 - triangle.by_points(x).0)
+            };
+            self.near(x, RULED).into_iter().map(more).collect::<Vec<_>>()
         };
-        let near: Vec<_> = sources.par_iter().map(excess).collect();
+        let near: Vec<_> = sources.par_iter().map(more).collect();
         for (near, charge) in near.iter().zip(charges) {
             for (j, more) in near {
                 potentials[*j] += COULOMB_CONSTANT * charge * more;
@@ -121,16 +138,17 @@ impl Elements {
         targets: &[Point3<f64>],
         accuracy: Accuracy,
     ) -> Result<Fields, ElectrostaticsError> {
-        let method = Multipole { accuracy };
-        let mut fields = method.fields(&self.centers, charges, targets)?;
+        let shared = |(k, share): (usize, &f64)| charges[k / POINTS] * share;
+        let shared: Vec<_> = self.shares.iter().enumerate().map(shared).collect();
+        let mut fields = Multipole { accuracy }.fields(&self.points, &shared, targets)?;
         let found = fields.potentials.par_iter_mut().zip(&mut fields.fields).zip(targets);
         found.for_each(|((potential, field), x)| {
-            for j in self.near(x) {
-                let (triangle, r) = (&self.triangles[j], x - self.centers[j]);
+            for j in self.near(x, RULED) {
+                let triangle = &self.triangles[j];
                 let charge = COULOMB_CONSTANT * charges[j];
-                let (mean, gradient) = triangle.seen(x);
-                *potential += charge * (mean - inverse(r));
-                *field -= charge * (gradient + r * inverse(r).powi(3));
+                let ((mean, gradient), rule) = (triangle.exact(x), triangle.by_points(x));
+                *potential += charge * (mean - rule.0);
+                *field -= charge * (gradient - rule.1);
             }
         });
         Ok(fields)

@@ -5,16 +5,19 @@ use nalgebra::{Point3, Vector3};
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
-    pub(super) corners: [Point3<f64>; 3],
-    pub(super) normal: Vector3<f64>,
-    pub(super) area: f64,
+    corners: [Point3<f64>; 3],
+    normal: Vector3<f64>,
+    area: f64,
     center: Point3<f64>,
     longest: f64,
 }
 
 /// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle: with
 /// errors below those of its center beyond three.
-const RULED: f64 = 1.2;
+pub(super) const RULED: f64 = 1.2;
+
+/// Points of [`RULE`].
+pub(super) const POINTS: usize = 7;
 
 /// Radon's rule of fifth degree: barycentric coordinates of points, the first once and the others with
 /// all corners in turn, and weights.
@@ -42,46 +45,52 @@ impl Triangle {
         self.longest
     }
 
-    /// The mean of `1/r` over the triangle as seen from `x`, and its gradient: exact where it is close,
-    /// else by a rule.
-    pub(super) fn seen(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
-        if (x - self.center).norm() < RULED * self.longest {
-            return (self.potential(x), self.gradient(x));
+    /// Whether [`points`](Self::points) do not stand for the triangle as seen from `x`.
+    pub(super) fn is_close(&self, x: &Point3<f64>) -> bool {
+        (x - self.center).norm() < RULED * self.longest
+    }
+
+    /// The points of [`RULE`], and their shares of the triangle.
+    pub(super) fn points(&self) -> [(Point3<f64>, f64); POINTS] {
+        let mut points = [(self.center, RULE[0].1); POINTS];
+        for (k, point) in points[1..].iter_mut().enumerate() {
+            let ([first, second], weight) = RULE[1 + k / 3];
+            let [a, b, c] = [0, 1, 2].map(|i| self.corners[(i + k) % 3].coords);
+            let place = a * first + b * second + c * (1.0 - first - second);
+            *point = (place.into(), weight);
         }
+        points
+    }
+
+    /// The mean of `1/r` over [`points`](Self::points) as seen from `x`, and its gradient; a point does not
+    /// act on its own place.
+    pub(super) fn by_points(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
         let (mut potential, mut gradient) = (0.0, Vector3::zeros());
-        for (turn, ([first, second], weight)) in (0..3).flat_map(|k| RULE.map(|rule| (k, rule))) {
-            let [a, b, c] = [0, 1, 2].map(|i| self.corners[(i + turn) % 3].coords);
-            let r = x.coords - (a * first + b * second + c * (1.0 - first - second));
-            // The center is met three times.
-            let weight = if first == second { weight / 3.0 } else { weight };
-            let inverse = 1.0 / r.norm();
-            potential += weight * inverse;
-            gradient -= weight * inverse.powi(3) * r;
+        for (point, weight) in self.points() {
+            let r = x - point;
+            let length = r.norm();
+            if length > 0.0 {
+                let share = weight / length;
+                potential += share;
+                gradient -= share / (length * length) * r;
+            }
         }
         (potential, gradient)
     }
 
-    /// The mean of `1/r` over the triangle as seen from `x`, everywhere exact (Wilton and others,
-    /// 1984): a logarithm and two angles for each side.
-    pub(super) fn potential(&self, x: &Point3<f64>) -> f64 {
-        let height = (x - self.corners[0]).dot(&self.normal).abs();
-        let side = |k| {
-            let Side { p, log, angle, .. } = self.side(k, x);
-            p * log - height * angle
-        };
-        (side(0) + side(1) + side(2)) / self.area
-    }
-
-    /// The gradient of [`potential`](Self::potential) by x; in the plane, where it jumps across the
-    /// triangle, the mean of both sides.
-    pub(super) fn gradient(&self, x: &Point3<f64>) -> Vector3<f64> {
+    /// The mean of `1/r` over the triangle as seen from `x`, and its gradient by x, everywhere exact
+    /// (Wilton and others, 1984): a logarithm and two angles for each side. In the plane, where the
+    /// gradient jumps across the triangle, it is the mean of both sides.
+    pub(super) fn exact(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
         let height = (x - self.corners[0]).dot(&self.normal);
         let sign = if height == 0.0 { 0.0 } else { height.signum() };
-        let side = |k| {
-            let Side { outward, log, angle, .. } = self.side(k, x);
-            -log * outward - sign * angle * self.normal
-        };
-        (side(0) + side(1) + side(2)) / self.area
+        let (mut potential, mut gradient) = (0.0, Vector3::zeros());
+        for k in 0..3 {
+            let Side { outward, p, log, angle } = self.side(k, x);
+            potential += p * log - height.abs() * angle;
+            gradient -= log * outward + sign * angle * self.normal;
+        }
+        (potential / self.area, gradient / self.area)
     }
 
     fn side(&self, k: usize, x: &Point3<f64>) -> Side {
@@ -129,10 +138,10 @@ mod tests {
         for direction in [[1.0, 0.0, 0.0], [0.2, -0.5, 0.7], [-0.3, 0.9, 0.1], [0.0, 0.1, 1.0]] {
             let away = RULED * 1.001 * triangle.longest() * Vector3::from(direction).normalize();
             let x = triangle.center() + away;
-            let ((potential, gradient), exact) = (triangle.seen(&x), triangle.potential(&x));
+            let (potential, gradient) = triangle.by_points(&x);
+            let (exact, slope) = triangle.exact(&x);
             assert!((potential / exact - 1.0).abs() < 1.0 / 12.0 / 9.0, "{potential}, not {exact}");
-            let exact = triangle.gradient(&x);
-            assert!((gradient - exact).norm() < 3.0 / 12.0 / 9.0 * exact.norm(), "{gradient}");
+            assert!((gradient - slope).norm() < 3.0 / 12.0 / 9.0 * slope.norm(), "{gradient}");
         }
     }
 
@@ -142,9 +151,9 @@ mod tests {
         let triangle = Triangle::new(corners);
         for at in [[0.3, 0.2, 0.3], [0.4, 0.3, -0.1], [2.0, 0.1, 0.4], [-0.2, 0.5, 0.01]] {
             let at = Point3::from(at);
-            let gradient = triangle.gradient(&at);
+            let (_, gradient) = triangle.exact(&at);
             for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-                let potential = |t: f64| triangle.potential(&(at + t * axis));
+                let potential = |t: f64| triangle.exact(&(at + t * axis)).0;
                 let slope = (potential(1e-5) - potential(-1e-5)) / 2e-5;
                 assert!((slope - gradient.dot(&axis)).abs() < 1e-8, "{slope} at {at}");
             }

@@ -13,8 +13,12 @@ use crate::real::Real;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bodies below which a subtree is one task.
-const TASK: usize = 4096;
+/// Least and most bodies below which a subtree is one task: pairs within one need be looked at once, and
+/// there must be tasks enough for all threads.
+const TASK: [usize; 2] = [8192, 131_072];
+
+/// Subtrees that are one task each, about, if they have that many bodies.
+const TASKS: usize = 16;
 
 /// The multipoles of all cells of a tree.
 pub(crate) struct Multipoles<'a, E> {
@@ -101,8 +105,8 @@ pub(crate) trait Leaf: Sync {
 pub(crate) struct Task<'a, Out> {
     /// Which bodies they are.
     pub(crate) bodies: Range<usize>,
-    /// Whether all of their leaves are visited.
-    pub(crate) complete: bool,
+    /// Which of all bodies are wanted, ascending; without, all.
+    pub(crate) samples: Option<&'a [usize]>,
     /// What is found for each of them.
     pub(crate) out: &'a mut [Out],
 }
@@ -110,7 +114,18 @@ pub(crate) struct Task<'a, Out> {
 impl<Out> Task<'_, Out> {
     /// Whether body `j` is looked at in this task as well, so that pairs with it are found twice.
     pub(crate) fn both(&self, j: usize) -> bool {
-        self.complete && self.bodies.contains(&j)
+        self.samples.is_none() && self.bodies.contains(&j)
+    }
+
+    /// The bodies of `cell` that are wanted.
+    pub(crate) fn wanted(&self, cell: &Cell) -> Vec<usize> {
+        match self.samples {
+            Some(samples) => {
+                let place = |body| samples.partition_point(|sample| *sample < body);
+                samples[place(cell.bodies.start)..place(cell.bodies.end)].to_vec()
+            }
+            None => cell.bodies.clone().collect(),
+        }
     }
 
     /// What is found for body `i`.
@@ -202,7 +217,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         }
         let local = vec![E::of(0.0); count(self.order)];
         let bodies = self.targets.cells[0].bodies.clone();
-        let task = Task { bodies, complete: self.samples.is_none(), out };
+        let task = Task { bodies, samples: self.samples, out };
         self.visit(0, local, vec![0], &mut self.movers(), task);
     }
 
@@ -281,10 +296,11 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         let mut locals = vec![E::of(0.0); size * children.len()];
         movers.translator.each(Kind::Local, &shifts, &mut locals);
         let locals = cell.children.clone().zip(locals.chunks_exact(size));
-        let (pending, Task { bodies, complete, mut out }) = (&lists.pending, task);
-        if cell.bodies.len() <= TASK {
+        let (pending, Task { bodies, samples, mut out }) = (&lists.pending, task);
+        let least = (self.targets.order.len() / TASKS).clamp(TASK[0], TASK[1]);
+        if cell.bodies.len() <= least {
             for (child, local) in locals {
-                let task = Task { bodies: bodies.clone(), complete, out: &mut *out };
+                let task = Task { bodies: bodies.clone(), samples, out: &mut *out };
                 self.visit(child, local.to_vec(), pending.clone(), movers, task);
             }
             return;
@@ -293,7 +309,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         for (child, local) in locals {
             let bodies = self.targets.cells[child].bodies.clone();
             let (part, rest) = out.split_at_mut(bodies.len());
-            parts.push((child, local.to_vec(), Task { bodies, complete, out: part }));
+            parts.push((child, local.to_vec(), Task { bodies, samples, out: part }));
             out = rest;
         }
         parts.into_par_iter().for_each(|(child, local, task)| {

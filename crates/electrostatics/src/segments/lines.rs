@@ -2,7 +2,7 @@
 
 use super::skew::Line;
 use crate::lanes::{LANES, Lanes};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use pulp::Simd;
 
 /// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
@@ -15,19 +15,14 @@ pub(super) const SOFTENING: f64 = CLOSEST * CLOSEST;
 /// Segments coordinate by coordinate.
 #[derive(Default)]
 pub(super) struct Lines {
-    pub(super) start: [Vec<f64>; 3],
-    pub(super) tangent: [Vec<f64>; 3],
-    middle: [Vec<f64>; 3],
-    /// Half of each segment.
-    half: [Vec<f64>; 3],
-    pub(super) length: Vec<f64>,
-    inverse_length: Vec<f64>,
-    pub(super) charge: Vec<f64>,
+    /// Start, tangent and length, for the closed form.
+    ends: Vec<[f64; 7]>,
+    /// Middle, half, length, its inverse, and charge.
+    pub(super) bars: [Vec<f64>; 9],
     /// Square of the radius.
     softening: Vec<f64>,
-    fiber: Vec<u32>,
-    /// Index of the segment as it was given.
-    index: Vec<u32>,
+    /// Fibre, and index of the segment as it was given: neighbors differ by one.
+    chain: Vec<u64>,
 }
 
 /// Energy, force on the start and force on the end of one segment, without Coulomb's constant.
@@ -43,56 +38,62 @@ impl Lines {
         [fiber, index]: [u32; 2],
     ) {
         let length = (end - start).norm();
-        for c in 0..3 {
-            let half = 0.5 * (end - start)[c];
-            self.start[c].push(start[c]);
-            self.tangent[c].push((end - start)[c] / length);
-            self.middle[c].push(start[c] + half);
-            self.half[c].push(half);
-        }
-        self.length.push(length);
-        self.inverse_length.push(1.0 / length);
-        self.charge.push(charge);
+        let half = 0.5 * (end - start);
+        let tangent = (end - start) / length;
+        self.ends.push([start.x, start.y, start.z, tangent.x, tangent.y, tangent.z, length]);
+        let [x, y, z] = (start + half).into();
+        let bar = [x, y, z, half.x, half.y, half.z, length, 1.0 / length, charge];
+        self.bars.iter_mut().zip(bar).for_each(|(row, value)| row.push(value));
         self.softening.push(radius * radius);
-        self.fiber.push(fiber);
-        self.index.push(index);
-    }
-
-    /// Half of segment `i`, as a vector.
-    pub(super) fn half(&self, i: usize) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.half[c][i])
-    }
-
-    /// The middle of segment `i`.
-    pub(super) fn middle(&self, i: usize) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.middle[c][i])
+        self.chain.push((u64::from(fiber) << 32) | u64::from(index));
     }
 
     /// Middle from `center`, half, length, its inverse and charge of segment `i`.
     pub(super) fn bar(&self, i: usize, center: [f64; 3]) -> [f64; 9] {
-        let ([x, y, z], [a, b, c]) = (self.middle(i), self.half(i));
-        let (length, inverse) = (self.length[i], self.inverse_length[i]);
-        [x - center[0], y - center[1], z - center[2], a, b, c, length, inverse, self.charge[i]]
+        let mut bar = [0.0; 9];
+        bar.iter_mut().zip(&self.bars).for_each(|(bar, row)| *bar = row[i]);
+        bar.iter_mut().zip(center).for_each(|(x, center)| *x -= center);
+        bar
+    }
+
+    /// How many they are.
+    pub(super) fn count(&self) -> usize {
+        self.chain.len()
+    }
+
+    /// Length of segment `i`.
+    pub(super) fn length(&self, i: usize) -> f64 {
+        self.bars[6][i]
+    }
+
+    /// Charge of segment `i`.
+    pub(super) fn charge(&self, i: usize) -> f64 {
+        self.bars[8][i]
     }
 
     /// Square of the length that the distance of two segments is softened with.
     pub(super) fn softening(&self, i: usize, j: usize) -> f64 {
-        let neighbors = self.index[i].abs_diff(self.index[j]) == 1;
-        if neighbors && self.fiber[i] == self.fiber[j] { self.softening[i] } else { SOFTENING }
+        if self.chain[i].abs_diff(self.chain[j]) == 1 { self.softening[i] } else { SOFTENING }
     }
 
     /// Adds energy and tension of a segment by itself: `q^2/L^2 (L asinh(L/a) - sqrt(L^2+a^2) + a)`.
     pub(super) fn add_self(&self, i: usize, loads: &mut Loads) {
-        let (length, a2) = (self.length[i], self.softening[i]);
-        let (a, q) = (a2.sqrt(), self.charge[i]);
+        let (length, a2) = (self.length(i), self.softening[i]);
+        let (a, q) = (a2.sqrt(), self.charge(i));
         let slope = (length / a).asinh();
         let g = (length * slope - (length * length + a2).sqrt() + a) / length;
         loads[0] += q * q * g / length;
         for c in 0..3 {
-            let push = q * q * (2.0 * g - slope) / (length * length) * self.tangent[c][i];
+            let push = q * q * (2.0 * g - slope) / (length * length) * self.ends[i][3 + c];
             loads[1 + c] -= push;
             loads[4 + c] += push;
         }
+    }
+
+    /// Square of the sine of the angle of two segments.
+    pub(super) fn sine2(&self, i: usize, j: usize) -> f64 {
+        let tangent = |i: usize| Vector3::from_column_slice(&self.ends[i][3..6]);
+        tangent(i).cross(&tangent(j)).norm_squared()
     }
 
     /// A segment in each lane.
@@ -100,11 +101,9 @@ impl Lines {
     pub(super) fn gather<S: Simd>(&self, simd: S, indices: &[usize; LANES]) -> Line<S> {
         let mut values = [[0.0; LANES]; 7];
         for (k, &j) in indices.iter().enumerate() {
-            for c in 0..3 {
-                values[c][k] = self.start[c][j];
-                values[3 + c][k] = self.tangent[c][j];
+            for (values, value) in values.iter_mut().zip(&self.ends[j]) {
+                values[k] = *value;
             }
-            values[6][k] = self.length[j];
         }
         let mut lanes = [Lanes::splat(simd, 0.0); 7];
         for (lanes, values) in lanes.iter_mut().zip(&values) {

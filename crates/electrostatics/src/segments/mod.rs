@@ -2,6 +2,8 @@
 
 mod lines;
 mod near;
+mod pairs;
+mod reference;
 mod rules;
 mod skew;
 mod solver;

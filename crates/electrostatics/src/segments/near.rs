@@ -1,94 +1,116 @@
-//! Pairs of close segments in closed form.
+//! Pairs of close segments in closed form, a source in each lane.
 
 use super::lines::{Lines, Loads};
 use super::skew::{Means, parallel, skew};
 use crate::lanes::{LANES, Lanes};
-use crate::machine::{Kernel, Roots, dispatch};
+use crate::machine::{Kernel, Machine, dispatch};
 use crate::multipole::engine::Task;
-use nalgebra::Vector3;
 use pulp::Simd;
 
-/// Adds to the loads of `task` those of the `pairs` of its bodies with others. Of a pair within a
-/// complete task, which stands in `pairs` once, it adds both.
+/// Adds to the loads of `task` those of the `pairs` of its bodies with others, those of one body after
+/// each other. Of a pair within a complete task, which stands in `pairs` once, it adds both.
 ///
 /// Pairs whose angle has a smaller sine than `sine` are taken as [`parallel`].
 pub(super) fn add_close(lines: &Lines, pairs: &[[usize; 2]], sine: f64, task: Task<Loads>) {
-    let tangent = |k: usize| Vector3::from_fn(|c, _| lines.tangent[c][k]);
-    let askew = |[i, j]: &[usize; 2]| tangent(*i).cross(&tangent(*j)).norm_squared() >= sine * sine;
-    let (askew, parallel): (Vec<_>, Vec<_>) = pairs.iter().copied().partition(askew);
-    dispatch(Close { lines, askew, parallel, sine, task });
+    dispatch(Close { lines, pairs, sine, task });
 }
 
 struct Close<'a> {
     lines: &'a Lines,
-    askew: Vec<[usize; 2]>,
-    parallel: Vec<[usize; 2]>,
+    pairs: &'a [[usize; 2]],
     sine: f64,
     task: Task<'a, Loads>,
 }
 
 impl Kernel for Close<'_> {
     #[inline(always)]
-    fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
-        let Self { lines, askew, parallel: aligned, sine, mut task } = self;
-        for pairs in askew.chunks(S::F64_LANES) {
-            let batch = Batch::new(lines, pairs);
-            let [first, second] = batch.indices.map(|k| lines.gather(simd, &k));
-            let means = skew(roots, &first, &second, Lanes::load(simd, &batch.softening));
-            batch.add(pairs, &means, &mut task);
+    fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
+        let Self { lines, pairs, sine, mut task } = self;
+        let (mut askew, mut aligned) = (Vec::new(), Vec::new());
+        for pairs in pairs.chunk_by(|a, b| a[0] == b[0]) {
+            let i = pairs[0][0];
+            let first = lines.gather(simd, &[i; LANES]);
+            askew.clear();
+            for &[i, j] in pairs {
+                let list = if lines.sine2(i, j) < sine * sine { &mut aligned } else { &mut askew };
+                list.push([i, j]);
+            }
+            let mut loads = [Lanes::splat(simd, 0.0); 7];
+            for pairs in askew.chunks(S::F64_LANES) {
+                let batch = Batch::new(lines, pairs, &task);
+                let second = lines.gather(simd, &batch.indices[1]);
+                let means = skew(machine, &first, &second, Lanes::load(simd, &batch.softening));
+                for (sum, load) in loads.iter_mut().zip(batch.add(pairs, &means, &mut task)) {
+                    *sum = *sum + load;
+                }
+            }
+            for (sum, load) in task.of_body(i).iter_mut().zip(loads) {
+                *sum += load.sum();
+            }
         }
         for pairs in aligned.chunks(S::F64_LANES) {
-            let batch = Batch::new(lines, pairs);
+            let batch = Batch::new(lines, pairs, &task);
             let [first, second] = batch.indices.map(|k| lines.gather(simd, &k));
             let softening = Lanes::load(simd, &batch.softening);
-            let means = parallel(roots, &first, &second, softening, softening.of(sine));
-            batch.add(pairs, &means, &mut task);
+            let means = parallel(machine, &first, &second, softening, softening.of(sine));
+            let loads = batch.add(pairs, &means, &mut task);
+            for (k, [i, _]) in pairs.iter().enumerate() {
+                for (sum, load) in task.of_body(*i).iter_mut().zip(&loads) {
+                    *sum += load.numbers()[k];
+                }
+            }
         }
     }
 }
 
-/// A pair in each lane; those without one repeat the first.
+/// A pair in each lane; those without one repeat the first, without charge.
 struct Batch {
     indices: [[usize; LANES]; 2],
     charges: [f64; LANES],
     softening: [f64; LANES],
+    /// The share of the energy that is added.
+    shares: [f64; LANES],
 }
 
 impl Batch {
-    fn new(lines: &Lines, pairs: &[[usize; 2]]) -> Self {
+    fn new(lines: &Lines, pairs: &[[usize; 2]], task: &Task<Loads>) -> Self {
         let pair = |k: usize| pairs.get(k).copied().unwrap_or(pairs[0]);
+        let charge =
+            |k: usize| pairs.get(k).map_or(0.0, |[i, j]| lines.charge(*i) * lines.charge(*j));
         Self {
             indices: [0, 1].map(|side| std::array::from_fn(|k| pair(k)[side])),
-            charges: std::array::from_fn(|k| pair(k).iter().map(|i| lines.charge[*i]).product()),
+            charges: std::array::from_fn(charge),
             softening: std::array::from_fn(|k| lines.softening(pair(k)[0], pair(k)[1])),
+            shares: std::array::from_fn(|k| if task.both(pair(k)[1]) { 1.0 } else { 0.5 }),
         }
     }
 
+    /// The loads of the first of each pair; adds those of the second where they are found here as well.
     #[inline(always)]
-    fn add<S: Simd>(&self, pairs: &[[usize; 2]], means: &Means<S>, task: &mut Task<Loads>) {
+    fn add<S: Simd>(
+        &self,
+        pairs: &[[usize; 2]],
+        means: &Means<S>,
+        task: &mut Task<Loads>,
+    ) -> [Lanes<S>; 7] {
         let charges = Lanes::load(means.energy.simd, &self.charges);
-        let energy = (means.energy * charges).store();
-        let mut forces = [[0.0; LANES]; 9];
+        let mut loads = [means.energy * charges * Lanes::load(charges.simd, &self.shares); 7];
+        let mut felt = [[0.0; LANES]; 6];
         for c in 0..3 {
-            forces[c] = (means.force[c] * charges).store();
-            forces[3 + c] = (means.first_end[c] * charges).store();
-            forces[6 + c] = (means.second_end[c] * charges).store();
+            let (force, end) = (means.force[c] * charges, means.first_end[c] * charges);
+            let other_end = means.second_end[c] * charges;
+            loads[1 + c] = force - end;
+            loads[4 + c] = end;
+            felt[c] = (force - other_end).store();
+            felt[3 + c] = other_end.store();
         }
-        for (k, &[i, j]) in pairs.iter().enumerate() {
-            let own = task.of_body(i);
-            own[0] += 0.5 * energy[k];
-            for c in 0..3 {
-                own[1 + c] += forces[c][k] - forces[3 + c][k];
-                own[4 + c] += forces[3 + c][k];
-            }
+        for (k, &[_, j]) in pairs.iter().enumerate() {
             if task.both(j) {
-                let other = task.of_body(j);
-                other[0] += 0.5 * energy[k];
-                for c in 0..3 {
-                    other[1 + c] -= forces[c][k] - forces[6 + c][k];
-                    other[4 + c] -= forces[6 + c][k];
+                for (load, felt) in task.of_body(j)[1..].iter_mut().zip(&felt) {
+                    *load -= felt[k];
                 }
             }
         }
+        loads
     }
 }

@@ -2,7 +2,9 @@
 
 use super::lines::{Lines, Loads};
 use super::near::add_close;
-use super::rules::{Rules, add_rules};
+use super::pairs::Columns;
+use super::reference::{STRICTEST, exact};
+use super::rules::Rules;
 use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
 use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
@@ -199,9 +201,6 @@ const SHARE: f64 = 0.7;
 /// certificate says what was reached.
 const CLOSED: f64 = 5e-8;
 
-/// Error beyond which rules are not made stricter.
-const STRICTEST: f64 = 1e-14;
-
 struct Sum<'a, E> {
     tree: &'a Tree,
     lines: &'a Lines,
@@ -220,13 +219,13 @@ impl<'a, E: Real> Sum<'a, E> {
         let rules = Rules::<E>::new((SHARE * error).min(0.1));
         let mut cloud = Cloud::default();
         for i in 0..tree.order.len() {
-            let (middle, half) = (lines.middle(i), lines.half(i));
-            for [x, w] in rules.far() {
-                let point = [0, 1, 2].map(|c| middle[c] + x.double() * half[c]);
-                cloud.push(point, lines.charge[i] * w.double());
+            let [x, y, z, a, b, c, .., charge] = lines.bar(i, [0.0; 3]);
+            for node in rules.far() {
+                let (t, w) = (node.place.double(), node.weight.double());
+                cloud.push([x + t * a, y + t * b, z + t * c], charge * w);
             }
         }
-        let longest = lines.length.iter().copied().fold(0.0, f64::max);
+        let longest = (0..tree.order.len()).map(|i| lines.length(i)).fold(0.0, f64::max);
         let clearance = 0.5 * rules.clearance() * longest;
         Self { tree, lines, rules, cloud, sine: nearly_parallel(error), clearance, accuracy }
     }
@@ -236,10 +235,13 @@ impl<'a, E: Real> Sum<'a, E> {
         let mut out = vec![[0.0; 7]; count];
         if count <= SAMPLES {
             let all: Vec<_> = (0..count).collect();
-            return Ok((self.exact(&all), Certificate { order: None, samples: 0, error: 0.0 }));
+            return Ok((
+                exact(self.lines, self.accuracy, self.sine, &all),
+                Certificate { order: None, samples: 0, error: 0.0 },
+            ));
         }
         let samples: Vec<_> = (0..SAMPLES).map(|k| (2 * k + 1) * count / (2 * SAMPLES)).collect();
-        let exact = self.exact(&samples);
+        let exact = exact(self.lines, self.accuracy, self.sine, &samples);
         let error = |out: &[Loads]| {
             let [mut errors, mut squares] = [0.0; 2];
             for (&sample, exact) in samples.iter().zip(&exact) {
@@ -288,31 +290,12 @@ impl<'a, E: Real> Sum<'a, E> {
             .run(out);
     }
 
-    /// The loads of `samples` without expansions, by stricter rules.
-    fn exact(&self, samples: &[usize]) -> Vec<Loads> {
-        let mut out = vec![[0.0; 7]; samples.len()];
-        let all = 0..self.tree.order.len();
-        let error = match self.accuracy {
-            Accuracy::Tolerance(tolerance) => (0.03 * tolerance).max(STRICTEST),
-            Accuracy::Order(_) => 1e-8,
-        };
-        let (rules, all) = (Rules::<f64>::new(error), std::slice::from_ref(&all));
-        let pairs = add_rules(self.lines, &rules, samples, all, [0.0; 3], &mut out);
-        for (&i, out) in samples.iter().zip(&mut out) {
-            self.lines.add_self(i, out);
-            let own: Vec<_> = pairs.iter().copied().filter(|pair| pair[0] == i).collect();
-            let task = Task { bodies: i..i + 1, complete: false, out: std::slice::from_mut(out) };
-            add_close(self.lines, &own, self.sine, task);
-        }
-        out
-    }
-
     /// Adds the loads of segment `i` in the potentials and gradients at its points.
     fn add_points(&self, i: usize, sums: &[[f64; 4]], out: &mut Loads) {
         let rule = self.rules.far();
         let charges = &self.cloud.charge[i * rule.len()..];
-        for (([x, _], charge), [potential, gradient @ ..]) in rule.iter().zip(charges).zip(sums) {
-            let x = x.double();
+        for ((node, charge), [potential, gradient @ ..]) in rule.iter().zip(charges).zip(sums) {
+            let x = node.place.double();
             out[0] += 0.5 * charge * potential;
             for c in 0..3 {
                 let force = -charge * gradient[c];
@@ -336,9 +319,30 @@ impl<E: Real> Leaf for Sum<'_, E> {
             self.add_points(i, sums, out);
             self.lines.add_self(i, out);
         }
-        let bodies: Vec<_> = cell.bodies.clone().collect();
-        let center = cell.center.into();
-        let mut pairs = add_rules(self.lines, &self.rules, &bodies, near, center, out);
+        // Pairs with segments that come later in the task are found here for both.
+        let within = |part: Range<usize>| {
+            let common =
+                move |near: &Range<usize>| near.start.max(part.start)..near.end.min(part.end);
+            near.iter().map(common).filter(|range| !range.is_empty())
+        };
+        let (first, last) = (task.bodies.start, task.bodies.end);
+        let (alone, mutual): (Vec<_>, Vec<_>) = match task.samples {
+            Some(_) => (near.to_vec(), Vec::new()),
+            None => (
+                within(0..first)
+                    .chain(within(cell.bodies.clone()))
+                    .chain(within(last..usize::MAX))
+                    .collect(),
+                within(cell.bodies.end..last).collect(),
+            ),
+        };
+        let mut columns = Columns::new(self.lines, cell.center.into(), [&alone, &mutual]);
+        let targets = task.wanted(cell);
+        let mut loads = vec![[0.0; 7]; targets.len()];
+        let mut pairs = columns.act(self.lines, &self.rules, &targets, &mut loads);
+        for (j, loads) in targets.into_iter().zip(loads).chain(columns.felt()) {
+            task.of_body(j).iter_mut().zip(loads).for_each(|(sum, load)| *sum += load);
+        }
         pairs.retain(|&[i, j]| j > i || !task.both(j));
         add_close(self.lines, &pairs, self.sine, task);
     }

@@ -1,0 +1,50 @@
+//! Forces on sampled segments, without expansions.
+
+use super::lines::{Lines, Loads};
+use super::near::add_close;
+use super::pairs::Columns;
+use super::rules::Rules;
+use crate::Accuracy;
+use crate::multipole::engine::Task;
+use rayon::prelude::*;
+
+/// Sources whose action on the samples is found at once.
+const TILE: usize = 2048;
+
+/// Error of rules over the tolerance; where segments follow each other they err by ten times as much.
+const SHARE: f64 = 0.003;
+
+/// Error beyond which rules are not made stricter.
+pub(super) const STRICTEST: f64 = 1e-14;
+
+/// The loads of `samples` by all segments, by stricter rules than `accuracy` needs. Pairs whose angle has a
+/// smaller sine than `sine` are taken as parallel where they are close.
+pub(super) fn exact(lines: &Lines, accuracy: Accuracy, sine: f64, samples: &[usize]) -> Vec<Loads> {
+    let error = match accuracy {
+        Accuracy::Tolerance(tolerance) => (SHARE * tolerance).max(STRICTEST),
+        Accuracy::Order(_) => 1e-8,
+    };
+    let rules = Rules::<f64>::everywhere(error);
+    let act = |first: usize| {
+        let mut out = vec![[0.0; 7]; samples.len()];
+        let tile = first..lines.count().min(first + TILE);
+        let mut columns = Columns::new(lines, [0.0; 3], [&[tile], &[]]);
+        let close = columns.act(lines, &rules, samples, &mut out);
+        (out, close)
+    };
+    let tiles: Vec<_> = (0..lines.count()).step_by(TILE).collect();
+    let tiles: Vec<_> = tiles.into_par_iter().map(act).collect();
+    let mut out = vec![[0.0; 7]; samples.len()];
+    let mut pairs = Vec::new();
+    for (loads, close) in tiles {
+        out.as_flattened_mut().iter_mut().zip(loads.as_flattened()).for_each(|(x, y)| *x += y);
+        pairs.extend(close);
+    }
+    for (&i, out) in samples.iter().zip(&mut out) {
+        lines.add_self(i, out);
+        let own: Vec<_> = pairs.iter().copied().filter(|pair| pair[0] == i).collect();
+        let (bodies, out) = (i..i + 1, std::slice::from_mut(out));
+        add_close(lines, &own, sine, Task { bodies, samples: Some(samples), out });
+    }
+    out
+}
