@@ -113,7 +113,7 @@ impl Case {
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
         contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
         let impulses =
-            touches.iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
+            touches.par_iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
@@ -165,7 +165,7 @@ impl Case {
         (0..used.len()).filter(kept).enumerate().for_each(|(new, old)| index[old] = new);
         let velocities: Vec<_> = (0..used.len()).filter(kept).map(|i| velocities[i]).collect();
         let contacts: Vec<_> = working
-            .iter()
+            .par_iter()
             .map(|&i| {
                 let contact = self.contacts[i].clone();
                 let second = contact.second.map(|second| index[second]);
@@ -201,10 +201,10 @@ impl Case {
 
     /// Gives the impulses back to the touches, and tells which the solver looks at.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
-        for (i, touch) in touches.iter_mut().enumerate() {
+        touches.par_iter_mut().enumerate().for_each(|(i, touch)| {
             touch.impulse = self.contacts[i].frame * self.impulses[i];
             touch.working = self.working[i];
-        }
+        });
     }
 
     /// What the contacts do where all nodes have the given mean velocities.
@@ -257,10 +257,10 @@ impl Case {
         touches: &mut [Touch],
     ) {
         let velocities = self.relative(world, mean);
-        for (i, touch) in touches.iter_mut().enumerate() {
+        touches.par_iter_mut().enumerate().for_each(|(i, touch)| {
             // The bias may be another than that of the gap.
             touch.gap = dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
-        }
+        });
     }
 
     /// Velocities of all points where all nodes have the given ones.

@@ -100,7 +100,7 @@ impl World {
             all[node] += impulse * (1.0 - fraction);
             all[node + 1] += impulse * fraction;
         };
-        for touch in touches {
+        for touch in touches.into_iter().filter(|touch| touch.impulse != Vector3::zeros()) {
             let ([s, t], [u, v]) = (touch.segments, touch.fractions);
             add(touch.fiber, s, u, touch.impulse);
             if let Partner::Fiber(partner) = touch.partner {

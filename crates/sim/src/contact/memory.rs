@@ -4,6 +4,7 @@ use super::report::ContactReport;
 use super::touch::{Partner, Touch};
 use super::work::ContactWork;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// The contacts of the last part of a step.
@@ -91,31 +92,38 @@ const REACH: f64 = 1.0;
 /// Gives touches the impulses and bonds of remembered contacts of their pairs, the nearest first; no impulse
 /// is given twice. Both are sorted by pair and place.
 pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
-    let mut rest = remembered;
-    let mut matches = Vec::new();
-    for group in touches.chunk_by_mut(|a, b| (a.fiber, a.partner) == (b.fiber, b.partner)) {
+    let same = |a: &Touch, b: &Touch| (a.fiber, a.partner) == (b.fiber, b.partner);
+    touches.par_chunk_by_mut(same).for_each(|group| {
         let pair = (group[0].fiber, group[0].partner);
-        rest = &rest[rest.partition_point(|r| (r.fiber, r.partner) < pair)..];
-        let known = &rest[..rest.partition_point(|r| (r.fiber, r.partner) == pair)];
-        matches.clear();
-        for (i, touch) in group.iter_mut().enumerate() {
-            (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
-            let [s, t] = touch.at();
-            for (k, one) in known.iter().enumerate() {
-                let [u, v] = one.touch().at();
-                let distance = (u - s).abs().max((v - t).abs());
-                if distance < REACH {
-                    matches.push((distance, i, k));
-                }
+        let known = &remembered[remembered.partition_point(|r| (r.fiber, r.partner) < pair)..];
+        let known = &known[..known.partition_point(|r| (r.fiber, r.partner) == pair)];
+        recall_pair(known, group);
+    });
+}
+
+/// The same for the contacts of one pair.
+fn recall_pair(known: &[Remembered], group: &mut [Touch]) {
+    let mut matches = Vec::new();
+    for (i, touch) in group.iter_mut().enumerate() {
+        (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
+        let [s, t] = touch.at();
+        for (k, one) in known.iter().enumerate() {
+            let [u, v] = one.touch().at();
+            let distance = (u - s).abs().max((v - t).abs());
+            if distance < REACH {
+                matches.push((distance, i, k));
             }
         }
-        matches.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut given, mut taken) = (vec![false; group.len()], vec![false; known.len()]);
-        for &(_, i, k) in &matches {
-            if !given[i] && !taken[k] {
-                (given[i], taken[k]) = (true, true);
-                (group[i].impulse, group[i].bonded) = (known[k].impulse, known[k].bonded);
-            }
+    }
+    if matches.is_empty() {
+        return;
+    }
+    matches.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut given, mut taken) = (vec![false; group.len()], vec![false; known.len()]);
+    for &(_, i, k) in &matches {
+        if !given[i] && !taken[k] {
+            (given[i], taken[k]) = (true, true);
+            (group[i].impulse, group[i].bonded) = (known[k].impulse, known[k].bonded);
         }
     }
 }
