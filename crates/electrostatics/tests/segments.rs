@@ -221,7 +221,7 @@ fn the_tress_has_the_field_that_the_thesis_states() {
 /// The same bits with one thread, two and three.
 #[test]
 fn threads_change_no_bit() {
-    let fibers = hair(120, 61, 5);
+    let fibers = hair(200, 61, 5);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| solve(&fibers, 2.6e-11, 40e-6, 1e-3).expect("valid"))

@@ -16,11 +16,12 @@ const NODES: f64 = 64.0;
 
 /// A conductor whose surface is a mesh.
 ///
-/// The charge density is constant on each triangle, and the potential is right at their centers. What
-/// is within three sides of a triangle acts on it and feels it by integrals, exact ones where it is close,
-/// all else as points by the multipole method. The error falls as the square of the triangles' size where the surface is
-/// smooth. A charge must be seen by more than one triangle for its image to be right: closer to the
-/// surface than a triangle is large it is drawn too weakly.
+/// The charge density is constant on each triangle, and the potential is right at their centers. A
+/// triangle acts on other charges and feels them by seven points within the multipole method, where they
+/// are close by exact integrals; on other triangles further than three of its sides away it acts as one
+/// point. The error falls as the square of the triangles' size where the surface is smooth. A charge must
+/// be seen by more than one triangle for its image to be right: closer to the surface than a triangle is
+/// large it is drawn too weakly.
 ///
 /// Cost: for each solution some tens of calls of the multipole method; no limit on triangles. A mesh
 /// that is open or inside out is refused by [`Mesh::new`].

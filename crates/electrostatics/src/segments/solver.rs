@@ -4,7 +4,7 @@ use super::lines::{Lines, Loads};
 use super::near::add_close;
 use super::pairs::Columns;
 use super::reference::{STRICTEST, exact};
-use super::rules::Rules;
+use super::rules::{Node, Rules};
 use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
 use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
@@ -15,10 +15,11 @@ use crate::real::Real;
 use crate::{Accuracy, COULOMB_CONSTANT, Certificate, ElectrostaticsError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Segments in a leaf, from measured rates.
-const CAPACITY: usize = 40;
+const CAPACITY: usize = 64;
 
 /// Segments whose forces are compared with the direct sum.
 const SAMPLES: usize = 48;
@@ -70,8 +71,7 @@ impl ChargedFibers<'_> {
     /// segments without length, and an accuracy out of range or reach.
     pub fn forces(&self, positions: &[Point3<f64>]) -> Result<Electrostatics, ElectrostaticsError> {
         self.check(positions)?;
-        let nodes = |segment: usize| self.layout.segment_nodes(segment);
-        let ends = |segment: usize| nodes(segment).map(|node| positions[node]);
+        let ends = |segment| self.layout.segment_nodes(segment).map(|node| positions[node]);
         let count = self.layout.segments();
         let unit = self.charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
         let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
@@ -79,20 +79,22 @@ impl ChargedFibers<'_> {
         let lines = self.lines(&tree, unit, ends);
         let (loads, certificate) = self.loads(&tree, &lines)?;
         let factor = COULOMB_CONSTANT * unit * unit;
-        let mut result = Electrostatics {
-            energy: factor * loads.iter().map(|load| load[0]).sum::<f64>(),
-            forces: vec![Vector3::zeros(); positions.len()],
-            certificate,
+        let mut places = vec![0; count];
+        tree.order.iter().enumerate().for_each(|(k, &i)| places[i as usize] = k);
+        let forces = |fiber: usize| {
+            let mut forces = vec![Vector3::zeros(); self.layout.node_range(fiber).len()];
+            for (a, segment) in self.layout.segment_range(fiber).enumerate() {
+                let [_, start @ .., bx, by, bz] = loads[places[segment]];
+                forces[a] += factor * Vector3::from(start);
+                forces[a + 1] += factor * Vector3::new(bx, by, bz);
+            }
+            forces
         };
-        let mut ordered = vec![0; count];
-        tree.order.iter().enumerate().for_each(|(k, &i)| ordered[i as usize] = k);
-        for (segment, k) in ordered.into_iter().enumerate() {
-            let [_, ax, ay, az, bx, by, bz] = loads[k];
-            let [a, b] = nodes(segment);
-            result.forces[a] += factor * Vector3::new(ax, ay, az);
-            result.forces[b] += factor * Vector3::new(bx, by, bz);
-        }
-        Ok(result)
+        Ok(Electrostatics {
+            energy: factor * loads.iter().map(|load| load[0]).sum::<f64>(),
+            forces: (0..self.layout.fibers()).into_par_iter().flat_map_iter(forces).collect(),
+            certificate,
+        })
     }
 
     /// The loads in the order of `tree`; with stricter rules for segments where these are not enough.
@@ -217,15 +219,17 @@ struct Sum<'a, E> {
 impl<'a, E: Real> Sum<'a, E> {
     fn new(tree: &'a Tree, lines: &'a Lines, error: f64, accuracy: Accuracy) -> Self {
         let rules = Rules::<E>::new((SHARE * error).min(0.1));
-        let mut cloud = Cloud::default();
-        for i in 0..tree.order.len() {
-            let [x, y, z, a, b, c, .., charge] = lines.bar(i, [0.0; 3]);
-            for node in rules.far() {
-                let (t, w) = (node.place.double(), node.weight.double());
-                cloud.push([x + t * a, y + t * b, z + t * c], charge * w);
-            }
-        }
-        let longest = (0..tree.order.len()).map(|i| lines.length(i)).fold(0.0, f64::max);
+        let points = rules.far();
+        let each = |value: &(dyn Fn(usize, &Node<E>) -> f64 + Sync)| {
+            let at = |k: usize| value(k / points.len(), &points[k % points.len()]);
+            (0..lines.count() * points.len()).into_par_iter().map(at).collect()
+        };
+        let [x, y, z, a, b, c, .., charge] = &lines.bars;
+        let place =
+            |x: &Vec<f64>, half: &Vec<f64>| each(&|i, node| x[i] + node.place.double() * half[i]);
+        let charge = each(&|i, node| charge[i] * node.weight.double());
+        let cloud = Cloud { x: [place(x, a), place(y, b), place(z, c)], charge };
+        let longest = (0..lines.count()).map(|i| lines.length(i)).fold(0.0, f64::max);
         let clearance = 0.5 * rules.clearance() * longest;
         Self { tree, lines, rules, cloud, sine: nearly_parallel(error), clearance, accuracy }
     }
