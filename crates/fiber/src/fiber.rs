@@ -2,6 +2,7 @@ use crate::error::positive;
 use crate::{FiberError, Section, so3};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A homogeneous, linearly elastic material.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -85,11 +86,13 @@ impl NodeProperties {
 ///
 /// A fibre of `n` segments has `n + 1` nodes. The root pose maps the material frame at the root
 /// (columns d1, d2, d3, the tangent last) and the position of node 0 to the world.
+///
+/// Copies share their segments and nodes, also with other roots: those of a bundle cost little memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fiber {
     root: Isometry3<f64>,
-    segment_lengths: Vec<f64>,
-    nodes: Vec<NodeProperties>,
+    segment_lengths: Arc<[f64]>,
+    nodes: Arc<[NodeProperties]>,
 }
 
 impl Fiber {
@@ -118,7 +121,7 @@ impl Fiber {
         if pose.clone().any(|x| !x.is_finite()) {
             return Err(FiberError::NotFinite { quantity: "root pose", index: 0 });
         }
-        Ok(Self { root, segment_lengths, nodes })
+        Ok(Self { root, segment_lengths: segment_lengths.into(), nodes: nodes.into() })
     }
 
     /// A straight fibre of equal segments and constant properties, its root at the origin and its
@@ -169,14 +172,16 @@ impl Fiber {
     ///
     /// # Errors
     /// Refuses another number of curvatures than of nodes, and what is not finite.
-    pub fn with_node_curvatures(mut self, kappas: &[Vector3<f64>]) -> Result<Self, FiberError> {
+    pub fn with_node_curvatures(self, kappas: &[Vector3<f64>]) -> Result<Self, FiberError> {
         if kappas.len() != self.nodes.len() {
             return Err(FiberError::NodeCount { segments: self.segments(), nodes: kappas.len() });
         }
-        for (node, kappa) in self.nodes.iter_mut().zip(kappas) {
-            node.natural_curvature = *kappa;
-        }
-        Self::new(self.root, self.segment_lengths, self.nodes)
+        let bent = |(node, kappa): (&NodeProperties, &Vector3<f64>)| NodeProperties {
+            natural_curvature: *kappa,
+            ..*node
+        };
+        let nodes = self.nodes.iter().zip(kappas).map(bent).collect();
+        Self::new(self.root, self.segment_lengths.to_vec(), nodes)
     }
 
     /// The pose of the root: node 0 and its material frame.

@@ -37,7 +37,8 @@ pub trait ImpulseResponse {
     /// One forward and one backward pass over the fibres.
     ///
     /// # Errors
-    /// [`RodError::Length`] for arrays of the wrong length.
+    /// [`RodError::Length`] for arrays of the wrong length, [`RodError::Invalid`] if no step is under
+    /// way; so of all that follow.
     fn respond(
         &mut self,
         impulses: &[Vector3<f64>],

@@ -70,7 +70,9 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     }
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.inc")?, &frames[4])?;
-    preview::write(&mut create("preview.png")?, frames, &[], &[])?;
+    let pictures = frames.iter().cloned().map(preview::Picture::new);
+    let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
+    preview::write(&mut create("preview.png")?, &pictures, &[], &[])?;
     Ok(())
 }
 

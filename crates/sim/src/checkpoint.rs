@@ -1,12 +1,13 @@
+use crate::observers::Observer;
 use crate::storage::write_atomically;
-use crate::{Scene, SimError, Snapshot, Statistics};
+use crate::{Scene, SimError, Snapshot, Statistics, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
-const MAGIC: &[u8; 12] = b"RAPUNZEL\x01\0\0\0";
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x02\0\0\0";
 /// The program that can go on with a checkpoint: another version may compute other bits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -15,7 +16,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///
 /// The file is the magic number, the BLAKE3 hash of the rest, and the rest: the version of the
 /// program as a length and text, then the checkpoint in postcard's format.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// Hash of the scene.
     pub(crate) scene: [u8; 32],
@@ -36,14 +37,35 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint; the one before stays until this one is whole.
+    /// Takes the run as it is now in the place of an older state of it.
+    pub(crate) fn renew(
+        &mut self,
+        world: &World,
+        statistics: Statistics,
+        observers: &mut [Box<dyn Observer>],
+    ) -> Result<(), SimError> {
+        self.marks =
+            observers.iter_mut().map(|observer| observer.mark()).collect::<Result<_, _>>()?;
+        self.statistics = statistics;
+        world.renew(&mut self.snapshot);
+        Ok(())
+    }
+
+    /// Writes the checkpoint; the one before stays until this one is whole. It goes through the numbers
+    /// twice, so that no copy of them is needed for the hash.
     pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
-        let bytes = postcard::to_stdvec(&(VERSION, self)).map_err(|e| unusable(path, &e))?;
+        let mut hasher = BufWriter::new(blake3::Hasher::new());
+        self.put(&mut hasher).map_err(SimError::io("write", path))?;
+        let hasher = hasher.into_inner().map_err(|e| unusable(path, &e))?;
         write_atomically(path, |to| {
             to.write_all(MAGIC)?;
-            to.write_all(blake3::hash(&bytes).as_bytes())?;
-            to.write_all(&bytes)
+            to.write_all(hasher.finalize().as_bytes())?;
+            self.put(to)
         })
+    }
+
+    fn put(&self, to: &mut impl Write) -> io::Result<()> {
+        postcard::to_io(&(VERSION, self), to).map(|_| ()).map_err(io::Error::other)
     }
 
     /// Reads a checkpoint; `None` if there is none.

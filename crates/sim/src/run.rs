@@ -52,7 +52,6 @@ pub fn run(scene: &Scene, folder: &RunFolder, control: Control) -> Result<Summar
 
 struct Run<'a> {
     scene: &'a Scene,
-    scene_hash: [u8; 32],
     folder: &'a RunFolder,
     plan: Plan,
     world: World,
@@ -93,11 +92,13 @@ impl<'a> Run<'a> {
                     observer.observe(&world)?;
                 }
                 let statistics = Statistics::default();
-                checkpoint(scene_hash, &world, statistics, &mut observers)?
+                let mut first = Checkpoint { scene: scene_hash, ..Checkpoint::default() };
+                first.renew(&world, statistics, &mut observers)?;
+                first
             }
         };
         let statistics = last.statistics;
-        Ok(Self { scene, scene_hash, folder, plan, world, stepper, statistics, observers, last })
+        Ok(Self { scene, folder, plan, world, stepper, statistics, observers, last })
     }
 
     fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
@@ -145,9 +146,7 @@ impl<'a> Run<'a> {
 
     /// Remembers the run as it is now.
     fn remember(&mut self) -> Result<(), SimError> {
-        let (world, statistics) = (&self.world, self.statistics);
-        self.last = checkpoint(self.scene_hash, world, statistics, &mut self.observers)?;
-        Ok(())
+        self.last.renew(&self.world, self.statistics, &mut self.observers)
     }
 
     /// Writes what was last remembered to the disk: the outputs first, so that a checkpoint never
@@ -211,14 +210,4 @@ fn observers(
         observers.push(Box::new(Table::open(&folder.file(OBJECTS), columns, every)?));
     }
     Ok(observers)
-}
-
-fn checkpoint(
-    scene: [u8; 32],
-    world: &World,
-    statistics: Statistics,
-    observers: &mut [Box<dyn Observer>],
-) -> Result<Checkpoint, SimError> {
-    let marks = observers.iter_mut().map(|observer| observer.mark()).collect::<Result<_, _>>()?;
-    Ok(Checkpoint { scene, snapshot: world.snapshot(), statistics, marks })
 }

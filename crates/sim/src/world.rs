@@ -42,7 +42,7 @@ struct Clock {
 }
 
 /// The raw numbers of a world, from which it goes on bit for bit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
     clock: Clock,
     groups: Vec<Vec<f64>>,
@@ -268,21 +268,27 @@ impl World {
     /// All numbers that determine what follows.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let numbers = |group: &Group| {
-            let mut numbers = Vec::new();
-            group.batch.save(&mut numbers);
-            numbers
-        };
-        let groups = self.groups.iter().map(numbers).collect();
-        let springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
-        let mut objects = Vec::new();
+        let mut snapshot = Snapshot::default();
+        self.renew(&mut snapshot);
+        snapshot
+    }
+
+    /// Puts all numbers that determine what follows in the place of those of an older snapshot.
+    pub(crate) fn renew(&self, snapshot: &mut Snapshot) {
+        snapshot.groups.resize_with(self.groups.len(), Vec::new);
+        for (group, numbers) in self.groups.iter().zip(&mut snapshot.groups) {
+            numbers.clear();
+            group.batch.save(numbers);
+        }
+        snapshot.springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
+        snapshot.objects.clear();
         for object in &self.objects {
             if let Way::Free(body) = &object.way {
-                body.save(&mut objects);
+                body.save(&mut snapshot.objects);
             }
         }
-        let (clock, contacts, works) = (self.clock, self.contacts.clone(), self.works);
-        Snapshot { clock, groups, contacts, works, objects, springs }
+        snapshot.contacts.clone_from(&self.contacts);
+        (snapshot.clock, snapshot.works) = (self.clock, self.works);
     }
 
     /// Goes back to a snapshot of this world.

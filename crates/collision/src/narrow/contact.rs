@@ -86,7 +86,8 @@ pub fn contacts(
     };
     let found: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
     contacts.clear();
-    found.iter().for_each(|found| contacts.extend_from_slice(found));
+    contacts.reserve_exact(found.iter().map(Vec::len).sum());
+    found.into_iter().for_each(|found| contacts.extend_from_slice(&found));
     Ok(())
 }
 

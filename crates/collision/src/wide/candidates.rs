@@ -1,7 +1,6 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::lines::{Line, lines};
 use super::way::Way;
 use super::{NONE, Tree};
 use crate::capsules::length;
@@ -50,11 +49,6 @@ struct List {
     way: Way,
     /// Motions in a row that were too wide for a list.
     wide: usize,
-    /// Room for them and their pairs.
-    lines: Vec<Line>,
-    swept: Vec<Pair>,
-    /// Room for the squared distances of all pairs, m².
-    squared: Vec<f64>,
 }
 
 /// What an update had to do.
@@ -172,9 +166,6 @@ impl List {
             regions,
             way: Way::default(),
             wide: 0,
-            lines: Vec::new(),
-            swept: Vec::new(),
-            squared: Vec::new(),
         };
         list.search(capsules, grow);
         Ok(list)
@@ -201,9 +192,7 @@ impl List {
         } else {
             self.wide += 1;
             self.tree.refit_swept(start, end, 0.5 * (reach + slack))?;
-            lines(start, end, reach + slack, &mut self.lines);
-            self.tree.pairs_in_reach(&self.lines, &mut self.swept);
-            self.way.set_out(start, end, &self.swept, reaches);
+            self.way.set_out_among(start, end, &self.tree, reaches);
         }
         Ok(())
     }
@@ -221,22 +210,22 @@ impl List {
 
     /// Lists all pairs whose grown boxes meet, but those with gaps of more than `grow`, m.
     fn search(&mut self, capsules: &Capsules, grow: f64) {
-        self.tree.pairs(&mut self.pairs);
-        self.sift(capsules, grow);
+        let close = |pairs: &mut Vec<Pair>| {
+            let mut squared = Vec::new();
+            squared_distances(capsules, pairs, &mut squared);
+            let both = pairs.iter().copied().zip(squared);
+            let close = both.filter(|(pair, squared)| {
+                let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
+                // The fast distances may be off by roundings.
+                let far = (r + q + grow) * (1.0 + 1e-6);
+                *squared <= far * far
+            });
+            close.map(|(pair, _)| pair).collect()
+        };
+        self.tree.sifted_pairs(close, &mut self.pairs);
         self.hulls.clone_from(&self.tree.levels[1].hulls);
         self.positions.clear();
         self.positions.extend_from_slice(capsules.positions());
-    }
-
-    fn sift(&mut self, capsules: &Capsules, grow: f64) {
-        squared_distances(capsules, &self.pairs, &mut self.squared);
-        let mut squared = self.squared.iter();
-        self.pairs.retain(|pair| {
-            let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
-            // The fast distances may be off by roundings.
-            let far = (r + q + grow) * (1.0 + 1e-6);
-            squared.next().is_none_or(|&squared| squared <= far * far)
-        });
     }
 
     /// Whether no two segments of regions that meet have come closer by more than `margin`, m,

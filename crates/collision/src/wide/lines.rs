@@ -34,10 +34,8 @@ pub(super) struct Line {
 
 /// All segments on their ways from `start` to `end`, where to be within `reach`, m, of each other
 /// counts.
-pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64, lines: &mut Vec<Line>) {
-    let segments = (0..start.len()).into_par_iter();
-    lines.clear();
-    lines.par_extend(segments.map(|segment| {
+pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<Line> {
+    let line = |segment| {
         let nodes = start.layout().segment_nodes(segment);
         let [p, q] = nodes.map(|node| start.positions()[node]);
         let ways = nodes.map(|node| end.positions()[node] - start.positions()[node]);
@@ -51,7 +49,8 @@ pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64, lines: &mut Ve
             way: single(&way),
             own: above((own + roundings) * (1.0 + 4.0 * NUMBER)),
         }
-    }));
+    };
+    (0..start.len()).into_par_iter().map(line).collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
@@ -193,9 +192,8 @@ mod tests {
         let layout = Layout::new([1, 1]);
         let [start, end] =
             [start, end].map(|x| Capsules::new(&layout, x, &[RADIUS; 2]).expect("valid"));
-        let (mut all, mut pairs) = (Vec::new(), vec![[0, 1]]);
-        lines(&start, &end, reach, &mut all);
-        sift(&all, &mut pairs);
+        let mut pairs = vec![[0, 1]];
+        sift(&lines(&start, &end, reach), &mut pairs);
         !pairs.is_empty()
     }
 

@@ -15,7 +15,7 @@ mod refit;
 mod way;
 
 use crate::capsules::{count, length};
-use crate::{Capsules, CollisionError, Pair};
+use crate::{Capsules, CollisionError};
 pub use candidates::{Candidates, Update};
 
 use block::{Block, WIDTH};
@@ -35,8 +35,6 @@ pub struct Tree {
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
     /// one if these differ by at most one, because fibres share no node.
     nodes: Vec<[u32; WIDTH]>,
-    /// Room for what each part of a search finds.
-    found: Vec<Vec<Pair>>,
 }
 
 #[derive(Debug, Clone)]
@@ -75,7 +73,7 @@ impl Tree {
             levels.push(level);
         }
         let (segments, node_count) = (layout.segments(), layout.nodes());
-        Ok(Self { segments, node_count, levels, nodes, found: Vec::new() })
+        Ok(Self { segments, node_count, levels, nodes })
     }
 
     /// Fits the boxes, grown by `margin`, m, to segments that have moved. Cost: 11 ns a segment.

@@ -2,7 +2,6 @@
 
 use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
-use super::lines::{Line, sift};
 use super::{Level, Tree};
 use crate::Pair;
 use pulp::{Arch, NullaryFnOnce};
@@ -17,28 +16,34 @@ impl Tree {
     ///
     /// The order depends on the tree alone, not on the number of threads. Cost: 45 ns a segment
     /// where a segment has one partner.
-    pub fn pairs(&mut self, pairs: &mut Vec<Pair>) {
-        self.collect(pairs, |_| ());
+    pub fn pairs(&self, pairs: &mut Vec<Pair>) {
+        self.sifted_pairs(|found| found.clone(), pairs);
     }
 
-    /// The same but for those that `lines` tell apart.
-    pub(super) fn pairs_in_reach(&mut self, lines: &[Line], pairs: &mut Vec<Pair>) {
-        self.collect(pairs, |found| sift(lines, found));
-    }
-
-    fn collect(&mut self, pairs: &mut Vec<Pair>, choose: impl Fn(&mut Vec<Pair>) + Sync) {
+    /// What `sift` makes of parts of all pairs, in their order: of pairs that nobody wants no list is
+    /// ever made.
+    pub(super) fn sifted_pairs<T: Copy + Send>(
+        &self,
+        sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
+        all: &mut Vec<T>,
+    ) {
         let levels = &self.levels;
-        let chunks = levels[1].blocks.len().div_ceil(CHUNK);
-        self.found.resize_with(chunks, Vec::new);
-        self.found.par_iter_mut().enumerate().for_each(|(chunk, found)| {
-            let end = levels[1].blocks.len().min((chunk + 1) * CHUNK);
-            search(Query { levels, nodes: &self.nodes, firsts: chunk * CHUNK..end }, found);
-            choose(found);
-        });
-        pairs.clear();
-        pairs.reserve(self.found.iter().map(Vec::len).sum());
-        self.found.iter().for_each(|found| pairs.extend_from_slice(found));
+        let last = levels[1].blocks.len();
+        let part = |pairs: &mut Vec<Pair>, chunk: usize| {
+            let firsts = chunk * CHUNK..last.min((chunk + 1) * CHUNK);
+            search(Query { levels, nodes: &self.nodes, firsts }, pairs);
+            sift(pairs)
+        };
+        let chunks = (0..last.div_ceil(CHUNK)).into_par_iter();
+        join(chunks.map_init(Vec::new, part).collect(), all);
     }
+}
+
+/// Joins parts to one list, which is emptied first.
+pub(super) fn join<T: Copy>(parts: Vec<Vec<T>>, all: &mut Vec<T>) {
+    all.clear();
+    all.reserve_exact(parts.iter().map(Vec::len).sum());
+    parts.into_iter().for_each(|part| all.extend_from_slice(&part));
 }
 
 impl Tree {

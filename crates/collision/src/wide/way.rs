@@ -1,5 +1,8 @@
 //! Pairs that may come near each other on a motion.
 
+use super::Tree;
+use super::lines::{lines, sift};
+use super::pairs::join;
 use crate::narrow::squared_distances;
 use crate::{Capsules, Pair};
 use nalgebra::{Point3, Vector3};
@@ -13,9 +16,8 @@ const CHUNK: usize = 4096;
 pub(super) struct Way {
     start: Vec<Point3<f64>>,
     end: Vec<Point3<f64>>,
-    all: Vec<Pair>,
-    /// Of all pairs at the start, m².
-    squared: Vec<f64>,
+    /// All pairs, and their squared distances at the start, m².
+    all: Vec<(Pair, f64)>,
     /// Of the last motion.
     pub(super) near: Vec<Pair>,
 }
@@ -30,20 +32,29 @@ impl Way {
         pairs: &[Pair],
         [reach, slack]: [f64; 2],
     ) {
-        let near = near(start, end, reach + slack);
-        let chunk = |pairs: &[Pair]| {
-            let mut squared = Vec::new();
-            squared_distances(start, pairs, &mut squared);
-            let both = pairs.iter().copied().zip(squared);
-            both.filter(|(pair, squared)| near(pair, *squared)).collect::<Vec<_>>()
+        let chunk = sieve(start, end, reach + slack);
+        join(pairs.par_chunks(CHUNK).map(chunk).collect(), &mut self.all);
+        self.depart(start, end);
+    }
+
+    /// The same with those of all pairs that a tree finds.
+    pub(super) fn set_out_among(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+        tree: &Tree,
+        [reach, slack]: [f64; 2],
+    ) {
+        let (lines, sieve) = (lines(start, end, reach + slack), sieve(start, end, reach + slack));
+        let near = |pairs: &mut Vec<Pair>| {
+            sift(&lines, pairs);
+            sieve(pairs)
         };
-        let parts: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
-        self.all.clear();
-        self.squared.clear();
-        for part in parts {
-            self.all.extend(part.iter().map(|(pair, _)| pair));
-            self.squared.extend(part.iter().map(|(_, squared)| squared));
-        }
+        tree.sifted_pairs(near, &mut self.all);
+        self.depart(start, end);
+    }
+
+    fn depart(&mut self, start: &Capsules, end: &Capsules) {
         self.start.clear();
         self.start.extend_from_slice(start.positions());
         self.end.clear();
@@ -59,19 +70,32 @@ impl Way {
     /// Finds the pairs that may come within `reach`, m, of each other until `end`.
     pub(super) fn go(&mut self, start: &Capsules, end: &Capsules, reach: f64) {
         let near = near(start, end, reach);
-        let chunk = |(pairs, squared): (&[Pair], &[f64])| {
-            let both = pairs.iter().zip(squared);
-            both.filter(|(pair, squared)| near(pair, **squared)).map(|(pair, _)| *pair).collect()
+        let chunk = |pairs: &[(Pair, f64)]| {
+            let here = pairs.iter().filter(|(pair, squared)| near(pair, *squared));
+            here.map(|(pair, _)| *pair).collect()
         };
-        let chunks = self.all.par_chunks(CHUNK).zip(self.squared.par_chunks(CHUNK));
-        let parts: Vec<Vec<Pair>> = chunks.map(chunk).collect();
-        self.near.clear();
-        parts.iter().for_each(|part| self.near.extend_from_slice(part));
+        join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut self.near);
+    }
+}
+
+/// Those of some pairs that may come within `reach`, m, of each other until `end`, with their squared
+/// distances at the start, m².
+fn sieve(
+    start: &Capsules,
+    end: &Capsules,
+    reach: f64,
+) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send {
+    let near = near(start, end, reach);
+    move |pairs| {
+        let mut squared = Vec::new();
+        squared_distances(start, pairs, &mut squared);
+        let both = pairs.iter().copied().zip(squared);
+        both.filter(|(pair, squared)| near(pair, *squared)).collect()
     }
 }
 
 /// Whether a pair at a squared distance, m², at the start may come within `reach`, m, until the end.
-fn near(start: &Capsules, end: &Capsules, reach: f64) -> impl Fn(&Pair, f64) -> bool + Sync {
+fn near(start: &Capsules, end: &Capsules, reach: f64) -> impl Fn(&Pair, f64) -> bool + Sync + Send {
     // The way of the middle of each segment, and how far another of its points may go beyond it and
     // the reach, its own part.
     let ways: Vec<[f64; 4]> = (0..start.len())

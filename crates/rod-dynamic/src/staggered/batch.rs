@@ -1,9 +1,10 @@
+use super::check::{check_conditions, check_laws, check_state};
 use super::engine::{Engine, build};
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Ledger, Load, Momentum, Rod, RodError, RodState, SectionLaws,
+    Conditions, End, Energy, Instant, Ledger, Momentum, Rod, RodError, RodState, SectionLaws,
     StepError, StepReport,
 };
 use nalgebra::{Point3, Vector3};
@@ -11,9 +12,6 @@ use rapunzel_fiber::so3;
 
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
-/// By which part of its length a rod that is held at both ends must be longer than the way between
-/// them: without slack Newton's matrix is singular.
-const TAUT: f64 = 1e-9;
 /// Length of the solve for the initial acceleration, as a part of the step.
 const START: f64 = 1.0;
 
@@ -21,7 +19,10 @@ const START: f64 = 1.0;
 ///
 /// Each fibre keeps its own conditions and is halved on its own; none depends on its company.
 /// Cost: four to five Newton iterations a step, linear in the number of segments; no allocation in
-/// a step that converges without halving.
+/// a step that converges without halving. Memory: half a kilobyte a segment, with backward Euler a
+/// third of one, and as much again once steps are taken from call to call; rods that are copies of
+/// each other share their fibre. Each thread keeps room for the solve of one batch, as long as the
+/// longest rods it has moved.
 ///
 /// The method is second order in time and in space. `rho_inf` is the spectral radius at infinite
 /// frequency: 0 loses most, 0.3 is the default, above 0.4 a whip may need halving. Near 1 the forces
@@ -31,7 +32,7 @@ pub struct StaggeredBatch {
     pub(super) engine: Box<dyn Engine>,
     pub(super) rods: Vec<Rod>,
     time: f64,
-    /// Length of the step that has been predicted, s.
+    /// Length of the step that is under way from call to call, s; zero if none is.
     pub(super) predicted: f64,
     /// Whether accelerations are carried from step to step.
     memory: bool,
@@ -221,6 +222,23 @@ impl StaggeredBatch {
         conditions: &[&dyn Conditions],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
+        self.working(|batch| batch.step_whole(dt, conditions, reports))
+    }
+
+    /// Lends the fibres room to work in while they act.
+    pub(super) fn working<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        self.engine.enter();
+        let done = act(self);
+        self.engine.leave();
+        done
+    }
+
+    fn step_whole(
+        &mut self,
+        dt: f64,
+        conditions: &[&dyn Conditions],
+        reports: &mut [StepReport],
+    ) -> Result<(), StepError> {
         let fresh = self.fresh;
         let wanted = self.begin(dt, conditions, reports)?;
         let count = self.rods.len();
@@ -228,11 +246,16 @@ impl StaggeredBatch {
         let mut lengths = [dt; 8];
         self.engine.attempt(&lengths, &wanted, Problem::Step, &mut out);
         let mut whole = wanted;
+        // The numbers of those that go on in parts, as they set out.
+        let mut before = Vec::new();
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
             if !out[fiber].converged {
                 whole[fiber] = false;
                 self.engine.undo(fiber);
+                let mut numbers = Vec::new();
+                self.engine.save(fiber, &mut numbers);
+                before.push((fiber, numbers));
                 let result = self.creep(fiber, dt, conditions[fiber], &mut lengths, &out[fiber]);
                 match result {
                     Ok(report) => {
@@ -241,6 +264,9 @@ impl StaggeredBatch {
                         reports[fiber].residual = report.residual;
                     }
                     Err(error) => {
+                        for (fiber, numbers) in before {
+                            self.engine.restore(fiber, &numbers);
+                        }
                         self.take_back(fresh);
                         return Err(error);
                     }
@@ -313,7 +339,7 @@ impl StaggeredBatch {
 
     /// Takes back all that a failed step has changed.
     pub(super) fn take_back(&mut self, fresh: [bool; 8]) {
-        self.engine.undo_all();
+        self.engine.undo_all(&fresh);
         self.fresh = fresh;
     }
 
@@ -430,6 +456,7 @@ impl StaggeredBatch {
 
     /// Appends all numbers that determine what follows.
     pub fn save(&self, numbers: &mut Vec<f64>) {
+        numbers.reserve_exact(self.numbers());
         numbers.push(self.time);
         for fiber in 0..self.rods.len() {
             numbers.push(f64::from(self.fresh[fiber]));
@@ -437,13 +464,17 @@ impl StaggeredBatch {
         }
     }
 
+    /// How many numbers [`StaggeredBatch::save`] appends.
+    fn numbers(&self) -> usize {
+        1 + (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber)).sum::<usize>()
+    }
+
     /// Takes back what [`StaggeredBatch::save`] wrote.
     ///
     /// # Errors
     /// [`RodError::Length`] when the count is not that of these rods.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
-        let own = (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber));
-        let expected = 1 + own.sum::<usize>();
+        let expected = self.numbers();
         let Some((time, mut rest)) = numbers.split_first().filter(|_| numbers.len() == expected)
         else {
             return Err(RodError::Length { what: "numbers", expected, found: numbers.len() });
@@ -478,93 +509,6 @@ fn natural_state(rod: &Rod) -> RodState {
         angular_velocities: vec![Vector3::zeros(); n],
         forces: vec![Vector3::zeros(); n],
         curvatures: fiber.nodes().iter().map(|node| node.natural_curvature).collect(),
-    }
-}
-
-fn check_laws(rod: &Rod) -> Result<(), RodError> {
-    if let SectionLaws::Each(laws) = &rod.laws
-        && laws.len() != rod.fiber.nodes().len()
-    {
-        let (expected, found) = (rod.fiber.nodes().len(), laws.len());
-        return Err(RodError::Length { what: "laws", expected, found });
-    }
-    if rod.laws != SectionLaws::Linear && rod.damping_time > 0.0 {
-        let why = "have their own damping; leave the damping time at 0";
-        return Err(RodError::Invalid { what: "laws", why });
-    }
-    Ok(())
-}
-
-fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
-    let n = rod.fiber.segments();
-    for (what, expected, found) in [
-        ("positions", n + 1, state.positions.len()),
-        ("velocities", n + 1, state.velocities.len()),
-        ("frames", n, state.frames.len()),
-        ("angular velocities", n, state.angular_velocities.len()),
-        ("curvatures", n + 1, state.curvatures.len()),
-    ] {
-        if expected != found {
-            return Err(RodError::Length { what, expected, found });
-        }
-    }
-    let mut numbers = state
-        .velocities
-        .iter()
-        .chain(&state.angular_velocities)
-        .chain(&state.curvatures)
-        .flatten()
-        .chain(state.frames.iter().flat_map(|f| f.matrix().iter()))
-        .chain(&state.positions[0].coords);
-    if numbers.all(|x| x.is_finite()) && state.time.is_finite() {
-        Ok(())
-    } else {
-        Err(RodError::Invalid { what: "state", why: "all numbers must be finite" })
-    }
-}
-
-fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError> {
-    let error = |what, why| Err(StepError::Conditions { fiber: 0, what, time, why });
-    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
-    let load = |l: &Load| finite(l.components());
-    let end = |end: &End| match end {
-        End::Held(pose) => {
-            finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
-        }
-        End::Pinned { position, moment } => finite(&position.coords) && load(moment),
-        End::Loaded { force, moment } => load(force) && load(moment),
-    };
-    if !finite(&now.gravity) || !finite(&now.distributed) {
-        return error("gravity or distributed force", "must be finite");
-    }
-    if !end(&now.root) {
-        return error("root", "all numbers must be finite");
-    }
-    if !end(&now.tip) {
-        return error("tip", "all numbers must be finite");
-    }
-    if let Some(air) = now.air {
-        let (normal, tangential) = (air.drag.normal, air.drag.tangential);
-        let ordered = normal >= tangential && tangential >= 0.0 && normal.is_finite();
-        if !(ordered && finite(&air.wind)) {
-            return error("air", "needs a finite wind and 0 <= tangential <= normal drag");
-        }
-    }
-    let position = |end: &End| match end {
-        End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned { position, .. } => Some(position.coords),
-        End::Loaded { .. } => None,
-    };
-    match (position(&now.root), position(&now.tip)) {
-        (None, Some(_)) => error("root", "a free root with a held tip: reverse the rod"),
-        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
-            error(
-                "tip",
-                "as far from the root as the rod is long, or further, which cannot stretch; \
-                 pulled straight it cannot move and has any tension: bring the ends closer",
-            )
-        }
-        _ => Ok(()),
     }
 }
 

@@ -14,9 +14,10 @@
 //! symmetric quasi-definite and block tridiagonal; see [`super::factor`].
 
 use super::ends::{Ends, Held};
-use super::factor::{Block, Factor};
+use super::factor::{Block, close};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
 use super::laws::{Laws, Turns};
+use super::room::{Kept, Room};
 use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
 
@@ -28,38 +29,17 @@ pub(super) struct Chain<S: Simd> {
     pub(super) n: usize,
     /// Segment lengths.
     pub(super) h: Array<S>,
-    /// Stiffness of the joints (3), with the damping of the step in it.
-    pub(super) k: Array<S>,
-    /// Rotation vectors at which the joints are at rest (3).
-    pub(super) target: Array<S>,
-    /// Mass coefficients of the nodes, and their inverses (zero where a node is held).
-    pub(super) mu: Array<S>,
-    pub(super) w: Array<S>,
-    /// Known forces on the nodes (3).
-    pub(super) b: Array<S>,
-    /// Positions of the nodes at the start of the step (3).
-    pub(super) start: Array<S>,
-    /// Inertia vectors beside d1 and d2 (6).
-    pub(super) p: Array<S>,
     pub(super) ends: Ends<S>,
-    /// In place of `k` and `target`, if any lane has them.
+    /// In place of the stiffness and turns at rest in the room, if any lane has them.
     pub(super) laws: Option<Box<Laws<S>>>,
-    /// Rotations of the segments (4).
+    /// Rotations of the segments (4), and the forces in them at the last shape (3).
     pub(super) q: Array<S>,
-    /// Positions (3), directors (9), forces (3), rotation vectors of the joints (3).
-    pub(super) r: Array<S>,
-    pub(super) d: Array<S>,
-    /// Directors at the start of the step (9).
-    pub(super) d_start: Array<S>,
     pub(super) force: Array<S>,
-    pub(super) phi: Array<S>,
-    pub(super) factor: Factor<S>,
-    /// Hessians of the segments at the last assembly (6).
-    pub(super) hessian: Array<S>,
-    /// Increments (6) of the last solve, the direction being searched (6), and its origin (4).
-    pub(super) step: Array<S>,
-    direction: Array<S>,
-    origin: Array<S>,
+    /// How much of the definite part of the Hessian the last solve used.
+    pub(super) definite: S::f64s,
+    /// The problem of the step and the last solve, while there is room for them.
+    pub(super) room: Room<S>,
+    pub(super) kept: Kept<S>,
 }
 
 impl<S: Simd> Chain<S> {
@@ -68,26 +48,13 @@ impl<S: Simd> Chain<S> {
             simd,
             n,
             h: zeros::<S>(n),
-            k: zeros::<S>(3 * (n + 1)),
-            target: zeros::<S>(3 * (n + 1)),
-            mu: zeros::<S>(n + 1),
-            w: zeros::<S>(n + 1),
-            b: zeros::<S>(3 * (n + 1)),
-            start: zeros::<S>(3 * (n + 1)),
-            p: zeros::<S>(6 * n),
             ends: Ends::new(),
             laws: None,
             q: zeros::<S>(4 * n),
-            r: zeros::<S>(3 * (n + 1)),
-            d: zeros::<S>(9 * n),
-            d_start: zeros::<S>(9 * n),
             force: zeros::<S>(3 * n),
-            phi: zeros::<S>(3 * (n + 1)),
-            factor: Factor::new(n),
-            hessian: zeros::<S>(6 * n),
-            step: zeros::<S>(6 * n),
-            direction: zeros::<S>(6 * n),
-            origin: zeros::<S>(4 * n),
+            definite: simd.splat_f64s(0.0),
+            room: Room::empty(),
+            kept: Kept::empty(),
         }
     }
 
@@ -99,37 +66,29 @@ impl<S: Simd> Chain<S> {
     pub(super) fn vec(&self, a: &[S::f64s], i: usize) -> V3<S> {
         V3::load(self.simd, a, i)
     }
+    /// The same of an array that takes no room where all its vectors are zero.
+    #[inline(always)]
+    pub(super) fn vec_or_zero(&self, a: &[S::f64s], i: usize) -> V3<S> {
+        if a.is_empty() { V3::splat(self.simd, 0.0) } else { self.vec(a, i) }
+    }
     #[inline(always)]
     pub(super) fn quat(&self, a: &[S::f64s]) -> Quat<S> {
-        Quat { v: self.vec(a, 0), w: Lane::new(self.simd, a[3]) }
+        Quat::load(self.simd, a, 0)
     }
     #[inline(always)]
     pub(super) fn directors(&self, e: usize) -> [V3<S>; 3] {
-        [0, 1, 2].map(|k| self.vec(&self.d, 3 * e + k))
+        [0, 1, 2].map(|k| self.vec(&self.room.d, 3 * e + k))
     }
     /// The same at the start of the step.
     #[inline(always)]
     pub(super) fn directors_before(&self, e: usize) -> [V3<S>; 3] {
-        [0, 1, 2].map(|k| self.vec(&self.d_start, 3 * e + k))
+        [0, 1, 2].map(|k| self.vec(&self.room.d_start, 3 * e + k))
     }
     /// A load given in world and follower components, in the world.
     #[inline(always)]
     pub(super) fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
         let [x, y, z] = self.vec(&load[1], 0).0;
         frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.vec(&load[0], 0))))
-    }
-
-    /// Keeps the directors of the present rotations as those of the start of the step, in the
-    /// lanes where `wanted > 0`.
-    #[inline(always)]
-    pub(super) fn keep_directors(&mut self, wanted: Lane<S>) {
-        for e in 0..self.n {
-            let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
-            for k in 0..3 {
-                let old = self.vec(&self.d_start, 3 * e + k);
-                store(&mut self.d_start, 3 * e + k, d[k].positive_or(wanted, old));
-            }
-        }
     }
 
     /// Turns segment `e` by the rotation vector `u`, world components.
@@ -148,7 +107,7 @@ impl<S: Simd> Chain<S> {
         for e in 0..n {
             let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
             for k in 0..3 {
-                store(&mut self.d, 3 * e + k, d[k]);
+                store(&mut self.room.d, 3 * e + k, d[k]);
             }
         }
         let last = self.directors(n - 1);
@@ -163,25 +122,26 @@ impl<S: Simd> Chain<S> {
             let mut chord = V3::splat(simd, 0.0);
             for a in 0..=n {
                 if a > 0 {
-                    chord = self.vec(&self.d, 3 * a - 1).fma(self.one(&self.h, a - 1), chord);
+                    chord = self.vec(&self.room.d, 3 * a - 1).fma(self.one(&self.h, a - 1), chord);
                 }
-                let mu = self.one(&self.mu, a);
-                sum += self.vec(&self.b, a) - (chord - self.vec(&self.start, a)).scale(mu);
+                let mu = self.one(&self.room.mu, a);
+                sum +=
+                    self.vec(&self.room.b, a) - (chord - self.vec(&self.room.start, a)).scale(mu);
                 mass = mass + mu;
             }
             let free = sum.scale(mass.recip());
             position = free.positive_or(root_free, position);
         }
-        store(&mut self.r, 0, position);
+        store(&mut self.kept.r, 0, position);
         for e in 0..n {
-            position = self.vec(&self.d, 3 * e + 2).fma(self.one(&self.h, e), position);
-            store(&mut self.r, e + 1, position);
+            position = self.vec(&self.room.d, 3 * e + 2).fma(self.one(&self.h, e), position);
+            store(&mut self.kept.r, e + 1, position);
         }
         let gap =
             (self.vec(&ends.tip_position, 0) - position).scale(Lane::new(simd, ends.tip_held));
         // Forces from the tip inward; the tip's own balance gives the first unless it is held.
         let (mut u, mut potential) = self.node_potential(n);
-        let free = tip_force + self.vec(&self.b, n) - u.scale(self.one(&self.mu, n));
+        let free = tip_force + self.vec(&self.room.b, n) - u.scale(self.one(&self.room.mu, n));
         let held = self.vec(&ends.tip_reaction, 0);
         let tip_held = Lane::new(simd, ends.tip_held);
         potential = potential - tip_force.dot(u);
@@ -191,7 +151,7 @@ impl<S: Simd> Chain<S> {
             let (node, energy) = self.node_potential(a);
             u = node;
             potential = potential + energy;
-            force += self.vec(&self.b, a) - u.scale(self.one(&self.mu, a));
+            force += self.vec(&self.room.b, a) - u.scale(self.one(&self.room.mu, a));
             store(&mut self.force, a - 1, force);
         }
         let (u, energy) = self.node_potential(0);
@@ -202,9 +162,9 @@ impl<S: Simd> Chain<S> {
     /// Displacement of node `a` and its potential `mu u^2 / 2 - b u`.
     #[inline(always)]
     fn node_potential(&self, a: usize) -> (V3<S>, Lane<S>) {
-        let u = self.vec(&self.r, a) - self.vec(&self.start, a);
-        let half = u.scale(self.one(&self.mu, a) * Lane::splat(self.simd, 0.5));
-        (u, (half - self.vec(&self.b, a)).dot(u))
+        let u = self.vec(&self.kept.r, a) - self.vec(&self.room.start, a);
+        let half = u.scale(self.one(&self.room.mu, a) * Lane::splat(self.simd, 0.5));
+        (u, (half - self.vec(&self.room.b, a)).dot(u))
     }
 
     /// Assembles Newton's matrix at the present shape, factors it, and solves for the increments.
@@ -232,7 +192,7 @@ impl<S: Simd> Chain<S> {
             if j > 0 {
                 let (e, d) = (j - 1, directors);
                 let h = self.one(&self.h, e);
-                let p = [self.vec(&self.p, 2 * e), self.vec(&self.p, 2 * e + 1)];
+                let p = [self.vec(&self.room.p, 2 * e), self.vec(&self.room.p, 2 * e + 1)];
                 let axial = self.vec(&self.force, e).scale(h);
                 let mut torque = right.moment - left.moment;
                 let mut hessian = left.hessian + right.hessian;
@@ -250,9 +210,9 @@ impl<S: Simd> Chain<S> {
                     load = zero - gap;
                 }
                 for i in 0..6 {
-                    self.hessian[6 * e + i] = hessian.0[i].value;
+                    self.room.hessian[6 * e + i] = hessian.0[i].value;
                 }
-                let (w0, w1) = (self.one(&self.w, e), self.one(&self.w, j));
+                let (w0, w1) = (self.one(&self.kept.w, e), self.one(&self.kept.w, j));
                 let block = Block {
                     compliance: Sym::diagonal(-(w0 + w1)),
                     lever: hat(d[2].scale(h)),
@@ -261,14 +221,20 @@ impl<S: Simd> Chain<S> {
                     torque,
                 } - carry;
                 let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
-                let (passed, signs) = self.factor.eliminate(e, block, w1, coupling);
+                let (passed, mut rhs, signs) = self.kept.factor.eliminate(e, block, w1, coupling);
                 if j == n && ends.any_circulatory {
                     let force = combine(d, self.vec(&ends.tip_force[1], 0));
                     let moment = self.vec(&ends.tip_moment[0], 0)
                         - combine(d, self.vec(&ends.tip_moment[1], 0));
                     let wanted = Lane::new(simd, ends.circulatory);
                     let (follow, spin) = (force.scale(-w1), moment.scale(-half));
-                    self.factor.close(block, hat(follow), hat(spin), wanted);
+                    let [force, turn] = close(block, hat(follow), hat(spin));
+                    rhs = [force.positive_or(wanted, rhs[0]), turn.positive_or(wanted, rhs[1])];
+                }
+                store(&mut self.room.rhs, 2 * e, rhs[0]);
+                store(&mut self.room.rhs, 2 * e + 1, rhs[1]);
+                for i in 0..3 {
+                    store(&mut self.room.coupling, 3 * e + i, coupling.0[i]);
                 }
                 carry = passed;
                 signature = signature + signs;
@@ -277,7 +243,7 @@ impl<S: Simd> Chain<S> {
             before = after;
             directors = next;
         }
-        self.factor.back_substitute(simd, &mut self.step);
+        self.kept.factor.back_substitute(simd, &self.room.rhs, &mut self.kept.step);
         (potential, signature)
     }
 
@@ -287,10 +253,10 @@ impl<S: Simd> Chain<S> {
         let (phi, fw) = a.inverse_times(b).log();
         let one = fw.lift(1.0);
         let half = fw.lift(0.5);
-        let k = self.vec(&self.k, j);
+        let k = self.vec(&self.room.k, j);
         let (m, energy, tangent) = match &self.laws {
             None => {
-                let strain = phi - self.vec(&self.target, j);
+                let strain = phi - self.vec(&self.room.target, j);
                 let m = k.times(strain);
                 (m, half * m.dot(strain), None)
             }
@@ -385,7 +351,7 @@ impl<S: Simd> Chain<S> {
     pub(super) fn measure_joints(&mut self) {
         for j in 0..=self.n {
             let (phi, _) = self.joint_turn(j);
-            store(&mut self.phi, j, phi);
+            store(&mut self.room.phi, j, phi);
         }
     }
 
@@ -402,7 +368,7 @@ impl<S: Simd> Chain<S> {
     pub(super) fn largest_turn(&self) -> Lane<S> {
         let mut turn = Lane::splat(self.simd, 0.0);
         for e in 0..self.n {
-            turn = turn.max(self.vec(&self.step, 2 * e + 1).max_abs());
+            turn = turn.max(self.vec(&self.kept.step, 2 * e + 1).max_abs());
         }
         turn
     }
@@ -415,8 +381,8 @@ impl<S: Simd> Chain<S> {
         let (simd, lanes) = (self.simd, S::F64_LANES);
         if self.laws.as_ref().is_some_and(|laws| laws.bends()) {
             self.measure_joints();
-            let Self { laws, phi, target, ends, .. } = self;
-            let turns = Turns { phi, rest: target, ends };
+            let Self { laws, room, ends, .. } = self;
+            let turns = Turns { phi: &room.phi, rest: &room.target, ends };
             laws.iter_mut().for_each(|laws| laws.renew(turns));
         }
         loop {
@@ -425,6 +391,7 @@ impl<S: Simd> Chain<S> {
                 definite[lane] = search[lane].definite_part();
             }
             let definite = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
+            self.definite = definite.value;
             let (potential, signature) = self.assemble(gap, definite);
             let turn = self.largest_turn();
             let mut again = false;
@@ -443,19 +410,34 @@ impl<S: Simd> Chain<S> {
     pub(super) fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
         for e in 0..self.n {
             let (new, old) =
-                (self.vec(&self.step, 2 * e + 1), self.vec(&self.direction, 2 * e + 1));
-            let (here, origin) = (self.quat(&self.q[4 * e..]), self.quat(&self.origin[4 * e..]));
+                (self.vec(&self.kept.step, 2 * e + 1), self.vec(&self.room.direction, e));
+            let (here, origin) =
+                (self.quat(&self.q[4 * e..]), self.quat(&self.room.origin[4 * e..]));
             let turn = new.positive_or(fresh, old);
             let from = here.positive_or(fresh, origin);
-            store(&mut self.direction, 2 * e + 1, turn);
-            store_quat(&mut self.origin, e, from);
+            store(&mut self.room.direction, e, turn);
+            store_quat(&mut self.room.origin, e, from);
             let to = from.turned_by(turn.scale(scale));
             store_quat(&mut self.q, e, to.positive_or(scale, here));
         }
-        let reaction = self.vec(&self.step, 2 * (self.n - 1));
+        let reaction = self.vec(&self.kept.step, 2 * (self.n - 1));
         let held = self.vec(&self.ends.tip_reaction, 0);
         let moved = reaction.fma(scale, held).positive_or(fresh, held);
         store(&mut self.ends.tip_reaction, 0, moved);
+    }
+}
+
+/// Makes the directors of the rotations `q` those of the start of the step, in the lanes where
+/// `wanted > 0`.
+#[inline(always)]
+pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wanted: Lane<S>) {
+    let simd = wanted.simd();
+    for e in 0..q.len() / 4 {
+        let d = Quat::load(simd, q, e).directors();
+        for k in 0..3 {
+            let old = V3::load(simd, d_start, 3 * e + k);
+            store(d_start, 3 * e + k, d[k].positive_or(wanted, old));
+        }
     }
 }
 

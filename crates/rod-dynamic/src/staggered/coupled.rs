@@ -7,6 +7,8 @@ use super::search::Outcome;
 use crate::{Conditions, ImpulseResponse, Point, PointResponses, RodError, StepError, StepReport};
 use nalgebra::{Matrix3, Vector3};
 
+const NOT_UNDER_WAY: &str = "none is under way: predict one, or set out on one";
+
 impl StaggeredBatch {
     /// Solves the step of length `dt` with `impulses` (N s, one a node, or none at all) at its
     /// start, without finishing it: [`Self::mean_velocities`] and [`ImpulseResponse`] then speak of
@@ -26,13 +28,13 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
-        self.begin(dt, conditions, reports)?;
-        let solved = if impulses.is_empty() { Ok(()) } else { self.set_impulses(impulses) };
-        let solved = solved.and_then(|()| self.solve(dt, Problem::Step, reports));
-        if solved.is_err() {
-            self.abandon();
-        }
-        solved.map(|_| ())
+        self.engine.keep();
+        self.working(|batch| {
+            batch.begin(dt, conditions, reports)?;
+            let solved = if impulses.is_empty() { Ok(()) } else { batch.set_impulses(impulses) };
+            let solved = solved.and_then(|()| batch.solve(dt, Problem::Step, reports));
+            batch.under_way(dt, solved.map(|_| ()))
+        })
     }
 
     /// Solves the predicted step again with other impulses, from where the last solve ended.
@@ -45,12 +47,13 @@ impl StaggeredBatch {
         impulses: &[Vector3<f64>],
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
-        let solved = self.set_impulses(impulses);
-        let solved = solved.and_then(|()| self.solve(self.predicted, Problem::Again, reports));
-        if solved.is_err() {
-            self.abandon();
-        }
-        solved.map(|_| ())
+        self.check_under_way()?;
+        let dt = self.predicted;
+        let solved = match self.set_impulses(impulses) {
+            Ok(()) => self.working(|batch| batch.solve(dt, Problem::Again, reports)),
+            Err(error) => Err(error),
+        };
+        self.under_way(dt, solved.map(|_| ()))
     }
 
     /// Sets out on a step of length `dt` with `impulses` (N s, one a node) at its start, toward
@@ -70,14 +73,15 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
-        self.begin(dt, conditions, reports)?;
-        if let Err(error) = self.set_impulses(impulses) {
-            self.abandon();
-            return Err(error);
-        }
-        self.engine.look(dt);
-        self.predicted = dt;
-        Ok(())
+        self.engine.keep();
+        self.working(|batch| {
+            batch.begin(dt, conditions, reports)?;
+            let set = batch.set_impulses(impulses);
+            if set.is_ok() {
+                batch.engine.look(dt);
+            }
+            batch.under_way(dt, set)
+        })
     }
 
     /// Solves Newton's equations where the rods are in their step, without taking the increments:
@@ -87,7 +91,8 @@ impl StaggeredBatch {
     /// # Errors
     /// [`StepError::NotConverged`] if they have no solution.
     pub fn linearize(&mut self) -> Result<f64, StepError> {
-        let turns = self.engine.linearize();
+        self.check_under_way()?;
+        let turns = self.working(|batch| batch.engine.linearize());
         self.largest(&turns)
     }
 
@@ -97,6 +102,7 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     pub fn linear_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        self.check_step()?;
         check("velocities", self.nodes(), velocities.len())?;
         let nodes = self.nodes() / self.rods().len();
         for (k, velocity) in velocities.iter_mut().enumerate() {
@@ -113,7 +119,9 @@ impl StaggeredBatch {
     /// [`StepError`] as [`Self::correct`].
     pub fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
         self.check_impulses(impulses)?;
-        let turns = self.engine.advance(self.rods.len(), impulses);
+        self.check_under_way()?;
+        let fibers = self.rods.len();
+        let turns = self.working(|batch| batch.engine.advance(fibers, impulses));
         self.largest(&turns)
     }
 
@@ -127,17 +135,52 @@ impl StaggeredBatch {
         Ok(turns.iter().copied().fold(0.0, f64::max))
     }
 
-    /// Makes what the last solve found the state.
+    /// Makes what the last solve found the state; nothing if no step is under way.
     pub fn accept(&mut self) {
-        let mut all = [false; 8];
-        all[..self.rods().len()].fill(true);
-        self.commit(&[self.predicted; 8], &all);
-        self.advance_time(self.predicted);
+        let dt = std::mem::take(&mut self.predicted);
+        if dt > 0.0 {
+            let mut all = [false; 8];
+            all[..self.rods().len()].fill(true);
+            self.working(|batch| {
+                batch.engine.arrive();
+                batch.commit(&[dt; 8], &all);
+            });
+            self.advance_time(dt);
+        }
     }
 
-    /// Takes the fibres back to before the prediction.
+    /// Takes the fibres back to before the step that is under way, if one is.
     pub fn abandon(&mut self) {
-        self.take_back(self.fresh_before);
+        if std::mem::take(&mut self.predicted) > 0.0 {
+            self.take_back(self.fresh_before);
+        }
+    }
+
+    /// Notes that a step of length `dt` is under way if that has been `done`, and else takes the fibres
+    /// back.
+    fn under_way(&mut self, dt: f64, done: Result<(), StepError>) -> Result<(), StepError> {
+        self.predicted = dt;
+        if done.is_err() {
+            self.abandon();
+        }
+        done
+    }
+
+    fn check_under_way(&self) -> Result<(), StepError> {
+        self.check_step().map_err(|_| StepError::Conditions {
+            fiber: 0,
+            what: "step",
+            time: self.time(),
+            why: NOT_UNDER_WAY,
+        })
+    }
+
+    fn check_step(&self) -> Result<(), RodError> {
+        if self.predicted > 0.0 {
+            Ok(())
+        } else {
+            Err(RodError::Invalid { what: "step", why: NOT_UNDER_WAY })
+        }
     }
 
     /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
@@ -145,6 +188,7 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     pub fn mean_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        self.check_step()?;
         check("velocities", self.nodes(), velocities.len())?;
         let nodes = self.nodes() / self.rods().len();
         for (k, velocity) in velocities.iter_mut().enumerate() {
@@ -186,9 +230,12 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<bool, StepError> {
         self.skip_start();
-        self.begin(dt, conditions, reports)?;
-        let saddle = self.solve(dt, Problem::Rest, reports)?;
-        self.engine.commit(&[dt; 8], &[true; 8], Problem::Rest);
+        let saddle = self.working(|batch| {
+            batch.begin(dt, conditions, reports)?;
+            let saddle = batch.solve(dt, Problem::Rest, reports)?;
+            batch.engine.commit(&[dt; 8], &[true; 8], Problem::Rest);
+            Ok(saddle)
+        })?;
         for fiber in 0..self.rods().len() {
             self.engine.stop(fiber);
         }
@@ -206,11 +253,12 @@ impl StaggeredBatch {
         check("impulses", points.len(), impulses.len())?;
         check("velocities", points.len(), velocities.len())?;
         self.check_points(points)?;
-        self.engine.respond_at(points, impulses, inertia, velocities);
+        self.working(|batch| batch.engine.respond_at(points, impulses, inertia, velocities));
         Ok(())
     }
 
     fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
+        self.check_step()?;
         let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
         let on = |p: &Point| {
             (p.fiber as usize) < fibers
@@ -236,7 +284,6 @@ impl StaggeredBatch {
         let mut wanted = [false; 8];
         wanted[..count].fill(true);
         self.engine.attempt(&[dt; 8], &wanted, problem, &mut out);
-        self.predicted = dt;
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
             if !out[fiber].converged {
@@ -264,13 +311,17 @@ impl ImpulseResponse for StaggeredBatch {
     ) -> Result<(), RodError> {
         check("impulses", self.nodes(), impulses.len())?;
         check("velocities", self.nodes(), velocities.len())?;
-        self.engine.respond(self.rods.len(), impulses, velocities);
+        self.check_step()?;
+        let fibers = self.rods.len();
+        self.working(|batch| batch.engine.respond(fibers, impulses, velocities));
         Ok(())
     }
 
     fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError> {
         check("blocks", self.nodes(), blocks.len())?;
-        self.engine.diagonal_blocks(self.rods.len(), blocks);
+        self.check_step()?;
+        let fibers = self.rods.len();
+        self.working(|batch| batch.engine.diagonal_blocks(fibers, blocks));
         Ok(())
     }
 
@@ -294,7 +345,7 @@ impl ImpulseResponse for StaggeredBatch {
 
     fn write_out(&mut self, points: &[Point]) -> Result<Vec<PointResponses>, RodError> {
         self.check_points(points)?;
-        Ok(self.engine.write_out(points))
+        Ok(self.working(|batch| batch.engine.write_out(points)))
     }
 
     fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError> {
@@ -303,7 +354,7 @@ impl ImpulseResponse for StaggeredBatch {
         if !masses.iter().all(|m| *m >= 0.0 && m.is_finite()) {
             return Err(RodError::Invalid { what: "masses", why: "must be finite and >= 0 (kg)" });
         }
-        self.engine.weigh(points, masses);
+        self.working(|batch| batch.engine.weigh(points, masses));
         Ok(())
     }
 }

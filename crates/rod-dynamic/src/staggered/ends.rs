@@ -101,6 +101,13 @@ impl<S: Simd> Ends<S> {
         }
     }
 
+    /// Takes back what belongs to the state: flags and reactions.
+    pub(super) fn put_back(&mut self, old: &Self) {
+        (self.root_free, self.root_joint) = (old.root_free, old.root_joint);
+        (self.tip_held, self.tip_joint) = (old.tip_held, old.tip_joint);
+        self.tip_reaction = old.tip_reaction;
+    }
+
     /// Sets one lane. A tip that was free until now starts from the force `reaction`.
     pub(super) fn set(&mut self, lane: usize, now: &Instant, reaction: [f64; 3]) -> Held {
         let was_held = at(std::slice::from_ref(&self.tip_held), 0, lane) > 0.0;

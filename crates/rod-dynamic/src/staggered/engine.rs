@@ -1,9 +1,11 @@
 //! A pack with its register width hidden, and the choice of that width.
 
+use super::chain::Chain;
 use super::ends::Kind;
 use super::lanes::zeros;
 use super::pack::{Pack, at, lanes, set};
 use super::response::Inertia;
+use super::room;
 use super::scheme::{Problem, Scheme};
 use super::search::Outcome;
 use super::track::Track;
@@ -14,6 +16,14 @@ use pulp::bytemuck::{self, Zeroable};
 
 /// What a batch needs of a [`Pack`], whatever its register width.
 pub(super) trait Engine: Send + Sync {
+    /// Borrows room to work in, without which nothing but the state can be read and set.
+    fn enter(&mut self);
+    /// Gives it back.
+    fn leave(&mut self);
+    /// Keeps what a step needs from call to call, from now on. Not to be called in between.
+    fn keep(&mut self);
+    /// Brings back where the last call of a step has led.
+    fn arrive(&mut self);
     fn attempt(
         &mut self,
         dt: &[f64; 8],
@@ -46,10 +56,11 @@ pub(super) trait Engine: Send + Sync {
     fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64];
     /// Takes back the rotations and the reaction of one lane only, which an attempt changes.
     fn undo(&mut self, lane: usize);
-    /// Remembers the state of all lanes, for [`Engine::undo`] and [`Engine::undo_all`].
+    /// Remembers what attempts change, for [`Engine::undo`] and [`Engine::undo_all`].
     fn remember(&mut self);
-    /// Takes all lanes back to the state that was remembered.
-    fn undo_all(&mut self);
+    /// Takes all lanes back to what was remembered, as long as no step has been committed, and those that
+    /// were `fresh` to having no acceleration.
+    fn undo_all(&mut self, fresh: &[bool; 8]);
     /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
@@ -82,6 +93,29 @@ pub(super) trait Engine: Send + Sync {
 }
 
 impl<S: Simd> Engine for Pack<S> {
+    fn enter(&mut self) {
+        if self.borrowed.is_none() {
+            let mut room = room::borrow(self.chain.n);
+            std::mem::swap(&mut self.chain.room, &mut room);
+            self.exchange_kept();
+            self.borrowed = Some(room);
+        }
+    }
+    fn leave(&mut self) {
+        if let Some(mut room) = self.borrowed.take() {
+            self.exchange_kept();
+            std::mem::swap(&mut self.chain.room, &mut room);
+            room::give_back(room);
+        }
+    }
+    fn keep(&mut self) {
+        self.keeps = true;
+        self.chain.kept.fit(self.chain.n);
+        room::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
+    }
+    fn arrive(&mut self) {
+        Self::arrive(self);
+    }
     fn attempt(
         &mut self,
         dt: &[f64; 8],
@@ -116,6 +150,7 @@ impl<S: Simd> Engine for Pack<S> {
         self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
     }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
+        room::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
         for i in 0..3 {
             set(&mut self.node_forces, 3 * node + i, lane, force[i]);
         }
@@ -133,7 +168,7 @@ impl<S: Simd> Engine for Pack<S> {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
     }
     fn displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
-        self.vector(&self.chain.r, node, lane) - self.vector(&self.r, node, lane)
+        self.vector(&self.chain.kept.r, node, lane) - self.vector(&self.r, node, lane)
     }
     fn save(&self, lane: usize, numbers: &mut Vec<f64>) {
         for array in self.arrays() {
@@ -151,42 +186,42 @@ impl<S: Simd> Engine for Pack<S> {
         }
         self.chain.laws.iter_mut().fold(numbers, |numbers, laws| laws.restore(lane, numbers))
     }
-    fn undo_all(&mut self) {
-        let backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
-        let mut rest = &backup[..];
-        for array in self.arrays_mut() {
-            let (head, tail) = rest.split_at(array.len());
-            array.copy_from_slice(head);
-            rest = tail;
+    fn undo_all(&mut self, fresh: &[bool; 8]) {
+        self.chain.q.copy_from_slice(&self.before.q);
+        self.chain.force.copy_from_slice(&self.before.force);
+        self.chain.ends.put_back(&self.before.ends);
+        if !self.before.phi.is_empty() {
+            self.phi.copy_from_slice(&self.before.phi);
         }
-        self.backup = backup;
+        for lane in (0..S::F64_LANES).filter(|&lane| fresh[lane]) {
+            let tracks = [&mut self.nodes, &mut self.directors, &mut self.joints];
+            tracks.into_iter().for_each(|track| track.forget(lane));
+        }
         self.chain.laws.iter_mut().for_each(|laws| laws.undo_all());
     }
     fn remember(&mut self) {
-        let mut backup = std::mem::replace(&mut self.backup, zeros::<S>(0));
-        backup.clear();
-        for array in self.arrays() {
-            backup.extend_from_slice(array);
-        }
-        self.backup = backup;
+        self.before.q.copy_from_slice(&self.chain.q);
+        self.before.force.copy_from_slice(&self.chain.force);
+        self.before.phi = zeros::<S>(0);
+        self.before.ends = self.chain.ends;
         self.chain.laws.iter_mut().for_each(|laws| laws.remember());
         self.impulses.fill(S::f64s::zeroed());
         self.absorbed = [[S::f64s::zeroed(); 3]; 2];
-        self.q_start.copy_from_slice(&self.chain.q);
-        self.reaction_start = self.chain.ends.tip_reaction;
+        self.weighted.take_if(|weighted| !std::mem::take(&mut weighted.used));
     }
     fn undo(&mut self, lane: usize) {
-        for i in 0..self.q_start.len() {
-            set(&mut self.chain.q, i, lane, at(&self.q_start, i, lane));
+        for i in 0..self.before.q.len() {
+            set(&mut self.chain.q, i, lane, at(&self.before.q, i, lane));
         }
         for i in 0..3 {
-            set(&mut self.chain.ends.tip_reaction, i, lane, at(&self.reaction_start, i, lane));
+            let reaction = at(&self.before.ends.tip_reaction, i, lane);
+            set(&mut self.chain.ends.tip_reaction, i, lane, reaction);
         }
     }
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
         let nodes = self.chain.n + 1;
         for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
-            for (to, from) in lanes(&mut self.work.values).zip(impulses) {
+            for (to, from) in lanes(&mut self.chain.room.values).zip(impulses) {
                 for i in 0..3 {
                     to[i * S::F64_LANES + lane] = from[i];
                 }
@@ -194,7 +229,7 @@ impl<S: Simd> Engine for Pack<S> {
         }
         Self::respond(self, Inertia::Own, 0);
         for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
-            for (from, to) in lanes(&mut self.work.values).zip(out) {
+            for (from, to) in lanes(&mut self.chain.room.values).zip(out) {
                 for i in 0..3 {
                     to[i] = from[i * S::F64_LANES + lane];
                 }
@@ -206,7 +241,7 @@ impl<S: Simd> Engine for Pack<S> {
         let nodes = self.chain.n + 1;
         for (lane, blocks) in blocks.chunks_exact_mut(nodes).enumerate().take(fibers) {
             for (a, block) in blocks.iter_mut().enumerate() {
-                let entry = |i: usize| at(&self.work.blocks, 6 * a + i, lane);
+                let entry = |i: usize| at(&self.chain.room.blocks, 6 * a + i, lane);
                 let (xy, xz, yz) = (entry(3), entry(4), entry(5));
                 *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
             }
@@ -220,7 +255,7 @@ impl<S: Simd> Engine for Pack<S> {
         out: &mut [Vector3<f64>],
     ) {
         let Some(from) = points.iter().map(|point| point.segment as usize).min() else { return };
-        let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.work.values);
+        let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.values);
         // One node before is looked at too, as the end of the first segment that is solved for.
         values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
@@ -232,7 +267,7 @@ impl<S: Simd> Engine for Pack<S> {
             }
         }
         Self::respond(self, inertia, from);
-        let values = bytemuck::cast_slice::<S::f64s, f64>(&self.work.values);
+        let values = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.values);
         for (point, out) in points.iter().zip(out) {
             let node = &values[first::<S>(point)..];
             for i in 0..3 {
@@ -269,16 +304,16 @@ impl<S: Simd> Engine for Pack<S> {
         Self::linearize(self)
     }
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
-        Engine::displacement(self, lane, node) + self.vector(&self.work.way, node, lane)
+        Engine::displacement(self, lane, node) + self.vector(&self.chain.kept.way, node, lane)
     }
     fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8] {
         let nodes = self.chain.n + 1;
-        self.work.values.fill(S::f64s::zeroed());
+        self.chain.room.values.fill(S::f64s::zeroed());
         for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
             for (a, impulse) in impulses.iter().enumerate() {
                 let change = impulse - self.vector(&self.impulses, a, lane);
                 for i in 0..3 {
-                    set(&mut self.work.values, 3 * a + i, lane, change[i]);
+                    set(&mut self.chain.room.values, 3 * a + i, lane, change[i]);
                 }
             }
             self.set_impulses(lane, impulses);
@@ -296,6 +331,16 @@ impl<S: Simd> Engine for Pack<S> {
     fn numbers(&self, lane: usize) -> usize {
         let own: usize = self.arrays().iter().map(|a| a.len()).sum();
         own + self.chain.laws.as_ref().map_or(0, |laws| laws.numbers(lane))
+    }
+}
+
+impl<S: Simd> Pack<S> {
+    /// Takes what a step needs from call to call out of the room, or puts it back, unless it is kept.
+    fn exchange_kept(&mut self) {
+        if !self.keeps {
+            let Chain { room, kept, .. } = &mut self.chain;
+            std::mem::swap(kept, &mut room.kept);
+        }
     }
 }
 

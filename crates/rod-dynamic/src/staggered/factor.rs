@@ -10,6 +10,7 @@
 
 use super::chain::store;
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
+use super::room::fit;
 use pulp::Simd;
 use std::ops::Sub;
 
@@ -56,8 +57,7 @@ impl<S: Simd> Sub for Block<S> {
 ///
 /// - `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn (6, symmetric),
 /// - `D^-1 B`: force-turn (9), turn-turn (9); its other columns are those of `D^-1` times `w`,
-/// - `w` and the eliminated right-hand side (6),
-/// - the part of `B` between turns (9).
+/// - `w`.
 ///
 /// With both products at hand a substitution waits for one product of a matrix and a vector a
 /// segment, and everything else is done meanwhile.
@@ -66,18 +66,21 @@ pub(super) struct Factor<S: Simd> {
     n: usize,
 }
 
-const STRIDE: usize = 55;
-/// Where a segment's right-hand side and its `B` begin.
-const RHS: usize = 40;
-const RIGHT: usize = 46;
+const STRIDE: usize = 40;
 
 impl<S: Simd> Factor<S> {
     pub(super) fn new(n: usize) -> Self {
         Self { data: zeros::<S>(STRIDE * n), n }
     }
 
+    /// Makes it fit `n` segments.
+    pub(super) fn fit(&mut self, n: usize) {
+        fit::<S>(&mut self.data, STRIDE * n);
+        self.n = n;
+    }
+
     /// Eliminates segment `e`, whose block already lacks what its predecessor takes away. Returns
-    /// what to take from the next block, and the signature of the pivots.
+    /// what to take from the next block, the eliminated right-hand side, and the signature of the pivots.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -85,7 +88,7 @@ impl<S: Simd> Factor<S> {
         block: Block<S>,
         w: Lane<S>,
         b: M3<S>,
-    ) -> (Block<S>, Lane<S>) {
+    ) -> (Block<S>, [V3<S>; 2], Lane<S>) {
         let (p, of_forces) = block.compliance.inverse();
         let v = p.times(block.lever);
         let (sigma, of_turns) =
@@ -113,38 +116,10 @@ impl<S: Simd> Factor<S> {
                 row[6 + 3 * i + j] = (-x.0[i].0[j]).value;
                 row[21 + 3 * i + j] = (-vz.0[i].0[j]).value;
                 row[30 + 3 * i + j] = z.0[i].0[j].value;
-                row[RIGHT + 3 * i + j] = b.0[i].0[j].value;
             }
         }
         row[39] = w.value;
-        store(&mut row[RHS..], 0, force);
-        store(&mut row[RHS..], 1, turn);
-        (next, of_forces + of_turns)
-    }
-
-    /// Solves the last segment again where loads that have no potential make its block unsymmetric:
-    /// `follow` is added to the lever above the diagonal, `spin` is the skew part of its stiffness.
-    /// Only in the lanes that are wanted; the factors stay those of the symmetric block.
-    #[inline(always)]
-    pub(super) fn close(&mut self, block: Block<S>, follow: M3<S>, spin: M3<S>, wanted: Lane<S>) {
-        let (p, _) = block.compliance.inverse();
-        let below = p.times(block.lever);
-        let above = p.times(block.lever + follow);
-        let sigma = block.stiffness.full() + spin - block.lever.transposed().times(above);
-        let turn = sigma.solve(block.torque - below.apply_transposed(block.load));
-        let force = p.apply(block.load) - above.apply(turn);
-        let at = STRIDE * (self.n - 1) + RHS;
-        let rhs = &self.data[at..];
-        let old = [V3::load(wanted.simd(), rhs, 0), V3::load(wanted.simd(), rhs, 1)];
-        let (force, turn) = (force.positive_or(wanted, old[0]), turn.positive_or(wanted, old[1]));
-        store(&mut self.data[at..], 0, force);
-        store(&mut self.data[at..], 1, turn);
-    }
-
-    /// The block to the right of segment `e`, between turns.
-    #[inline(always)]
-    pub(super) fn coupling(&self, simd: S, e: usize) -> M3<S> {
-        self.matrix(simd, STRIDE * e + RIGHT)
+        (next, [force, turn], of_forces + of_turns)
     }
 
     #[inline(always)]
@@ -168,13 +143,12 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves backward from the eliminated right-hand sides; `x` has 6 entries a segment.
+    /// Solves backward from the eliminated right-hand sides; both have 6 entries a segment.
     #[inline(always)]
-    pub(super) fn back_substitute(&self, simd: S, x: &mut [S::f64s]) {
+    pub(super) fn back_substitute(&self, simd: S, rhs: &[S::f64s], x: &mut [S::f64s]) {
         let mut behind = [V3::splat(simd, 0.0); 2];
         for e in (0..self.n).rev() {
-            let rhs = &self.data[STRIDE * e + RHS..];
-            let rhs = [V3::load(simd, rhs, 0), V3::load(simd, rhs, 1)];
+            let rhs = [V3::load(simd, rhs, 2 * e), V3::load(simd, rhs, 2 * e + 1)];
             behind = self.row(simd, e).substitute(rhs, behind);
             store(x, 2 * e, behind[0]);
             store(x, 2 * e + 1, behind[1]);
@@ -238,6 +212,19 @@ impl<S: Simd> Factor<S> {
             }
         }
     }
+}
+
+/// The right-hand side of a last segment with loads that have no potential, which make its block
+/// unsymmetric: `follow` is added to the lever above the diagonal, `spin` is the skew part of its
+/// stiffness. The factors stay those of the symmetric block.
+#[inline(always)]
+pub(super) fn close<S: Simd>(block: Block<S>, follow: M3<S>, spin: M3<S>) -> [V3<S>; 2] {
+    let (p, _) = block.compliance.inverse();
+    let below = p.times(block.lever);
+    let above = p.times(block.lever + follow);
+    let sigma = block.stiffness.full() + spin - block.lever.transposed().times(above);
+    let turn = sigma.solve(block.torque - below.apply_transposed(block.load));
+    [p.apply(block.load) - above.apply(turn), turn]
 }
 
 /// A symmetric 6 x 6 block by forces and turns.

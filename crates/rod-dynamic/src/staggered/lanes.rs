@@ -412,6 +412,12 @@ pub(super) struct Quat<S: Simd> {
 }
 
 impl<S: Simd> Quat<S> {
+    /// Quaternion `i` of an array.
+    #[inline(always)]
+    pub(super) fn load(simd: S, a: &[S::f64s], i: usize) -> Self {
+        let a = &a[4 * i..4 * i + 4];
+        Self { v: V3::load(simd, a, 0), w: Lane::new(simd, a[3]) }
+    }
     /// `self^-1 b`.
     #[inline(always)]
     pub(super) fn inverse_times(self, b: Self) -> Self {

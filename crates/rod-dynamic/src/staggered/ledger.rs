@@ -120,9 +120,9 @@ impl<S: Simd> Pack<S> {
 
     /// Asks the laws what the step stores and dissipates.
     fn book_laws(&mut self) {
-        let Chain { laws, phi, ends, .. } = &mut self.chain;
+        let Chain { laws, room, ends, .. } = &mut self.chain;
         let before = Turns { phi: &self.phi, rest: &self.rest, ends };
-        let after = Turns { phi, ..before };
+        let after = Turns { phi: &room.phi, ..before };
         laws.iter_mut().for_each(|laws| laws.book(before, after));
     }
 
@@ -217,15 +217,15 @@ impl<S: Simd> Pack<S> {
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         let mass = Lane::new(simd, self.mass[a]);
-        let way = chain.vec(&chain.r, a) - chain.vec(&self.r, a);
+        let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
         let rates = self.nodes.rates(chain, a);
         let jump = self.jump(a);
         let motion = self.motion(stage, rates, jump, way);
         lines.kinetic = mass.fma(motion.gain, lines.kinetic);
         lines.integrator = mass.nma(motion.loss, lines.integrator);
-        lines.contacts = lines.contacts + chain.vec(&self.impulses, a).dot(motion.mean);
-        let (length, tangent) = self.reach(&chain.d_start, a);
-        let (_, tangent_after) = self.reach(&chain.d, a);
+        lines.contacts = lines.contacts + chain.vec_or_zero(&self.impulses, a).dot(motion.mean);
+        let (length, tangent) = self.reach(&chain.room.d_start, a);
+        let (_, tangent_after) = self.reach(&chain.room.d, a);
         let middle = (tangent + tangent_after).scale(length.lift(0.5));
         let air = |across_at: V3<S>, along_at: V3<S>, tangent: V3<S>| {
             let slip = tangent.dot(along_at - wind) * excess * length.recip();
@@ -237,7 +237,7 @@ impl<S: Simd> Pack<S> {
         lines.integrator = lines.integrator + (drag - mean_drag).dot(way);
         let weight = gravity.scale(mass);
         lines.gravity = lines.gravity + weight.dot(way);
-        let loads = distributed.scale(length) + chain.vec(&self.node_forces, a);
+        let loads = distributed.scale(length) + chain.vec_or_zero(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
         if a == 0 || a == n {
             let forces = weight + loads + air(rates.v, rates.v, tangent);
@@ -262,7 +262,7 @@ impl<S: Simd> Pack<S> {
         lines.loads = lines.loads + load.dot(way);
         let force = |array: &[S::f64s], i: usize| V3::load(simd, array, i).scale(sign);
         let before = before + force(&self.outset.forces[k], 0);
-        let after = way.scale(chain.one(&chain.mu, a)) - chain.vec(&chain.b, a)
+        let after = way.scale(chain.one(&chain.room.mu, a)) - chain.vec(&chain.room.b, a)
             + force(&chain.force, segment);
         self.support([before.scale(held), after.scale(held)], way, lines);
         let absorbed = V3::load(simd, &self.absorbed[k], 0).dot(mean);
@@ -314,7 +314,7 @@ impl<S: Simd> Pack<S> {
             stiffness = stiffness.scale(Lane::new(simd, chain.ends.tip_joint));
         }
         let half = Lane::splat(simd, 0.5);
-        let (phi, phi_before) = (chain.vec(&chain.phi, j), chain.vec(&self.phi, j));
+        let (phi, phi_before) = (chain.vec(&chain.room.phi, j), chain.vec(&self.phi, j));
         let bend = phi - phi_before;
         let resisted = stiffness.times(bend);
         let rest = chain.vec(&self.rest, j);

@@ -8,11 +8,16 @@
 //! cheaper, and with a potential energy to minimise in each step, which makes it robust; its time
 //! error is larger. It is the default for assemblies.
 //!
+//! Batches hold what their motion has, and lend each other what a solve needs beside it: a thread has
+//! room for one.
+//!
 //! [`StaggeredBatch`] moves up to eight fibres in SIMD lanes; [`Staggered`] is a batch of one
 //! behind [`crate::RodIntegrator`]. A fibre moves bit for bit alike in any company.
 
 mod batch;
+mod calls;
 mod chain;
+mod check;
 mod coupled;
 mod ends;
 mod engine;
@@ -25,6 +30,7 @@ mod ledger;
 mod pack;
 mod readout;
 mod response;
+mod room;
 mod scheme;
 mod search;
 mod single;

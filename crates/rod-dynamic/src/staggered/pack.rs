@@ -1,13 +1,14 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
-use super::chain::{Chain, get, store};
+use super::chain::{Chain, keep_directors, store};
 use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
 use super::laws::{Laws, Turns};
 use super::ledger::Outset;
-use super::response::{Inertia, Workspace};
+use super::response::Weighted;
+use super::room::Room;
 use super::scheme::{Problem, Scheme, Stage};
-use super::search::{Outcome, Search};
+use super::search::Outcome;
 use super::track::Track;
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod};
@@ -15,9 +16,6 @@ use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_fiber::so3;
-
-/// Longer increments of rods in contact are shortened to this, rad.
-const LONGEST_TURN: f64 = 1.0;
 
 /// Model and state of up to eight fibres with equally many segments.
 pub(super) struct Pack<S: Simd> {
@@ -39,33 +37,47 @@ pub(super) struct Pack<S: Simd> {
     pub(super) nodes: Track<S>,
     pub(super) directors: Track<S>,
     pub(super) joints: Track<S>,
-    /// Impulses on the nodes at the start of the step (3).
+    /// Impulses on the nodes at the start of the step (3), if any have been set.
     pub(super) impulses: Array<S>,
     /// Those on the root and the tip that what holds them takes up.
     pub(super) absorbed: [[S::f64s; 3]; 2],
-    /// Forces on the nodes from outside (3).
+    /// Forces on the nodes from outside (3), if any have been set.
     pub(super) node_forces: Array<S>,
     /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
     /// along.
     pub(super) fields: [S::f64s; 11],
     pub(super) held: [Held; 8],
     pub(super) any_damping: bool,
-    /// Rotations (4) and tip reactions at the start of the step.
-    pub(super) q_start: Array<S>,
-    pub(super) reaction_start: [S::f64s; 3],
-    /// All numbers of the state before the step.
-    pub(super) backup: Array<S>,
+    /// What an attempt changes, as it was when the step set out.
+    pub(super) before: Before<S>,
     /// Lengths of the last attempt, for what follows from its factors.
     pub(super) last_dt: [f64; 8],
-    pub(super) work: Workspace<S>,
+    /// With masses added at points, if that has been asked for.
+    pub(super) weighted: Option<Weighted<S>>,
+    /// What the chain has in place of the room that it has borrowed.
+    pub(super) borrowed: Option<Box<Room<S>>>,
+    /// Whether the chain keeps what a step needs from call to call.
+    pub(super) keeps: bool,
     /// For the ledger of a step.
     pub(super) outset: Outset<S>,
+}
+
+/// What an attempt at a step changes.
+pub(super) struct Before<S: Simd> {
+    /// Rotations (4), and forces (3) of the segments.
+    pub(super) q: Array<S>,
+    pub(super) force: Array<S>,
+    /// Rotation vectors of the joints (3), if they have been measured, as where a motion starts.
+    pub(super) phi: Array<S>,
+    pub(super) ends: Ends<S>,
 }
 
 impl<S: Simd> Pack<S> {
     /// At least one rod, all with the same number of segments. Spare lanes repeat the last rod.
     pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
         let n = rods[0].fiber.segments();
+        let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
+        let memory = scheme.has_memory();
         let mut pack = Self {
             chain: Chain::new(simd, n),
             scheme,
@@ -76,21 +88,26 @@ impl<S: Simd> Pack<S> {
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
             phi: zeros::<S>(3 * (n + 1)),
-            nodes: Track::new(n + 1),
-            directors: Track::new(2 * n),
-            joints: Track::new(n + 1),
-            impulses: zeros::<S>(3 * (n + 1)),
+            nodes: Track::new(n + 1, memory),
+            directors: Track::new(2 * n, memory),
+            joints: Track::new(if any_damping { n + 1 } else { 0 }, memory && any_damping),
+            impulses: zeros::<S>(0),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
-            node_forces: zeros::<S>(3 * (n + 1)),
+            node_forces: zeros::<S>(0),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::CLAMPED; 8],
-            q_start: zeros::<S>(4 * n),
-            reaction_start: [S::f64s::zeroed(); 3],
-            backup: zeros::<S>(0),
+            before: Before {
+                q: zeros::<S>(4 * n),
+                force: zeros::<S>(3 * n),
+                phi: zeros::<S>(0),
+                ends: Ends::new(),
+            },
             last_dt: [1.0; 8],
-            work: Workspace::new(n),
+            weighted: None,
+            borrowed: None,
+            keeps: false,
             outset: Outset::new(),
-            any_damping: rods.iter().any(|rod| rod.damping_time > 0.0),
+            any_damping,
         };
         for lane in 0..S::F64_LANES {
             pack.model(lane, &rods[lane.min(rods.len() - 1)]);
@@ -146,6 +163,9 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let Self(pack, dt, wanted, problem, out) = self;
                 let stage = pack.stage(dt, problem);
+                if problem == Problem::Again {
+                    pack.recall_directors();
+                }
                 if problem == Problem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
@@ -158,97 +178,6 @@ impl<S: Simd> Pack<S> {
         self.chain.simd.vectorize(Attempt(self, dt, wanted, problem, out));
     }
 
-    /// Prepares a step of length `dt` and sets out to where the motion leads, without solving it.
-    pub(super) fn look(&mut self, dt: f64) {
-        struct LookAhead<'a, S: Simd>(&'a mut Pack<S>);
-        impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
-                self.0.look_ahead(&stage, &[true; 8]);
-                self.0.prepare(&stage);
-                self.0.begin_laws();
-                self.0.chain.shape();
-            }
-        }
-        self.last_dt = [dt; 8];
-        self.chain.simd.vectorize(LookAhead(self));
-    }
-
-    /// Solves Newton's equations at the present shape, without taking the increments. Leaves the
-    /// displacements of the nodes that they would add, and returns the largest increment, rad.
-    pub(super) fn linearize(&mut self) -> [f64; 8] {
-        struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
-        impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
-            type Output = [f64; 8];
-            #[inline(always)]
-            fn call(self) -> [f64; 8] {
-                let pack = self.0;
-                let mut search = [Search::new(false, Held::CLAMPED, false); 8];
-                for lane in 0..S::F64_LANES {
-                    search[lane] = Search::new(true, pack.held[lane], false);
-                }
-                let (turn, gap) = pack.chain.increments(&mut search);
-                let n = pack.chain.n;
-                for a in 0..=n {
-                    let mut sum = V3::splat(pack.chain.simd, 0.0);
-                    if a < n {
-                        sum += pack.chain.vec(&pack.chain.step, 2 * a);
-                    }
-                    if a > 0 {
-                        sum -= pack.chain.vec(&pack.chain.step, 2 * (a - 1));
-                    }
-                    let mut way = sum.scale(pack.chain.one(&pack.chain.w, a));
-                    if a == n {
-                        way += gap;
-                    }
-                    store(&mut pack.work.way, a, way);
-                }
-                let mut turns = [0.0; 8];
-                for lane in 0..S::F64_LANES {
-                    turns[lane] = get(turn, lane);
-                }
-                turns
-            }
-        }
-        self.chain.simd.vectorize(Linearize(self))
-    }
-
-    /// Takes the increments of the last linearisation together with those that the change of the
-    /// impulses in the workspace causes. Returns the largest increment, rad.
-    pub(super) fn advance(&mut self) -> [f64; 8] {
-        struct Advance<'a, S: Simd>(&'a mut Pack<S>);
-        impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
-            type Output = [f64; 8];
-            #[inline(always)]
-            fn call(self) -> [f64; 8] {
-                let pack = self.0;
-                let stage = pack.stage(&pack.last_dt, Problem::Step);
-                pack.solve_response(&stage, Inertia::Own, 0);
-                for i in 0..2 * pack.chain.n {
-                    let sum = pack.chain.vec(&pack.chain.step, i)
-                        + pack.chain.vec(&pack.work.solution, i);
-                    store(&mut pack.chain.step, i, sum);
-                }
-                let turn = pack.chain.largest_turn();
-                let (mut turns, mut scale) = ([0.0; 8], [0.0; 8]);
-                for lane in 0..S::F64_LANES {
-                    turns[lane] = get(turn, lane);
-                    scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
-                }
-                let simd = pack.chain.simd;
-                let scale = Lane::new(simd, simd.partial_load_f64s(&scale[..S::F64_LANES]));
-                pack.chain.advance(Lane::splat(simd, 1.0), scale);
-                pack.prepare(&stage);
-                pack.chain.shape();
-                pack.chain.measure_joints();
-                turns
-            }
-        }
-        self.chain.simd.vectorize(Advance(self))
-    }
-
     /// Makes the present rotations the start of a step, in the lanes that are wanted.
     pub(super) fn set_out(&mut self, wanted: &[bool; 8]) {
         struct SetOut<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; 8]);
@@ -257,7 +186,8 @@ impl<S: Simd> Pack<S> {
             #[inline(always)]
             fn call(self) {
                 let wanted = self.0.flags(self.1);
-                self.0.chain.keep_directors(wanted);
+                let Chain { room, q, .. } = &mut self.0.chain;
+                keep_directors(&mut room.d_start, q, wanted);
             }
         }
         self.chain.simd.vectorize(SetOut(self, wanted));
@@ -273,10 +203,11 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let Self(pack, lanes) = self;
                 let wanted = pack.flags(lanes);
+                pack.before.phi = pack.phi.clone();
                 pack.chain.measure_joints();
                 for j in 0..=pack.chain.n {
                     let (new, old) =
-                        (pack.chain.vec(&pack.chain.phi, j), pack.chain.vec(&pack.phi, j));
+                        (pack.chain.vec(&pack.chain.room.phi, j), pack.chain.vec(&pack.phi, j));
                     store(&mut pack.phi, j, new.positive_or(wanted, old));
                 }
                 for lane in (0..S::F64_LANES).filter(|&lane| lanes[lane]) {
@@ -323,7 +254,7 @@ impl<S: Simd> Pack<S> {
 
     /// Writes the problem of the step into the chain.
     #[inline(always)]
-    fn prepare(&mut self, stage: &Stage<S>) {
+    pub(super) fn prepare(&mut self, stage: &Stage<S>) {
         let simd = self.chain.simd;
         let n = self.chain.n;
         let one = Lane::splat(simd, 1.0);
@@ -338,7 +269,7 @@ impl<S: Simd> Pack<S> {
             let mass = Lane::new(simd, self.mass[a]);
             rates.v += self.jump(a);
             let (du, vc) = self.scheme.predict(stage, rates);
-            let (length, tangent) = self.reach(&self.chain.d_start, a);
+            let (length, tangent) = self.reach(&self.chain.room.d_start, a);
             let drag = across * length;
             let inertial = mass * stage.c1;
             let mu = drag.fma(stage.cv, inertial);
@@ -350,24 +281,24 @@ impl<S: Simd> Pack<S> {
                 + distributed.scale(length)
                 + (wind - vc).scale(drag)
                 + tangent.scale(slip)
-                + self.chain.vec(&self.node_forces, a);
+                + self.chain.vec_or_zero(&self.node_forces, a);
             let held = match a {
                 0 => one - Lane::new(simd, self.chain.ends.root_free),
                 a if a == n => Lane::new(simd, self.chain.ends.tip_held),
                 _ => zero,
             };
-            self.chain.mu[a] = if stage.problem == Problem::Rest { zero } else { mu }.value;
-            self.chain.w[a] = held.positive_or(zero, mu.recip()).value;
-            store(&mut self.chain.b, a, b);
+            self.chain.room.mu[a] = if stage.problem == Problem::Rest { zero } else { mu }.value;
+            self.chain.kept.w[a] = held.positive_or(zero, mu.recip()).value;
+            store(&mut self.chain.room.b, a, b);
         }
-        self.chain.start.copy_from_slice(&self.r);
+        self.chain.room.start.copy_from_slice(&self.r);
         for i in 0..2 * n {
             let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
             let (e, k) = (i / 2, i % 2);
-            let d = self.chain.vec(&self.chain.d_start, 3 * e + k);
+            let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.inertia[i]) * stage.c1;
             let p = if stage.problem == Problem::Rest { V3::splat(simd, 0.0) } else { d + du };
-            store(&mut self.chain.p, i, p.scale(inertia));
+            store(&mut self.chain.room.p, i, p.scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
         let factor = damping.fma(stage.cv, one);
@@ -386,8 +317,8 @@ impl<S: Simd> Pack<S> {
             } else if j == n {
                 stiffness = stiffness.scale(Lane::new(simd, self.chain.ends.tip_joint));
             }
-            store(&mut self.chain.k, j, stiffness);
-            store(&mut self.chain.target, j, target);
+            store(&mut self.chain.room.k, j, stiffness);
+            store(&mut self.chain.room.target, j, target);
             if let Some(laws) = &mut self.chain.laws {
                 laws.set_linear(simd, j, stiffness, target);
             }
@@ -395,9 +326,9 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Asks the laws for the step of the last length, about the turns from which it sets out.
-    fn begin_laws(&mut self) {
-        let Chain { laws, target, ends, .. } = &mut self.chain;
-        let turns = Turns { phi: &self.phi, rest: target, ends };
+    pub(super) fn begin_laws(&mut self) {
+        let Chain { laws, room, ends, .. } = &mut self.chain;
+        let turns = Turns { phi: &self.phi, rest: &room.target, ends };
         laws.iter_mut().for_each(|laws| laws.begin(&self.last_dt, turns));
     }
 
@@ -420,14 +351,14 @@ impl<S: Simd> Pack<S> {
     /// How much the impulse on a node changes its velocity.
     #[inline(always)]
     pub(super) fn jump(&self, a: usize) -> V3<S> {
-        let impulse = self.chain.vec(&self.impulses, a);
+        let impulse = self.chain.vec_or_zero(&self.impulses, a);
         impulse.scale(Lane::new(self.chain.simd, self.mass[a]).recip())
     }
 
     /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
     /// method from which the forces are already of the right size.
     #[inline(always)]
-    fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
+    pub(super) fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
         let wanted = self.flags(wanted);
         let half = Lane::splat(self.chain.simd, 0.5);
         for e in 0..self.chain.n {
@@ -435,7 +366,7 @@ impl<S: Simd> Pack<S> {
                 self.scheme.predict(stage, track.rates(&self.chain, i)).0
             };
             let chord = ahead(&self.nodes, e + 1) - ahead(&self.nodes, e);
-            let d = |k: usize| self.chain.vec(&self.chain.d_start, 3 * e + k);
+            let d = |k: usize| self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let turn = d(0).cross(ahead(&self.directors, 2 * e))
                 + d(1).cross(ahead(&self.directors, 2 * e + 1))
                 + d(2).cross(chord.scale(self.chain.one(&self.chain.h, e).recip()));
@@ -448,7 +379,7 @@ impl<S: Simd> Pack<S> {
         let n = self.chain.n;
         let done = self.flags(wanted);
         for a in 0..=n {
-            let new = self.chain.vec(&self.chain.r, a);
+            let new = self.chain.vec(&self.chain.kept.r, a);
             let old = self.chain.vec(&self.r, a);
             let v = self.chain.vec(&self.nodes.v, a);
             let after = (v + self.jump(a)).positive_or(done, v);
@@ -460,17 +391,19 @@ impl<S: Simd> Pack<S> {
         }
         for i in 0..2 * n {
             let at = 3 * (i / 2) + i % 2;
-            let u = self.chain.vec(&self.chain.d, at) - self.chain.vec(&self.chain.d_start, at);
+            let u = self.chain.vec(&self.chain.room.d, at)
+                - self.chain.vec(&self.chain.room.d_start, at);
             self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
         }
         if let Some(laws) = &mut self.chain.laws
             && stage.problem != Problem::Start
         {
-            let turns = Turns { phi: &self.chain.phi, rest: &self.rest, ends: &self.chain.ends };
+            let turns =
+                Turns { phi: &self.chain.room.phi, rest: &self.rest, ends: &self.chain.ends };
             laws.commit(wanted, turns);
         }
         for j in 0..=n {
-            let new = self.chain.vec(&self.chain.phi, j);
+            let new = self.chain.vec(&self.chain.room.phi, j);
             let old = self.chain.vec(&self.phi, j);
             if self.any_damping {
                 self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);

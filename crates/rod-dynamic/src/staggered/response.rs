@@ -5,7 +5,7 @@
 //! `c1 dt P`, and the answer is the change of the mean velocity, displacement over `dt`. Both maps
 //! are the same up to transposition, so the response is symmetric.
 
-use super::chain::{hat, store};
+use super::chain::{Chain, hat, store};
 use super::factor::{Block, Factor};
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
@@ -14,41 +14,17 @@ use crate::Point;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 
-/// Room for one response; allocated with the first.
-pub(super) struct Workspace<S: Simd> {
-    /// Impulses in, mean velocities out (3 a node).
-    pub(super) values: Array<S>,
-    loads: Array<S>,
-    pub(super) solution: Array<S>,
-    /// Displacements of the nodes that the last linearisation would add (3 a node).
-    pub(super) way: Array<S>,
-    diagonal: Array<S>,
-    right: Array<S>,
-    /// Diagonal blocks out (6 a node).
-    pub(super) blocks: Array<S>,
-    /// Added masses of the nodes, and added inertias of d3 (both kg or kg m^2).
-    mass: Array<S>,
-    inertia: Array<S>,
-    /// What the added masses make of the inverse masses of the nodes, and of the factors.
+/// The inverse masses of the nodes and the factors that masses added at points make.
+pub(super) struct Weighted<S: Simd> {
     w: Array<S>,
-    weighted: Factor<S>,
+    factor: Factor<S>,
+    /// Whether they have been made anew since the step set out.
+    pub(super) used: bool,
 }
 
-impl<S: Simd> Workspace<S> {
-    pub(super) fn new(n: usize) -> Self {
-        Self {
-            values: zeros::<S>(3 * (n + 1)),
-            loads: zeros::<S>(3 * n),
-            solution: zeros::<S>(6 * n),
-            way: zeros::<S>(3 * (n + 1)),
-            diagonal: zeros::<S>(6 * n),
-            right: zeros::<S>(9 * n),
-            blocks: zeros::<S>(6 * (n + 1)),
-            mass: zeros::<S>(n + 1),
-            inertia: zeros::<S>(n),
-            w: zeros::<S>(n + 1),
-            weighted: Factor::new(n),
-        }
+impl<S: Simd> Weighted<S> {
+    fn new(n: usize) -> Self {
+        Self { w: zeros::<S>(n + 1), factor: Factor::new(n), used: true }
     }
 }
 
@@ -159,7 +135,7 @@ impl<S: Simd> Pack<S> {
                         let Columns { values, loads, solution } = columns;
                         let chain = &self.0.chain;
                         let columns = [&mut values[..], &mut loads[..], &mut solution[..]];
-                        answer::<S, 3>(&stage, &chain.w, &chain.factor, from, columns);
+                        answer::<S, 3>(&stage, &chain.kept.w, &chain.kept.factor, from, columns);
                     }
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
@@ -173,39 +149,39 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
-        let (chain, work) = (&self.chain, &mut self.work);
-        let (w, factor) = match inertia {
-            Inertia::Own => (&chain.w, &chain.factor),
-            Inertia::Weighted => (&work.w, &work.weighted),
+        let Chain { kept, room, .. } = &mut self.chain;
+        let (w, factor) = match (inertia, &self.weighted) {
+            (Inertia::Weighted, Some(weighted)) => (&weighted.w, &weighted.factor),
+            _ => (&kept.w, &kept.factor),
         };
-        let columns = [&mut work.values[..], &mut work.loads[..], &mut work.solution[..]];
+        let columns = [&mut room.values[..], &mut room.loads[..], &mut room.solution[..]];
         answer::<S, 1>(stage, w, factor, from, columns);
     }
 
     #[inline(always)]
     fn solve_blocks(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
-        let work = &mut self.work;
-        self.chain.factor.inverse_blocks(simd, &mut work.diagonal, &mut work.right);
+        let Chain { kept, room, .. } = &mut self.chain;
+        kept.factor.inverse_blocks(simd, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
         for a in 0..=n {
-            let w = Lane::new(simd, self.chain.w[a]);
+            let w = Lane::new(simd, kept.w[a]);
             let mut inner = Sym::diagonal(w.lift(0.0));
             if a > 0 {
-                inner = inner + Sym::load(simd, &work.diagonal, a - 1);
+                inner = inner + Sym::load(simd, &room.diagonal, a - 1);
             }
             if a < n {
-                inner = inner + Sym::load(simd, &work.diagonal, a);
+                inner = inner + Sym::load(simd, &room.diagonal, a);
             }
             if a > 0 && a < n {
-                let right = &work.right[9 * (a - 1)..];
+                let right = &room.right[9 * (a - 1)..];
                 let rows =
                     [V3::load(simd, right, 0), V3::load(simd, right, 1), V3::load(simd, right, 2)];
                 inner = inner - Sym::twice_symmetric_part(M3(rows));
             }
             let block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);
             for i in 0..6 {
-                work.blocks[6 * a + i] = block.0[i].value;
+                room.blocks[6 * a + i] = block.0[i].value;
             }
         }
     }
@@ -215,34 +191,37 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
-        let work = &mut self.work;
-        work.mass.fill(S::f64s::zeroed());
-        work.inertia.fill(S::f64s::zeroed());
+        self.reassemble();
+        let Chain { h: lengths, kept, room, .. } = &mut self.chain;
+        let weighted = self.weighted.get_or_insert_with(|| Weighted::new(n));
+        weighted.used = true;
+        room.mass.fill(S::f64s::zeroed());
+        room.inertia.fill(S::f64s::zeroed());
         for (point, m) in points.iter().zip(masses) {
             let (lane, e, f) = (point.fiber as usize, point.segment as usize, point.fraction);
-            let h = at(&self.chain.h, e, lane);
+            let h = at(lengths, e, lane);
             let add = |array: &mut [S::f64s], i: usize, x: f64| {
                 let old = at(array, i, lane);
                 set(array, i, lane, old + x);
             };
-            add(&mut work.mass, e, m * (1.0 - f));
-            add(&mut work.mass, e + 1, m * f);
-            add(&mut work.inertia, e, -m * f * (1.0 - f) * h * h);
+            add(&mut room.mass, e, m * (1.0 - f));
+            add(&mut room.mass, e + 1, m * f);
+            add(&mut room.inertia, e, -m * f * (1.0 - f) * h * h);
         }
         for a in 0..=n {
-            let free = Lane::new(simd, self.chain.w[a]);
-            let mu = stage.c1.fma(Lane::new(simd, work.mass[a]), Lane::new(simd, self.chain.mu[a]));
-            work.w[a] = free.positive_or(mu.recip(), free).value;
+            let free = Lane::new(simd, kept.w[a]);
+            let mu = stage.c1.fma(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
+            weighted.w[a] = free.positive_or(mu.recip(), free).value;
         }
         let mut carry = Block::zero(simd);
         let zero = V3::splat(simd, 0.0);
         for e in 0..n {
-            let h = self.chain.one(&self.chain.h, e);
-            let d = self.chain.vec(&self.chain.d, 3 * e + 2);
-            let inertia = Lane::new(simd, work.inertia[e]) * stage.c1;
-            let hessian = Sym::load(simd, &self.chain.hessian, e);
+            let h = Lane::new(simd, lengths[e]);
+            let d = V3::load(simd, &room.d, 3 * e + 2);
+            let inertia = Lane::new(simd, room.inertia[e]) * stage.c1;
+            let hessian = Sym::load(simd, &room.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
-            let (w0, w1) = (Lane::new(simd, work.w[e]), Lane::new(simd, work.w[e + 1]));
+            let (w0, w1) = (Lane::new(simd, weighted.w[e]), Lane::new(simd, weighted.w[e + 1]));
             let block = Block {
                 compliance: Sym::diagonal(-(w0 + w1)),
                 lever: hat(d.scale(h)),
@@ -250,8 +229,9 @@ impl<S: Simd> Pack<S> {
                 load: zero,
                 torque: zero,
             };
-            let coupling = self.chain.factor.coupling(simd, e);
-            (carry, _) = work.weighted.eliminate(e, block - carry, w1, coupling);
+            let row = |i: usize| V3::load(simd, &room.coupling, 3 * e + i);
+            let coupling = M3([row(0), row(1), row(2)]);
+            (carry, _, _) = weighted.factor.eliminate(e, block - carry, w1, coupling);
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use super::chain::{Chain, store};
 use super::lanes::{Array, Lane, V3, zeros};
+use super::pack::set;
 use super::scheme::{Problem, Rates, Scheme, Stage};
 use pulp::Simd;
 
-/// Rates of `count` vector coordinates.
+/// Rates of vector coordinates. What is always zero takes no room: accelerations of a method without
+/// memory of them, and all rates where nobody asks for any.
 pub(super) struct Track<S: Simd> {
     pub(super) v: Array<S>,
     pub(super) a: Array<S>,
@@ -13,17 +15,18 @@ pub(super) struct Track<S: Simd> {
 }
 
 impl<S: Simd> Track<S> {
-    pub(super) fn new(count: usize) -> Self {
-        let track = || zeros::<S>(3 * count);
-        Self { v: track(), a: track(), acceleration: track() }
+    pub(super) fn new(count: usize, memory: bool) -> Self {
+        let remembered = if memory { count } else { 0 };
+        let track = |count: usize| zeros::<S>(3 * count);
+        Self { v: track(count), a: track(remembered), acceleration: track(remembered) }
     }
 
     #[inline(always)]
     pub(super) fn rates(&self, chain: &Chain<S>, i: usize) -> Rates<S> {
         Rates {
-            v: chain.vec(&self.v, i),
-            a: chain.vec(&self.a, i),
-            acceleration: chain.vec(&self.acceleration, i),
+            v: chain.vec_or_zero(&self.v, i),
+            a: chain.vec_or_zero(&self.a, i),
+            acceleration: chain.vec_or_zero(&self.acceleration, i),
         }
     }
 
@@ -48,8 +51,18 @@ impl<S: Simd> Track<S> {
             scheme.finish(stage, old, u.fma(stage.cv, vc), acceleration)
         };
         store(&mut self.v, i, new.v.positive_or(done, old.v));
+        if self.a.is_empty() {
+            return;
+        }
         store(&mut self.a, i, new.a.positive_or(done, old.a));
         store(&mut self.acceleration, i, new.acceleration.positive_or(done, old.acceleration));
+    }
+
+    /// Takes the accelerations of one lane away.
+    pub(super) fn forget(&mut self, lane: usize) {
+        for array in [&mut self.a, &mut self.acceleration] {
+            (0..array.len()).for_each(|i| set(array, i, lane, 0.0));
+        }
     }
 
     pub(super) fn arrays(&self) -> [&[S::f64s]; 3] {

@@ -92,24 +92,22 @@ impl Case {
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = touch.gap / dt - relative(&velocities).x;
             let before = relative(&before) - drive;
-            let contact = Contact {
+            let friction = laws.friction(touch, &before);
+            let contact = friction.map(|friction| Contact {
                 first,
                 second,
                 frame,
                 bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
-                friction: laws.friction(touch, &before)?,
+                friction,
                 adhesion: 0.0,
                 compliance: 0.0,
-            };
-            Ok((contact, gap))
+            });
+            (contact, gap)
         };
-        let (mut contacts, gaps): (Vec<_>, Vec<_>) = touches
-            .par_iter()
-            .zip(&places)
-            .map(contact)
-            .collect::<Result<Vec<_>, ContactError>>()?
-            .into_iter()
-            .unzip();
+        let (mut contacts, mut gaps) = (Vec::new(), Vec::new());
+        let made = touches.par_iter().zip(&places).map(contact);
+        made.unzip_into_vecs(&mut contacts, &mut gaps);
+        let mut contacts = contacts.into_iter().collect::<Result<Vec<_>, ContactError>>()?;
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
         contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
         let impulses =

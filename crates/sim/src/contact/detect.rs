@@ -108,6 +108,7 @@ impl Detector {
             found
         };
         let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
+        touches.reserve_exact(found.iter().map(Vec::len).sum());
         found.iter().for_each(|found| touches.extend_from_slice(found));
         touch::sort(touches);
         touches.dedup_by(|a, b| a.same(b));

@@ -85,7 +85,9 @@ impl World {
             points.iter().map(value).collect::<Vec<_>>()
         };
         let parts: Vec<_> = self.groups.par_iter().zip(points).map(of_group).collect();
-        parts.concat()
+        let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+        parts.into_iter().for_each(|part| all.extend_from_slice(&part));
+        all
     }
 
     /// The impulses of touches on all nodes, N s.

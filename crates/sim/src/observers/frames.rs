@@ -128,7 +128,8 @@ impl FrameWriter {
         let indices = || (0..shown).map(|i| i * (self.count - 1) / (shown - 1).max(1));
         let surfaces = indices().filter_map(|index| self.objects.file(index));
         save(&self.folder.join(PREVIEW), |to| {
-            let frames = indices().map(|index| self.read(index)).collect::<Result<Vec<_>, _>>()?;
+            let picture = |index| export::preview::Picture::new(self.read(index)?);
+            let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
             let surfaces =
                 surfaces.map(|file| self.read_objects(file)).collect::<Result<Vec<_>, _>>()?;
             let winds: Vec<_> = frames.iter().map(|frame| self.wind.at(frame.time)).collect();

@@ -27,7 +27,7 @@ impl Answer {
         let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
         save(&folder.join("rods.vtp"), |to| vtp::write(to, &frame))?;
         save(&folder.join("preview.png"), |to| {
-            preview::write(to, std::slice::from_ref(&frame), &[], &[])
+            preview::write(to, &[preview::Picture::new(frame)?], &[], &[])
         })?;
         write_atomically(&folder.join("answer.json"), |to| Ok(serde_json::to_writer(to, self)?))
     }

@@ -34,6 +34,33 @@ const SURFACE: Color = [0.66, 0.71, 0.76];
 /// How much a surface is seen beyond the box around all fibres, in largest sides of that.
 const BEYOND: f64 = 0.25;
 
+/// What a sheet shows of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Simulated time, s.
+    pub time: f64,
+    lines: Vec<Line>,
+}
+
+/// A fibre: its points (world) and the radii there, m.
+#[derive(Debug, Clone, PartialEq)]
+struct Line {
+    points: Vec<Point3<f64>>,
+    radii: Vec<f64>,
+}
+
+impl Picture {
+    /// The picture of a frame: a fifth of its numbers.
+    ///
+    /// # Errors
+    /// Refuses unsound frames.
+    pub fn new(frame: Frame) -> Result<Self, ExportError> {
+        frame.validate()?;
+        let line = |Strand { points, radii, .. }: Strand| Line { points, radii };
+        Ok(Self { time: frame.time, lines: frame.strands.into_iter().map(line).collect() })
+    }
+}
+
 /// Writes a sheet of up to twelve of `frames`, evenly chosen, the first and the last among them.
 ///
 /// All pictures share one orthographic view, from the side that shows the most of the box around
@@ -44,15 +71,13 @@ const BEYOND: f64 = 0.25;
 /// wind rose each. Cost: linear in the pixels that fibres and surfaces cover.
 ///
 /// # Errors
-/// Refuses no frames, frames without strands, unsound frames and surfaces, surfaces that are neither
-/// one nor as many as the frames, and winds that are not as many or not finite; fails if `out` does.
+/// Refuses no frames, frames without strands, unsound surfaces, surfaces that are neither one nor as many as the frames, and winds that are not as many or not finite; fails if `out` does.
 pub fn write(
     out: &mut impl Write,
-    frames: &[Frame],
+    frames: &[Picture],
     surfaces: &[Soup],
     winds: &[Vector3<f64>],
 ) -> Result<(), ExportError> {
-    frames.iter().try_for_each(Frame::validate)?;
     surfaces.iter().try_for_each(surface::check)?;
     if surfaces.len() > 1 && surfaces.len() != frames.len() {
         return Err(ExportError::Surface { what: "is missing for some of the frames" });
@@ -64,11 +89,11 @@ pub fn write(
     if !winds.iter().all(|wind| wind.norm().is_finite()) {
         return Err(ExportError::Wind { what: "is not finite" });
     }
-    let mut points: Vec<Point3<f64>> =
-        frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.points).copied().collect();
-    points.extend(seen(&points, surfaces));
-    let points = points.iter();
-    let radii = frames.iter().flat_map(|f| &f.strands).flat_map(|s| &s.radii);
+    let lines = frames.iter().flat_map(|frame| &frame.lines);
+    let points = lines.clone().flat_map(|line| &line.points);
+    let seen = seen(points.clone(), surfaces);
+    let points = points.chain(&seen);
+    let radii = lines.flat_map(|line| &line.radii);
     let thickest = radii.fold(0.0, |a: f64, r| a.max(*r));
     let view = View::of(points, thickest, !surfaces.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
@@ -96,9 +121,12 @@ pub fn write(
 }
 
 /// The vertices of surfaces, moved into the box that is seen around some points.
-fn seen(points: &[Point3<f64>], surfaces: &[Soup]) -> Vec<Point3<f64>> {
-    let Some(&first) = points.first() else { return Vec::new() };
-    let bounds = points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+fn seen<'a>(
+    mut points: impl Iterator<Item = &'a Point3<f64>>,
+    surfaces: &[Soup],
+) -> Vec<Point3<f64>> {
+    let Some(&first) = points.next() else { return Vec::new() };
+    let bounds = points.fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
     let more = Vector3::repeat(BEYOND * (bounds[1] - bounds[0]).max());
     let [low, high] = [bounds[0] - more, bounds[1] + more];
     surfaces.iter().flat_map(|s| &s.vertices).map(|p| p.sup(&low).inf(&high)).collect()
@@ -168,21 +196,21 @@ impl Grid {
 }
 
 /// Draws all fibres of `frame`, far segments first.
-fn draw(canvas: &mut Canvas, frame: &Frame, view: &View, grid: &Grid, corner: [f64; 2]) {
-    let pairs = |s: &'_ Strand| s.points.len() - 1;
-    let mut segments: Vec<(f64, &Strand, usize)> = frame
-        .strands
+fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
+    let pairs = |line: &'_ Line| line.points.len() - 1;
+    let mut segments: Vec<(f64, &Line, usize)> = frame
+        .lines
         .iter()
-        .flat_map(|s| (0..pairs(s)).map(move |j| (view.depth(&s.points[j]), s, j)))
+        .flat_map(|line| (0..pairs(line)).map(move |j| (view.depth(&line.points[j]), line, j)))
         .collect();
     segments.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let thinnest = if frame.strands.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
-    for (depth, strand, j) in segments {
-        let (a, b) = (&strand.points[j], &strand.points[j + 1]);
-        let width = 2.0 * strand.radii[j] * grid.scale;
+    let thinnest = if frame.lines.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
+    for (depth, line, j) in segments {
+        let (a, b) = (&line.points[j], &line.points[j + 1]);
+        let width = 2.0 * line.radii[j] * grid.scale;
         let color = shade(&(b - a), view, depth);
         // What lies on a surface is in front of it, also where the axis is hidden by half.
-        let nearer = Vector3::z() * (2.0 * strand.radii[j] + 1.0 / grid.scale);
+        let nearer = Vector3::z() * (2.0 * line.radii[j] + 1.0 / grid.scale);
         let [a, b] = [a, b].map(|p| grid.place(p, view, corner) - nearer);
         canvas.stroke(a, b, width.max(thinnest), color);
     }
@@ -219,6 +247,10 @@ mod tests {
     use super::super::sample;
     use super::*;
 
+    fn picture(frame: Frame) -> Picture {
+        Picture::new(frame).expect("a sound frame")
+    }
+
     fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
         let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
@@ -227,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
-        let frames: Vec<Frame> = (0..30).map(sample::frame).collect();
+        let frames: Vec<Picture> = (0..30).map(sample::frame).map(picture).collect();
         let mut bytes = Vec::new();
         write(&mut bytes, &frames, &[], &[]).expect("a sheet");
         let (info, pixels) = decode(&bytes);
@@ -250,7 +282,7 @@ mod tests {
         dot.strands.iter_mut().flat_map(|s| &mut s.points).for_each(|p| p.z = 0.0);
         for frame in [line, dot] {
             let mut bytes = Vec::new();
-            write(&mut bytes, &[frame], &[], &[]).expect("a sheet");
+            write(&mut bytes, &[picture(frame)], &[], &[]).expect("a sheet");
             assert!(decode(&bytes).0.width >= 20);
         }
         assert!(matches!(write(&mut Vec::new(), &[], &[], &[]), Err(ExportError::Empty)));
@@ -259,7 +291,7 @@ mod tests {
     /// A wall hides what is behind it, and nothing of what is before it.
     #[test]
     fn surfaces_hide_what_is_behind_them() {
-        let frame = sample::frame(0);
+        let frame = picture(sample::frame(0));
         let dark = |offset: f64| {
             let wall = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
             let wall = Soup {
@@ -280,7 +312,7 @@ mod tests {
     /// The dark pixels of a rose come where wind blows, and its arrow lies the way it blows.
     #[test]
     fn a_rose_shows_the_wind() {
-        let frame = sample::frame(0);
+        let frame = picture(sample::frame(0));
         let sheet = |winds: &[Vector3<f64>]| {
             let mut bytes = Vec::new();
             write(&mut bytes, std::slice::from_ref(&frame), &[], winds).map(|()| decode(&bytes))

@@ -44,7 +44,8 @@ pub fn write(out: &mut impl Write, time: f64, surfaces: &[Soup]) -> Result<(), E
   <AppendedData encoding="raw">
 _"#
     )?;
-    block(out, surfaces.iter().flat_map(|s| &s.vertices).flat_map(|p| p.coords.data.0[0]))?;
+    let vertices = surfaces.iter().flat_map(|s| &s.vertices);
+    block(out, 3 * points, vertices.flat_map(|p| p.coords.data.0[0]))?;
     let starts = surfaces.iter().scan(0, |start, surface| {
         *start += surface.vertices.len() as u64;
         Some(*start - surface.vertices.len() as u64)
@@ -52,10 +53,11 @@ _"#
     let corners = surfaces.iter().zip(starts).flat_map(|(surface, start)| {
         surface.triangles.iter().flatten().map(move |&v| start + u64::from(v))
     });
-    block(out, corners)?;
-    block(out, (1..=triangles as u64).map(|k| 3 * k))?;
+    block(out, 3 * triangles, corners)?;
+    block(out, triangles, (1..=triangles as u64).map(|k| 3 * k))?;
     let objects = (0_u64..).zip(surfaces);
-    block(out, objects.flat_map(|(k, surface)| surface.triangles.iter().map(move |_| k)))?;
+    let of_triangles = objects.flat_map(|(k, surface)| surface.triangles.iter().map(move |_| k));
+    block(out, triangles, of_triangles)?;
     out.write_all(END)?;
     Ok(())
 }

@@ -10,17 +10,19 @@ pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
     frame.validate()?;
     header(out, frame)?;
     let strands = || frame.strands.iter();
-    block(out, strands().flat_map(|s| &s.points).flat_map(|p| p.coords.iter().copied()))?;
-    for (name, _) in POINT_DATA {
-        block(out, strands().flat_map(|strand| point_data(strand, name)))?;
+    let (points, lines) = (frame.points(), frame.strands.len());
+    let positions = strands().flat_map(|s| &s.points).flat_map(|p| p.coords.iter().copied());
+    block(out, 3 * points, positions)?;
+    for (name, parts) in POINT_DATA {
+        block(out, parts * points, strands().flat_map(|strand| point_data(strand, name)))?;
     }
     let ends = strands().scan(0_u64, |end, strand| {
         *end += strand.points.len() as u64;
         Some(*end)
     });
-    block(out, 0..frame.points() as u64)?;
-    block(out, ends)?;
-    block(out, 0..frame.strands.len() as u64)?;
+    block(out, points, 0..points as u64)?;
+    block(out, lines, ends)?;
+    block(out, lines, 0..lines as u64)?;
     out.write_all(END)?;
     Ok(())
 }
@@ -108,13 +110,13 @@ impl Bytes for u64 {
     }
 }
 
-/// One array of the appended data: its size in bytes, then its numbers.
+/// One array of the appended data: its size in bytes, then its `count` numbers.
 pub(in crate::export) fn block<T: Bytes>(
     out: &mut impl Write,
-    numbers: impl Iterator<Item = T>,
+    count: usize,
+    mut numbers: impl Iterator<Item = T>,
 ) -> Result<(), ExportError> {
-    let data: Vec<u8> = numbers.flat_map(Bytes::bytes).collect();
-    out.write_all(&(data.len() as u64).to_le_bytes())?;
-    out.write_all(&data)?;
+    out.write_all(&(8 * count as u64).to_le_bytes())?;
+    numbers.try_for_each(|number| out.write_all(&number.bytes()))?;
     Ok(())
 }

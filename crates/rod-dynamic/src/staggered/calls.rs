@@ -1,0 +1,150 @@
+//! A step that is taken in several calls, with a solver of contacts between them.
+//!
+//! Between calls the room is given away: what the step needs again is in [`super::room::Kept`], and the
+//! problem is written anew from the state and the impulses, which costs less than to keep it.
+
+use super::chain::{get, keep_directors, store};
+use super::ends::Held;
+use super::lanes::{Lane, V3};
+use super::pack::Pack;
+use super::response::Inertia;
+use super::scheme::Problem;
+use super::search::Search;
+use pulp::{NullaryFnOnce, Simd};
+
+/// Longer increments of rods in contact are shortened to this, rad.
+const LONGEST_TURN: f64 = 1.0;
+
+impl<S: Simd> Pack<S> {
+    /// Prepares a step of length `dt` and sets out to where the motion leads, without solving it.
+    pub(super) fn look(&mut self, dt: f64) {
+        struct LookAhead<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
+                self.0.look_ahead(&stage, &[true; 8]);
+                self.0.prepare(&stage);
+                self.0.begin_laws();
+                self.0.chain.shape();
+            }
+        }
+        self.last_dt = [dt; 8];
+        self.chain.simd.vectorize(LookAhead(self));
+    }
+
+    /// Solves Newton's equations at the present shape, without taking the increments. Leaves the
+    /// displacements of the nodes that they would add, and returns the largest increment, rad.
+    pub(super) fn linearize(&mut self) -> [f64; 8] {
+        struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
+            type Output = [f64; 8];
+            #[inline(always)]
+            fn call(self) -> [f64; 8] {
+                let pack = self.0;
+                pack.resume();
+                let mut search = [Search::new(false, Held::CLAMPED, false); 8];
+                for lane in 0..S::F64_LANES {
+                    search[lane] = Search::new(true, pack.held[lane], false);
+                }
+                let (turn, gap) = pack.chain.increments(&mut search);
+                let n = pack.chain.n;
+                for a in 0..=n {
+                    let mut sum = V3::splat(pack.chain.simd, 0.0);
+                    if a < n {
+                        sum += pack.chain.vec(&pack.chain.kept.step, 2 * a);
+                    }
+                    if a > 0 {
+                        sum -= pack.chain.vec(&pack.chain.kept.step, 2 * (a - 1));
+                    }
+                    let mut way = sum.scale(pack.chain.one(&pack.chain.kept.w, a));
+                    if a == n {
+                        way += gap;
+                    }
+                    store(&mut pack.chain.kept.way, a, way);
+                }
+                let mut turns = [0.0; 8];
+                for lane in 0..S::F64_LANES {
+                    turns[lane] = get(turn, lane);
+                }
+                turns
+            }
+        }
+        self.chain.simd.vectorize(Linearize(self))
+    }
+
+    /// Takes the increments of the last linearisation together with those that the change of the
+    /// impulses in the room causes. Returns the largest increment, rad.
+    pub(super) fn advance(&mut self) -> [f64; 8] {
+        struct Advance<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
+            type Output = [f64; 8];
+            #[inline(always)]
+            fn call(self) -> [f64; 8] {
+                let pack = self.0;
+                let stage = pack.stage(&pack.last_dt, Problem::Step);
+                pack.solve_response(&stage, Inertia::Own, 0);
+                for i in 0..2 * pack.chain.n {
+                    let sum = pack.chain.vec(&pack.chain.kept.step, i)
+                        + pack.chain.vec(&pack.chain.room.solution, i);
+                    store(&mut pack.chain.kept.step, i, sum);
+                }
+                let turn = pack.chain.largest_turn();
+                let (mut turns, mut scale) = ([0.0; 8], [0.0; 8]);
+                for lane in 0..S::F64_LANES {
+                    turns[lane] = get(turn, lane);
+                    scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
+                }
+                let simd = pack.chain.simd;
+                let scale = Lane::new(simd, simd.partial_load_f64s(&scale[..S::F64_LANES]));
+                pack.chain.advance(Lane::splat(simd, 1.0), scale);
+                pack.resume();
+                pack.chain.shape();
+                turns
+            }
+        }
+        self.chain.simd.vectorize(Advance(self))
+    }
+
+    /// Writes the problem of a step that has been set out on once more, from call to call.
+    #[inline(always)]
+    fn resume(&mut self) {
+        self.recall_directors();
+        let stage = self.stage(&self.last_dt, Problem::Step);
+        self.prepare(&stage);
+    }
+
+    /// Assembles the matrix of the last linearisation once more, and leaves its factors alone.
+    #[inline(always)]
+    pub(super) fn reassemble(&mut self) {
+        std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
+        self.resume();
+        let definite = Lane::new(self.chain.simd, self.chain.definite);
+        let (_, gap) = self.chain.shape();
+        self.chain.assemble(gap, definite);
+        std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
+    }
+
+    /// Brings back the directors at the start of a step that has been set out on.
+    #[inline(always)]
+    pub(super) fn recall_directors(&mut self) {
+        let all = Lane::splat(self.chain.simd, 1.0);
+        keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
+    }
+
+    /// Brings back where the last call of a step has led, for the step to be taken.
+    pub(super) fn arrive(&mut self) {
+        struct Arrive<'a, S: Simd>(&'a mut Pack<S>);
+        impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                self.0.resume();
+                self.0.chain.shape();
+                self.0.chain.measure_joints();
+            }
+        }
+        self.chain.simd.vectorize(Arrive(self));
+    }
+}

@@ -1,0 +1,95 @@
+//! Whether rods, states and conditions make sense.
+
+use crate::{End, Instant, Load, Rod, RodError, RodState, SectionLaws, StepError};
+use nalgebra::Vector3;
+
+/// By which part of its length a rod that is held at both ends must be longer than the way between
+/// them: without slack Newton's matrix is singular.
+const TAUT: f64 = 1e-9;
+
+pub(super) fn check_laws(rod: &Rod) -> Result<(), RodError> {
+    if let SectionLaws::Each(laws) = &rod.laws
+        && laws.len() != rod.fiber.nodes().len()
+    {
+        let (expected, found) = (rod.fiber.nodes().len(), laws.len());
+        return Err(RodError::Length { what: "laws", expected, found });
+    }
+    if rod.laws != SectionLaws::Linear && rod.damping_time > 0.0 {
+        let why = "have their own damping; leave the damping time at 0";
+        return Err(RodError::Invalid { what: "laws", why });
+    }
+    Ok(())
+}
+
+pub(super) fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
+    let n = rod.fiber.segments();
+    for (what, expected, found) in [
+        ("positions", n + 1, state.positions.len()),
+        ("velocities", n + 1, state.velocities.len()),
+        ("frames", n, state.frames.len()),
+        ("angular velocities", n, state.angular_velocities.len()),
+        ("curvatures", n + 1, state.curvatures.len()),
+    ] {
+        if expected != found {
+            return Err(RodError::Length { what, expected, found });
+        }
+    }
+    let mut numbers = state
+        .velocities
+        .iter()
+        .chain(&state.angular_velocities)
+        .chain(&state.curvatures)
+        .flatten()
+        .chain(state.frames.iter().flat_map(|f| f.matrix().iter()))
+        .chain(&state.positions[0].coords);
+    if numbers.all(|x| x.is_finite()) && state.time.is_finite() {
+        Ok(())
+    } else {
+        Err(RodError::Invalid { what: "state", why: "all numbers must be finite" })
+    }
+}
+
+pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError> {
+    let error = |what, why| Err(StepError::Conditions { fiber: 0, what, time, why });
+    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
+    let load = |l: &Load| finite(l.components());
+    let end = |end: &End| match end {
+        End::Held(pose) => {
+            finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
+        }
+        End::Pinned { position, moment } => finite(&position.coords) && load(moment),
+        End::Loaded { force, moment } => load(force) && load(moment),
+    };
+    if !finite(&now.gravity) || !finite(&now.distributed) {
+        return error("gravity or distributed force", "must be finite");
+    }
+    if !end(&now.root) {
+        return error("root", "all numbers must be finite");
+    }
+    if !end(&now.tip) {
+        return error("tip", "all numbers must be finite");
+    }
+    if let Some(air) = now.air {
+        let (normal, tangential) = (air.drag.normal, air.drag.tangential);
+        let ordered = normal >= tangential && tangential >= 0.0 && normal.is_finite();
+        if !(ordered && finite(&air.wind)) {
+            return error("air", "needs a finite wind and 0 <= tangential <= normal drag");
+        }
+    }
+    let position = |end: &End| match end {
+        End::Held(pose) => Some(pose.translation.vector),
+        End::Pinned { position, .. } => Some(position.coords),
+        End::Loaded { .. } => None,
+    };
+    match (position(&now.root), position(&now.tip)) {
+        (None, Some(_)) => error("root", "a free root with a held tip: reverse the rod"),
+        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
+            error(
+                "tip",
+                "as far from the root as the rod is long, or further, which cannot stretch; \
+                 pulled straight it cannot move and has any tension: bring the ends closer",
+            )
+        }
+        _ => Ok(()),
+    }
+}
