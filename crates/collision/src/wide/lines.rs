@@ -85,7 +85,8 @@ impl NullaryFnOnce for Sift<'_> {
             for k in 0..count {
                 pairs[kept] = pairs[first + k];
                 // What has overflowed is no number, and kept.
-                kept += usize::from(!(batch.beyond[k] > 0.0));
+                let apart = batch.beyond[k] > 0.0;
+                kept += usize::from(!apart);
             }
         }
         kept
