@@ -143,13 +143,15 @@ impl World {
     /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and objects,
     /// and books it.
     pub(super) fn accept(&mut self, time: f64, dt: f64) {
-        self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::accept);
+        let groups = self.groups.par_iter_mut();
+        groups.filter_map(|group| group.batch.coupled()).for_each(StaggeredBatch::accept);
         let objects = self.accept_bodies(time, dt);
         self.book(&objects);
     }
 
     /// Takes all groups back to before the step.
     pub(super) fn abandon(&mut self) {
-        self.groups.iter_mut().filter_map(|g| g.batch.coupled()).for_each(StaggeredBatch::abandon);
+        let groups = self.groups.par_iter_mut();
+        groups.filter_map(|group| group.batch.coupled()).for_each(StaggeredBatch::abandon);
     }
 }

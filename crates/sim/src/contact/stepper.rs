@@ -22,6 +22,8 @@ const MOST_LISTS: usize = 9;
 const PATIENCE: usize = 3;
 /// Iterations with the first list.
 const GUESSES: usize = 2;
+/// A first guess that leaves a smaller error than this, in tolerances, needs no other.
+const FAIR: f64 = 60.0;
 /// Increments below this, rad, end Newton's method: what is left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
 /// Where a guess leaves a larger error, in tolerances, lists will change, and are first solved to a
@@ -220,7 +222,11 @@ impl Touching {
         for _ in 0..GUESSES {
             world.for_groups(|group| group.linearize())?;
             turn = self.iterate(world, part, &mut case, self.first_effort(), false)?;
-            rough |= case.error().is_some_and(|error| error > ROUGH);
+            let error = case.error().unwrap_or(f64::INFINITY);
+            rough |= error > ROUGH;
+            if error < FAIR {
+                break;
+            }
         }
         if turn > LOST && !last {
             return Err(Cut::Contacts);
@@ -290,9 +296,15 @@ impl Touching {
         goal: f64,
     ) -> Result<bool, Cut> {
         let patient = list >= PATIENCE;
+        let mut turn = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
+            let solved = case.error().is_some_and(|error| error <= goal);
+            // After a small increment the next is far smaller, and need not be found to be known.
+            if solved && turn < SMALL_TURN {
+                return Ok(true);
+            }
             let own = largest(world.for_groups(|group| group.linearize())?);
-            if own < SMALL_TURN && case.error().is_some_and(|error| error <= goal) {
+            if solved && own < SMALL_TURN {
                 return Ok(true);
             }
             let effort = match case.error() {
@@ -301,7 +313,7 @@ impl Touching {
                 // Where the list has hardly changed, loose answers lead away.
                 None => Effort::LAST,
             };
-            self.iterate(world, part, case, effort.toward(goal), patient)?;
+            turn = self.iterate(world, part, case, effort.toward(goal), patient)?;
         }
         Ok(false)
     }
