@@ -1,4 +1,5 @@
-//! Figure 4.10: time and error of the multipole method over the number of terms.
+//! Figure 4.10: time and error of the multipole method over the number of terms; and time over the number of
+//! points.
 
 use crate::drawing::{Chart, Curve, Drawing};
 use crate::report::{Criterion, Figure, check};
@@ -82,4 +83,49 @@ pub(crate) fn terms(size: Size) -> Fallible<Figure> {
         ],
         checks,
     })
+}
+
+/// The error that is asked for where times are compared.
+const ASKED: f64 = 1e-4;
+
+/// Time of all fields of uniform points over their number, which the method says is linear.
+pub(crate) fn growth(size: Size) -> Fallible<Figure> {
+    let most = if size == Size::Full { 7 } else { 6 };
+    let mut times = Vec::new();
+    for half_decade in 8..=2 * most {
+        let count = 10_f64.powf(0.5 * f64::from(half_decade)).round();
+        let points = uniform(count);
+        let charges = vec![1e-12; points.len()];
+        let start = Instant::now();
+        let method = Multipole { accuracy: Accuracy::Tolerance(ASKED) };
+        method.fields(&points, &charges, &points)?;
+        times.push([0.5 * f64::from(half_decade), 1e6 * start.elapsed().as_secs_f64() / count]);
+    }
+    let of_last = times[times.len() - 1][1];
+    Ok(Figure {
+        scene: "points in a cube",
+        parameters: "tolerance 1e-4; a million points at most, --full ten million",
+        drawings: vec![Drawing::Chart(Chart {
+            title: "Time of a point".into(),
+            x: "log10 of the number of points",
+            y: "time of a point (us)",
+            log_from: None,
+            curves: vec![Curve { name: "all fields".into(), points: times.clone() }],
+        })],
+        checks: vec![check(
+            "time of a point with the most points over that with 10,000",
+            of_last / times[0][1],
+            "",
+            Criterion::Told,
+            "one, for the method is linear",
+        )],
+    })
+}
+
+/// Points that fill a cube evenly: multiples of the inverse powers of the root of `x^4 = x + 1`.
+fn uniform(count: f64) -> Vec<Point3<f64>> {
+    let root: f64 = 1.220_744_084_605_759_6;
+    let place = |i: u32| [1, 2, 3].map(|k| (f64::from(i) * root.powi(-k)).fract());
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    (0..count as u32).map(|i| Point3::from(place(i))).collect()
 }

@@ -11,6 +11,7 @@ mod drawing;
 mod field;
 #[path = "../repro/film.rs"]
 mod film;
+mod half_head;
 #[path = "../repro/program.rs"]
 mod program;
 #[path = "../repro/report.rs"]
@@ -28,11 +29,13 @@ use std::process::ExitCode;
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn(Size) -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 4] = [
+const FIGURES: [Entry<Draw>; 6] = [
     Entry { number: "4.3", title: "The field of a charged tress", draw: field::plane },
     Entry { number: "4.7", title: "A charged tress, dry and wet", draw: tress::humidity },
     Entry { number: "4.8", title: "A charged tress without gravity", draw: tress::weightless },
+    Entry { number: "4.9", title: "Half a head of charged hair", draw: half_head::charged },
     Entry { number: "4.10", title: "Time and error over the terms", draw: accuracy::terms },
+    Entry { number: "growth", title: "Time over the number of points", draw: accuracy::growth },
 ];
 
 fn main() -> ExitCode {

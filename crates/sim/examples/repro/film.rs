@@ -9,8 +9,9 @@ use std::path::Path;
 /// Reads a scene of the folder `scenes`.
 pub(crate) fn scene(name: &str) -> Fallible<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let text = fs::read_to_string(folder.join(name).with_extension("ron"))?;
-    Ok(Scene::from_ron(&text)?)
+    let path = folder.join(name).with_extension("ron");
+    let scene = Scene::from_ron(&fs::read_to_string(&path)?)?;
+    Ok(scene.seen_from(path.parent().unwrap_or(&folder)))
 }
 
 /// Runs a scene; `observe` sees its start and what every step leaves.
