@@ -15,8 +15,8 @@ pub(crate) struct Factor {
     beyond: Vec<Matrix3<f64>>,
     /// Number of negative eigenvalues of the pivots.
     pub(crate) negative: usize,
-    /// The first of them: its node and direction.
-    falling: Option<(usize, Vector3<f64>)>,
+    /// Those of the first node that has any, and their directions.
+    falling: Option<(usize, Vec<Vector3<f64>>)>,
 }
 
 /// How following forces change, and what that does.
@@ -72,11 +72,12 @@ impl Factor {
 
     fn note(&mut self, node: usize, pivot: &Matrix3<f64>) {
         let eigen = pivot.symmetric_eigen();
-        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if *value < 0.0 {
-                self.negative += 1;
-                self.falling = self.falling.or(Some((node, vector.into_owned())));
-            }
+        let all = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
+        let falling: Vec<_> =
+            all.filter(|(value, _)| **value < 0.0).map(|(_, vector)| vector.into_owned()).collect();
+        self.negative += falling.len();
+        if self.falling.is_none() && !falling.is_empty() {
+            self.falling = Some((node, falling));
         }
     }
 
@@ -109,13 +110,23 @@ impl Factor {
         parts
     }
 
-    /// A variation along which the energy falls to second order.
-    pub(crate) fn falling(&self) -> Option<Vec<Vector3<f64>>> {
-        let (node, direction) = self.falling?;
-        let mut parts = vec![Vector3::zeros(); self.carry.len()];
-        parts[node] = direction;
-        self.propagate(&mut parts, node);
-        Some(parts)
+    /// A variation along which the energy falls to second order; of several that to which the moments
+    /// drive.
+    pub(crate) fn falling(&self, moments: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
+        let (node, directions) = self.falling.as_ref()?;
+        let along = |direction: &Vector3<f64>| {
+            let mut parts = vec![Vector3::zeros(); self.carry.len()];
+            parts[*node] = *direction;
+            self.propagate(&mut parts, *node);
+            parts
+        };
+        let driven = |direction: &Vector3<f64>| {
+            let work =
+                along(direction).into_iter().zip(moments).map(|(part, moment)| part.dot(moment));
+            direction * work.sum::<f64>()
+        };
+        let driven: Vector3<f64> = directions.iter().map(driven).sum();
+        Some(along(&driven.try_normalize(0.0).or_else(|| directions.first().copied())?))
     }
 
     fn propagate(&self, parts: &mut [Vector3<f64>], from: usize) {

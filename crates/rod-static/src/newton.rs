@@ -53,7 +53,7 @@ impl Newton {
                 newton.falling = falling;
                 return Some(newton);
             }
-            if let (None, Some(step)) = (&falling, factor.falling()) {
+            if let (None, Some(step)) = (&falling, factor.falling(&moments)) {
                 // On the way down, what is held stays.
                 let mut way = Self { step, pulls: Vec::new(), shift, falling: None };
                 let met = vec![Vector3::zeros(); gaps.len()];

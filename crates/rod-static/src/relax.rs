@@ -28,10 +28,16 @@ const STALLED_HELD: f64 = 0.03;
 const LARGEST: f64 = 1.5;
 /// Part of the decrease that the slope promises which a step must bring (Armijo 1966).
 const ENOUGH: f64 = 1e-4;
+/// What rounding makes of an energy, relative to it.
+const ROUNDING: f64 = 1e-13;
 /// Shortest part of a step.
 const SHORTEST: f64 = 1e-6;
+/// Steps that are taken on trial where the first of them raises the merit.
+const AHEAD: usize = 4;
 /// Steps along a direction of negative curvature, rad.
 const FALLS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.0];
+/// One that is taken on trial, rad.
+const FAR: f64 = 0.3;
 /// First and shortest part of the following forces in which they are applied, and the Newton steps
 /// for each.
 const FIRST: f64 = 0.25;
@@ -63,7 +69,8 @@ impl Chain {
     ///
     /// Newton's method on the energy (3.130) and (3.135), corrected: the energy itself is
     /// minimized, not its square. The pivots of the Hessian tell whether it is definite; where it
-    /// is not, it is shifted, and at a saddle the way down is taken. So the equilibrium is stable.
+    /// is not, it is shifted, and at a saddle the way down is taken. So the equilibrium is stable, or
+    /// neutral where all turns of it about an axis are equilibria too.
     /// Places that hold nodes enter by Lagrange's multipliers. Following forces, which have no
     /// energy, are applied in parts. Cost: about half a microsecond for each segment and step;
     /// less than ten steps from a natural shape, three from a shape nearby.
@@ -186,13 +193,16 @@ impl Chain {
             let merit = |trial: &Trial| trial.energy + weight * trial.missed(self);
             let before = merit(&now);
             if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
-                let largest = falling.iter().map(Vector3::norm).fold(0.0, f64::max);
-                let steps = FALLS.iter().flat_map(|size| [size / largest, -size / largest]);
-                let trials = steps.map(|part| now.moved(self, &dead, falling, part));
-                let lowest = trials.min_by(|a, b| merit(a).total_cmp(&merit(b)));
-                if let Some(lowest) = lowest.filter(|lowest| merit(lowest) < before) {
+                let lowest = self.lowest(&now, &dead, falling, merit);
+                let deeper = |trial: &Trial| merit(trial) < before - ROUNDING * before.abs();
+                if let Some(lowest) = lowest.filter(deeper) {
                     now = lowest;
                     continue;
+                }
+                if size < SMALL {
+                    // As a round rod that has buckled may do so in any plane: rounding alone makes this
+                    // a way down.
+                    return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
                 }
             }
             let mut part = (LARGEST / size).min(1.0);
@@ -200,17 +210,57 @@ impl Chain {
                 now = now.moved(self, &dead, &newton.step, 1.0);
             } else {
                 let slope = self.slope(&blocks, &newton, &now, &pulls, weight);
-                now = loop {
-                    let next = now.moved(self, &dead, &newton.step, part);
-                    if merit(&next) <= before + ENOUGH * part * slope.min(0.0) || part < SHORTEST {
-                        break next;
-                    }
+                let low = |part: f64| before + ENOUGH * part * slope.min(0.0);
+                let mut next = now.moved(self, &dead, &newton.step, part);
+                if self.targets.is_empty() && next.energy > low(part) {
+                    next = self.ahead(&next, &dead, low(part)).unwrap_or(next);
+                }
+                while merit(&next) > low(part) && part >= SHORTEST {
                     part *= 0.5;
-                };
+                    next = now.moved(self, &dead, &newton.step, part);
+                }
+                now = next;
             }
             update(&mut pulls, &newton.pulls, part);
         }
         Err(StaticError::NotConverged { iterations: most, step: size })
+    }
+
+    /// The lowest of the shapes along a direction in which the energy falls.
+    fn lowest(
+        &self,
+        now: &Trial,
+        dead: &[Vector3<f64>],
+        falling: &[Vector3<f64>],
+        merit: impl Fn(&Trial) -> f64,
+    ) -> Option<Trial> {
+        let largest = falling.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let both = |size: f64| [size, -size].map(|s| now.moved(self, dead, falling, s / largest));
+        let deeper = |a: &Trial, b: &Trial| merit(a).total_cmp(&merit(b));
+        let lowest = FALLS.into_iter().flat_map(both).min_by(deeper)?;
+        if !self.targets.is_empty() {
+            return Some(lowest);
+        }
+        let low = merit(&lowest).min(merit(now));
+        let far = both(FAR).into_iter().filter_map(|trial| self.ahead(&trial, dead, low));
+        far.min_by(deeper).or(Some(lowest))
+    }
+
+    /// Where a few whole steps lead from `start`, without targets, if the energy comes below `low` there:
+    /// along a valley that bends, as that of a round rod that may lean any way, the first step climbs its
+    /// side, and the next return.
+    fn ahead(&self, start: &Trial, dead: &[Vector3<f64>], low: f64) -> Option<Trial> {
+        let mut trial = start.clone();
+        for _ in 0..AHEAD {
+            let blocks = trial.blocks(self, dead);
+            let newton = Newton::of(self, &blocks, &trial.gaps, &[], None)?;
+            let part = (LARGEST / newton.size()).min(1.0);
+            trial = trial.moved(self, dead, &newton.step, part);
+            if trial.energy <= low {
+                return Some(trial);
+            }
+        }
+        None
     }
 
     /// How the merit changes along a step.

@@ -88,6 +88,62 @@ fn heavy_chains_of_the_reference() {
     }
 }
 
+/// A round rod that stands exactly upright under more than Greenhill's load may lean any way: it leans
+/// as far as a flat one, which can only lean across its flat side. Below that load it stands.
+#[test]
+fn round_upright_rods_buckle() {
+    let height = |across: f64, torsion: f64, load: f64, count: usize| {
+        let piece = Piece::uniform(
+            1.0,
+            Properties {
+                stiffness: Vector3::new(1.0, across, torsion),
+                natural_curvature: Vector3::zeros(),
+                load: Vector3::new(0.0, 0.0, -load),
+            },
+        );
+        let rest = chain(&Isometry3::identity(), &piece, count).solve();
+        tip(&rest.unwrap_or_else(|e| panic!("{count} segments, load {load}: {e}"))).z
+    };
+    for (count, most) in [(20, 100.0), (50, 1e3), (200, 1e4)] {
+        for torsion in [0.3, 0.75, 1.0] {
+            assert!((height(1.0, torsion, 7.0, count) - 1.0).abs() < 1e-13);
+            let loads = [7.9, 8.0, 20.0, 55.0, 100.0, 300.0, 1e3, 1e4];
+            for load in loads.into_iter().filter(|load| *load <= most) {
+                let round = height(1.0, torsion, load, count);
+                let flat = height(8.0, torsion, load, count);
+                let error = (round - flat).abs();
+                assert!(error < 1e-8 && round < 0.99, "{count}, {load}: {round} {flat}");
+            }
+        }
+    }
+}
+
+/// The least natural curvature tells a round rod where to lean: along a circle of shapes of nearly one
+/// energy it comes there.
+#[test]
+fn almost_straight_upright_rods_lean_as_they_are_curved() {
+    for load in [8.0, 20.0, 100.0, 219.0, 1e3] {
+        for curvature in [1e-7, 3e-6, 1e-4, 1e-2] {
+            for torsion in [0.3, 0.7, 1.0] {
+                let piece = Piece::uniform(
+                    1.0,
+                    Properties {
+                        stiffness: Vector3::new(1.0, 1.0, torsion),
+                        natural_curvature: curvature * Vector3::new(0.3, 1.0, 0.0),
+                        load: Vector3::new(0.0, 0.0, -load),
+                    },
+                );
+                let rest = chain(&Isometry3::identity(), &piece, 100).solve().expect("a minimum");
+                let tip = tip(&rest);
+                let off = (tip.y / tip.x + 0.3).abs();
+                // Newton's last step is below 1e-8, but the circle is almost flat.
+                assert!(tip.x > 0.0 && off < 1e-3, "{load}, {curvature}, {torsion}: {tip}");
+                assert!(rest.iterations < 50, "{load}, {curvature}: {}", rest.iterations);
+            }
+        }
+    }
+}
+
 fn uniform(load: Vector3<f64>) -> Piece {
     Piece::uniform(
         1.0,
