@@ -32,6 +32,10 @@ impl Violation {
         impulse: &Vector3<f64>,
         weight: f64,
     ) -> Self {
+        if *impulse == Vector3::zeros() && contact.adhesion == 0.0 && velocity.x >= 0.0 {
+            // What opens and bears nothing is right, as are most contacts of a long list.
+            return Self::default();
+        }
         let curve = &contact.friction;
         // From the cone's tip.
         let r = impulse + Vector3::new(contact.adhesion, 0.0, 0.0);

@@ -32,7 +32,9 @@ const ROUGH: f64 = 350.0;
 const COARSE: f64 = 5.0;
 /// A guess that still turns segments by more than this, rad, is none: two shorter steps cost less.
 const LOST: f64 = 0.5;
-/// By how many radii the second list is wider than the first, at most.
+/// By how many radii the first list of a step is wider than the others, which are of where it leads, and
+/// the second at most.
+const WIDE: f64 = 1.0;
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
@@ -216,7 +218,7 @@ impl Touching {
         world.push(&touches, time, dt)?;
         world.with_impulses(&impulses, |group, own| group.set_out(time, dt, own))?;
         // The first list is that of a guess: it only serves to find a better one.
-        self.list(world, part, expected, Place::Start, WIDEST * self.radius)?;
+        self.list(world, part, expected, Place::Start, WIDE * self.radius)?;
         let mut case = self.case(world, part)?;
         let (mut turn, mut rough) = (0.0, false);
         for _ in 0..GUESSES {

@@ -92,22 +92,12 @@ impl Touch {
 }
 
 /// Sorts touches by pair and place.
-pub(super) fn sort(touches: &mut [Touch]) {
-    // Touches are large: their ranks are sorted instead, and then each goes to its place at once.
+pub(super) fn sort(touches: &mut Vec<Touch>) {
+    // Touches are large: their ranks are sorted instead.
     let mut ranks: Vec<_> =
         touches.par_iter().enumerate().map(|(i, touch)| (touch.rank(), i)).collect();
     ranks.par_sort_unstable();
-    for first in 0..touches.len() {
-        let mut to = first;
-        loop {
-            let from = std::mem::replace(&mut ranks[to].1, to);
-            if from == first {
-                break;
-            }
-            touches.swap(to, from);
-            to = from;
-        }
-    }
+    *touches = ranks.into_par_iter().map(|(_, i)| touches[i]).collect();
 }
 
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
