@@ -3,6 +3,7 @@
 mod lines;
 mod near;
 mod pairs;
+mod parallel;
 mod reference;
 mod rules;
 mod skew;

@@ -1,7 +1,8 @@
 //! Pairs of close segments in closed form, a source in each lane.
 
 use super::lines::{Lines, Loads};
-use super::skew::{Means, parallel, skew};
+use super::parallel::Parallel;
+use super::skew::{Means, skew};
 use crate::lanes::{LANES, Lanes};
 use crate::machine::{Kernel, Machine, dispatch};
 use crate::multipole::engine::Task;
@@ -10,29 +11,35 @@ use pulp::Simd;
 /// Adds to the loads of `task` those of the `pairs` of its bodies with others, those of one body after
 /// each other. Of a pair within a complete task, which stands in `pairs` once, it adds both.
 ///
-/// Pairs whose angle has a smaller sine than `sine` are taken as [`parallel`].
-pub(super) fn add_close(lines: &Lines, pairs: &[[usize; 2]], sine: f64, task: Task<Loads>) {
-    dispatch(Close { lines, pairs, sine, task });
+/// Pairs that are nearly `parallel` are taken as such.
+pub(super) fn add_close(
+    lines: &Lines,
+    pairs: &[[usize; 2]],
+    parallel: &Parallel,
+    task: Task<Loads>,
+) {
+    dispatch(Close { lines, pairs, parallel, task });
 }
 
 struct Close<'a> {
     lines: &'a Lines,
     pairs: &'a [[usize; 2]],
-    sine: f64,
+    parallel: &'a Parallel,
     task: Task<'a, Loads>,
 }
 
 impl Kernel for Close<'_> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
-        let Self { lines, pairs, sine, mut task } = self;
+        let Self { lines, pairs, parallel, mut task } = self;
+        let sine2 = parallel.sine() * parallel.sine();
         let (mut askew, mut aligned) = (Vec::new(), Vec::new());
         for pairs in pairs.chunk_by(|a, b| a[0] == b[0]) {
             let i = pairs[0][0];
             let first = lines.gather(simd, &[i; LANES]);
             askew.clear();
             for &[i, j] in pairs {
-                let list = if lines.sine2(i, j) < sine * sine { &mut aligned } else { &mut askew };
+                let list = if lines.sine2(i, j) < sine2 { &mut aligned } else { &mut askew };
                 list.push([i, j]);
             }
             let mut loads = [Lanes::splat(simd, 0.0); 7];
@@ -52,7 +59,7 @@ impl Kernel for Close<'_> {
             let batch = Batch::new(lines, pairs, &task);
             let [first, second] = batch.indices.map(|k| lines.gather(simd, &k));
             let softening = Lanes::load(simd, &batch.softening);
-            let means = parallel(machine, &first, &second, softening, softening.of(sine));
+            let means = parallel.means(machine, &first, &second, softening);
             let loads = batch.add(pairs, &means, &mut task);
             for (k, [i, _]) in pairs.iter().enumerate() {
                 for (sum, load) in task.of_body(*i).iter_mut().zip(&loads) {

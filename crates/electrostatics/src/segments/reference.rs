@@ -3,6 +3,7 @@
 use super::lines::{Lines, Loads};
 use super::near::add_close;
 use super::pairs::Columns;
+use super::parallel::Parallel;
 use super::rules::Rules;
 use crate::Accuracy;
 use crate::multipole::engine::Task;
@@ -17,14 +18,13 @@ const SHARE: f64 = 0.003;
 /// Error beyond which rules are not made stricter.
 pub(super) const STRICTEST: f64 = 1e-14;
 
-/// The loads of `samples` by all segments, by stricter rules than `accuracy` needs. Pairs whose angle has a
-/// smaller sine than `sine` are taken as parallel where they are close.
-pub(super) fn exact(lines: &Lines, accuracy: Accuracy, sine: f64, samples: &[usize]) -> Vec<Loads> {
+/// The loads of `samples` by all segments, by stricter rules than `accuracy` needs.
+pub(super) fn exact(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec<Loads> {
     let error = match accuracy {
         Accuracy::Tolerance(tolerance) => (SHARE * tolerance).max(STRICTEST),
         Accuracy::Order(_) => 1e-8,
     };
-    let rules = Rules::<f64>::everywhere(error);
+    let (rules, parallel) = (Rules::<f64>::everywhere(error), Parallel::new(error));
     let act = |first: usize| {
         let mut out = vec![[0.0; 7]; samples.len()];
         let tile = first..lines.count().min(first + TILE);
@@ -44,7 +44,7 @@ pub(super) fn exact(lines: &Lines, accuracy: Accuracy, sine: f64, samples: &[usi
         lines.add_self(i, out);
         let own: Vec<_> = pairs.iter().copied().filter(|pair| pair[0] == i).collect();
         let (bodies, out) = (i..i + 1, std::slice::from_mut(out));
-        add_close(lines, &own, sine, Task { bodies, samples: Some(samples), out });
+        add_close(lines, &own, &parallel, Task { bodies, samples: Some(samples), out });
     }
     out
 }

@@ -4,24 +4,8 @@ use crate::lanes::{Lanes, Vectors, along, angle, cross, dot, ln, minus, scaled};
 use crate::machine::Roots;
 use pulp::Simd;
 
-/// Sine of the angle at which lines are nearly parallel, for each unit of their distance over their
-/// length: the error of interpolation grows as its sixth power.
-const SMOOTH: f64 = 0.025;
-
-/// Turns at which nearly parallel lines are interpolated, in units of this angle.
-const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
-
-/// Its least value: the error of rounding grows as the cube of its inverse.
-const LEAST: f64 = 1.5e-3;
-
 /// Roundings that [`skew`] errs by, times the cube of the sine.
-const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
-
-/// The sine of the angle up to which lines are nearly parallel for forces within `tolerance`, of which
-/// rounding may take a hundredth.
-pub(super) fn nearly_parallel(tolerance: f64) -> f64 {
-    (ROUNDINGS / (0.01 * tolerance)).cbrt().clamp(LEAST, 0.03)
-}
+pub(super) const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
 
 /// Lines from `start` along the unit vector `tangent`.
 #[derive(Clone, Copy)]
@@ -44,126 +28,6 @@ pub(super) struct Means<S: Simd> {
     pub(super) first_end: Vectors<S>,
     /// Of `v r/r^3`: less the force on the end of the second.
     pub(super) second_end: Vectors<S>,
-}
-
-impl<S: Simd> Means<S> {
-    #[inline(always)]
-    pub(super) fn zero(simd: S) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
-        Self { energy: zero, force: [zero; 3], first_end: [zero; 3], second_end: [zero; 3] }
-    }
-
-    /// `self + other * factor`.
-    #[inline(always)]
-    pub(super) fn plus(&self, other: &Self, factor: Lanes<S>) -> Self {
-        Self {
-            energy: other.energy.times_plus(factor, self.energy),
-            force: along(&self.force, &other.force, factor),
-            first_end: along(&self.first_end, &other.first_end, factor),
-            second_end: along(&self.second_end, &other.second_end, factor),
-        }
-    }
-}
-
-/// The means over two lines at an angle whose sine is less than `most`. Relative error: at most
-/// 7e-7, ten roundings over the cube of [`LEAST`], and `(LEAST/d)^6` for lines that are closer than
-/// d = 0.03 of their length. Cost: seven times that of [`skew`].
-#[inline(always)]
-pub(super) fn parallel<S: Simd, R: Roots<S>>(
-    roots: R,
-    first: &Line<S>,
-    second: &Line<S>,
-    softening: Lanes<S>,
-    most: Lanes<S>,
-) -> Means<S> {
-    let normal = cross(&first.tangent, &second.tangent);
-    let sine2 = dot(&normal, &normal);
-    let limit = limit(roots, first, second, softening, most);
-    let limit2 = limit * limit;
-    let direct = skew(roots, first, second, softening);
-    let turned = interpolated(roots, first, second, softening, limit);
-    let mut means = direct;
-    means.energy = sine2.below(limit2, turned.energy, direct.energy);
-    for c in 0..3 {
-        means.force[c] = sine2.below(limit2, turned.force[c], direct.force[c]);
-        means.first_end[c] = sine2.below(limit2, turned.first_end[c], direct.first_end[c]);
-        means.second_end[c] = sine2.below(limit2, turned.second_end[c], direct.second_end[c]);
-    }
-    means
-}
-
-/// The sine of the angle between lines below which [`skew`], whose rounding errors grow as its
-/// cube, is interpolated: as large as their distance lets turned lines be smooth.
-#[inline(always)]
-fn limit<S: Simd, R: Roots<S>>(
-    roots: R,
-    first: &Line<S>,
-    second: &Line<S>,
-    softening: Lanes<S>,
-    most: Lanes<S>,
-) -> Lanes<S> {
-    let half = softening.of(0.5);
-    let lengths = (first.length + second.length) * half;
-    let middle = along(&first.start, &first.tangent, first.length * half);
-    let other = along(&second.start, &second.tangent, second.length * half);
-    let r = minus(&other, &middle);
-    let beside = dot(&r, &first.tangent);
-    let beyond = beside.abs() - lengths;
-    let beyond = beyond.below(softening.of(0.0), softening.of(0.0), beyond);
-    let across = along(&r, &first.tangent, -beside);
-    let distance2 = beyond.times_plus(beyond, dot(&across, &across) + softening);
-    let limit = roots.root(distance2) * roots.reciprocal(lengths) * softening.of(SMOOTH);
-    let least = softening.of(LEAST);
-    limit.below(least, least, limit.below(most, limit, most))
-}
-
-/// Nearly parallel lines, by the polynomial through six turns of the second about its middle.
-#[inline(always)]
-fn interpolated<S: Simd, R: Roots<S>>(
-    roots: R,
-    first: &Line<S>,
-    second: &Line<S>,
-    softening: Lanes<S>,
-    limit: Lanes<S>,
-) -> Means<S> {
-    let (zero, one, tiny) = (softening.of(0.0), softening.of(1.0), softening.of(1e-30));
-    let t = &first.tangent;
-    let cosine = dot(t, &second.tangent);
-    let across = along(&second.tangent, t, -cosine);
-    let sine2 = dot(&across, &across);
-    // Exactly parallel lines are turned in any plane.
-    let steep = t[0].abs();
-    let axis = [steep.below(one.of(0.7), one, zero), steep.below(one.of(0.7), zero, one), zero];
-    let any = along(&axis, t, -dot(&axis, t));
-    let across = [
-        sine2.below(tiny, any[0], across[0]),
-        sine2.below(tiny, any[1], across[1]),
-        sine2.below(tiny, any[2], across[2]),
-    ];
-    // Twice, as what is left of almost equal tangents is not square to them at first.
-    let mut across = across;
-    for _ in 0..2 {
-        across = along(&across, t, -dot(&across, t));
-        across = scaled(&across, roots.reciprocal(roots.root(dot(&across, &across))));
-    }
-    let sine = sine2.below(tiny, zero, roots.root(sine2.below(tiny, one, sine2)));
-    let sign = cosine.below(zero, -one, one);
-    let half = second.length * one.of(0.5);
-    let middle = along(&second.start, &second.tangent, half);
-    let x = sine * roots.reciprocal(limit);
-    let mut sum = Means::zero(one.simd);
-    for node in NODES {
-        let mut weight = one;
-        for other in NODES.into_iter().filter(|other| *other != node) {
-            weight = weight * (x - one.of(other)) * one.of(1.0 / (node - other));
-        }
-        let turn = limit * one.of(node);
-        let straight = sign * roots.root(turn.times_from(turn, one));
-        let tangent = along(&scaled(t, straight), &across, turn);
-        let turned = Line { start: along(&middle, &tangent, -half), tangent, ..*second };
-        sum = sum.plus(&skew(roots, first, &turned, softening), weight);
-    }
-    sum
 }
 
 /// `ln((R1 + w1)/(R0 + w0))` in the form that does not cancel, where `R^2 - w^2` is the same for both.
@@ -289,14 +153,7 @@ mod tests {
                 Line { start: lanes(a), tangent: lanes(tangent), length: of((b - a).norm()) }
             };
             let [first, second] = self.lines.map(line);
-            let normal = cross(&first.tangent, &second.tangent);
-            let sine = dot(&normal, &normal).store()[0].sqrt();
-            let softening = of(self.softening);
-            let means = if sine < 4e-3 {
-                parallel(roots, &first, &second, softening, of(4e-3))
-            } else {
-                skew(roots, &first, &second, softening)
-            };
+            let means = skew(roots, &first, &second, of(self.softening));
             let vectors = [means.force, means.first_end, means.second_end].concat();
             let exact = self.quadrature();
             let size = exact[1..].iter().map(|x| x.abs()).fold(0.0, f64::max);
@@ -354,37 +211,5 @@ mod tests {
         check([[0.0; 3], [1.0, 0.0, 0.0]], [[0.3, 0.1, 0.2], [0.3, 1.4, 0.2]], 1e-9, 1e-11);
         check([[0.0; 3], [1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [1.5, 0.8, 0.2]], 1e-2, 1e-10);
         check(first, [[0.3, 0.0, 0.9], [0.1, 0.2, -0.3]], 1e-6, 1e-9);
-    }
-
-    /// Lines at small angles, down to none, beside each other and one behind the other.
-    #[test]
-    fn nearly_parallel_lines_are_the_integrals() {
-        let first = [[0.0; 3], [0.0, 0.0, 1.0]];
-        // Rounding, and the rest of the polynomial for the kernel 1/(d^2 + x^2)^(3/2), whose sixth
-        // derivative is 1575 at most, over the nodes at which an end is moved.
-        let bound = |distance: f64| {
-            let moved = (0.5 * LEAST).max(0.5 * SMOOTH * distance) / distance;
-            ROUNDINGS / LEAST.powi(3) + 36.0 / 720.0 * 1575.0 * moved.powi(6)
-        };
-        for sine in [0.0, 1e-9, 1e-5, 1e-3, 2e-3, 3.9e-3, 4.1e-3, 1e-2] {
-            check(first, [[0.1, 0.02, 0.3], [0.1, 0.02 + sine, 1.3]], 1e-9, bound(0.1));
-            check(first, [[0.1, 0.02, 0.9], [0.1 + sine, 0.02, -0.1]], 1e-9, bound(0.1));
-            check(first, [[0.0, 0.0, 1.0], [sine, 0.0, 2.0]], 2e-4, bound(2e-4f64.sqrt()));
-            check(first, [[0.03, 0.0, 0.0], [0.03, sine, 1.0]], 1e-9, bound(0.03));
-        }
-    }
-
-    /// Segments of a straight fibre in any direction, which rounding makes nearly parallel.
-    #[test]
-    fn straight_fibers_are_the_integrals() {
-        for k in 0..200 {
-            let (lean, turn) = (0.017 * f64::from(k), 0.3 * f64::from(k));
-            let t = Vector3::new(lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos());
-            let node = |i: i32| Vector3::new(0.3, -0.2, 0.1) + t * (1.25e-3 * f64::from(i + k));
-            let lines = [[node(0), node(1)], [node(1), node(2)]];
-            for [first, second] in [lines, [lines[1], lines[0]]] {
-                dispatch(Check { lines: [first, second], softening: 1.6e-9, tolerance: 2e-6 });
-            }
-        }
     }
 }

@@ -3,9 +3,9 @@
 use super::lines::{Lines, Loads};
 use super::near::add_close;
 use super::pairs::Columns;
+use super::parallel::Parallel;
 use super::reference::{STRICTEST, exact};
 use super::rules::{Node, Rules};
-use super::skew::nearly_parallel;
 use crate::error::{check_charges, check_count, check_positions};
 use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
 use crate::multipole::near::Cloud;
@@ -199,9 +199,9 @@ impl ChargedFibers<'_> {
 /// Error of rules over the tolerance of the forces, from measured errors.
 const SHARE: f64 = 0.7;
 
-/// Relative error of closed forms of parallel neighbors at worst: with a smaller tolerance the
-/// certificate says what was reached.
-const CLOSED: f64 = 5e-8;
+/// Relative error of closed forms at worst: with a smaller tolerance the certificate says what was
+/// reached.
+const CLOSED: f64 = 2e-11;
 
 struct Sum<'a, E> {
     tree: &'a Tree,
@@ -209,8 +209,7 @@ struct Sum<'a, E> {
     rules: Rules<E>,
     /// Each segment as the points of the rule for those far away.
     cloud: Cloud,
-    /// The sine of the angle up to which two are nearly parallel.
-    sine: f64,
+    parallel: Parallel,
     /// Least distance of cells whose expansions are used.
     clearance: f64,
     accuracy: Accuracy,
@@ -231,7 +230,8 @@ impl<'a, E: Real> Sum<'a, E> {
         let cloud = Cloud { x: [place(x, a), place(y, b), place(z, c)], charge };
         let longest = (0..lines.count()).map(|i| lines.length(i)).fold(0.0, f64::max);
         let clearance = 0.5 * rules.clearance() * longest;
-        Self { tree, lines, rules, cloud, sine: nearly_parallel(error), clearance, accuracy }
+        let parallel = Parallel::new(error);
+        Self { tree, lines, rules, cloud, parallel, clearance, accuracy }
     }
 
     fn run(&self) -> Result<(Vec<Loads>, Certificate), ElectrostaticsError> {
@@ -240,12 +240,12 @@ impl<'a, E: Real> Sum<'a, E> {
         if count <= SAMPLES {
             let all: Vec<_> = (0..count).collect();
             return Ok((
-                exact(self.lines, self.accuracy, self.sine, &all),
+                exact(self.lines, self.accuracy, &all),
                 Certificate { order: None, samples: 0, error: 0.0 },
             ));
         }
         let samples: Vec<_> = (0..SAMPLES).map(|k| (2 * k + 1) * count / (2 * SAMPLES)).collect();
-        let exact = exact(self.lines, self.accuracy, self.sine, &samples);
+        let exact = exact(self.lines, self.accuracy, &samples);
         let error = |out: &[Loads]| {
             let [mut errors, mut squares] = [0.0; 2];
             for (&sample, exact) in samples.iter().zip(&exact) {
@@ -348,6 +348,6 @@ impl<E: Real> Leaf for Sum<'_, E> {
             task.of_body(j).iter_mut().zip(loads).for_each(|(sum, load)| *sum += load);
         }
         pairs.retain(|&[i, j]| j > i || !task.both(j));
-        add_close(self.lines, &pairs, self.sine, task);
+        add_close(self.lines, &pairs, &self.parallel, task);
     }
 }
