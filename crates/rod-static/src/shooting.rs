@@ -9,6 +9,8 @@ const MOST: usize = 12;
 const SMALL: f64 = 1e-8;
 /// A correction in radians and lengths that is no longer one.
 const FAR: f64 = 3.0;
+/// Most iterations for singular values, of which six take some ten.
+const MOST_ROTATIONS: usize = 300;
 /// Part of the largest singular value below which one is that of a neutral way.
 const NEUTRAL: f64 = 1e-10;
 /// Part of what is missed that such ways may leave over.
@@ -116,8 +118,9 @@ fn corrections(
         (basis, rest) = (next, moved - next * along);
     }
     let (missed, by) = goal.missed(nodes.last()?)?;
-    // A closed ring may turn about its tangent: where a way is neutral it is not gone.
-    let onto = (by * basis).svd(true, true);
+    // A closed ring may turn about its tangent: where a way is neutral it is not gone. Of what has
+    // overflowed on the way singular values are sought without end unless that is bounded.
+    let onto = (by * basis).try_svd(true, true, 5.0 * f64::EPSILON, MOST_ROTATIONS)?;
     let neutral = NEUTRAL * onto.singular_values.max();
     let wanted = -(missed + by * rest);
     let mut p = onto.solve(&wanted, neutral).ok()?;
