@@ -19,9 +19,11 @@ pub(crate) struct Newton {
 const SHIFTS: [f64; 6] = [0.0, 0.1, 1.0, 4.0, 16.0, 64.0];
 
 impl Newton {
-    /// The largest rotation of a node, rad.
+    /// The largest rotation of a node, rad; infinite if one is no number.
     pub(crate) fn size(&self) -> f64 {
-        self.step.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt()
+        let squares = self.step.iter().map(Vector3::norm_squared);
+        let largest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
+        squares.fold(0.0, largest).sqrt()
     }
 
     /// The step from where the targets' nodes are off their places by `gaps`. With followers the
@@ -51,7 +53,7 @@ impl Newton {
             let taken = newton.bind(chain, blocks, gaps, motions, follow, &factor)?;
             if factor.negative == taken || follow.is_some() {
                 newton.falling = falling;
-                return Some(newton);
+                return newton.size().is_finite().then_some(newton);
             }
             if let (None, Some(step)) = (&falling, factor.falling(&moments)) {
                 // On the way down, what is held stays.

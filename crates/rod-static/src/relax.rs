@@ -199,7 +199,7 @@ impl Chain {
                     now = lowest;
                     continue;
                 }
-                if size < SMALL {
+                if size < SMALL && self.targets.is_empty() {
                     // As a round rod that has buckled may do so in any plane: rounding alone makes this
                     // a way down.
                     return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });

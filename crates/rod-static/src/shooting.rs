@@ -124,7 +124,9 @@ fn corrections(
     let neutral = NEUTRAL * onto.singular_values.max();
     let wanted = -(missed + by * rest);
     let mut p = onto.solve(&wanted, neutral).ok()?;
-    if (by * basis * p - wanted).norm() > CONSISTENT * (1.0 + wanted.norm()) {
+    // In this form what is no number is not consistent.
+    let consistent = (by * basis * p - wanted).norm() <= CONSISTENT * (1.0 + wanted.norm());
+    if !consistent {
         return None;
     }
     let mut corrections = vec![basis * p + rest];
