@@ -16,7 +16,7 @@ const FEW: [usize; 2] = [400, 20];
 pub(crate) fn charged(size: Size) -> Fallible<Figure> {
     let mut half = scene("charge/half-head")?;
     let [count, segments] = if size == Size::Full { THESIS } else { FEW };
-    let hairs = sized(&mut half, count, segments)?;
+    resize(&mut half, count, segments)?;
     let mut film = Film::at(&[0.0, half.duration]);
     let (mut distances, mut unsettled, mut strongest) = (Vec::new(), 0, 0.0_f64);
     play(&half, |world| {
@@ -29,11 +29,11 @@ pub(crate) fn charged(size: Size) -> Fallible<Figure> {
     let [before, after] = [distances[0], distances[distances.len() - 1]].map(|[_, value]| value);
     Ok(Figure {
         scene: "scenes/charge/half-head.ron",
-        parameters: "400 hairs of 20 segments, which are lifted as the 2000 of the scene; --full takes 65,000 of 100, the \
-                     thesis's",
+        parameters: "400 hairs of 20 segments, lifted as the 2000 of the scene; --full takes the \
+                     thesis's 65,000 of 100",
         drawings: vec![
             Drawing::Pictures(Pictures {
-                title: format!("4.9 Half a head of {hairs} hairs, before its charge first"),
+                title: format!("4.9 Half a head of {count} hairs, before its charge first"),
                 view: "seen from the front along y, x to the right",
                 axes: [Vector3::x(), Vector3::z()],
                 columns: 2,
@@ -74,7 +74,7 @@ pub(crate) fn charged(size: Size) -> Fallible<Figure> {
 }
 
 /// Gives the scene so many hairs and segments, and hairs such charges that they are lifted as they were.
-fn sized(half: &mut Scene, count: usize, segments: usize) -> Fallible<usize> {
+fn resize(half: &mut Scene, count: usize, segments: usize) -> Fallible<()> {
     let bundle = half.fibers.first_mut().ok_or("the half head has no hair")?;
     let Arrangement::Scalp { count: before, .. } = &mut bundle.arrangement else {
         return Err("the hair of the half head is not on a scalp".into());
@@ -86,7 +86,7 @@ fn sized(half: &mut Scene, count: usize, segments: usize) -> Fallible<usize> {
         return Err("the hair of the half head has no charge along its length".into());
     };
     *density *= share;
-    Ok(count)
+    Ok(())
 }
 
 /// Mean distance of the tips from the middle of the head, which is the origin, m.

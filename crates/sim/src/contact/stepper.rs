@@ -20,7 +20,7 @@ const MOST_ITERATIONS: usize = 8;
 const MOST_LISTS: usize = 9;
 /// From this list on no contact is dropped: some would come and go for ever.
 const PATIENCE: usize = 3;
-/// Iterations with the first list.
+/// Iterations with the first list, at most.
 const GUESSES: usize = 2;
 /// A first guess that leaves a smaller error than this, in tolerances, needs no other.
 const FAIR: f64 = 60.0;
@@ -32,9 +32,9 @@ const ROUGH: f64 = 350.0;
 const COARSE: f64 = 5.0;
 /// A guess that still turns segments by more than this, rad, is none: two shorter steps cost less.
 const LOST: f64 = 0.5;
-/// By how many radii the first list of a step is wider than the others, which are of where it leads, and
-/// the second at most.
+/// By how many radii the first list of a step, which is of where it starts, is wider than the last ones.
 const WIDE: f64 = 1.0;
+/// The same of the second, at most.
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
