@@ -15,7 +15,8 @@ const LENGTH: f64 = 0.012;
 const SEGMENTS: usize = 60;
 
 /// The length along which two hairs that lie together stay apart, m, after their roots have been drawn
-/// apart.
+/// apart. Friction, which does no work where they open face to face, keeps them in their plane: without
+/// it they slide to each other's side and coil, which shortens it by 2 %.
 fn dry(adhesion: &str) -> f64 {
     let hair = |y: f64, motion: &str| {
         format!(
@@ -28,12 +29,12 @@ fn dry(adhesion: &str) -> f64 {
     let led = "Translate(velocity: (0.0, 0.01414, 0.0), until: 0.05)";
     let mut run = Run::read(&format!(
         "(format: 1, duration: 1.0, fibers: [{}, {}],
-        contact: (friction: Isotropic(0.0), adhesion: {adhesion}),
+        contact: (friction: Isotropic(0.3), adhesion: {adhesion}),
         environment: (gravity: (0.0, 0.0, 0.0), viscosity: 1e-3), stepper: (dt: 1e-4))",
         hair(0.0, "Fixed"),
         hair(2.0 * RADIUS, led)
     ));
-    run.steps(900);
+    run.steps(1500);
     let gap = |node: usize| {
         let [a, b] = [0, 1].map(|i| run.world.state(i).positions[node]);
         (b - a).norm() - 2.0 * RADIUS
@@ -48,7 +49,7 @@ fn dry(adhesion: &str) -> f64 {
 }
 
 #[test]
-#[ignore = "slow: 20 s, the film is stiff and needs steps of 0.1 ms"]
+#[ignore = "slow: 15 s, the film is stiff and needs steps of 0.1 ms"]
 fn the_dry_length_balances_film_and_stiffness() {
     let bending = 4e9 * PI * RADIUS.powi(4) / 4.0;
     let energy = (2.0 * PI - 4.0) * WATER * RADIUS;
@@ -56,8 +57,6 @@ fn the_dry_length_balances_film_and_stiffness() {
     let range = 5e-6;
     let found = dry(&format!("Line(force: {:?}, range: {range:?})", energy / range));
     println!("dry {:.3} mm for {:.3} mm", 1e3 * found, 1e3 * expected);
-    // From none to the range the gap opens along sqrt(2 range/k), where its curvature is 6 d/L^2: the
-    // film does not know better where it ends. It is off by 2 %; a thin film should be by less than 1 %.
-    let zone = (2.0 * range * expected.powi(2) / (6.0 * APART)).sqrt();
-    assert!((found - expected).abs() < zone, "{found} for {expected}");
+    // The film ends within 2.7 segments: a beam of such segments opens to a length 0.2 % shorter.
+    assert!((found / expected - 1.0).abs() < 1e-2, "{found} for {expected}");
 }
