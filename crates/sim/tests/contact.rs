@@ -220,3 +220,36 @@ fn scales_hold_one_way_only() {
     let expected = 0.5 * 9.81 * (alpha.sin() - 0.2 * alpha.cos()) * 1e-6 * 50.0 * 51.0;
     assert!((slid(-1.0) - expected).abs() < 1e-3 * expected, "{} for {expected}", slid(-1.0));
 }
+
+/// The force of a plane on a straight hair whose clamped root is led toward it, exactly along the hair,
+/// until the ends are nearer by `shortening`, as a part of the length; of Euler's load of a rod that is
+/// clamped at one end and hinged at the other.
+fn end_thrust(shortening: f64) -> f64 {
+    let (length, radius, modulus) = (0.02, 3.5e-5_f64, 4e9);
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 1.0,
+        fibers: [(length: {length:?}, segments: 40, section: Circle(radius: {radius:?}),
+            material: Elastic(density: 1320.0, youngs_modulus: {modulus:?}, shear_modulus: 1.5e9),
+            damping_time: 2e-2, root: (orientation: Along(direction: (0, 0, 1))),
+            motion: Translate(velocity: (0, 0, {:?}), until: 0.1))],
+        objects: [(shape: Plane(normal: (0, 0, -1)), position: (0, 0, {:?}))],
+        contact: (friction: Isotropic(5.0)),
+        environment: (gravity: (0, 0, 0), viscosity: 1e-3), stepper: (dt: 1e-3))",
+        shortening * length / 0.1,
+        length + radius
+    ));
+    run.steps(300);
+    let stiffness = modulus * std::f64::consts::PI / 4.0 * radius.powi(4);
+    // The first root of tan x = x.
+    let euler = 4.493_409_5_f64.powi(2) * stiffness / (length * length);
+    run.world.force_on(0).z / euler
+}
+
+/// To which side, nothing tells: the fibre is straight to the last digit, and pressed along its axis.
+#[test]
+fn a_straight_hair_that_is_pressed_end_on_buckles() {
+    let [near, far] = [0.01, 0.02].map(end_thrust);
+    let found = 2.0 * near - far;
+    // 0.2 % are left of the segments: a twelfth of the squared angle that one spans.
+    assert!((found - 1.0).abs() < 4e-3, "{near} and {far} of Euler's load");
+}

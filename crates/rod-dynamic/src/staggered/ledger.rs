@@ -231,7 +231,7 @@ impl<S: Simd> Pack<S> {
             let slip = tangent.dot(along_at - wind) * excess * length.recip();
             (wind - across_at).scale(across * length) + tangent.scale(slip)
         };
-        let drag = air(motion.end, rates.v + jump, tangent);
+        let drag = air(motion.end, rates.v, tangent);
         let mean_drag = air(motion.mean, motion.mean, middle);
         lines.drag = lines.drag + mean_drag.dot(way);
         lines.integrator = lines.integrator + (drag - mean_drag).dot(way);

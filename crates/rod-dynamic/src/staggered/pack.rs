@@ -267,6 +267,7 @@ impl<S: Simd> Pack<S> {
         for a in 0..=n {
             let mut rates = self.nodes.rates(&self.chain, a);
             let mass = Lane::new(simd, self.mass[a]);
+            let before = rates.v;
             rates.v += self.jump(a);
             let (du, vc) = self.scheme.predict(stage, rates);
             let (length, tangent) = self.reach(&self.chain.room.d_start, a);
@@ -274,8 +275,9 @@ impl<S: Simd> Pack<S> {
             let inertial = mass * stage.c1;
             let mu = drag.fma(stage.cv, inertial);
             // Drag along the fibre is smaller than across it: the difference is taken from the
-            // velocity at the start of the step, where it is stable for being the smaller part.
-            let slip = tangent.dot(rates.v - wind) * excess * length.recip();
+            // velocity at the start of the step, where it is stable for being the smaller part:
+            // before all impulses, which also bear what else would move the fibre.
+            let slip = tangent.dot(before - wind) * excess * length.recip();
             let b = du.scale(inertial)
                 + gravity.scale(mass)
                 + distributed.scale(length)

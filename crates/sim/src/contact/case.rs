@@ -286,12 +286,20 @@ fn select<T: Copy>(all: &[Vec<T>], used: &mut impl Iterator<Item = bool>) -> Vec
     all.iter().map(of_body).collect()
 }
 
+/// By this, rad, a normal along a fibre is tilted.
+const TILT: f64 = 1e-9;
+
 /// The frame of a contact: normal, along the fibre from root to tip, across it.
 fn frame(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Matrix3<f64> {
     let along = axis - normal * normal.dot(axis);
-    let other = || normal.cross(&Vector3::ith(normal.iamin(), 1.0));
-    let along = along.try_normalize(1e-6 * axis.norm()).unwrap_or_else(|| other().normalize());
+    let end_on = || {
+        let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+        // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
+        ((normal + TILT * aside).normalize(), aside)
+    };
+    let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
+    let (normal, along) = oblique.unwrap_or_else(end_on);
     // Once more, for what rounding left along the normal.
     let along = (along - normal * normal.dot(&along)).normalize();
-    Matrix3::from_columns(&[*normal, along, normal.cross(&along)])
+    Matrix3::from_columns(&[normal, along, normal.cross(&along)])
 }
