@@ -39,7 +39,11 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Self::Sim {
-                error: SimError::Step { .. } | SimError::Static(_) | SimError::NoLength { .. },
+                error:
+                    SimError::Step { .. }
+                    | SimError::Lost { .. }
+                    | SimError::Static(_)
+                    | SimError::NoLength { .. },
                 ..
             } => FAILED,
             Self::Sim {

@@ -113,6 +113,17 @@ pub enum SimError {
         /// The longest step that would do, s.
         dt: f64,
     },
+    /// Contacts throw fibres about even in the shortest part of a step.
+    #[error(
+        "the run stopped at t = {time} s: contacts do not converge in a part of a step, {dt:.2e} s; set \
+         stepper.dt to less, or let things meet more gently"
+    )]
+    Lost {
+        /// Start of the part, s.
+        time: f64,
+        /// Its length, s.
+        dt: f64,
+    },
     /// Contacts could not be looked for.
     #[error("contacts cannot be found: {0}")]
     Collision(#[from] CollisionError),

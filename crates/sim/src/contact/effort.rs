@@ -35,6 +35,11 @@ impl Effort {
         Self { slack: self.slack.max(TIGHT * goal), ..self }
     }
 
+    /// The same with more iterations.
+    pub(super) fn longer(self, times: usize) -> Self {
+        Self { most: self.most.saturating_mul(times), ..self }
+    }
+
     /// What it asks of a solver.
     pub(super) fn of(self, tolerance: &Tolerance) -> Tolerance {
         Tolerance {

@@ -30,8 +30,10 @@ const SMALL_TURN: f64 = 1e-4;
 /// coarser one.
 const ROUGH: f64 = 350.0;
 const COARSE: f64 = 5.0;
-/// A guess that still turns segments by more than this, rad, is none: two shorter steps cost less.
+/// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost less.
 const LOST: f64 = 0.5;
+/// Dense contacts take longer: so many times the iterations follow those that did not do.
+const LONGER: usize = 4;
 /// By how many radii the first list of a step, which is of where it starts, is wider than the last ones.
 const WIDE: f64 = 1.0;
 /// The same of the second, at most.
@@ -157,6 +159,7 @@ impl Touching {
                 }
                 Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
                 Err(Cut::Rod(source)) if part == 1 => return Err(SimError::Step { time, source }),
+                Err(Cut::Contacts) if part == 1 => return Err(SimError::Lost { time, dt: length }),
                 Err(_) => {
                     part /= 2;
                     report.halvings += 1;
@@ -169,7 +172,7 @@ impl Touching {
     }
 
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
-    /// as it comes.
+    /// as it comes, unless it leads nowhere.
     fn take(
         &mut self,
         world: &mut World,
@@ -223,7 +226,7 @@ impl Touching {
         let (mut turn, mut rough) = (0.0, false);
         for _ in 0..GUESSES {
             world.for_groups(|group| group.linearize())?;
-            turn = self.iterate(world, part, &mut case, self.first_effort(), false)?;
+            (turn, _) = self.iterate(world, part, &mut case, self.first_effort(), false)?;
             let error = case.error().unwrap_or(f64::INFINITY);
             rough |= error > ROUGH;
             if error < FAIR {
@@ -244,7 +247,7 @@ impl Touching {
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let goal = if rough && list < PATIENCE { COARSE } else { 1.0 };
-            let solved = self.converge(world, part, &mut case, list, goal)?;
+            let solved = self.converge(world, part, &mut case, list, goal, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             self.list(world, part, &[], Place::End, 0.0)?;
             part.work = case.work(world, &part.mean, &bearing);
@@ -288,7 +291,8 @@ impl Touching {
     }
 
     /// Solves the step with the contacts of a case, of the list of this number. Tells whether rods and
-    /// contacts are within `goal` times their tolerances.
+    /// contacts are within `goal` times their tolerances. Where all fly apart they are not listed again:
+    /// what is swept then could be everything.
     fn converge(
         &mut self,
         world: &mut World,
@@ -296,9 +300,10 @@ impl Touching {
         case: &mut Case,
         list: usize,
         goal: f64,
+        last: bool,
     ) -> Result<bool, Cut> {
         let patient = list >= PATIENCE;
-        let mut turn = f64::INFINITY;
+        let (mut turn, mut longer) = (f64::INFINITY, 1);
         for _ in 0..MOST_ITERATIONS {
             let solved = case.error().is_some_and(|error| error <= goal);
             // After a small increment the next is far smaller, and need not be found to be known.
@@ -315,9 +320,16 @@ impl Touching {
                 // Where the list has hardly changed, loose answers lead away.
                 None => Effort::LAST,
             };
-            turn = self.iterate(world, part, case, effort.toward(goal), patient)?;
+            let reached;
+            (turn, reached) =
+                self.iterate(world, part, case, effort.toward(goal).longer(longer), patient)?;
+            // Fibres may be so entangled by where the step began that no impulses let them through.
+            if !reached && longer > 1 && !last {
+                return Err(Cut::Contacts);
+            }
+            longer = if reached { 1 } else { LONGER * longer };
         }
-        Ok(false)
+        if turn > LOST { Err(Cut::Contacts) } else { Ok(false) }
     }
 
     /// The contacts of a part.
@@ -334,7 +346,7 @@ impl Touching {
     }
 
     /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
-    /// increment, rad.
+    /// increment, rad, and whether the contacts were solved as well as asked.
     fn iterate(
         &mut self,
         world: &mut World,
@@ -342,7 +354,7 @@ impl Touching {
         case: &mut Case,
         effort: Effort,
         patient: bool,
-    ) -> Result<f64, Cut> {
+    ) -> Result<(f64, bool), Cut> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
         let one = case.solve(world, &mut self.solver, patient)?;
         case.give_impulses(&mut part.touches);
@@ -359,7 +371,7 @@ impl Touching {
         report.residual = found.residual;
         report.normal_error = found.normal_error;
         report.slip_error = found.slip_error;
-        Ok(turn)
+        Ok((turn, self.solver.tolerance.error(&one) <= 1.0))
     }
 
     /// Lists the touches where the step has been solved to, with the impulses expected of them.

@@ -44,7 +44,7 @@ fn depth() -> f64 {
     0.02
 }
 fn iterations() -> usize {
-    400
+    2000
 }
 
 /// What holds fibres to each other and to objects. Friction grows with it: a touch slides where the
