@@ -122,7 +122,7 @@ impl Scene {
             let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
             let contacts = self.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
             return Surroundings {
-                roundest: 0.0,
+                roundest: None,
                 longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
                 thickest: contacts.map_or(0.0, |contacts| contacts.radius),
             };
@@ -132,7 +132,7 @@ impl Scene {
         let can_meet = one_is_free && self.objects.len() > 1;
         let radii = self.objects.iter().filter_map(|object| object.shape.radius());
         Surroundings {
-            roundest: radii.filter(|_| can_meet).fold(0.0, f64::max),
+            roundest: can_meet.then(|| radii.fold(0.0, f64::max)),
             longest: lengths.fold(0.0, f64::max),
             thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
         }

@@ -98,8 +98,8 @@ pub enum SimError {
     /// another.
     #[error(
         "objects[{object}] moves by {way:.2e} m in the step at t = {time} s, and at most {most:.2e} \
-         m, its smallest side or a segment, or half a side of objects that come near each other, are \
-         allowed; set stepper.dt to at most {dt:.2e} s, or move it more slowly"
+         m, its smallest side or a segment, or near other objects half a side or what a mesh tells of \
+         its distance, are allowed; set stepper.dt to at most {dt:.2e} s, or move it more slowly"
     )]
     Leap {
         /// Index of the object in the scene.

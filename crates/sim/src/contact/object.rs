@@ -107,11 +107,7 @@ impl Object {
         way: Way,
         endless: bool,
     ) -> Self {
-        let ends = |k: usize| {
-            let along = surface.vertices.iter().map(|p| p[k]);
-            [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let ends = [0, 1, 2].map(ends);
+        let ends = extents(&surface);
         let corners = std::array::from_fn(|c| Point3::from([0, 1, 2].map(|k| ends[k][c >> k & 1])));
         let least = ends.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
         let size = if endless { f64::INFINITY } else { least };
@@ -158,10 +154,16 @@ impl Object {
     }
 
     /// The longest way, m, of a point of its surface from one pose to another.
-    pub(super) fn way(&self, [start, end]: &[Isometry3<f64>; 2]) -> f64 {
-        // The way is a convex function of the place: at a corner it is longest.
-        let ways = self.corners.iter().map(|corner| (end * corner - start * corner).norm());
-        ways.fold(0.0, f64::max)
+    fn way(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
+        longest_way(&self.corners, poses)
+    }
+
+    /// The same of what touches other objects: a round shape turns in itself.
+    pub(super) fn way_of_skeleton(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
+        match self.skeleton[..] {
+            [Capsule { start, end, .. }] => longest_way(&[start, end], poses),
+            _ => self.way(poses),
+        }
     }
 
     /// Center and radius, m, of a ball around it at a pose; the radius is infinite for what has no end.
@@ -272,6 +274,20 @@ impl Object {
         let gap = normal.dot(&(moving.at(1.0, radius).at(fraction) - surface)) - radius;
         Some(FieldContact { fraction, gap, normal })
     }
+}
+
+fn longest_way(corners: &[Point3<f64>], [start, end]: &[Isometry3<f64>; 2]) -> f64 {
+    // The way is a convex function of the place: at a corner it is longest.
+    let ways = corners.iter().map(|corner| (end * corner - start * corner).norm());
+    ways.fold(0.0, f64::max)
+}
+
+/// The least and the largest coordinate of a surface along each axis, m.
+pub(super) fn extents(surface: &Soup) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|k| {
+        let along = surface.vertices.iter().map(|p| p[k]);
+        [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
+    })
 }
 
 /// Refuses a step of `dt`, s, in which an object would jump over fibres or another object.

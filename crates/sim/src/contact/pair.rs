@@ -58,13 +58,18 @@ impl<'a> Pair<'a> {
         Self(numbers.map(|i| &objects[i as usize]))
     }
 
-    /// The longest way, m, of a point of one as seen from the other.
+    /// The longest way, m, of a place of one where it may touch, as seen from the other: such places
+    /// belong to both, so that the one that moves less bounds it.
     pub(super) fn way(&self, poses: &Poses) -> f64 {
         let seen = |i: usize| {
             let [before, after] = [0, 1].map(|k| poses[1 - i][k].inverse() * poses[i][k]);
-            self.0[i].way(&[before, after])
+            self.0[i].way_of_skeleton(&[before, after])
         };
-        [0, 1].into_iter().filter(|&i| self.0[i].size.is_finite()).map(seen).fold(0.0, f64::max)
+        [0, 1]
+            .into_iter()
+            .filter(|&i| self.0[i].size.is_finite())
+            .map(seen)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The longest way, m, after which a place of contact and its normal are still told by how far the

@@ -31,14 +31,14 @@ pub(crate) struct Surroundings {
     pub(crate) longest: f64,
     /// Radius of the thickest.
     pub(crate) thickest: f64,
-    /// Radius of the roundest object that may touch others, or zero.
-    pub(crate) roundest: f64,
+    /// Radius of the roundest object, or zero, where objects may touch each other.
+    pub(crate) roundest: Option<f64>,
 }
 
 impl Surroundings {
     /// Up to where fields must be distances, m.
     fn reach(&self) -> f64 {
-        REACH * self.thickest + self.roundest
+        REACH * self.thickest + self.roundest.unwrap_or(0.0)
     }
 }
 
@@ -78,7 +78,7 @@ impl scene::Object {
             }
         };
         let endless = self.shape.has_no_end();
-        let skeleton = skeleton(&self.shape, &surface);
+        let skeleton = skeleton(&self.shape, &surface, 2.0 * around.thickest);
         let Self { friction, restitution, .. } = *self;
         Ok(Object::new(field, skeleton, surface, friction, restitution, way, endless))
     }
@@ -163,8 +163,10 @@ fn mesh(
         }
     };
     let field = soup.and_then(Mesh::new).and_then(|mesh| {
-        // Beside the reach, the diagonal of a cell is lost, and two spacings are the least.
-        let band = around.reach() + 3.0 * spacing;
+        // Beside the reach, the diagonal of a cell is lost, and two spacings are the least; more lets
+        // objects be faster.
+        let cells = if around.roundest.is_some() { 6.0 } else { 3.0 };
+        let band = around.reach() + cells * spacing;
         let surface =
             Soup { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() };
         Ok((Grid::scan(&mesh, spacing, band)?, surface))
@@ -239,7 +241,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const AROUND: Surroundings = Surroundings { longest: 0.1, thickest: 4e-5, roundest: 0.0 };
+    const AROUND: Surroundings = Surroundings { longest: 0.1, thickest: 4e-5, roundest: None };
 
     /// What is shown of a shape bounds what fibres meet, and has its volume and inertia.
     #[test]
