@@ -97,6 +97,54 @@ fn two_free_balls_collide() {
     }
 }
 
+/// Of a pair the second says how it bounces, else the first, else the scene.
+#[test]
+fn the_second_of_two_is_asked_first() {
+    for (own, others, expected) in [
+        ("", "", 0.75),
+        (", restitution: 0.5", "", 0.5),
+        (", restitution: 0.5", ", restitution: 0.25", 0.25),
+    ] {
+        let objects = format!(
+            "(shape: Plane(normal: (0, 0, 1)){others}), (shape: Ball(radius: 0.01), position: (0, 0, \
+             0.0105), moves: Free(mass: Mass(0.01), velocity: (0, 0, -1)){own})"
+        );
+        let contact = "friction: Isotropic(0.0), restitution: 0.75";
+        let mut run = Run::new(&scene(&objects, contact, Vector3::zeros()));
+        run.steps(3);
+        let resolved = 0.5 * DEPTH * 2.0 * RADIUS / DT;
+        assert!((body(&run, 1).velocity.z - expected).abs() < resolved, "{own} {others}");
+    }
+}
+
+/// An edge falls across an edge, aside of the center of mass: the impulse is along the vertical, which
+/// is across both, and spins the box.
+#[test]
+fn an_edge_bounces_off_an_edge() {
+    let (side, aside, restitution) = (0.02, 0.003, 0.5);
+    let high = side / 2.0_f64.sqrt();
+    let objects = format!(
+        "(shape: Cuboid(sides: ({side:?}, {side:?}, {side:?})), position: (0, {aside:?}, {:?}), turn: \
+         (0, 45, 0), moves: Free(mass: Mass(0.01), velocity: (0, 0, -1))), (shape: Cuboid(sides: \
+         ({side:?}, {side:?}, {side:?})), turn: (45, 0, 0))",
+        2.0 * high + 4e-4
+    );
+    let contact = format!("friction: Isotropic(0.0), restitution: {restitution:?}");
+    let mut run = Run::new(&scene(&objects, &contact, Vector3::zeros()));
+    let inertia = 0.01 * side * side / 6.0;
+    run.steps(2);
+    let after = body(&run, 0);
+    let impulse = (1.0 + restitution) / (1.0 / 0.01 + aside * aside / inertia);
+    // By the edge's radius, a diameter of the hair, the tolerance of the place turns the normal.
+    let error = 2e-3;
+    let velocity = Vector3::new(0.0, 0.0, impulse / 0.01 - 1.0);
+    assert!((after.velocity - velocity).norm() < error, "{after:?} {velocity}");
+    // The other's place is in the direction of -y from the center of mass.
+    let spin = Vector3::new(-aside * impulse / inertia, 0.0, 0.0);
+    let found = after.angular_velocity();
+    assert!((found - spin).norm() < error * spin.norm(), "{found} {spin}");
+}
+
 const BALL: &str = "(shape: Ball(radius: 0.01), position: (0, 0, 0.01), moves: Free(mass: \
                     Mass(0.01))), (shape: Plane(normal: (0, 0, 1)))";
 

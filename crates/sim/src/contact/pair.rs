@@ -12,10 +12,10 @@ use rapunzel_collision::Capsule;
 use rapunzel_collision::field::{DistanceField, FieldContact, Search};
 use rayon::prelude::*;
 
-/// How finely edges in contact are sampled, in their length, and how precisely gaps are told apart,
-/// in the margin.
+/// How finely edges in contact are sampled, in their length, and how precisely gaps and places of
+/// edges that cross are told apart, in the margin.
 const SPACING: f64 = 0.1;
-const TOLERANCE: f64 = 0.02;
+const TOLERANCE: f64 = 2e-3;
 /// Places of a pair that are nearer to each other than this, in the smaller of the two, are one: a
 /// corner is the end of three edges.
 const SAME: f64 = 1e-6;
@@ -85,6 +85,8 @@ impl<'a> Pair<'a> {
         (b - a).norm() > r + q + reach
     }
 
+    /// The touches at a place of a step. Where an axis has come into the other, inside of which faces
+    /// are told by chance, they are those of the start, as in a rebound that has been missed.
     fn touches(
         &self,
         sides: [Partner; 2],
@@ -93,36 +95,14 @@ impl<'a> Pair<'a> {
         margin: f64,
     ) -> Vec<Touch> {
         let poses = self.0.map(|object| object.poses(span));
-        let when = usize::from(place == Place::End);
-        let reach = if place == Place::End { margin } else { margin + self.way(&poses) };
-        if self.is_apart([&poses[0][when], &poses[1][when]], reach) {
-            return Vec::new();
+        let [start, end] =
+            [0, 1].map(|when| Step { pair: self, sides, poses, when, dt: span[1], margin });
+        let at_start = || start.touches(margin + self.way(&poses)).0;
+        if place == Place::Start {
+            return at_start();
         }
-        let step = Step { pair: self, sides, poses, when, dt: span[1] };
-        let search = |length| Search {
-            margin: reach,
-            spacing: SPACING * length,
-            tolerance: TOLERANCE * margin,
-        };
-        let mut found = Vec::new();
-        for of in self.searched() {
-            let field = Placed { field: &*self.0[1 - of].field, pose: poses[1 - of][when] };
-            for (number, bone) in (0..).zip(&self.0[of].skeleton) {
-                let [start, end] = [bone.start, bone.end].map(|p| poses[of][when] * p);
-                let bone = Capsule { start, end, ..*bone };
-                let mut contacts = Vec::new();
-                search((end - start).norm()).contacts(&field, &bone, &mut contacts);
-                if !contacts.is_empty() {
-                    // As the two turn in a step they may roll on to the ends.
-                    contacts.extend([0.0, 1.0].map(|end| at(&field, &bone, end)));
-                }
-                let sound = contacts.iter().filter(|c| c.normal != Vector3::zeros());
-                let touches = sound.map(|contact| step.touch(of, number, &bone, contact));
-                found.extend(touches.filter(|(touch, _)| touch.gap <= margin));
-            }
-        }
-        let [a, b] = self.0;
-        distinct(found, SAME * a.size.min(b.size))
+        let (touches, inside) = end.touches(margin);
+        if inside { at_start() } else { touches }
     }
 
     /// Which of the two are searched in the other's field.
@@ -146,9 +126,40 @@ struct Step<'a> {
     poses: Poses,
     when: usize,
     dt: f64,
+    /// Largest gap at the end of the step, m.
+    margin: f64,
 }
 
 impl Step<'_> {
+    /// The touches with gaps up to `reach`, m, where they are taken, and whether an axis is inside there.
+    fn touches(&self, reach: f64) -> (Vec<Touch>, bool) {
+        let (objects, poses) = (self.pair.0, self.poses.map(|of_one| of_one[self.when]));
+        if self.pair.is_apart([&poses[0], &poses[1]], reach) {
+            return (Vec::new(), false);
+        }
+        let tolerance = TOLERANCE * self.margin;
+        let (mut found, mut inside) = (Vec::new(), false);
+        for of in self.pair.searched() {
+            let field = Placed { field: &*objects[1 - of].field, pose: poses[1 - of] };
+            for (number, bone) in (0..).zip(&objects[of].skeleton) {
+                let [start, end] = [bone.start, bone.end].map(|p| poses[of] * p);
+                let bone = Capsule { start, end, ..*bone };
+                let spacing = SPACING * (end - start).norm();
+                let mut contacts = Vec::new();
+                Search { margin: reach, spacing, tolerance }.contacts(&field, &bone, &mut contacts);
+                if !contacts.is_empty() {
+                    // As the two turn in a step they may roll on to the ends.
+                    contacts.extend([0.0, 1.0].map(|end| at(&field, &bone, end)));
+                }
+                inside |= contacts.iter().any(|contact| contact.gap < -bone.radius);
+                let sound = contacts.iter().filter(|c| c.normal != Vector3::zeros());
+                let touches = sound.map(|contact| self.touch(of, number, &bone, contact));
+                found.extend(touches.filter(|(touch, _)| touch.gap <= self.margin));
+            }
+        }
+        (distinct(found, SAME * objects[0].size.min(objects[1].size)), inside)
+    }
+
     /// The touch that a contact of capsule number `bone` of one of the two is, and its place.
     fn touch(
         &self,

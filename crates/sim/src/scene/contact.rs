@@ -75,7 +75,7 @@ pub enum Adhesion {
         volume: f64,
     },
     /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
-    /// where they are nearest, which once broken is gone.
+    /// where they are nearest, which once broken is gone. It holds a place, about which they may turn.
     Bonds {
         /// Tensile force under which it breaks, N.
         strength: f64,
