@@ -141,7 +141,15 @@ impl Step<'_> {
         let (mut found, mut inside) = (Vec::new(), false);
         for of in self.pair.searched() {
             let field = Placed { field: &*objects[1 - of].field, pose: poses[1 - of] };
-            for (number, bone) in (0..).zip(&objects[of].skeleton) {
+            let (center, radius) = objects[1 - of].ball(&poses[1 - of]);
+            let center = poses[of].inverse_transform_point(&center);
+            // Of a terrain most edges are far.
+            let is_near = |bone: &Capsule| {
+                let half = 0.5 * (bone.end - bone.start).norm();
+                (bone.at(0.5) - center).norm() <= radius + half + bone.radius + reach
+            };
+            let bones = (0..).zip(&objects[of].skeleton);
+            for (number, bone) in bones.filter(|(_, bone)| is_near(bone)) {
                 let [start, end] = [bone.start, bone.end].map(|p| poses[of] * p);
                 let bone = Capsule { start, end, ..*bone };
                 let spacing = SPACING * (end - start).norm();
