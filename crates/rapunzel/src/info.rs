@@ -70,9 +70,10 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
             ));
         }
         if let Some(first) = contact.first_unresolved {
+            let segment = first.segment.map(|s| format!(", segment {s}")).unwrap_or_default();
             lines.push(format!(
-                "              first at {} s: fibre {}, segment {}, {:.1e} m deep in {}",
-                first.time, first.fiber, first.segment, first.depth, first.partner
+                "              first at {} s: {}{}, {:.1e} m deep in {}",
+                first.time, first.sides[0], segment, first.depth, first.sides[1]
             ));
         }
     }

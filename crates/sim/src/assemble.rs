@@ -2,7 +2,7 @@ use crate::charging::{Charged, Electric, Resting, relax, set_matter};
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Flow, Initial, Law, Method, Scene, Shape, scalp};
+use crate::scene::{Arrangement, Bundle, Flow, Initial, Law, Method, Moves, Scene, Shape, scalp};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -122,12 +122,17 @@ impl Scene {
             let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
             let contacts = self.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
             return Surroundings {
+                roundest: None,
                 longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
                 thickest: contacts.map_or(0.0, |contacts| contacts.radius),
             };
         }
         let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
+        let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
+        let can_meet = one_is_free && self.objects.len() > 1;
+        let radii = self.objects.iter().filter_map(|object| object.shape.radius());
         Surroundings {
+            roundest: can_meet.then(|| radii.fold(0.0, f64::max)),
             longest: lengths.fold(0.0, f64::max),
             thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
         }

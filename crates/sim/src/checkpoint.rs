@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
-const MAGIC: &[u8; 12] = b"RAPUNZEL\x02\0\0\0";
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x03\0\0\0";
 /// The program that can go on with a checkpoint: another version may compute other bits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 

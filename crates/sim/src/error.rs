@@ -1,3 +1,4 @@
+use crate::Partner;
 use crate::export::ExportError;
 use crate::scene::Problem;
 use rapunzel_collision::CollisionError;
@@ -62,18 +63,16 @@ pub enum SimError {
         /// Which fibre and why.
         source: StepError,
     },
-    /// Fibres start inside each other or inside an object.
+    /// Fibres or objects start inside each other.
     #[error(
-        "fibre {fiber} starts {depth:.2e} m deep in {other}, at its segment {segment}; move them \
-         apart, or leave `contact` out"
+        "{} starts {depth:.2e} m deep in {}{}; move them apart, or leave `contact` out",
+        sides[0], sides[1], along(*segment)
     )]
     Overlap {
-        /// Index of the fibre, over all bundles.
-        fiber: usize,
-        /// Where along it, from the root.
-        segment: usize,
-        /// What it is in.
-        other: String,
+        /// The two; fibres are counted over all bundles.
+        sides: [Partner; 2],
+        /// Where along the first, from the root, if that is a fibre.
+        segment: Option<usize>,
         /// How deep, m.
         depth: f64,
     },
@@ -95,18 +94,19 @@ pub enum SimError {
         /// What is wrong with it.
         source: CollisionError,
     },
-    /// An object moves so fast that fibres could not get out of its way.
+    /// An object moves so fast that fibres could not get out of its way, or that it could pass through
+    /// another.
     #[error(
         "objects[{object}] moves by {way:.2e} m in the step at t = {time} s, and at most {most:.2e} \
-         m, its smallest side or a segment, are allowed; set stepper.dt to at most {dt:.2e} s, or \
-         move it more slowly"
+         m, its smallest side or a segment, or near other objects half a side or what a mesh tells of \
+         its distance, are allowed; set stepper.dt to at most {dt:.2e} s, or move it more slowly"
     )]
     Leap {
         /// Index of the object in the scene.
         object: usize,
         /// Start of the step, s.
         time: f64,
-        /// How far a point of it would move, m.
+        /// How far a point of it would move, as seen from the other object if there is one, m.
         way: f64,
         /// How far it may, m.
         most: f64,
@@ -259,6 +259,10 @@ impl SimError {
 
 fn counted(problems: usize) -> String {
     if problems == 1 { "a problem".into() } else { format!("{problems} problems") }
+}
+
+fn along(segment: Option<usize>) -> String {
+    segment.map(|segment| format!(", at its segment {segment}")).unwrap_or_default()
 }
 
 fn listed(problems: &[Problem]) -> String {

@@ -221,19 +221,22 @@ impl World {
         Some(self.electric.as_ref()?.report)
     }
 
-    /// What fibres touched in the last part of a step, with what force: by fibre, then by partner
-    /// and place.
+    /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
+    /// by place.
     pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
         self.contacts.bearings()
     }
 
-    /// Mean force of all fibres on an object over the last part of a step, N, world. Cost: that of
-    /// looking at all contacts.
+    /// Mean force of all fibres and other objects on an object over the last part of a step, N, world.
+    /// Cost: that of looking at all contacts.
     #[must_use]
     pub fn force_on(&self, object: usize) -> Vector3<f64> {
-        let of = |partner| matches!(partner, Partner::Object(number) if number as usize == object);
-        let bearing = self.contacts().filter(|contact| of(contact.partner));
-        bearing.map(|contact| -contact.force).sum()
+        let of = |side| matches!(side, Partner::Object(number) if number as usize == object);
+        let forces = self.contacts().flat_map(|contact| {
+            let forces = contact.sides.into_iter().zip([contact.force, -contact.force]);
+            forces.filter(|(side, _)| of(*side)).map(|(_, force)| force)
+        });
+        forces.sum()
     }
 
     /// Work that contacts have done on fibres and free objects since the start.

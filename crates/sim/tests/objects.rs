@@ -2,11 +2,10 @@
 
 mod common;
 
-use common::Run;
+use common::{Run, ply};
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::field::{DistanceField, Soup, Terrain, shapes};
+use rapunzel_collision::field::{DistanceField, Terrain, shapes};
 use rapunzel_sim::{Bearing, Partner, Scene, SimError};
-use std::fmt::Write;
 use std::path::Path;
 
 /// Radius of the hairs of this file, m.
@@ -98,22 +97,6 @@ fn hairs_land_on_a_terrain() {
     assert!(shown.vertices.iter().all(|p| (p.z + 0.012).abs() <= 0.01));
 }
 
-fn ply(mesh: &Soup) -> String {
-    let (points, faces) = (mesh.vertices.len(), mesh.triangles.len());
-    let mut text = format!(
-        "ply\nformat ascii 1.0\nelement vertex {points}\nproperty double x\nproperty double y\n\
-         property double z\nelement face {faces}\nproperty list uchar int vertex_indices\n\
-         end_header\n"
-    );
-    for p in &mesh.vertices {
-        writeln!(text, "{:?} {:?} {:?}", p.x, p.y, p.z).expect("memory");
-    }
-    for [a, b, c] in &mesh.triangles {
-        writeln!(text, "3 {a} {b} {c}").expect("memory");
-    }
-    text
-}
-
 /// A hair lies on a box from a file as on one that is said; what cannot be read is refused by name.
 #[test]
 fn a_mesh_is_read_from_beside_the_scene() {
@@ -198,7 +181,7 @@ fn a_ball_comes_to_rest_on_a_net() {
     let center = body.center();
     assert!((height - 4e-4..height).contains(&center.z), "{center}");
     assert!(center.xy().coords.norm() < 1e-5 && body.velocity.norm() < 1e-3, "{body:?}");
-    let on_ball = |one: &Bearing| one.partner == Partner::Object(0);
+    let on_ball = |one: &Bearing| one.sides[1] == Partner::Object(0);
     let borne: Vector3<f64> = run.world.contacts().filter(on_ball).map(|one| one.force).sum();
     assert!((borne + Vector3::new(0.0, 0.0, weight)).norm() < 0.02 * weight, "{borne}");
 }
@@ -277,8 +260,7 @@ fn a_clamped_root_that_is_pressed_is_told() {
     let mut run = Run::new(&read(&[standing], ball, friction, 0.0, 1e-3));
     let report = run.stepper.step(&mut run.world, 1e-3).expect("is taken as far as it comes");
     let found = report.contact.first_unresolved.unwrap_or_else(|| panic!("{report:?}"));
-    assert_eq!((found.fiber, found.segment), (0, 0));
-    assert_eq!(found.partner, Partner::Object(0));
+    assert_eq!((found.sides, found.segment), ([Partner::Fiber(0), Partner::Object(0)], Some(0)));
     assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");
     assert!(nodes(&run).all(|p| p.iter().all(|x| x.is_finite())));
 }

@@ -2,7 +2,6 @@
 
 use super::body::Fibers;
 use super::law::Laws;
-use super::object::Way;
 use super::touch::{Partner, Touch};
 use super::work::ContactWork;
 use crate::World;
@@ -53,22 +52,23 @@ impl Case {
             (group, points[group].len() - 1)
         };
         let mut levers = vec![Vec::new(); world.objects.len()];
-        let mut hold = |object: u32, lever: Vector3<f64>| {
-            let object = object as usize;
-            let Way::Free(_) = world.objects[object].way else { return None };
-            levers[object].push(lever);
-            Some((world.groups.len() + object, levers[object].len() - 1))
+        let mut place = |touch: &Touch, side: usize| match touch.sides[side] {
+            Partner::Fiber(fiber) => add(fiber, touch.segments[side], touch.fractions[side]),
+            Partner::Object(object) => {
+                let levers = &mut levers[object as usize];
+                levers.push(touch.levers[side]);
+                (world.groups.len() + object as usize, levers.len() - 1)
+            }
+        };
+        let is_led = |side: Partner| match side {
+            Partner::Object(object) => !world.objects[object as usize].is_free(),
+            Partner::Fiber(_) => false,
         };
         let places: Vec<_> = touches
             .iter()
             .map(|touch| {
-                let [s, t] = touch.segments;
-                let first = add(touch.fiber, s, touch.fractions[0]);
-                let second = match touch.partner {
-                    Partner::Fiber(fiber) => Some(add(fiber, t, touch.fractions[1])),
-                    Partner::Object(object) => hold(object, touch.lever),
-                };
-                (first, second)
+                let first = place(touch, 0);
+                (first, (!is_led(touch.sides[1])).then(|| place(touch, 1)))
             })
             .collect();
         let mut starts = vec![0];
@@ -289,13 +289,15 @@ fn select<T: Copy>(all: &[Vec<T>], used: &mut impl Iterator<Item = bool>) -> Vec
 /// By this, rad, a normal along a fibre is tilted.
 const TILT: f64 = 1e-9;
 
-/// The frame of a contact: normal, along the fibre from root to tip, across it.
+/// The frame of a contact: normal, along the fibre from root to tip, across it; without an axis any
+/// two directions across the normal.
 fn frame(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Matrix3<f64> {
     let along = axis - normal * normal.dot(axis);
     let end_on = || {
         let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
         // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
-        ((normal + TILT * aside).normalize(), aside)
+        let tilt = if *axis == Vector3::zeros() { 0.0 } else { TILT };
+        ((normal + tilt * aside).normalize(), aside)
     };
     let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
     let (normal, along) = oblique.unwrap_or_else(end_on);

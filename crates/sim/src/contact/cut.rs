@@ -31,7 +31,12 @@ impl From<StepError> for Cut {
     }
 }
 
-/// Whether rods have gone nowhere, which a shorter part of a step may spare them.
+/// Whether rods have gone nowhere or bodies turn too far, which a shorter part of a step may spare
+/// them.
 pub(super) fn lost(error: &SimError) -> bool {
-    matches!(error, SimError::Collision(CollisionError::Position { .. }))
+    matches!(
+        error,
+        SimError::Collision(CollisionError::Position { .. })
+            | SimError::Contact(ContactError::Invalid { .. })
+    )
 }

@@ -1,6 +1,7 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
 use super::object::{Object, Strand};
+use super::pair;
 use super::touch::{self, Partner, Touch};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::continuous::MovingSegment;
@@ -110,6 +111,7 @@ impl Detector {
         let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
         touches.reserve_exact(found.iter().map(Vec::len).sum());
         found.iter().for_each(|found| touches.extend_from_slice(found));
+        touches.extend(pair::touches(objects, [motion.time, motion.dt], place, margin));
         touch::sort(touches);
         touches.dedup_by(|a, b| a.same(b));
         if place == Place::End {
@@ -230,13 +232,13 @@ fn bends(end: &Capsules, contact: &Contact) -> bool {
 
 /// Whether the places of a touch of fibres were on the other side of each other at the start.
 fn turned(start: &Capsules, touch: &Touch) -> bool {
-    let Partner::Fiber(partner) = touch.partner else { return false };
+    let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides else { return false };
     let [s, t] = touch.segments;
     let at = |fiber: u32, segment: u32, fraction: f64| {
         let first = start.layout().segment_range(fiber as usize).start;
         start.get(first + segment as usize).at(fraction)
     };
-    let own = at(touch.fiber, s, touch.fractions[0]);
+    let own = at(fiber, s, touch.fractions[0]);
     (own - at(partner, t, touch.fractions[1])).dot(&touch.normal) < 0.0
 }
 
@@ -252,8 +254,8 @@ fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
         };
         (0..group.len()).map(|i| turned[i] && jams(i)).collect::<Vec<_>>()
     };
-    let same = |a: &Touch, b: &Touch| (a.fiber, a.partner) == (b.fiber, b.partner);
-    let groups: Vec<_> = touches.par_chunk_by(same).flat_map_iter(jammed).collect();
+    let groups: Vec<_> =
+        touches.par_chunk_by(|a, b| a.sides == b.sides).flat_map_iter(jammed).collect();
     let mut jammed = groups.into_iter();
     touches.retain(|_| !jammed.next().unwrap_or_default());
 }
@@ -273,8 +275,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
     };
     let [own, other] = contact.pair.map(axis);
     let touch = Touch {
-        fiber,
-        partner: Partner::Fiber(partner),
+        sides: [fiber, partner].map(Partner::Fiber),
         segments: [s, t],
         fractions: contact.fractions,
         normal: -*contact.normal,
@@ -282,7 +283,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         other_axis: other,
         gap: contact.gap,
         drive: Vector3::zeros(),
-        lever: Vector3::zeros(),
+        levers: [Vector3::zeros(); 2],
         impulse: Vector3::zeros(),
         working: false,
         bonded: false,
@@ -292,8 +293,7 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
     }
     let [u, v] = contact.fractions;
     Touch {
-        fiber: partner,
-        partner: Partner::Fiber(fiber),
+        sides: [partner, fiber].map(Partner::Fiber),
         segments: [t, s],
         fractions: [v, u],
         normal: *contact.normal,

@@ -69,11 +69,12 @@ impl Film {
         for (i, pair) in touches.windows(2).enumerate() {
             let [a, b] = [&pair[0], &pair[1]];
             let way = b.at()[0] - a.at()[0];
-            if (a.fiber, a.partner) != (b.fiber, b.partner) || way > NEIGHBORS {
+            let Partner::Fiber(fiber) = a.sides[0] else { continue };
+            if a.sides != b.sides || way > NEIGHBORS {
                 continue;
             }
             (alone[i], alone[i + 1]) = (false, false);
-            let fiber = &assembly.fibers()[a.fiber as usize];
+            let fiber = &assembly.fibers()[fiber as usize];
             let length = way * fiber.length() / fiber.segments() as f64;
             let shares = self.between([gaps[i], gaps[i + 1]]);
             forces[i] += length * shares[0];
@@ -81,8 +82,8 @@ impl Film {
         }
         if let Some((pair, volume)) = &self.crossing {
             for (i, touch) in touches.iter().enumerate().filter(|(i, _)| alone[*i]) {
-                if let Partner::Fiber(_) = touch.partner {
-                    let fiber = &assembly.fibers()[touch.fiber as usize];
+                if let [Partner::Fiber(fiber), Partner::Fiber(_)] = touch.sides {
+                    let fiber = &assembly.fibers()[fiber as usize];
                     let most = self.at(gaps[i]) * fiber.length() / fiber.segments() as f64;
                     forces[i] = pair.crossed_force(gaps[i], *volume, touch.turn()).min(most);
                 }

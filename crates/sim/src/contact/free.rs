@@ -1,11 +1,12 @@
 //! Objects that move freely: rigid bodies on SE(3) (thesis 8.4.1) within the step of the fibres.
 //!
-//! A body has no stiffness, so that its step is explicit in the impulses: what gravity and fibres
+//! A body has no stiffness, so that its step is explicit in the impulses: what gravity and contacts
 //! give it changes its momenta, and its new velocities move it, as backward Euler does for fibres.
-//! To a solver it is one more body, whose points are where fibres touch it.
+//! To a solver it is one more body, whose points are where something touches it.
 //!
 //! Fibres touch on their axes, and so they do here: the lever of an impulse ends on the axis, so
-//! that what the body gets of angular momentum is what the fibre loses.
+//! that what the body gets of angular momentum is what the fibre loses. Between two bodies the levers
+//! of both end in the middle of the gap.
 
 use super::object::Way;
 use super::touch::{Partner, Touch};
@@ -39,9 +40,9 @@ impl FreeBody {
         [&self.state, &self.solved].map(|body| body.pose * self.to_body)
     }
 
-    /// Center of mass at the end of the step, world, m.
-    pub(super) fn center(&self) -> Point3<f64> {
-        self.solved.center()
+    /// Centers of mass at the start and, as solved so far, at the end of the step, world, m.
+    pub(super) fn centers(&self) -> [Point3<f64>; 2] {
+        [&self.state, &self.solved].map(RigidBody::center)
     }
 
     /// Poses of the object now and after `dt`, s, in free fall.
@@ -131,8 +132,9 @@ impl World {
     ) -> Result<(), ContactError> {
         let mut wrenches = vec![Vector6::zeros(); self.objects.len()];
         for touch in touches {
-            if let Partner::Object(object) = touch.partner {
-                let (impulse, moment) = (-touch.impulse, touch.lever.cross(&-touch.impulse));
+            for (side, impulse) in [touch.impulse, -touch.impulse].into_iter().enumerate() {
+                let Partner::Object(object) = touch.sides[side] else { continue };
+                let moment = touch.levers[side].cross(&impulse);
                 let wrench = &mut wrenches[object as usize];
                 *wrench += Vector6::from_iterator(impulse.iter().chain(&moment).copied());
             }

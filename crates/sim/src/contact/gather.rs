@@ -97,16 +97,13 @@ impl World {
     ) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
         let mut all = vec![Vector3::zeros(); layout.nodes()];
-        let mut add = |fiber: u32, segment: u32, fraction: f64, impulse: Vector3<f64>| {
-            let node = layout.node_range(fiber as usize).start + segment as usize;
-            all[node] += impulse * (1.0 - fraction);
-            all[node + 1] += impulse * fraction;
-        };
         for touch in touches.into_iter().filter(|touch| touch.impulse != Vector3::zeros()) {
-            let ([s, t], [u, v]) = (touch.segments, touch.fractions);
-            add(touch.fiber, s, u, touch.impulse);
-            if let Partner::Fiber(partner) = touch.partner {
-                add(partner, t, v, -touch.impulse);
+            for (side, impulse) in [touch.impulse, -touch.impulse].into_iter().enumerate() {
+                let Partner::Fiber(fiber) = touch.sides[side] else { continue };
+                let (segment, fraction) = (touch.segments[side], touch.fractions[side]);
+                let node = layout.node_range(fiber as usize).start + segment as usize;
+                all[node] += impulse * (1.0 - fraction);
+                all[node + 1] += impulse * fraction;
             }
         }
         all

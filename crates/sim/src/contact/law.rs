@@ -39,7 +39,7 @@ impl<'a> Laws<'a> {
     /// it neither depends on the search nor is a fall stopped at the surface before it bounces. What
     /// comes no faster than gravity drives it in two parts is at rest, and stays so.
     pub(super) fn closing(&self, touch: &Touch, gap: f64, before: f64) -> f64 {
-        let own = self.object(touch).and_then(|object| object.restitution);
+        let own = self.own(touch, |object| object.restitution);
         let restitution = own.unwrap_or(self.settings.restitution);
         let fast = before < -2.0 * self.fall && gap + before < self.fall;
         let bounces = restitution > 0.0 && fast;
@@ -54,7 +54,10 @@ impl<'a> Laws<'a> {
         touch: &Touch,
         before: &Vector3<f64>,
     ) -> Result<LimitCurve, ContactError> {
-        let own = self.object(touch).and_then(|object| object.friction);
+        let between_objects = matches!(touch.sides[0], Partner::Object(_));
+        let own = self.own(touch, |object| {
+            object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
+        });
         let sticks = before.yz().norm() <= self.settings.slip;
         own.unwrap_or(self.settings.friction).of(touch, sticks)
     }
@@ -77,10 +80,11 @@ impl<'a> Laws<'a> {
         Ok(forces.into_iter().map(|force| force * self.dt).collect())
     }
 
-    fn object(&self, touch: &Touch) -> Option<&Object> {
-        match touch.partner {
-            Partner::Object(object) => Some(&self.objects[object as usize]),
+    /// What an object says of its own, the second side before the first.
+    fn own<T>(&self, touch: &Touch, of: impl Fn(&Object) -> Option<T>) -> Option<T> {
+        touch.sides.iter().rev().find_map(|side| match side {
+            Partner::Object(object) => of(&self.objects[*object as usize]),
             Partner::Fiber(_) => None,
-        }
+        })
     }
 }

@@ -24,13 +24,12 @@ pub(crate) struct Memory {
 /// A contact that bore something or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Remembered {
-    fiber: u32,
-    partner: Partner,
+    sides: [Partner; 2],
     segments: [u32; 2],
     fractions: [f64; 2],
     /// As in a touch.
-    lever: Vector3<f64>,
-    /// Impulse on the fibre, N s, world.
+    levers: [Vector3<f64>; 2],
+    /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
     bonded: bool,
 }
@@ -38,14 +37,12 @@ pub(crate) struct Remembered {
 /// A contact that bore something in the last part of a step, or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bearing {
-    /// Index of the fibre.
-    pub fiber: usize,
-    /// What it touches.
-    pub partner: Partner,
-    /// Where along the fibre, and along the partner if that is a fibre too: in segments from the
-    /// root.
+    /// What touches. A fibre comes before an object, of two fibres the one with the smaller number,
+    /// and of two objects one that moves freely.
+    pub sides: [Partner; 2],
+    /// Where along each side that is a fibre: in segments from the root.
     pub at: [f64; 2],
-    /// Mean force on the fibre over that part, N, world.
+    /// Mean force on the first side over that part, N, world.
     pub force: Vector3<f64>,
     /// Whether a bond of glue holds it.
     pub bonded: bool,
@@ -56,8 +53,7 @@ impl Memory {
     pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
         let dt = self.dt.unwrap_or(1.0);
         self.bearing.iter().map(move |one| Bearing {
-            fiber: one.fiber as usize,
-            partner: one.partner,
+            sides: one.sides,
             at: one.touch().at(),
             force: one.impulse / dt,
             bonded: one.bonded,
@@ -69,8 +65,7 @@ impl Remembered {
     /// As a touch of which no more is known.
     pub(crate) fn touch(&self) -> Touch {
         Touch {
-            fiber: self.fiber,
-            partner: self.partner,
+            sides: self.sides,
             segments: self.segments,
             fractions: self.fractions,
             normal: Vector3::zeros(),
@@ -78,7 +73,7 @@ impl Remembered {
             other_axis: Vector3::zeros(),
             gap: 0.0,
             drive: Vector3::zeros(),
-            lever: self.lever,
+            levers: self.levers,
             impulse: self.impulse,
             working: false,
             bonded: self.bonded,
@@ -92,11 +87,10 @@ const REACH: f64 = 1.0;
 /// Gives touches the impulses and bonds of remembered contacts of their pairs, the nearest first; no impulse
 /// is given twice. Both are sorted by pair and place.
 pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
-    let same = |a: &Touch, b: &Touch| (a.fiber, a.partner) == (b.fiber, b.partner);
-    touches.par_chunk_by_mut(same).for_each(|group| {
-        let pair = (group[0].fiber, group[0].partner);
-        let known = &remembered[remembered.partition_point(|r| (r.fiber, r.partner) < pair)..];
-        let known = &known[..known.partition_point(|r| (r.fiber, r.partner) == pair)];
+    touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
+        let sides = group[0].sides;
+        let known = &remembered[remembered.partition_point(|r| r.sides < sides)..];
+        let known = &known[..known.partition_point(|r| r.sides == sides)];
         recall_pair(known, group);
     });
 }
@@ -130,7 +124,7 @@ fn recall_pair(known: &[Remembered], group: &mut [Touch]) {
 
 /// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
 pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
-    let pairs = touches.chunk_by(|a, b| (a.fiber, a.partner) == (b.fiber, b.partner));
+    let pairs = touches.chunk_by(|a, b| a.sides == b.sides);
     let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
     let bonded =
         nearest.filter(|touch| touch.gap <= range).map(|touch| Touch { bonded: true, ..*touch });
@@ -143,11 +137,10 @@ pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
         .iter()
         .filter(|touch| touch.bonded || touch.impulse != Vector3::zeros())
         .map(|touch| Remembered {
-            fiber: touch.fiber,
-            partner: touch.partner,
+            sides: touch.sides,
             segments: touch.segments,
             fractions: touch.fractions,
-            lever: touch.lever,
+            levers: touch.levers,
             impulse: touch.impulse,
             bonded: touch.bonded,
         })

@@ -23,7 +23,7 @@
 //! not end so is taken in halves (`stepper`).
 //!
 //! Objects are led on a way of their own or move freely (`free`): then they are bodies of the solver
-//! as the fibres are.
+//! as the fibres are, and touch other objects too (`pair`).
 //!
 //! Contacts act on the axes of fibres: friction does not spin them.
 
@@ -39,7 +39,9 @@ mod gather;
 mod law;
 mod memory;
 mod object;
+mod pair;
 mod report;
+mod skeleton;
 mod solid;
 mod stepper;
 mod touch;

@@ -1,6 +1,7 @@
-//! What fibres lie on and bump into.
+//! What fibres lie on and bump into, and each other.
 
 use super::free::FreeBody;
+use super::pair::{Pair, pairs};
 use super::touch::{Partner, Touch};
 use crate::scene::Friction;
 use crate::{SimError, World};
@@ -17,16 +18,18 @@ const ROLL: f64 = 0.2;
 /// A surface and what moves it.
 pub(crate) struct Object {
     /// In the object's own frame, as the surface is.
-    field: Box<dyn DistanceField + Send + Sync>,
+    pub(super) field: Box<dyn DistanceField + Send + Sync>,
+    /// In the same frame: what touches other objects.
+    pub(super) skeleton: Vec<Capsule>,
     /// What is shown of it.
     surface: Soup,
     /// Corners of the box around that.
     corners: [Point3<f64>; 8],
     /// Its smallest extent, m; infinite for what has no end.
-    size: f64,
-    /// Of fibres on it; `None` for that of the scene.
+    pub(super) size: f64,
+    /// Of what lies on it; `None` for that of the scene.
     pub(super) friction: Option<Friction>,
-    /// Of fibres that bounce off it; `None` for that of the scene.
+    /// Of what bounces off it; `None` for that of the scene.
     pub(super) restitution: Option<f64>,
     pub(crate) way: Way,
 }
@@ -35,14 +38,14 @@ pub(crate) struct Object {
 pub(crate) enum Way {
     /// Its pose at a time, s.
     Led(Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>),
-    /// Gravity and fibres.
+    /// Gravity and contacts.
     Free(Box<FreeBody>),
 }
 
 /// A field somewhere.
-struct Placed<'a> {
-    field: &'a (dyn DistanceField + Send + Sync),
-    pose: Isometry3<f64>,
+pub(super) struct Placed<'a> {
+    pub(super) field: &'a (dyn DistanceField + Send + Sync),
+    pub(super) pose: Isometry3<f64>,
 }
 
 impl DistanceField for Placed<'_> {
@@ -97,21 +100,18 @@ impl Object {
     /// `endless` tells that it reaches on beyond what is shown of it.
     pub(super) fn new(
         field: Box<dyn DistanceField + Send + Sync>,
+        skeleton: Vec<Capsule>,
         surface: Soup,
         friction: Option<Friction>,
         restitution: Option<f64>,
         way: Way,
         endless: bool,
     ) -> Self {
-        let ends = |k: usize| {
-            let along = surface.vertices.iter().map(|p| p[k]);
-            [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let ends = [0, 1, 2].map(ends);
+        let ends = extents(&surface);
         let corners = std::array::from_fn(|c| Point3::from([0, 1, 2].map(|k| ends[k][c >> k & 1])));
         let least = ends.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
         let size = if endless { f64::INFINITY } else { least };
-        Self { field, surface, corners, size, friction, restitution, way }
+        Self { field, skeleton, surface, corners, size, friction, restitution, way }
     }
 
     /// Its surface where it is at the time `t`, s.
@@ -124,8 +124,12 @@ impl Object {
         Soup { vertices, triangles: self.surface.triangles.clone() }
     }
 
+    pub(super) fn is_free(&self) -> bool {
+        matches!(self.way, Way::Free(_))
+    }
+
     /// Its poses at the start and at the end of the step from `time` by `dt`, s.
-    fn poses(&self, [time, dt]: [f64; 2]) -> [Isometry3<f64>; 2] {
+    pub(super) fn poses(&self, [time, dt]: [f64; 2]) -> [Isometry3<f64>; 2] {
         match &self.way {
             Way::Led(pose) => [pose(time), pose(time + dt)],
             Way::Free(body) => body.poses(),
@@ -137,21 +141,36 @@ impl Object {
         Obstacle { field: &*self.field, poses: self.poses([time, dt]), dt }
     }
 
-    /// The longest way of a point of its surface in the step from `time` by `dt`, s, if no fibre is
-    /// in the way, and the longest that it may be among segments of the given length, m.
-    pub(super) fn leap(
+    /// The same if nothing is in the way.
+    fn free_poses(
         &self,
         [time, dt]: [f64; 2],
         gravity: &Vector3<f64>,
-        segment: f64,
-    ) -> Result<[f64; 2], ContactError> {
-        let [start, end] = match &self.way {
-            Way::Led(_) => self.poses([time, dt]),
-            Way::Free(body) => body.fall(dt, gravity)?,
-        };
-        // The way is a convex function of the place: at a corner it is longest.
-        let ways = self.corners.iter().map(|corner| (end * corner - start * corner).norm());
-        Ok([ways.fold(0.0, f64::max), self.size.min(segment)])
+    ) -> Result<[Isometry3<f64>; 2], ContactError> {
+        match &self.way {
+            Way::Led(_) => Ok(self.poses([time, dt])),
+            Way::Free(body) => body.fall(dt, gravity),
+        }
+    }
+
+    /// The longest way, m, of a point of its surface from one pose to another.
+    fn way(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
+        longest_way(&self.corners, poses)
+    }
+
+    /// The same of what touches other objects: a round shape turns in itself.
+    pub(super) fn way_of_skeleton(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
+        match self.skeleton[..] {
+            [Capsule { start, end, .. }] => longest_way(&[start, end], poses),
+            _ => self.way(poses),
+        }
+    }
+
+    /// Center and radius, m, of a ball around it at a pose; the radius is infinite for what has no end.
+    pub(super) fn ball(&self, pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
+        let [low, high] = [&self.corners[0], &self.corners[7]];
+        let radius = if self.size.is_finite() { 0.5 * (high - low).norm() } else { f64::INFINITY };
+        (pose * nalgebra::center(low, high), radius)
     }
 
     /// Appends where a fibre touches the object after the step from a time on by another, s, with
@@ -207,13 +226,12 @@ impl Object {
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
                 let (drive, lever) = match &self.way {
                     Way::Led(_) => ((place - was) / span[1], Vector3::zeros()),
-                    Way::Free(body) => (Vector3::zeros(), axis - body.center()),
+                    Way::Free(body) => (Vector3::zeros(), axis - body.centers()[1]),
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                 let segment = s as u32;
                 found.push(Touch {
-                    fiber: strand.fiber,
-                    partner: Partner::Object(index),
+                    sides: [Partner::Fiber(strand.fiber), Partner::Object(index)],
                     segments: [segment, 0],
                     fractions: [contact.fraction, 0.0],
                     normal: contact.normal,
@@ -221,7 +239,7 @@ impl Object {
                     other_axis: Vector3::zeros(),
                     gap: contact.gap,
                     drive,
-                    lever,
+                    levers: [Vector3::zeros(), lever],
                     impulse: Vector3::zeros(),
                     working: false,
                     bonded: false,
@@ -258,15 +276,41 @@ impl Object {
     }
 }
 
-/// Refuses a step of `dt`, s, in which an object would jump over fibres.
+fn longest_way(corners: &[Point3<f64>], [start, end]: &[Isometry3<f64>; 2]) -> f64 {
+    // The way is a convex function of the place: at a corner it is longest.
+    let ways = corners.iter().map(|corner| (end * corner - start * corner).norm());
+    ways.fold(0.0, f64::max)
+}
+
+/// The least and the largest coordinate of a surface along each axis, m.
+pub(super) fn extents(surface: &Soup) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|k| {
+        let along = surface.vertices.iter().map(|p| p[k]);
+        [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
+    })
+}
+
+/// Refuses a step of `dt`, s, in which an object would jump over fibres or another object.
 pub(super) fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
     let segments = world.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
     let (segment, time) = (segments.fold(f64::INFINITY, f64::min), world.time());
     let gravity = world.gravity_at(time + 0.5 * dt);
-    for (object, one) in world.objects.iter().enumerate() {
-        let [way, most] = one.leap([time, dt], &gravity, segment)?;
+    let poses = world.objects.iter().map(|object| object.free_poses([time, dt], &gravity));
+    let poses = poses.collect::<Result<Vec<_>, _>>()?;
+    let refuse = |object, way, most| {
         if way > most {
             return Err(SimError::Leap { object, time, way, most, dt: dt * most / way });
+        }
+        Ok(())
+    };
+    for (object, one) in world.objects.iter().enumerate() {
+        refuse(object, one.way(&poses[object]), one.size.min(segment))?;
+    }
+    for numbers in pairs(&world.objects) {
+        let (pair, [a, b]) = (Pair::new(&world.objects, numbers), numbers.map(|i| i as usize));
+        let way = pair.way(&[poses[a], poses[b]]);
+        if !pair.is_apart([&poses[a][0], &poses[b][0]], way) {
+            refuse(a, way, pair.most_way())?;
         }
     }
     Ok(())

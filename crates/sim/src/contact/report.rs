@@ -36,13 +36,11 @@ pub struct ContactReport {
 pub struct Unresolved {
     /// Start of the part of a step, s.
     pub time: f64,
-    /// Index of the fibre.
-    pub fiber: usize,
-    /// The segment, from the root.
-    pub segment: usize,
-    /// What the fibre touches.
-    pub partner: Partner,
-    /// How deep it is in that, m; negative if it is not.
+    /// The two that touch: a fibre before an object.
+    pub sides: [Partner; 2],
+    /// The segment of the first, from the root, if that is a fibre.
+    pub segment: Option<usize>,
+    /// How deep they are in each other, m; negative if they are not.
     pub depth: f64,
 }
 
@@ -68,12 +66,6 @@ impl Unresolved {
     /// Where the deepest of some touches is.
     pub(super) fn deepest(time: f64, touches: &[Touch]) -> Option<Self> {
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
-        Some(Self {
-            time,
-            fiber: deepest.fiber as usize,
-            segment: deepest.segments[0] as usize,
-            partner: deepest.partner,
-            depth: -deepest.gap,
-        })
+        Some(Self { time, sides: deepest.sides, segment: deepest.segment(), depth: -deepest.gap })
     }
 }

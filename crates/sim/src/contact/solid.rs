@@ -2,6 +2,7 @@
 
 use super::free::FreeBody;
 use super::object::{Object, Way};
+use super::skeleton::skeleton;
 use crate::SimError;
 use crate::scene::{self, Mass, Moves, ObjectShape};
 use nalgebra::{
@@ -20,16 +21,25 @@ use std::path::Path;
 /// Parts of an octant of a ball that is shown.
 const FINENESS: i32 = 16;
 /// How far from fibres, in radii of the thickest, fields of terrains and meshes must be distances:
-/// contacts are listed up to three radii.
+/// contacts are listed up to three radii. Round objects are seen by their axes.
 const REACH: f64 = 8.0;
 
-/// The lengths of the fibres around an object, m.
+/// The lengths of what is around an object, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surroundings {
     /// Of the longest fibre.
     pub(crate) longest: f64,
     /// Radius of the thickest.
     pub(crate) thickest: f64,
+    /// Radius of the roundest object, or zero, where objects may touch each other.
+    pub(crate) roundest: Option<f64>,
+}
+
+impl Surroundings {
+    /// Up to where fields must be distances, m.
+    fn reach(&self) -> f64 {
+        REACH * self.thickest + self.roundest.unwrap_or(0.0)
+    }
 }
 
 type Field = Box<dyn DistanceField + Send + Sync>;
@@ -68,7 +78,9 @@ impl scene::Object {
             }
         };
         let endless = self.shape.has_no_end();
-        Ok(Object::new(field, surface, self.friction, self.restitution, way, endless))
+        let skeleton = skeleton(&self.shape, &surface, 2.0 * around.thickest);
+        let Self { friction, restitution, .. } = *self;
+        Ok(Object::new(field, skeleton, surface, friction, restitution, way, endless))
     }
 }
 
@@ -118,7 +130,7 @@ fn solid(shape: &ObjectShape, around: &Surroundings) -> Result<(Field, Soup), Co
                 wavelength: *wavelength,
                 seed: *seed,
             };
-            let field = terrain.field(spacing.max(REACH * around.thickest))?;
+            let field = terrain.field(spacing.max(around.reach()))?;
             let surface = field.surface();
             (Box::new(field), surface)
         }
@@ -151,8 +163,10 @@ fn mesh(
         }
     };
     let field = soup.and_then(Mesh::new).and_then(|mesh| {
-        // Beside the reach, the diagonal of a cell is lost, and two spacings are the least.
-        let band = REACH * around.thickest + 3.0 * spacing;
+        // Beside the reach, the diagonal of a cell is lost, and two spacings are the least; more lets
+        // objects be faster.
+        let cells = if around.roundest.is_some() { 6.0 } else { 3.0 };
+        let band = around.reach() + cells * spacing;
         let surface =
             Soup { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() };
         Ok((Grid::scan(&mesh, spacing, band)?, surface))
@@ -227,7 +241,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const AROUND: Surroundings = Surroundings { longest: 0.1, thickest: 4e-5 };
+    const AROUND: Surroundings = Surroundings { longest: 0.1, thickest: 4e-5, roundest: None };
 
     /// What is shown of a shape bounds what fibres meet, and has its volume and inertia.
     #[test]

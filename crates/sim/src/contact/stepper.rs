@@ -111,9 +111,8 @@ impl Touching {
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         match deepest {
             Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
-                fiber: touch.fiber as usize,
-                segment: touch.segments[0] as usize,
-                other: touch.partner.to_string(),
+                sides: touch.sides,
+                segment: touch.segment(),
                 depth: -touch.gap,
             }),
             _ => {
@@ -283,7 +282,7 @@ impl Touching {
         if self.film.is_some() { Effort::LAST } else { Effort::FIRST }
     }
 
-    /// How deep in each other fibres may be after a step, m: so little that a film does not tear by an
+    /// How deep in each other things may be after a step, m: so little that a film does not tear by an
     /// error.
     fn depth(&self) -> f64 {
         let depth = self.settings.depth * 2.0 * self.radius;

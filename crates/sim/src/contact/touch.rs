@@ -3,10 +3,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What a fibre touches.
+/// One of the two that touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Partner {
-    /// A fibre, perhaps itself.
+    /// A fibre, which may touch itself.
     Fiber(u32),
     /// An object of the scene.
     Object(u32),
@@ -21,28 +21,31 @@ impl fmt::Display for Partner {
     }
 }
 
-/// A place where a fibre touches something, or nearly does, at the end of a step.
+/// A place where two things touch, or nearly do, at the end of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
-    pub(crate) fiber: u32,
-    pub(crate) partner: Partner,
-    /// Segments within the fibres; that of an object is 0.
+    /// The first is a fibre or an object that moves freely, the second may be anything: a pair is
+    /// always named in the same order.
+    pub(crate) sides: [Partner; 2],
+    /// Segments within the fibres; 0 of an object that a fibre touches, and between objects the edge
+    /// of the one and 0 of the other.
     pub(crate) segments: [u32; 2],
-    /// Fractions along the segments.
+    /// Fractions along the segments or edges.
     pub(crate) fractions: [f64; 2],
-    /// Unit normal from the partner to the fibre, world.
+    /// Unit normal from the second side to the first, world.
     pub(crate) normal: Vector3<f64>,
-    /// Along the fibre, from root to tip, world; not of unit length.
+    /// Along the first side, from root to tip, world; not of unit length; zero for an object.
     pub(crate) axis: Vector3<f64>,
-    /// The same of the partner; zero for an object.
+    /// The same of the second.
     pub(crate) other_axis: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
-    /// Mean velocity of the partner's surface over the step if that is led, m/s, world.
+    /// Mean velocity of the second side's surface over the step if that is led, m/s, world.
     pub(crate) drive: Vector3<f64>,
-    /// From the partner's center of mass to the fibre's axis if that is a free object, m, world.
-    pub(crate) lever: Vector3<f64>,
-    /// Impulse on the fibre, N s, world.
+    /// From the center of mass of each side that is a free object to where the impulse acts, m, world:
+    /// on the axis of a fibre, in the middle of the gap between objects.
+    pub(crate) levers: [Vector3<f64>; 2],
+    /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
@@ -51,12 +54,17 @@ pub(crate) struct Touch {
 }
 
 impl Touch {
-    /// Where it is along both fibres, in segments from the root.
+    /// Where it is along both sides, in segments.
     pub(crate) fn at(&self) -> [f64; 2] {
         [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
     }
 
-    /// Angle from the fibre's axis to its partner's about the normal, rad.
+    /// The segment of the first side if that is a fibre.
+    pub(super) fn segment(&self) -> Option<usize> {
+        matches!(self.sides[0], Partner::Fiber(_)).then_some(self.segments[0] as usize)
+    }
+
+    /// Angle from the first side's axis to the second's about the normal, rad.
     pub(crate) fn turn(&self) -> f64 {
         let across = self.normal.cross(&self.axis);
         self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
@@ -65,15 +73,14 @@ impl Touch {
     /// By pair, then by place, then by segments: of two that name one node the same comes first
     /// whatever the order in which they were found. Places are not negative, so that their bits are
     /// in order.
-    fn rank(&self) -> (u32, Partner, [u64; 2], [u32; 2]) {
-        (self.fiber, self.partner, self.at().map(f64::to_bits), self.segments)
+    fn rank(&self) -> ([Partner; 2], [u64; 2], [u32; 2]) {
+        (self.sides, self.at().map(f64::to_bits), self.segments)
     }
 
     /// Whether two are of one pair, and not far from each other.
     pub(crate) fn near(&self, other: &Self) -> bool {
         let ([s, t], [u, v]) = (self.at(), other.at());
-        (self.fiber, self.partner) == (other.fiber, other.partner)
-            && (s - u).abs().max((t - v).abs()) < 0.1
+        self.sides == other.sides && (s - u).abs().max((t - v).abs()) < 0.1
     }
 
     /// Whether two touches of one pair lie beside each other with normals that face each other.
@@ -85,9 +92,7 @@ impl Touch {
     /// Whether two are the same place, named by two segments that share a node.
     pub(crate) fn same(&self, other: &Self) -> bool {
         let ([s, t], [u, v]) = (self.at(), other.at());
-        (self.fiber, self.partner) == (other.fiber, other.partner)
-            && (s - u).abs() < 1e-9
-            && (t - v).abs() < 1e-9
+        self.sides == other.sides && (s - u).abs() < 1e-9 && (t - v).abs() < 1e-9
     }
 }
 
@@ -104,11 +109,10 @@ pub(super) fn sort(touches: &mut Vec<Touch>) {
 /// those that oppose them and, if `replace`, of those near them.
 pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
     let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
-    let pair = |touch: &Touch| (touch.fiber, touch.partner);
     let mut merged = Vec::with_capacity(list.len() + new.len());
     for touch in list {
-        let start = new.partition_point(|deep| pair(deep) < pair(&touch));
-        let mut of_pair = new[start..].iter_mut().take_while(|deep| pair(deep) == pair(&touch));
+        let start = new.partition_point(|deep| deep.sides < touch.sides);
+        let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
         match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
             Some(deep) => {
                 deep.bonded |= touch.bonded;

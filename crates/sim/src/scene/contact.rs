@@ -5,13 +5,13 @@ use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::surface::{self, Direction, Wetness};
 use serde::{Deserialize, Serialize};
 
-/// What fibres do where they touch; left out, they pass through everything.
+/// What fibres and objects do where they touch; left out, fibres pass through everything.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSettings {
-    /// Friction among fibres, and with objects that say nothing else.
+    /// Friction among fibres, and of objects that say nothing else.
     pub friction: Friction,
-    /// Newton's restitution among fibres, and with objects that say nothing else: the share of the
+    /// Newton's restitution among fibres, and of objects that say nothing else: the share of the
     /// velocity of approach with which a contact opens, from zero to one. Slower approaches than
     /// gravity makes in two steps come to rest.
     #[serde(default)]
@@ -47,7 +47,8 @@ fn iterations() -> usize {
     2000
 }
 
-/// What holds fibres to each other and to objects. Friction grows with it: a touch slides where the
+/// What holds fibres to each other and to objects; of these only `Bonds` holds objects to each other.
+/// Friction grows with it: a touch slides where the
 /// friction exceeds its coefficient times what presses it and what it could bear in tension together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -74,7 +75,7 @@ pub enum Adhesion {
         volume: f64,
     },
     /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
-    /// where they are nearest, which once broken is gone.
+    /// where they are nearest, which once broken is gone. It holds a place, about which they may turn.
     Bonds {
         /// Tensile force under which it breaks, N.
         strength: f64,
@@ -222,6 +223,11 @@ impl Friction {
         }
     }
 
+    /// Whether it is by the axis of a fibre, which two objects do not have.
+    pub(crate) fn needs_axis(&self) -> bool {
+        matches!(self, Self::Cuticle { .. })
+    }
+
     /// The limit curve of a touch that `sticks`, or slides. Of two fibres that touch, both have this
     /// friction, each by its own axis; with an object the axis is the fibre's.
     pub(crate) fn of(&self, touch: &Touch, sticks: bool) -> Result<LimitCurve, ContactError> {
@@ -240,7 +246,7 @@ impl Friction {
             }
             Self::Cuticle { with, against, across } => {
                 let curve = LimitCurve::cuticle(with, against, across);
-                match touch.partner {
+                match touch.sides[1] {
                     Partner::Object(_) => Ok(curve),
                     Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
                 }

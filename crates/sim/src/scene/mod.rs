@@ -344,6 +344,7 @@ impl Scene {
         check.each("objects", &self.objects, |c, object| object.check(c));
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));
+            object::check_pairs(&self.objects, &contact.friction, check);
             if !self.stepper.can_touch() {
                 let message = "must be BackwardEuler, or left out, and without a tolerance where \
                                fibers touch";

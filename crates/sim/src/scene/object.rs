@@ -4,7 +4,8 @@ use super::{Friction, Motion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Something that fibres lie on or bump into. Objects pass through each other.
+/// Something that fibres and objects that move freely lie on or bump into. Objects that are led pass
+/// through each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
@@ -16,10 +17,14 @@ pub struct Object {
     /// How it is turned at the start: about the world's fixed x, then y, then z axes, degrees.
     #[serde(default)]
     pub turn: [f64; 3],
-    /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis.
+    /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis. Of two
+    /// objects that rub on each other, one that moves freely and what it touches, the friction of the
+    /// latter counts, else that of the former, else that of the scene, but no `Cuticle`: of two that
+    /// move freely the former is the earlier one of the list.
     #[serde(default)]
     pub friction: Option<Friction>,
-    /// How fibres bounce off it, from zero to one; left out, as off each other.
+    /// How fibres bounce off it, from zero to one; left out, as off each other. Of two objects the same
+    /// one's counts as of friction.
     #[serde(default)]
     pub restitution: Option<f64>,
     /// The way on which it is led.
@@ -37,7 +42,7 @@ pub enum Moves {
     /// Its `motion`, whatever is in the way.
     #[default]
     Led,
-    /// Gravity and fibres, as a rigid body (thesis 8.4.1) of even density.
+    /// Gravity, fibres and other objects, as a rigid body (thesis 8.4.1) of even density.
     Free {
         /// How heavy it is; its inertia follows from the shape.
         mass: Mass,
@@ -148,6 +153,26 @@ impl Object {
     }
 }
 
+/// Two objects that may touch need a friction that is not by the axis of a fibre.
+pub(super) fn check_pairs(objects: &[Object], scene: &Friction, check: &mut Check) {
+    let lacks = |object: &Object| object.friction.as_ref().unwrap_or(scene).needs_axis();
+    if !scene.needs_axis() {
+        return;
+    }
+    let lacking: Vec<_> = (0..).zip(objects).filter(|(_, object)| lacks(object)).collect();
+    let is_free = |object: &Object| object.moves != Moves::Led;
+    for (place, (i, one)) in lacking.iter().enumerate() {
+        let meets = |(_, other): &&(usize, &Object)| is_free(one) || is_free(other);
+        if let Some((j, _)) = lacking[place + 1..].iter().find(meets) {
+            let message = format!(
+                "may touch objects[{j}], and the scene's friction is by the axis of a fibre, which \
+                 objects do not have: give one of them another `friction`"
+            );
+            check.refuse(&format!("objects[{i}]"), message);
+        }
+    }
+}
+
 impl ObjectShape {
     fn check(&self, check: &mut Check) {
         let mut positive = |field: &str, length: f64| {
@@ -177,6 +202,14 @@ impl ObjectShape {
                 }
             }
             Self::Mesh { spacing, .. } => positive("spacing", *spacing),
+        }
+    }
+
+    /// The radius of what is round, m.
+    pub(crate) fn radius(&self) -> Option<f64> {
+        match self {
+            Self::Ball { radius } | Self::Capsule { radius, .. } => Some(*radius),
+            _ => None,
         }
     }
 

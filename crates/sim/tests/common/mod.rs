@@ -4,7 +4,9 @@
 pub mod topology;
 
 use nalgebra::{Point3, Vector3};
+use rapunzel_collision::field::Soup;
 use rapunzel_sim::{Scene, StepReport, Stepper, World};
+use std::fmt::Write;
 
 pub struct Run {
     pub world: World,
@@ -60,4 +62,21 @@ impl Run {
         let bodies = (0..).map_while(|i| self.world.body(i));
         sum + bodies.map(|body| body.mass() * body.velocity).sum::<Vector3<f64>>()
     }
+}
+
+/// A mesh as the text of a PLY file.
+pub fn ply(mesh: &Soup) -> String {
+    let (points, faces) = (mesh.vertices.len(), mesh.triangles.len());
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {points}\nproperty double x\nproperty double y\n\
+         property double z\nelement face {faces}\nproperty list uchar int vertex_indices\n\
+         end_header\n"
+    );
+    for p in &mesh.vertices {
+        writeln!(text, "{:?} {:?} {:?}", p.x, p.y, p.z).expect("memory");
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(text, "3 {a} {b} {c}").expect("memory");
+    }
+    text
 }
