@@ -7,6 +7,12 @@ const TIGHT: f64 = 0.8;
 const LOOSE: f64 = 15.0;
 /// The same of a first guess.
 const GUESS: f64 = 40.0;
+/// A first guess that leaves a smaller error than this, in tolerances, needs no other.
+pub(super) const FAIR: f64 = 60.0;
+/// Where a guess leaves a larger error, in tolerances, lists will change, and are first solved to a
+/// coarser one.
+pub(super) const ROUGH: f64 = 350.0;
+pub(super) const COARSE: f64 = 5.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
 const SQUARE: f64 = 1e-5;
 

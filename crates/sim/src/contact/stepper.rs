@@ -1,7 +1,7 @@
 use super::case::Case;
 use super::cut::{Cut, lost};
 use super::detect::{Detector, Motion, Place};
-use super::effort::Effort;
+use super::effort::{COARSE, Effort, FAIR, ROUGH};
 use super::film::Film;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
@@ -22,14 +22,8 @@ const MOST_LISTS: usize = 9;
 const PATIENCE: usize = 3;
 /// Iterations with the first list, at most.
 const GUESSES: usize = 2;
-/// A first guess that leaves a smaller error than this, in tolerances, needs no other.
-const FAIR: f64 = 60.0;
 /// Increments below this, rad, end Newton's method: what is left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
-/// Where a guess leaves a larger error, in tolerances, lists will change, and are first solved to a
-/// coarser one.
-const ROUGH: f64 = 350.0;
-const COARSE: f64 = 5.0;
 /// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost less.
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
@@ -319,9 +313,9 @@ impl Touching {
                 // Where the list has hardly changed, loose answers lead away.
                 None => Effort::LAST,
             };
-            let reached;
-            (turn, reached) =
-                self.iterate(world, part, case, effort.toward(goal).longer(longer), patient)?;
+            let effort = effort.toward(goal).longer(longer);
+            let (increment, reached) = self.iterate(world, part, case, effort, patient)?;
+            turn = increment;
             // Fibres may be so entangled by where the step began that no impulses let them through.
             if !reached && longer > 1 && !last {
                 return Err(Cut::Contacts);
