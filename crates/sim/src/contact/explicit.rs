@@ -14,8 +14,6 @@ pub(super) struct Explicit {
     own: PointResponses,
     /// The same with masses added.
     weighted: Weighted,
-    /// The own answers in strips.
-    strips: Strips<f64>,
 }
 
 /// A matrix as precise as the solver needs it: half the bytes are half the time.
@@ -26,8 +24,7 @@ enum Weighted {
 
 impl Explicit {
     pub(super) fn new(own: PointResponses) -> Self {
-        let strips = Strips::new(own.matrix.as_slice(), own.matrix.nrows());
-        Self { own, weighted: Weighted::Double(Strips::new(&[], 0)), strips }
+        Self { own, weighted: Weighted::Double(Strips::new(&[], 0, 0)) }
     }
 
     /// Adds a mass at each point, one after another, with `W` the answer so far: a mass `m` at `i`
@@ -39,9 +36,9 @@ impl Explicit {
         let add = AddMasses { answers: matrix.as_slice(), size, masses };
         let Some(lower) = Arch::new().dispatch(add) else { return false };
         self.weighted = if exact {
-            Weighted::Double(Strips::new(&lower, size))
+            Weighted::Double(Strips::new(&lower, stride(size), size))
         } else {
-            Weighted::Single(Strips::new(&lower, size))
+            Weighted::Single(Strips::new(&lower, stride(size), size))
         };
         true
     }
@@ -62,14 +59,14 @@ struct Strips<T> {
 }
 
 impl<T: RealField + Copy> Strips<T> {
-    /// From the lower triangle of a matrix that is stored column by column.
-    fn new(lower: &[f64], size: usize) -> Self {
+    /// From the lower triangle of a matrix whose columns lie a `stride` apart.
+    fn new(lower: &[f64], stride: usize, size: usize) -> Self {
         let columns = size.next_multiple_of(COLUMNS);
         let mut entries = vec![T::zero(); size.next_multiple_of(ROWS) * columns];
         let at = |i: usize, j: usize| (i / ROWS * columns + j) * ROWS + i % ROWS;
         for j in 0..size {
             for i in j..size {
-                let entry = convert::<f64, T>(lower[j * size + i]);
+                let entry = convert::<f64, T>(lower[j * stride + i]);
                 entries[at(i, j)] = entry;
                 entries[at(j, i)] = entry;
             }
@@ -101,7 +98,15 @@ impl<T: RealField + Copy> Strips<T> {
     }
 }
 
-/// Adds masses; of the matrix that is left the lower triangle is right.
+/// Rows of columns that masses are added to at once.
+const LANES: usize = 8;
+
+/// How far apart the columns are that masses are added to.
+fn stride(size: usize) -> usize {
+    size.next_multiple_of(LANES)
+}
+
+/// Adds masses; of the matrix that is left, with its stride, the lower triangle is right.
 struct AddMasses<'a> {
     /// Symmetric, column by column.
     answers: &'a [f64],
@@ -115,20 +120,23 @@ impl NullaryFnOnce for AddMasses<'_> {
     #[inline(always)]
     fn call(self) -> Option<Vec<f64>> {
         let Self { answers, size, masses } = self;
-        let mut left = answers.to_vec();
-        let mut columns = [(); 3].map(|()| vec![0.0; size]);
+        let stride = stride(size);
+        let mut left = vec![0.0; stride * size];
+        let both = left.chunks_exact_mut(stride.max(1)).zip(answers.chunks_exact(size.max(1)));
+        both.for_each(|(left, answers)| left[..size].copy_from_slice(answers));
+        let mut columns = [(); 3].map(|()| vec![0.0; stride]);
         let mut shares = columns.clone();
         for (first, &mass) in (0..size).step_by(3).zip(&masses) {
             if mass <= 0.0 {
                 continue;
             }
             for (k, column) in (first..).zip(&mut columns) {
-                let (before, behind) = left.split_at(k * size);
+                let (before, behind) = left.split_at(k * stride);
                 let (above, below) = column.split_at_mut(k);
-                for (x, other) in above.iter_mut().zip(before.chunks_exact(size)) {
+                for (x, other) in above.iter_mut().zip(before.chunks_exact(stride)) {
                     *x = other[k];
                 }
-                below.copy_from_slice(&behind[k..size]);
+                below.copy_from_slice(&behind[k..stride]);
             }
             let own = Matrix3::from_fn(|i, j| columns[j][first + i]);
             let inverse = (own + Matrix3::from_diagonal_element(1.0 / mass)).cholesky()?.inverse();
@@ -139,16 +147,46 @@ impl NullaryFnOnce for AddMasses<'_> {
                     *to = x * a + y * b + z * c;
                 }
             }
-            let [u, v, w] = &shares;
-            for (j, left) in left.chunks_exact_mut(size).enumerate() {
-                let [x, y, z] = [a[j], b[j], c[j]];
-                let shares = u[j..].iter().zip(&v[j..]).zip(&w[j..]);
-                for (to, ((u, v), w)) in left[j..].iter_mut().zip(shares) {
-                    *to -= x * u + y * v + z * w;
+            for (block, left) in left.chunks_mut(COLUMNS * stride).enumerate() {
+                let first = COLUMNS * block;
+                let factors = |j: usize| [a[first + j], b[first + j], c[first + j]];
+                // What is read of the shares serves some columns.
+                if left.len() == COLUMNS * stride {
+                    take(left, stride, first, [0, 1, 2, 3].map(factors), &shares);
+                } else {
+                    for (j, left) in left.chunks_exact_mut(stride).enumerate() {
+                        take(left, stride, first, [factors(j)], &shares);
+                    }
                 }
             }
         }
         Some(left)
+    }
+}
+
+/// Takes shares, times their factors, from columns, in rows from `first` on.
+#[inline(always)]
+fn take<const N: usize>(
+    columns: &mut [f64],
+    stride: usize,
+    first: usize,
+    factors: [[f64; 3]; N],
+    [u, v, w]: &[Vec<f64>; 3],
+) {
+    let rows = stride / LANES;
+    let columns = &mut columns.as_chunks_mut::<LANES>().0[..N * rows];
+    let [u, v, w] = [u, v, w].map(|share| &share.as_chunks::<LANES>().0[..rows]);
+    for row in first / LANES..rows {
+        // By value: nobody else writes to them.
+        let (u, v, w) = (u[row], v[row], w[row]);
+        for (j, [x, y, z]) in factors.iter().enumerate() {
+            let to = &mut columns[j * rows + row];
+            let mut left = *to;
+            for i in 0..LANES {
+                left[i] -= x * u[i] + y * v[i] + z * w[i];
+            }
+            *to = left;
+        }
     }
 }
 
@@ -174,14 +212,19 @@ impl NullaryFnOnce for Answer<'_> {
     fn call(self) {
         let Self { explicit, inertia, impulses, velocities } = self;
         let (mut single, mut double) = (Room::default(), Room::default());
-        for Explicit { own: PointResponses { points, .. }, weighted, strips } in explicit {
+        for Explicit { own: PointResponses { points, matrix }, weighted } in explicit {
             match (inertia, weighted) {
-                (Inertia::Own, _) => double.answer(strips, points, impulses, velocities),
+                (Inertia::Own, _) => {
+                    let own = |from: &[f64], to: &mut [f64]| multiply(matrix.as_slice(), from, to);
+                    double.answer(own, points, impulses, velocities);
+                }
                 (Inertia::Weighted, Weighted::Single(matrix)) => {
-                    single.answer(matrix, points, impulses, velocities);
+                    let product = |from: &[f32], to: &mut [f32]| matrix.multiply(from, to);
+                    single.answer(product, points, impulses, velocities);
                 }
                 (Inertia::Weighted, Weighted::Double(matrix)) => {
-                    double.answer(matrix, points, impulses, velocities);
+                    let product = |from: &[f64], to: &mut [f64]| matrix.multiply(from, to);
+                    double.answer(product, points, impulses, velocities);
                 }
             }
         }
@@ -199,20 +242,39 @@ impl<T: RealField + Copy> Room<T> {
     #[inline(always)]
     fn answer(
         &mut self,
-        matrix: &Strips<T>,
+        product: impl FnOnce(&[T], &mut [T]),
         points: &[usize],
         impulses: &[Vector3<f64>],
         velocities: &mut [Vector3<f64>],
     ) {
+        let size = 3 * points.len();
         self.from.clear();
-        self.from.resize(matrix.size.next_multiple_of(COLUMNS), T::zero());
+        self.from.resize(size.next_multiple_of(COLUMNS), T::zero());
         for (from, &point) in self.from.as_chunks_mut::<3>().0.iter_mut().zip(points) {
             *from = impulses[point].map(|x| convert::<f64, T>(x)).into();
         }
-        self.to.resize(matrix.size.next_multiple_of(ROWS), T::zero());
-        matrix.multiply(&self.from, &mut self.to);
+        self.to.resize(size.next_multiple_of(ROWS), T::zero());
+        product(&self.from, &mut self.to);
         for (to, &point) in self.to.as_chunks::<3>().0.iter().zip(points) {
             velocities[point] = Vector3::from(*to).map(|x| convert_unchecked::<T, f64>(x));
         }
+    }
+}
+
+/// Writes the product of a symmetric matrix, as it is stored column by column, with `from`.
+#[inline(always)]
+fn multiply(matrix: &[f64], from: &[f64], to: &mut [f64]) {
+    let size = matrix.len().isqrt();
+    let (from, rest) = from[..size].as_chunks::<LANES>();
+    for (to, column) in to.iter_mut().zip(matrix.chunks_exact(size.max(1))) {
+        let (column, last) = column.as_chunks::<LANES>();
+        let mut sums = [0.0; LANES];
+        for (a, x) in column.iter().zip(from) {
+            for i in 0..LANES {
+                sums[i] += a[i] * x[i];
+            }
+        }
+        let last: f64 = last.iter().zip(rest).map(|(a, x)| a * x).sum();
+        *to = sums.iter().sum::<f64>() + last;
     }
 }
