@@ -17,28 +17,51 @@ pub(super) struct Fibers<'a> {
     points: &'a [Point],
     /// How the points answer, by fibre, where there are so few that this is cheaper than to go
     /// through the fibres.
-    explicit: Option<Vec<Explicit>>,
+    written: &'a mut Option<Written>,
     /// Whether answers with masses must be more precise than single precision.
     exact: bool,
 }
 
+/// Answers that are written out.
+pub(super) struct Written {
+    answers: Vec<Explicit>,
+    /// The masses that have been added, and whether precisely.
+    masses: Vec<f64>,
+    exact: bool,
+}
+
 impl<'a> Fibers<'a> {
+    /// What has been `written` out of the same points before is used again.
     pub(super) fn new(
         batch: &'a mut StaggeredBatch,
         points: &'a [Point],
         exact: bool,
+        written: &'a mut Option<Written>,
     ) -> Result<Self, ContactError> {
-        let mut counts = [0; LANES];
-        points.iter().for_each(|point| counts[point.fiber as usize] += 1);
-        let squares: usize = counts.iter().map(|count| 9 * count * count).sum();
-        let nodes = ImpulseResponse::nodes(batch) / batch.rods().len();
-        let explicit = if squares < PASS * LANES * nodes {
-            let answers = batch.write_out(points).map_err(|error| refused(&error))?;
-            Some(answers.into_iter().map(Explicit::new).collect())
-        } else {
-            None
-        };
-        Ok(Self { batch, points, explicit, exact })
+        if written.is_none() {
+            let mut counts = [0; LANES];
+            points.iter().for_each(|point| counts[point.fiber as usize] += 1);
+            let squares: usize = counts.iter().map(|count| 9 * count * count).sum();
+            let nodes = ImpulseResponse::nodes(batch) / batch.rods().len();
+            if squares < PASS * LANES * nodes {
+                let answers = batch.write_out(points).map_err(|error| refused(&error))?;
+                let answers = answers.into_iter().map(Explicit::new).collect();
+                *written = Some(Written { answers, masses: Vec::new(), exact });
+            }
+        }
+        Ok(Self { batch, points, written, exact })
+    }
+}
+
+impl Written {
+    /// Adds masses at the points; false if that cannot be.
+    fn weigh(&mut self, masses: &[f64], exact: bool) -> bool {
+        if self.masses == masses && self.exact == exact {
+            return true;
+        }
+        masses.clone_into(&mut self.masses);
+        self.exact = exact;
+        self.answers.iter_mut().all(|one| one.weigh(masses, exact))
     }
 }
 
@@ -52,18 +75,18 @@ impl Body for Fibers<'_> {
     }
 
     fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError> {
-        if let Some(explicit) = &mut self.explicit {
-            if explicit.iter_mut().all(|one| one.weigh(weights, self.exact)) {
+        if let Some(written) = self.written {
+            if written.weigh(weights, self.exact) {
                 return Ok(());
             }
             // Far from where it goes a step may be no minimum, and its answer not positive.
-            self.explicit = None;
+            *self.written = None;
         }
         self.batch.set_weights(self.points, weights).map_err(|error| refused(&error))
     }
 
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(explicit) = &self.explicit {
+        if let Some(Written { answers: explicit, .. }) = self.written {
             let inertia = Inertia::Own;
             return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
         }
@@ -72,7 +95,7 @@ impl Body for Fibers<'_> {
     }
 
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(explicit) = &self.explicit {
+        if let Some(Written { answers: explicit, .. }) = self.written {
             let inertia = Inertia::Weighted;
             return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
         }
@@ -81,7 +104,7 @@ impl Body for Fibers<'_> {
     }
 
     fn own_traces(&mut self, traces: &mut [f64]) {
-        if let Some(explicit) = &self.explicit {
+        if let Some(Written { answers: explicit, .. }) = self.written {
             explicit.iter().for_each(|one| one.traces(traces));
             return;
         }
@@ -126,11 +149,12 @@ mod tests {
         let asked = [1.0, -2.0, 0.5, 0.7, 3.0].map(|x| Vector3::new(x, 1.0, -x) * mass);
         let mut answers = Vec::new();
         for (written_out, exact) in [(true, true), (false, true), (true, false)] {
-            let fibers = Fibers::new(&mut batch, &points, exact);
+            let mut written = None;
+            let fibers = Fibers::new(&mut batch, &points, exact, &mut written);
             let mut fibers = fibers.expect("points on the fibers");
-            assert!(fibers.explicit.is_some());
+            assert!(fibers.written.is_some());
             if !written_out {
-                fibers.explicit = None;
+                *fibers.written = None;
             }
             fibers.set_weights(&masses).expect("positive");
             let (mut free, mut weighted) = ([Vector3::zeros(); 5], [Vector3::zeros(); 5]);

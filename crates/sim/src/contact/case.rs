@@ -1,6 +1,6 @@
 //! The contacts of a step as the solver takes them.
 
-use super::body::Fibers;
+use super::body::{Fibers, Written};
 use super::law::Laws;
 use super::touch::{Partner, Touch};
 use super::work::ContactWork;
@@ -14,6 +14,9 @@ use rayon::prelude::*;
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
 const ROUNDING: f64 = 1e-5;
+
+/// Answers of fibres that turn by less, rad, are used again.
+const CHORD: f64 = 1e-2;
 
 /// All contacts between the points of all groups, in the order of the touches they are made of.
 pub(super) struct Case {
@@ -32,6 +35,10 @@ pub(super) struct Case {
     mass: f64,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
+    /// By group: answers that are written out, as long as the fibres hardly turn.
+    written: Vec<Option<Written>>,
+    /// The points that these have.
+    kept: Vec<bool>,
 }
 
 impl Case {
@@ -115,7 +122,9 @@ impl Case {
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        Ok(Self { contacts, points, levers, impulses, gaps, working, mass, error: None })
+        let written = points.iter().map(|_| None).collect();
+        let (error, kept) = (None, Vec::new());
+        Ok(Self { contacts, points, levers, impulses, gaps, working, mass, error, written, kept })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -129,6 +138,33 @@ impl Case {
 
     pub(super) fn set_error(&mut self, error: f64) {
         self.error = Some(error);
+    }
+
+    /// Points that are used no more stay where answers are written out that have all that are used.
+    fn keep(&mut self, used: &mut [bool]) {
+        self.kept.resize(used.len(), false);
+        let mut start = 0;
+        for (points, written) in self.points.iter().zip(&mut self.written) {
+            let range = start..start + points.len();
+            start = range.end;
+            let (used, kept) = (&mut used[range.clone()], &mut self.kept[range]);
+            let known = used.iter().zip(&*kept).all(|(used, kept)| *kept || !used);
+            if written.is_some() && known {
+                used.copy_from_slice(kept);
+            } else {
+                *written = None;
+                kept.copy_from_slice(used);
+            }
+        }
+    }
+
+    /// Tells by how much the fibres of every group have turned, rad.
+    pub(super) fn turned(&mut self, turns: &[f64]) {
+        for (written, turn) in self.written.iter_mut().zip(turns) {
+            if *turn > CHORD {
+                *written = None;
+            }
+        }
     }
 
     /// Number of contacts that bear something.
@@ -158,6 +194,7 @@ impl Case {
             used[self.contacts[i].first] = true;
             self.contacts[i].second.into_iter().for_each(|second| used[second] = true);
         }
+        self.keep(&mut used);
         let kept = |point: &usize| used[*point];
         let mut index = vec![0; used.len()];
         (0..used.len()).filter(kept).enumerate().for_each(|(new, old)| index[old] = new);
@@ -177,9 +214,11 @@ impl Case {
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
-        let groups = world.groups.par_iter_mut().zip(&points);
+        let groups = world.groups.par_iter_mut().zip(&points).zip(&mut self.written);
         let mut fibers: Vec<Fibers> = groups
-            .filter_map(|(group, points)| Some(Fibers::new(group.batch.coupled()?, points, exact)))
+            .filter_map(|((group, points), written)| {
+                Some(Fibers::new(group.batch.coupled()?, points, exact, written))
+            })
             .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();

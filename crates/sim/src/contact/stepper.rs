@@ -352,7 +352,9 @@ impl Touching {
         let one = case.solve(world, &mut self.solver, patient)?;
         case.give_impulses(&mut part.touches);
         let impulses = world.impulses(&part.touches);
-        let turn = largest(world.with_impulses(&impulses, |group, own| group.advance(own))?);
+        let turns = world.with_impulses(&impulses, |group, own| group.advance(own))?;
+        case.turned(&turns);
+        let turn = largest(turns);
         world.push(&part.touches, part.time, part.dt)?;
         let found = case.certificate(world, &world.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
