@@ -112,8 +112,15 @@ fn half_head(count: usize, accuracy: Accuracy) -> Result<(), ElectrostaticsError
     let points: Vec<_> = (0..count).flat_map(on_segment).collect();
     let halves = vec![0.5 * charge; points.len()];
     let potentials = head.potentials(&points, &halves, accuracy)?;
+    let seen = start.elapsed().as_secs_f64();
     let induced = head.charges(&potentials, Condition::Charge(0.0))?;
+    let solved = start.elapsed().as_secs_f64();
     let fields = head.fields(&induced, &points, accuracy)?.fields;
-    println!("forces of the head: {:.2} s, {} points", start.elapsed().as_secs_f64(), fields.len());
+    println!(
+        "forces of the head: {:.2} s, of it potentials {seen:.2}, charges {:.2}; {} points",
+        start.elapsed().as_secs_f64(),
+        solved - seen,
+        fields.len()
+    );
     Ok(())
 }

@@ -51,8 +51,9 @@ impl Elements {
                 let triangle = &all.triangles[j];
                 if triangle.is_close(x) { triangle.exact(x).0 } else { triangle.by_points(x).0 }
             };
-            let more = |j: usize| (j, seen(j) - all.point(i, j));
-            all.near(x, NEAR).into_iter().map(more).collect()
+            let mut excess = Vec::new();
+            all.near(x, NEAR, |j| excess.push((j, seen(j) - all.point(i, j))));
+            excess
         };
         all.excess = all.centers.par_iter().enumerate().map(excess).collect();
         let own = |(t, x): (&Triangle, &Point3<f64>)| COULOMB_CONSTANT * t.exact(x).0;
@@ -73,24 +74,31 @@ impl Elements {
         if i == j { 0.0 } else { inverse(self.centers[i] - self.centers[j]) }
     }
 
-    /// The triangles whose centers are closer to `x` than `times` their longest side, ascending.
-    fn near(&self, x: &Point3<f64>, times: f64) -> Vec<usize> {
-        let mut found = Vec::new();
-        let mut stack: Vec<_> = (0..self.tree.cells.len().min(1)).collect();
-        while let Some(cell) = stack.pop().map(|k| &self.tree.cells[k]) {
-            if (cell.center - x).norm() > cell.radius + times * self.longest {
+    /// Visits the triangles whose centers are closer to `x` than `times` their longest side.
+    fn near(&self, x: &Point3<f64>, times: f64, mut visit: impl FnMut(usize)) {
+        let mut stack = vec![0];
+        while let Some(cell) = stack.pop().and_then(|k: usize| self.tree.cells.get(k)) {
+            let reach = cell.radius + times * self.longest;
+            if (cell.center - x).norm_squared() > reach * reach {
                 continue;
             }
             stack.extend(cell.children.clone());
             if cell.is_leaf() {
-                let bodies = self.tree.order[cell.bodies.clone()].iter().map(|j| *j as usize);
-                found.extend(bodies.filter(|&j| {
-                    (self.centers[j] - x).norm() < times * self.triangles[j].longest()
-                }));
+                for j in self.tree.order[cell.bodies.clone()].iter().map(|j| *j as usize) {
+                    let reach = times * self.triangles[j].longest();
+                    if (self.centers[j] - x).norm_squared() < reach * reach {
+                        visit(j);
+                    }
+                }
             }
         }
-        found.sort_unstable();
-        found
+    }
+
+    /// By how much more than its points a triangle with the charge 1 makes at `x`: `1/r` and its gradient.
+    fn more_than_points(&self, j: usize, x: &Point3<f64>) -> (f64, Vector3<f64>) {
+        let triangle = &self.triangles[j];
+        let ((mean, gradient), rule) = (triangle.exact(x), triangle.by_points(x));
+        (mean - rule.0, gradient - rule.1)
     }
 
     /// The potentials (V) that `charges` of the triangles (C) make at all centers.
@@ -116,11 +124,9 @@ impl Elements {
         let mut potentials: Vec<f64> =
             shared.chunks_exact(POINTS).map(|points| points.iter().sum()).collect();
         let more = |x: &Point3<f64>| {
-            let more = |j: usize| {
-                let triangle = &self.triangles[j];
-                (j, triangle.exact(x).0 - triangle.by_points(x).0)
-            };
-            self.near(x, RULED).into_iter().map(more).collect::<Vec<_>>()
+            let mut more = Vec::new();
+            self.near(x, RULED, |j| more.push((j, self.more_than_points(j, x).0)));
+            more
         };
         let near: Vec<_> = sources.par_iter().map(more).collect();
         for (near, charge) in near.iter().zip(charges) {
@@ -143,13 +149,12 @@ impl Elements {
         let mut fields = Multipole { accuracy }.fields(&self.points, &shared, targets)?;
         let found = fields.potentials.par_iter_mut().zip(&mut fields.fields).zip(targets);
         found.for_each(|((potential, field), x)| {
-            for j in self.near(x, RULED) {
-                let triangle = &self.triangles[j];
+            self.near(x, RULED, |j| {
                 let charge = COULOMB_CONSTANT * charges[j];
-                let ((mean, gradient), rule) = (triangle.exact(x), triangle.by_points(x));
-                *potential += charge * (mean - rule.0);
-                *field -= charge * (gradient - rule.1);
-            }
+                let (more, gradient) = self.more_than_points(j, x);
+                *potential += charge * more;
+                *field -= charge * gradient;
+            });
         });
         Ok(fields)
     }

@@ -10,6 +10,8 @@ pub(super) struct Triangle {
     area: f64,
     center: Point3<f64>,
     longest: f64,
+    /// The points of [`RULE`], and their shares of the triangle.
+    points: [(Point3<f64>, f64); POINTS],
 }
 
 /// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle: with
@@ -34,7 +36,14 @@ impl Triangle {
         let double = normal.norm();
         let center = ((a.coords + b.coords + c.coords) / 3.0).into();
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        Self { corners, normal: normal / double, area: 0.5 * double, center, longest }
+        let mut points = [(center, RULE[0].1); POINTS];
+        for (k, point) in points[1..].iter_mut().enumerate() {
+            let ([first, second], weight) = RULE[1 + k / 3];
+            let [a, b, c] = [0, 1, 2].map(|i| corners[(i + k) % 3].coords);
+            let place = a * first + b * second + c * (1.0 - first - second);
+            *point = (place.into(), weight);
+        }
+        Self { corners, normal: normal / double, area: 0.5 * double, center, longest, points }
     }
 
     pub(super) fn center(&self) -> Point3<f64> {
@@ -50,23 +59,16 @@ impl Triangle {
         (x - self.center).norm() < RULED * self.longest
     }
 
-    /// The points of [`RULE`], and their shares of the triangle.
+    /// The points that stand for it where it is not close, and their shares of it.
     pub(super) fn points(&self) -> [(Point3<f64>, f64); POINTS] {
-        let mut points = [(self.center, RULE[0].1); POINTS];
-        for (k, point) in points[1..].iter_mut().enumerate() {
-            let ([first, second], weight) = RULE[1 + k / 3];
-            let [a, b, c] = [0, 1, 2].map(|i| self.corners[(i + k) % 3].coords);
-            let place = a * first + b * second + c * (1.0 - first - second);
-            *point = (place.into(), weight);
-        }
-        points
+        self.points
     }
 
     /// The mean of `1/r` over [`points`](Self::points) as seen from `x`, and its gradient; a point does not
     /// act on its own place.
     pub(super) fn by_points(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
         let (mut potential, mut gradient) = (0.0, Vector3::zeros());
-        for (point, weight) in self.points() {
+        for (point, weight) in &self.points {
             let r = x - point;
             let length = r.norm();
             if length > 0.0 {
@@ -79,50 +81,44 @@ impl Triangle {
     }
 
     /// The mean of `1/r` over the triangle as seen from `x`, and its gradient by x, everywhere exact
-    /// (Wilton and others, 1984): a logarithm and two angles for each side. In the plane, where the
-    /// gradient jumps across the triangle, it is the mean of both sides.
+    /// (Wilton and others, 1984): a logarithm for each side and the solid angle (van Oosterom and
+    /// Strackee, 1983). In the plane, where the gradient jumps across the triangle, it is the mean of
+    /// both sides.
     pub(super) fn exact(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
         let height = (x - self.corners[0]).dot(&self.normal);
         let sign = if height == 0.0 { 0.0 } else { height.signum() };
-        let (mut potential, mut gradient) = (0.0, Vector3::zeros());
+        let to = self.corners.map(|corner| corner - x);
+        let lengths = to.map(|to| to.norm());
+        let angle = self.solid_angle(height.abs(), &to, lengths);
+        let (mut potential, mut gradient) = (-height.abs() * angle, -sign * angle * self.normal);
         for k in 0..3 {
-            let Side { outward, p, log, angle } = self.side(k, x);
-            potential += p * log - height.abs() * angle;
-            gradient -= log * outward + sign * angle * self.normal;
+            let next = (k + 1) % 3;
+            let along = (to[next] - to[k]).normalize();
+            let outward = along.cross(&self.normal);
+            let p = to[k].dot(&outward);
+            // On the side itself nothing is left of its part of the potential.
+            if p * p + height * height <= 1e-28 * self.area {
+                continue;
+            }
+            let [la, lb] = [to[k].dot(&along), to[next].dot(&along)];
+            let [ra, rb] = [lengths[k], lengths[next]];
+            // The form that does not cancel.
+            let ratio = if la + lb > 0.0 { (rb + lb) / (ra + la) } else { (ra - la) / (rb - lb) };
+            let log = ratio.ln();
+            potential += p * log;
+            gradient -= log * outward;
         }
         (potential / self.area, gradient / self.area)
     }
 
-    fn side(&self, k: usize, x: &Point3<f64>) -> Side {
-        let height = (x - self.corners[0]).dot(&self.normal).abs();
-        let [a, b] = [self.corners[k], self.corners[(k + 1) % 3]];
-        let along = (b - a).normalize();
-        let outward = along.cross(&self.normal);
-        let p = (a - x).dot(&outward);
-        let [la, lb] = [(a - x).dot(&along), (b - x).dot(&along)];
-        let [ra, rb] = [(a - x).norm(), (b - x).norm()];
-        let r2 = p * p + height * height;
-        if r2 <= 1e-28 * self.area {
-            return Side { outward, p, log: 0.0, angle: 0.0 };
-        }
-        // The form of the logarithm that does not cancel.
-        let log =
-            if la + lb > 0.0 { ((rb + lb) / (ra + la)).ln() } else { ((ra - la) / (rb - lb)).ln() };
-        let angle = |l: f64, r: f64| (p * l).atan2(r2 + height * r);
-        Side { outward, p, log, angle: angle(lb, rb) - angle(la, ra) }
+    /// The solid angle that the triangle fills, seen from a `height` over its plane, with vectors to
+    /// its corners and their lengths.
+    fn solid_angle(&self, height: f64, to: &[Vector3<f64>; 3], lengths: [f64; 3]) -> f64 {
+        let [a, b, c] = to;
+        let [ra, rb, rc] = lengths;
+        let denominator = ra * rb * rc + a.dot(b) * rc + a.dot(c) * rb + b.dot(c) * ra;
+        2.0 * (2.0 * self.area * height).atan2(denominator)
     }
-}
-
-/// A side as seen from a point.
-struct Side {
-    /// Unit normal out of the triangle, in its plane.
-    outward: Vector3<f64>,
-    /// Distance of the side in that direction.
-    p: f64,
-    /// Integral of `1/r` along it.
-    log: f64,
-    /// The part of the solid angle that it bounds.
-    angle: f64,
 }
 
 #[cfg(test)]

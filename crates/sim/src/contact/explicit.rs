@@ -53,10 +53,7 @@ impl Explicit {
 
 /// A symmetric matrix in strips of rows, each column by column, filled up with zeros: a product reads
 /// it from the first entry to the last.
-struct Strips<T> {
-    size: usize,
-    entries: Vec<T>,
-}
+struct Strips<T>(Vec<T>);
 
 impl<T: RealField + Copy> Strips<T> {
     /// From the lower triangle of a matrix whose columns lie a `stride` apart.
@@ -71,13 +68,13 @@ impl<T: RealField + Copy> Strips<T> {
                 entries[at(j, i)] = entry;
             }
         }
-        Self { size, entries }
+        Self(entries)
     }
 
     /// Writes the product with `from`; both are filled up as the matrix is.
     #[inline(always)]
     fn multiply(&self, from: &[T], to: &mut [T]) {
-        let strips = self.entries.chunks_exact(ROWS * from.len().max(1));
+        let strips = self.0.chunks_exact(ROWS * from.len().max(1));
         for (strip, to) in strips.zip(to.as_chunks_mut::<ROWS>().0) {
             // Four sums that do not wait for each other.
             let zero = [T::zero(); ROWS];
