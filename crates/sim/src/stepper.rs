@@ -54,8 +54,8 @@ pub trait Stepper {
     /// Moves all of `world` by `dt` seconds. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SimError::Step`] names the fibre. Some fibres have then been moved and others not:
-    /// [restore](World::restore) a snapshot before going on.
+    /// [`SimError::Step`] names the fibre. After any error some fibres have been moved and others not,
+    /// or all of them by a part of the step: [restore](World::restore) a snapshot before going on.
     fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError>;
 }
 
