@@ -45,13 +45,15 @@ impl Way {
         tree: &Tree,
         [reach, slack]: [f64; 2],
     ) {
-        let (lines, sieve) = (lines(start, end, reach + slack), sieve(start, end, reach + slack));
-        let near = |pairs: &mut Vec<Pair>| {
+        let mut pairs = Vec::new();
+        let lines = lines(start, end, reach + slack);
+        let sifted = |pairs: &mut Vec<Pair>| {
             sift(&lines, pairs);
-            sieve(pairs)
+            pairs.clone()
         };
-        tree.sifted_pairs(near, &mut self.all);
-        self.depart(start, end);
+        tree.sifted_pairs(sifted, &mut pairs);
+        drop(lines);
+        self.set_out(start, end, &pairs, [reach, slack]);
     }
 
     fn depart(&mut self, start: &Capsules, end: &Capsules) {

@@ -91,13 +91,10 @@ impl World {
     }
 
     /// The impulses of touches on all nodes, N s.
-    pub(super) fn impulses<'a>(
-        &self,
-        touches: impl IntoIterator<Item = &'a Touch>,
-    ) -> Vec<Vector3<f64>> {
+    fn impulses(&self, touches: &[Touch]) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
         let mut all = vec![Vector3::zeros(); layout.nodes()];
-        for touch in touches.into_iter().filter(|touch| touch.impulse != Vector3::zeros()) {
+        for touch in touches.iter().filter(|touch| touch.impulse != Vector3::zeros()) {
             for (side, impulse) in [touch.impulse, -touch.impulse].into_iter().enumerate() {
                 let Partner::Fiber(fiber) = touch.sides[side] else { continue };
                 let (segment, fraction) = (touch.segments[side], touch.fractions[side]);
@@ -118,12 +115,13 @@ impl World {
         results.into_iter().collect()
     }
 
-    /// The same, each with its part of the impulses on all nodes.
+    /// The same, each with the impulses of touches on all its nodes.
     pub(super) fn with_impulses<T: Send>(
         &mut self,
-        impulses: &[Vector3<f64>],
+        touches: &[Touch],
         act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
+        let impulses = self.impulses(touches);
         let ranges: Vec<_> = (0..self.assembly().layout().fibers())
             .map(|fiber| self.assembly().layout().node_range(fiber))
             .collect();

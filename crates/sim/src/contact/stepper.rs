@@ -210,9 +210,8 @@ impl Touching {
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
         let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
-        let impulses = world.impulses(&touches);
         world.push(&touches, time, dt)?;
-        world.with_impulses(&impulses, |group, own| group.set_out(time, dt, own))?;
+        world.with_impulses(&touches, |group, own| group.set_out(time, dt, own))?;
         // The first list is that of a guess: it only serves to find a better one.
         self.list(world, part, expected, Place::Start, WIDE * self.radius)?;
         let mut case = self.case(world, part)?;
@@ -230,11 +229,11 @@ impl Touching {
             return Err(Cut::Contacts);
         }
         // What has moved far since it was listed may move as far again.
-        let before = std::mem::take(&mut part.mean);
-        let bearing = remember(&part.touches);
-        let now = world.mean_velocities();
-        let moved = before.iter().zip(&now).map(|(a, b)| (a - b).norm());
+        let before = std::mem::replace(&mut part.mean, world.mean_velocities());
+        let moved = before.iter().zip(&part.mean).map(|(a, b)| (a - b).norm());
         let more = (moved.fold(0.0, f64::max) * dt).min(WIDEST * self.radius);
+        drop(before);
+        let bearing = remember(&part.touches);
         self.list(world, part, &bearing, Place::End, more)?;
         case = self.case(world, part)?;
         let mut worst_touch = None;
@@ -351,8 +350,7 @@ impl Touching {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
         let one = case.solve(world, &mut self.solver, patient)?;
         case.give_impulses(&mut part.touches);
-        let impulses = world.impulses(&part.touches);
-        let turns = world.with_impulses(&impulses, |group, own| group.advance(own))?;
+        let turns = world.with_impulses(&part.touches, |group, own| group.advance(own))?;
         case.turned(&turns);
         let turn = largest(turns);
         world.push(&part.touches, part.time, part.dt)?;
