@@ -34,7 +34,10 @@ impl Way {
     ) {
         let chunk = sieve(start, end, reach + slack);
         join(pairs.par_chunks(CHUNK).map(chunk).collect(), &mut self.all);
-        self.depart(start, end);
+        self.start.clear();
+        self.start.extend_from_slice(start.positions());
+        self.end.clear();
+        self.end.extend_from_slice(end.positions());
     }
 
     /// The same with those of all pairs that a tree finds.
@@ -52,15 +55,9 @@ impl Way {
             pairs.clone()
         };
         tree.sifted_pairs(sifted, &mut pairs);
+        // They are large, and no more needed.
         drop(lines);
         self.set_out(start, end, &pairs, [reach, slack]);
-    }
-
-    fn depart(&mut self, start: &Capsules, end: &Capsules) {
-        self.start.clear();
-        self.start.extend_from_slice(start.positions());
-        self.end.clear();
-        self.end.extend_from_slice(end.positions());
     }
 
     /// Whether a motion is one of those that it has set out for.

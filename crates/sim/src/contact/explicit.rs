@@ -3,10 +3,11 @@
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
 use rapunzel_rod_dynamic::PointResponses;
+use std::array::from_fn;
 
 /// Rows of a strip: the lanes of the widest register in single precision.
 const ROWS: usize = 16;
-/// Columns that a product takes at once.
+/// Columns that are taken at once.
 const COLUMNS: usize = 4;
 
 /// The answers of the points of one fibre.
@@ -95,7 +96,7 @@ impl<T: RealField + Copy> Strips<T> {
     }
 }
 
-/// Rows of columns that masses are added to at once.
+/// Rows that are taken at once where columns are not cut into strips.
 const LANES: usize = 8;
 
 /// How far apart the columns are that masses are added to.
@@ -149,7 +150,7 @@ impl NullaryFnOnce for AddMasses<'_> {
                 let factors = |j: usize| [a[first + j], b[first + j], c[first + j]];
                 // What is read of the shares serves some columns.
                 if left.len() == COLUMNS * stride {
-                    take(left, stride, first, [0, 1, 2, 3].map(factors), &shares);
+                    take::<COLUMNS>(left, stride, first, from_fn(factors), &shares);
                 } else {
                     for (j, left) in left.chunks_exact_mut(stride).enumerate() {
                         take(left, stride, first, [factors(j)], &shares);

@@ -229,10 +229,10 @@ impl Touching {
             return Err(Cut::Contacts);
         }
         // What has moved far since it was listed may move as far again.
-        let before = std::mem::replace(&mut part.mean, world.mean_velocities());
-        let moved = before.iter().zip(&part.mean).map(|(a, b)| (a - b).norm());
+        let now = world.mean_velocities();
+        let moved = part.mean.iter().zip(&now).map(|(a, b)| (a - b).norm());
         let more = (moved.fold(0.0, f64::max) * dt).min(WIDEST * self.radius);
-        drop(before);
+        drop(now);
         let bearing = remember(&part.touches);
         self.list(world, part, &bearing, Place::End, more)?;
         case = self.case(world, part)?;
