@@ -16,7 +16,7 @@ const NEAR: f64 = 3.0;
 const ACCURACY: Accuracy = Accuracy::Tolerance(1e-6);
 
 /// Triangles in a leaf: they are large beside what is near them.
-const CAPACITY: usize = 2;
+const CAPACITY: usize = 1;
 
 /// Triangles with constant charge.
 #[derive(Debug)]

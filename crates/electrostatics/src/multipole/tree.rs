@@ -55,8 +55,9 @@ impl Tree {
     ) -> Self {
         let middle =
             |i: usize| ends(i).iter().map(|end| end.coords).sum::<Vector3<f64>>() / N as f64;
-        let low = (0..count).fold(Vector3::repeat(f64::MAX), |low, i| low.inf(&middle(i)));
-        let high = (0..count).fold(Vector3::repeat(f64::MIN), |high, i| high.sup(&middle(i)));
+        let bounds = |[low, high]: [Vector3<f64>; 2], x| [low.inf(&x), high.sup(&x)];
+        let none = [f64::MAX, f64::MIN].map(Vector3::repeat);
+        let [low, high] = (0..count).map(middle).fold(none, bounds);
         let edge = (high - low).max().max(f64::MIN_POSITIVE) * (1.0 + 1e-12);
         let grow = |edge: f64| {
             let code = |i: usize| {

@@ -11,6 +11,7 @@ use crate::{
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Segments in a leaf, from measured rates.
 const CAPACITY: usize = 64;
@@ -93,12 +94,13 @@ impl ChargedFibers<'_> {
         let beside = beside.map(|(surface, condition)| Beside { surface, condition, unit });
         let Found { loads, energy, certificate } = loads(&tree, &lines, beside, self.accuracy)?;
         let factor = COULOMB_CONSTANT * unit * unit;
-        let mut places = vec![0; count];
-        tree.order.iter().enumerate().for_each(|(k, &i)| places[i as usize] = k);
+        let places: Vec<_> = (0..count).into_par_iter().map(AtomicUsize::new).collect();
+        let order = tree.order.par_iter().enumerate();
+        order.for_each(|(k, &i)| places[i as usize].store(k, Ordering::Relaxed));
         let forces = |fiber: usize| {
             let mut forces = vec![Vector3::zeros(); self.layout.node_range(fiber).len()];
             for (a, segment) in self.layout.segment_range(fiber).enumerate() {
-                let [_, start @ .., bx, by, bz] = loads[places[segment]];
+                let [_, start @ .., bx, by, bz] = loads[places[segment].load(Ordering::Relaxed)];
                 forces[a] += factor * Vector3::from(start);
                 forces[a + 1] += factor * Vector3::new(bx, by, bz);
             }
@@ -112,16 +114,20 @@ impl ChargedFibers<'_> {
     }
 
     /// The segments in the order of `tree`.
-    fn lines(&self, tree: &Tree, unit: f64, ends: impl Fn(usize) -> [Point3<f64>; 2]) -> Lines {
-        let mut lines = Lines::default();
-        for &i in &tree.order {
-            let segment = i as usize;
-            let fiber = self.layout.segment_fibers()[segment];
-            let charge = self.charges[segment] / unit;
-            #[expect(clippy::cast_possible_truncation, reason = "no more than 2^32 segments")]
-            lines.push(ends(segment), charge, self.radii[fiber], [fiber as u32, i]);
-        }
-        lines
+    fn lines(
+        &self,
+        tree: &Tree,
+        unit: f64,
+        ends: impl Fn(usize) -> [Point3<f64>; 2] + Sync,
+    ) -> Lines {
+        let order = || tree.order.par_iter().map(|i| *i as usize);
+        let fiber = |segment: usize| self.layout.segment_fibers()[segment];
+        Lines::new(
+            order().map(&ends).collect(),
+            order().map(|i| self.charges[i] / unit).collect(),
+            order().map(|i| self.radii[fiber(i)].powi(2)).collect(),
+            order().map(|i| ((fiber(i) as u64) << 32) | i as u64).collect(),
+        )
     }
 
     /// The second derivative of the energy in the direction `v` (m, one vector a node), N: the

@@ -1,5 +1,6 @@
 //! Fibres as straight charged segments.
 
+mod columns;
 mod fibers;
 mod lines;
 mod near;

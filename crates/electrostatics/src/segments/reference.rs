@@ -1,8 +1,8 @@
 //! Forces on sampled segments, without expansions.
 
+use super::columns::Columns;
 use super::lines::{Lines, Loads};
 use super::near::add_close;
-use super::pairs::Columns;
 use super::parallel::Parallel;
 use super::rules::Rules;
 use crate::Accuracy;

@@ -1,8 +1,8 @@
 //! What segments do to each other, and a conductor to them.
 
+use super::columns::Columns;
 use super::lines::{Lines, Loads};
 use super::near::add_close;
-use super::pairs::Columns;
 use super::parallel::Parallel;
 use super::reference::{STRICTEST, exact};
 use super::rules::{Node, Rules};
