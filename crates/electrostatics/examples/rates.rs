@@ -86,41 +86,19 @@ fn half_head(count: usize, accuracy: Accuracy) -> Result<(), ElectrostaticsError
         (0..=100).map(node)
     };
     let nodes: Vec<_> = (0..count).flat_map(hair).collect();
-    let charge = 7.7e-14;
-    let (charges, radii) = (vec![charge; layout.segments()], vec![40e-6; count]);
+    let (charges, radii) = (vec![7.7e-14; layout.segments()], vec![40e-6; count]);
     let start = Instant::now();
     let mesh = Mesh::new(shapes::sphere(0.09, 16)).expect("a closed surface");
     let head = ConductingSurface::new(&mesh)?;
     println!("{} triangles: {:.2} s", head.centers().len(), start.elapsed().as_secs_f64());
     let start = Instant::now();
     let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
-    let result = fibers.forces(&nodes)?;
+    let result = fibers.forces_beside(&nodes, &head, Condition::Charge(0.0))?;
     println!(
-        "forces of {} segments on each other: {:.2} s, {:?}",
+        "{} segments: {:.2} s, {:?}",
         layout.segments(),
         start.elapsed().as_secs_f64(),
         result.certificate
-    );
-    let start = Instant::now();
-    // Gauss's two points of each segment.
-    let on_segment = |fiber: usize| {
-        let of_fiber = &nodes[layout.node_range(fiber)];
-        of_fiber
-            .windows(2)
-            .flat_map(|ends| [0.211_324_865, 0.788_675_135].map(|t| ends[0].lerp(&ends[1], t)))
-    };
-    let points: Vec<_> = (0..count).flat_map(on_segment).collect();
-    let halves = vec![0.5 * charge; points.len()];
-    let potentials = head.potentials(&points, &halves, accuracy)?;
-    let seen = start.elapsed().as_secs_f64();
-    let induced = head.charges(&potentials, Condition::Charge(0.0))?;
-    let solved = start.elapsed().as_secs_f64();
-    let fields = head.fields(&induced, &points, accuracy)?.fields;
-    println!(
-        "forces of the head: {:.2} s, of it potentials {seen:.2}, charges {:.2}; {} points",
-        start.elapsed().as_secs_f64(),
-        solved - seen,
-        fields.len()
     );
     Ok(())
 }

@@ -39,7 +39,7 @@ impl Method for BarnesHut {
         check_positions("source", sources)?;
         check_positions("target", targets)?;
         check_charges(charges, sources.len())?;
-        let tree = Tree::new(sources.len(), 32, |i| [sources[i]; 2]);
+        let tree = Tree::new(sources.len(), 32, |i| [sources[i]]);
         let mut cloud = Cloud::default();
         for &i in &tree.order {
             cloud.push(sources[i as usize].into(), charges[i as usize]);

@@ -196,6 +196,14 @@ pub(crate) fn ln<S: Simd, R: Roots<S>>(roots: R, x: Lanes<S>) -> Lanes<S> {
     exponent.times_plus(x.of(std::f64::consts::LN_2), (f + f) * sum)
 }
 
+/// `ln((R1 + w1)/(R0 + w0))` in the form that does not cancel, where `R^2 - w^2` is the same for both.
+#[inline(always)]
+pub(crate) fn log<S: Simd, R: Roots<S>>(roots: R, w: [Lanes<S>; 2], r: [Lanes<S>; 2]) -> Lanes<S> {
+    let sign = (w[0] + w[1]).below(w[0].of(0.0), w[0].of(-1.0), w[0].of(1.0));
+    let (a, b) = (sign.times_plus(w[0], r[0]), sign.times_plus(w[1], r[1]));
+    sign * ln(roots, b * roots.reciprocal(a))
+}
+
 /// Angles of the points `(x, y)` between 0 and `2 pi`; those that are below zero by rounding stay so.
 #[inline(always)]
 pub(crate) fn angle<S: Simd, R: Roots<S>>(roots: R, x: Lanes<S>, y: Lanes<S>) -> Lanes<S> {

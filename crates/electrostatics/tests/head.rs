@@ -6,9 +6,10 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{DistanceField, Mesh, Sample, shapes};
 use rapunzel_electrostatics::{
-    Accuracy, COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface, Direct,
-    ElectrostaticsError, Method, thesis_repulsion,
+    Accuracy, COULOMB_CONSTANT, ChargedFibers, Condition, ConductingSphere, ConductingSurface,
+    Direct, ElectrostaticsError, Method, thesis_repulsion,
 };
+use rapunzel_fiber::Layout;
 
 const EXACT: Accuracy = Accuracy::Tolerance(1e-6);
 
@@ -196,6 +197,68 @@ fn triangles_feel_what_they_do() {
             assert!(error < 1e-6 * fields.fields[0].norm(), "{slope} at {at}");
         }
     }
+}
+
+/// The charges of fibres beside a conductor are those of Gauss's points on their segments, in direct sums
+/// of all pairs, and energy and forces belong together.
+#[test]
+fn fibers_feel_the_conductor_beside_them() {
+    let mesh = Mesh::new(shapes::sphere(0.09, 8)).expect("closed");
+    let surface = ConductingSurface::new(&mesh).expect("converges");
+    let fibers = 40;
+    let roots = common::sphere(fibers, 5);
+    let layout = Layout::new(vec![20; fibers]);
+    let node = |k: usize| Point3::from((0.0905 + 1e-3 * (k % 21) as f64) * roots[k / 21].coords);
+    let nodes: Vec<_> = (0..21 * fibers).map(node).collect();
+    let charges: Vec<_> = (0..20 * fibers).map(|k| 1e-13 * (1.0 + (k as f64).sin())).collect();
+    let radii = vec![40e-6; fibers];
+    let forces = |tolerance: f64, nodes: &[Point3<f64>], condition: Condition| {
+        let accuracy = Accuracy::Tolerance(tolerance);
+        let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
+        let alone = fibers.forces(nodes).expect("valid");
+        let beside = fibers.forces_beside(nodes, &surface, condition).expect("outside");
+        let forces = beside.forces.iter().zip(alone.forces).map(|(f, g)| f - g);
+        (beside.energy - alone.energy, forces.collect::<Vec<_>>(), beside.certificate)
+    };
+    // Gauss's two points err by (half length/distance)^4/135: 5e-4 for the root of each fibre, 1 mm above
+    // the edges of triangles, and a tenth of it for all.
+    let points = |k: usize| {
+        let [a, b] = layout.segment_nodes(k).map(|node| nodes[node]);
+        [0.211_324_865_405_187, 0.788_675_134_594_813].map(|t| a + t * (b - a))
+    };
+    let places: Vec<_> = (0..charges.len()).flat_map(points).collect();
+    let halves: Vec<_> = charges.iter().flat_map(|q| [0.5 * q; 2]).collect();
+    let potentials = surface.potentials(&places, &halves, EXACT).expect("outside");
+    for condition in [Condition::Charge(2e-11), Condition::Potential(-300.0)] {
+        let induced = surface.charges(&potentials, condition).expect("converges");
+        let fields = surface.fields(&induced, &places, EXACT).expect("outside").fields;
+        let mut exact = vec![Vector3::zeros(); nodes.len()];
+        for (k, field) in fields.iter().enumerate() {
+            let [a, b] = layout.segment_nodes(k / 2);
+            let part = [0.211_324_865_405_187, 0.788_675_134_594_813][k % 2];
+            exact[a] += (1.0 - part) * halves[k] * field;
+            exact[b] += part * halves[k] * field;
+        }
+        for tolerance in [1e-3, 1e-6] {
+            let (_, found, certificate) = forces(tolerance, &nodes, condition);
+            let error = common::relative(&found, &exact);
+            assert!(error < tolerance + 1e-4, "{tolerance}: {error:e}, {certificate:?}");
+        }
+        // All fibres are moved outward: the energy falls by what the forces do.
+        let step = 1e-6;
+        let moved = |sign: f64| -> Vec<_> {
+            nodes.iter().map(|x| x + sign * step * x.coords.normalize()).collect()
+        };
+        let energy = |sign: f64| forces(1e-6, &moved(sign), condition).0;
+        let work: f64 = exact.iter().zip(&nodes).map(|(f, x)| f.dot(&x.coords.normalize())).sum();
+        let slope = (energy(-1.0) - energy(1.0)) / (2.0 * step);
+        assert!((slope / work - 1.0).abs() < 1e-3, "{slope} N, not {work} N");
+    }
+    let inside: Vec<_> = nodes.iter().map(|x| 0.8 * x).collect();
+    let accuracy = EXACT;
+    let fibers = ChargedFibers { layout: &layout, charges: &charges, radii: &radii, accuracy };
+    let result = fibers.forces_beside(&inside, &surface, Condition::Charge(0.0));
+    assert!(matches!(result, Err(ElectrostaticsError::Inside { .. })), "{result:?}");
 }
 
 /// Points inside are refused, with a depth that they have at least; roots on the surface are not.

@@ -1,6 +1,6 @@
 //! Values of the harmonics at points, and expansions that are the gradient of another.
 
-use super::tables::{Tables, count, index};
+use super::tables::{Tables, count};
 use pulp::Simd;
 
 /// The values of all `R_nm` up to degree `order` at `point`, a point in each lane, into `out`.
@@ -58,36 +58,9 @@ impl Gradient {
     pub(crate) fn set(&mut self, tables: &Tables, order: usize, scale: f64, local: &[f64]) {
         self.terms.clear();
         self.terms.extend(local[..count(order)].iter().map(|&c| [c, 0.0, 0.0, 0.0]));
-        for n in 1..=order {
-            for m in 0..=n {
-                for (part, &place) in index(n, m)[..if m > 0 { 2 } else { 1 }].iter().enumerate() {
-                    let c = local[place] / scale * tables.norms[n][m];
-                    self.spread([n, m], part, c, tables);
-                }
-            }
+        let inverse = 1.0 / scale;
+        for slope in tables.slopes[..=order].iter().flatten() {
+            self.terms[slope.to][slope.axis] += local[slope.from] * inverse * slope.factor;
         }
-    }
-
-    /// Adds the derivatives of `c` times the unscaled harmonic `(n, m)`, its cosine (`part` 0) or
-    /// sine: `d/dz (n, m) = (n-1, m)`, and `d/dx`, `d/dy` are half the difference and half the sum
-    /// of `(n-1, m-1)` and `(n-1, m+1)`.
-    fn spread(&mut self, [n, m]: [usize; 2], part: usize, c: f64, tables: &Tables) {
-        let n = n - 1;
-        let mut add = |axis: usize, m: usize, part: usize, c: f64| {
-            if m <= n && (m > 0 || part == 0) {
-                self.terms[index(n, m)[part]][axis] += c / tables.norms[n][m];
-            }
-        };
-        add(3, m, part, c);
-        if m == 0 {
-            add(1, 1, 0, -c);
-            add(2, 1, 1, -c);
-            return;
-        }
-        let turned = if part == 0 { -0.5 } else { 0.5 } * c;
-        add(1, m - 1, part, 0.5 * c);
-        add(1, m + 1, part, -0.5 * c);
-        add(2, m + 1, 1 - part, turned);
-        add(2, m - 1, 1 - part, turned);
     }
 }

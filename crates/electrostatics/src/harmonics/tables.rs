@@ -76,14 +76,23 @@ pub(super) struct Step {
     pub(super) r_factor: f64,
 }
 
+/// A coefficient's share of a coefficient of one derivative.
+pub(super) struct Slope {
+    pub(super) from: usize,
+    pub(super) to: usize,
+    /// 1 for x, 2 for y, 3 for z.
+    pub(super) axis: usize,
+    pub(super) factor: f64,
+}
+
 /// Constants of the harmonics.
 pub(crate) struct Tables {
     /// `R_mm = diagonal[m] (x + i y) R_(m-1)(m-1)`.
     pub(super) diagonal: Vec<f64>,
     /// `steps[m][n - m]`.
     pub(super) steps: Vec<Vec<Step>>,
-    /// `sqrt((n-m)! (n+m)!)`, times `sqrt(2)` for `m > 0`: `R_nm` over the unscaled harmonic.
-    pub(super) norms: Vec<Vec<f64>>,
+    /// What each degree adds to the derivatives of an expansion.
+    pub(super) slopes: Vec<Vec<Slope>>,
 }
 
 impl Tables {
@@ -104,6 +113,7 @@ impl Tables {
                 r_factor: if n > m + 1 { (below / (n2 - m2)).sqrt() } else { 0.0 },
             }
         };
+        // `R_nm` over the unscaled harmonic.
         let norm = |n: usize, m: usize| {
             (factorials[n - m] * factorials[n + m]).sqrt() * if m > 0 { SQRT_2 } else { 1.0 }
         };
@@ -111,9 +121,38 @@ impl Tables {
         Self {
             diagonal: orders().map(diagonal).collect(),
             steps: orders().map(|m| (m..=MAX_ORDER).map(|n| step(m, n)).collect()).collect(),
-            norms: orders().map(|n| (0..=n).map(|m| norm(n, m)).collect()).collect(),
+            slopes: orders().map(|n| slopes(n, norm)).collect(),
         }
     }
+}
+
+/// What degree `n` adds to the derivatives. Those of the unscaled harmonic `(n, m)` are
+/// `d/dz (n, m) = (n-1, m)`, and `d/dx` and `d/dy` are half the difference and half the sum of
+/// `(n-1, m-1)` and `(n-1, m+1)`; a part is its cosine (0) or its sine.
+fn slopes(n: usize, norm: impl Fn(usize, usize) -> f64) -> Vec<Slope> {
+    let mut slopes = Vec::new();
+    for m in (0..=n).filter(|_| n > 0) {
+        for (part, &from) in index(n, m)[..if m > 0 { 2 } else { 1 }].iter().enumerate() {
+            let mut add = |axis: usize, k: usize, part: usize, factor: f64| {
+                if k < n && (k > 0 || part == 0) {
+                    let factor = factor * norm(n, m) / norm(n - 1, k);
+                    slopes.push(Slope { from, to: index(n - 1, k)[part], axis, factor });
+                }
+            };
+            add(3, m, part, 1.0);
+            if m == 0 {
+                add(1, 1, 0, -1.0);
+                add(2, 1, 1, -1.0);
+                continue;
+            }
+            let turned = if part == 0 { -0.5 } else { 0.5 };
+            add(1, m - 1, part, 0.5);
+            add(1, m + 1, part, -0.5);
+            add(2, m + 1, 1 - part, turned);
+            add(2, m - 1, 1 - part, turned);
+        }
+    }
+    slopes
 }
 
 fn factorials() -> Vec<f64> {

@@ -3,8 +3,14 @@
 use super::Condition;
 use super::elements::Elements;
 use super::iteration::{MOST, solve};
+use super::outside::{Add, Outside};
 use crate::error::{check_charges, check_count, check_positions};
-use crate::{Accuracy, ElectrostaticsError, Fields};
+use crate::multipole::engine::{Multipoles, scaled};
+use crate::multipole::near::Cloud;
+use crate::multipole::solver::{check_accuracy, unit};
+use crate::multipole::tree::Tree;
+use crate::real::Real;
+use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields};
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
 
@@ -13,6 +19,9 @@ const RESIDUAL: f64 = 1e-6;
 
 /// Nodes of the distance field along the longest side of the mesh.
 const NODES: f64 = 64.0;
+
+/// Points in a leaf, where they are by themselves.
+const CAPACITY: usize = 100;
 
 /// A conductor whose surface is a mesh.
 ///
@@ -93,9 +102,22 @@ impl ConductingSurface {
         charges: &[f64],
         accuracy: Accuracy,
     ) -> Result<Vec<f64>, ElectrostaticsError> {
+        check_accuracy(accuracy)?;
         self.check_outside(sources)?;
         check_charges(charges, sources.len())?;
-        self.elements.potentials(sources, charges, accuracy)
+        let unit = unit(charges);
+        let (tree, cloud) = sorted(sources, |i| charges[i] / unit);
+        let outside = Outside { tree: &tree, cloud: &cloud, per_body: 1 };
+        Ok(self.potentials_of(&self.elements.felt::<f64>(outside, None, accuracy)?, unit))
+    }
+
+    /// Potentials from what the triangles feel of charges in units of `unit`.
+    fn potentials_of(&self, felt: &[[f64; 4]], unit: f64) -> Vec<f64> {
+        let mut potentials = vec![0.0; felt.len()];
+        for (&triangle, felt) in self.elements.tree.order.iter().zip(felt) {
+            potentials[triangle as usize] = COULOMB_CONSTANT * unit * felt[0];
+        }
+        potentials
     }
 
     /// The charges of the triangles (C) when the other charges make `potentials` (V) at them.
@@ -109,16 +131,68 @@ impl ConductingSurface {
     ) -> Result<Vec<f64>, ElectrostaticsError> {
         check_count("potentials", potentials.len(), self.unit.len())?;
         check_charges(potentials, self.unit.len())?;
+        Ok(self.respond(potentials, condition)?.0)
+    }
+
+    /// The same, and its energy (J) beside half of that of the other charges in the potential that it
+    /// makes: with a given potential less the work of what holds it, and without that of its own charge.
+    fn respond(
+        &self,
+        potentials: &[f64],
+        condition: Condition,
+    ) -> Result<(Vec<f64>, f64), ElectrostaticsError> {
         let induced = charges(&self.elements, potentials)?;
-        let potential = match condition {
-            Condition::Potential(potential) => potential,
-            Condition::Charge(charge) => (charge + induced.iter().sum::<f64>()) / self.capacity(),
+        let drawn = induced.iter().sum::<f64>();
+        let (potential, own) = match condition {
+            Condition::Potential(potential) => (potential, potential),
+            Condition::Charge(charge) => {
+                ((charge + drawn) / self.capacity(), charge / self.capacity())
+            }
         };
-        Ok(self.unit.iter().zip(&induced).map(|(unit, q)| unit * potential - q).collect())
+        let charges = self.unit.iter().zip(&induced).map(|(unit, q)| unit * potential - q);
+        Ok((charges.collect(), 0.5 * own * drawn))
+    }
+
+    /// Adds to `out` what this conductor does to bodies outside, whose charges (in units of `unit`, C) have
+    /// these multipoles and degree `known`, as [`Elements::make`] does. Its energy (J), as [`respond`](Self::respond) tells it,
+    /// and the relative error are returned.
+    pub(crate) fn act<E: Real, const N: usize>(
+        &self,
+        condition: Condition,
+        (outside, unit): (Outside, f64),
+        known: (&Multipoles<E>, usize),
+        accuracy: Accuracy,
+        add: Add<N>,
+        out: &mut [[f64; N]],
+    ) -> Result<[f64; 2], ElectrostaticsError> {
+        let felt = self.elements.felt(outside, Some(known), accuracy)?;
+        let (charges, energy) = self.respond(&self.potentials_of(&felt, unit), condition)?;
+        let charges: Vec<_> = charges.iter().map(|charge| charge / unit).collect();
+        Ok([energy, self.elements.make(&charges, outside, accuracy, add, out)?])
+    }
+
+    /// Refuses bodies of which a point is inside, as [`check_outside`](Self::check_outside) does points.
+    pub(crate) fn check_bodies(&self, outside: Outside) -> Result<(), ElectrostaticsError> {
+        let Outside { tree, cloud, per_body } = outside;
+        for cell in tree.cells.iter().filter(|cell| cell.is_leaf()) {
+            let reach = self.distance.lipschitz() * cell.radius;
+            if self.distance.value(&cell.center) > reach {
+                continue;
+            }
+            for k in scaled(&cell.bodies, per_body) {
+                let depth = -self.distance.value(&[0, 1, 2].map(|d| cloud.x[d][k]).into());
+                if depth > self.distance.error() {
+                    let index = tree.order[k / per_body] as usize;
+                    return Err(ElectrostaticsError::Inside { index, depth });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The potentials and fields that triangles with the `charges` of a solution (C) make at `targets`
-    /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there are the gradient of their energy in the
+    /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there are the
+    /// gradient of their energy in the
     /// [`potentials`](Self::potentials) that they make.
     ///
     /// # Errors
@@ -129,10 +203,28 @@ impl ConductingSurface {
         targets: &[Point3<f64>],
         accuracy: Accuracy,
     ) -> Result<Fields, ElectrostaticsError> {
+        check_accuracy(accuracy)?;
         check_charges(charges, self.unit.len())?;
         self.check_outside(targets)?;
-        self.elements.fields(charges, targets, accuracy)
+        let unit = unit(charges);
+        let charges: Vec<_> = charges.iter().map(|charge| charge / unit).collect();
+        let (tree, cloud) = sorted(targets, |_| 0.0);
+        let outside = Outside { tree: &tree, cloud: &cloud, per_body: 1 };
+        let add = |_: usize, sums: &[[f64; 4]], out: &mut [f64; 4]| {
+            out.iter_mut().zip(&sums[0]).for_each(|(out, sum)| *out += sum);
+        };
+        let mut sums = vec![[0.0; 4]; targets.len()];
+        self.elements.make(&charges, outside, accuracy, &add, &mut sums)?;
+        Ok(Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)))
     }
+}
+
+/// Points in the order of a tree over them.
+fn sorted(points: &[Point3<f64>], charge: impl Fn(usize) -> f64) -> (Tree, Cloud) {
+    let tree = Tree::new(points.len(), CAPACITY, |i| [points[i]]);
+    let mut cloud = Cloud::default();
+    tree.order.iter().for_each(|&i| cloud.push(points[i as usize].into(), charge(i as usize)));
+    (tree, cloud)
 }
 
 /// The charges (C) that make `potentials` (V) at the triangles.

@@ -1,8 +1,10 @@
 //! A conducting head.
 
 mod boundary;
+mod close;
 mod elements;
 mod iteration;
+pub(crate) mod outside;
 mod sphere;
 mod thesis;
 mod triangle;

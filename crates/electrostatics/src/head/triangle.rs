@@ -1,12 +1,17 @@
-//! A triangle with its charge spread evenly.
+//! A triangle with its charge spread evenly, as seen from a point in each lane.
 
+use crate::lanes::{Lanes, Vectors, along, angle, dot, log, minus};
+use crate::machine::{Portable, Roots};
 use nalgebra::{Point3, Vector3};
+use pulp::{Scalar, Simd};
 
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
     corners: [Point3<f64>; 3],
     normal: Vector3<f64>,
+    /// Unit vectors along each side and outward from it, in the plane.
+    sides: [[Vector3<f64>; 2]; 3],
     area: f64,
     center: Point3<f64>,
     longest: f64,
@@ -16,7 +21,7 @@ pub(super) struct Triangle {
 
 /// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle: with
 /// errors below those of its center beyond three.
-pub(super) const RULED: f64 = 1.2;
+const RULED: f64 = 1.2;
 
 /// Points of [`RULE`].
 pub(super) const POINTS: usize = 7;
@@ -29,11 +34,19 @@ const RULE: [([f64; 2], f64); 3] = [
     ([0.797_426_985_353_087_3, 0.101_286_507_323_456_34], 0.125_939_180_544_827_15),
 ];
 
+/// Means over a triangle of `1/r` from the points in all lanes, and its gradients by them.
+pub(super) type Means<S> = [Lanes<S>; 4];
+
 impl Triangle {
     pub(super) fn new(corners: [Point3<f64>; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a));
         let double = normal.norm();
+        let normal = normal / double;
+        let side = |k: usize| {
+            let along = (corners[(k + 1) % 3] - corners[k]).normalize();
+            [along, along.cross(&normal)]
+        };
         let center = ((a.coords + b.coords + c.coords) / 3.0).into();
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         let mut points = [(center, RULE[0].1); POINTS];
@@ -43,7 +56,12 @@ impl Triangle {
             let place = a * first + b * second + c * (1.0 - first - second);
             *point = (place.into(), weight);
         }
-        Self { corners, normal: normal / double, area: 0.5 * double, center, longest, points }
+        let (sides, area) = ([0, 1, 2].map(side), 0.5 * double);
+        Self { corners, normal, sides, area, center, longest, points }
+    }
+
+    pub(super) fn corners(&self) -> [Point3<f64>; 3] {
+        self.corners
     }
 
     pub(super) fn center(&self) -> Point3<f64> {
@@ -54,76 +72,115 @@ impl Triangle {
         self.longest
     }
 
-    /// Whether [`points`](Self::points) do not stand for the triangle as seen from `x`.
-    pub(super) fn is_close(&self, x: &Point3<f64>) -> bool {
-        (x - self.center).norm() < RULED * self.longest
-    }
-
     /// The points that stand for it where it is not close, and their shares of it.
     pub(super) fn points(&self) -> [(Point3<f64>, f64); POINTS] {
         self.points
     }
 
-    /// The mean of `1/r` over [`points`](Self::points) as seen from `x`, and its gradient; a point does not
-    /// act on its own place.
-    pub(super) fn by_points(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
-        let (mut potential, mut gradient) = (0.0, Vector3::zeros());
+    /// The mean of `1/r` over the triangle as seen from one point.
+    pub(super) fn mean(&self, x: &Point3<f64>) -> f64 {
+        let x = lanes(Scalar::new(), &x.coords);
+        self.means(Portable, &x)[0].sum()
+    }
+
+    /// By [`points`](Self::points) where the triangle is not close to the points `x`, else exact.
+    #[inline(always)]
+    pub(super) fn means<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+        let r = minus(x, &lanes(x[0].simd, &self.center.coords));
+        let (r2, close) = (dot(&r, &r), x[0].of((RULED * self.longest).powi(2)));
+        if !r2.any_below(close) {
+            return self.by_points(roots, x);
+        }
+        let mut means = self.exact(roots, x);
+        if close.any_below(r2) {
+            for (mean, ruled) in means.iter_mut().zip(self.by_points(roots, x)) {
+                *mean = r2.below(close, *mean, ruled);
+            }
+        }
+        means
+    }
+
+    /// By [`points`](Self::points), which do not act on their own places.
+    #[inline(always)]
+    fn by_points<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+        let mut means = [x[0].of(0.0); 4];
         for (point, weight) in &self.points {
-            let r = x - point;
-            let length = r.norm();
-            if length > 0.0 {
-                let share = weight / length;
-                potential += share;
-                gradient -= share / (length * length) * r;
+            let r = minus(x, &lanes(x[0].simd, &point.coords));
+            let inverse = roots.inverse_root(dot(&r, &r));
+            let potential = x[0].of(*weight) * inverse;
+            means[0] = means[0] + potential;
+            let slope = potential * inverse * inverse;
+            for c in 0..3 {
+                means[1 + c] = slope.times_from(r[c], means[1 + c]);
             }
         }
-        (potential, gradient)
+        means
     }
 
-    /// The mean of `1/r` over the triangle as seen from `x`, and its gradient by x, everywhere exact
-    /// (Wilton and others, 1984): a logarithm for each side and the solid angle (van Oosterom and
-    /// Strackee, 1983). In the plane, where the gradient jumps across the triangle, it is the mean of
-    /// both sides.
-    pub(super) fn exact(&self, x: &Point3<f64>) -> (f64, Vector3<f64>) {
-        let height = (x - self.corners[0]).dot(&self.normal);
-        let sign = if height == 0.0 { 0.0 } else { height.signum() };
-        let to = self.corners.map(|corner| corner - x);
-        let lengths = to.map(|to| to.norm());
-        let angle = self.solid_angle(height.abs(), &to, lengths);
-        let (mut potential, mut gradient) = (-height.abs() * angle, -sign * angle * self.normal);
+    /// Everywhere exact (Wilton and others, 1984): a logarithm for each side and the solid angle (van
+    /// Oosterom and Strackee, 1983). In the plane, where the gradient jumps across the triangle, it is the
+    /// mean of both sides.
+    #[inline(always)]
+    fn exact<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+        let (simd, zero) = (x[0].simd, x[0].of(0.0));
+        let mut to = [[zero; 3]; 3];
+        let mut lengths = [zero; 3];
         for k in 0..3 {
-            let next = (k + 1) % 3;
-            let along = (to[next] - to[k]).normalize();
-            let outward = along.cross(&self.normal);
-            let p = to[k].dot(&outward);
-            // On the side itself nothing is left of its part of the potential.
-            if p * p + height * height <= 1e-28 * self.area {
-                continue;
-            }
-            let [la, lb] = [to[k].dot(&along), to[next].dot(&along)];
-            let [ra, rb] = [lengths[k], lengths[next]];
-            // The form that does not cancel.
-            let ratio = if la + lb > 0.0 { (rb + lb) / (ra + la) } else { (ra - la) / (rb - lb) };
-            let log = ratio.ln();
-            potential += p * log;
-            gradient -= log * outward;
+            to[k] = minus(&lanes(simd, &self.corners[k].coords), x);
+            lengths[k] = dot(&to[k], &to[k]).square_root();
         }
-        (potential / self.area, gradient / self.area)
-    }
-
-    /// The solid angle that the triangle fills, seen from a `height` over its plane, with vectors to
-    /// its corners and their lengths.
-    fn solid_angle(&self, height: f64, to: &[Vector3<f64>; 3], lengths: [f64; 3]) -> f64 {
-        let [a, b, c] = to;
+        let normal = lanes(simd, &self.normal);
+        let height = -dot(&to[0], &normal);
+        let [a, b, c] = &to;
         let [ra, rb, rc] = lengths;
-        let denominator = ra * rb * rc + a.dot(b) * rc + a.dot(c) * rb + b.dot(c) * ra;
-        2.0 * (2.0 * self.area * height).atan2(denominator)
+        let spread = dot(a, c).times_plus(rb, dot(b, c).times_plus(ra, ra * rb * rc));
+        let spread = dot(a, b).times_plus(rc, spread);
+        let half = angle(roots, spread, height.abs() * zero.of(2.0 * self.area));
+        let solid_angle = half + half;
+        let sign = height.below(zero, zero.of(-1.0), zero.of(1.0));
+        let sign = zero.below(height.abs(), sign, zero);
+        let mut potential = -(height.abs() * solid_angle);
+        let mut gradient = along(&[zero; 3], &normal, -(sign * solid_angle));
+        for k in 0..3 {
+            let [tangent, outward] = &self.sides[k];
+            let (tangent, outward) = (lanes(simd, tangent), lanes(simd, outward));
+            let (next, p) = ((k + 1) % 3, dot(&to[k], &outward));
+            let ways = [dot(&to[k], &tangent), dot(&to[next], &tangent)];
+            // On the side itself nothing is left of its part of the potential.
+            let gap2 = p.times_plus(p, height * height);
+            let log = log(roots, ways, [lengths[k], lengths[next]]);
+            let log = zero.of(1e-28 * self.area).below(gap2, log, zero);
+            potential = p.times_plus(log, potential);
+            gradient = along(&gradient, &outward, -log);
+        }
+        let over = zero.of(1.0 / self.area);
+        let [x, y, z] = gradient;
+        [potential * over, x * over, y * over, z * over]
     }
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, v: &Vector3<f64>) -> Vectors<S> {
+    [Lanes::splat(simd, v.x), Lanes::splat(simd, v.y), Lanes::splat(simd, v.z)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn numbers(means: Means<Scalar>) -> (f64, Vector3<f64>) {
+        let [potential, x, y, z] = means.map(|mean| mean.sum());
+        (potential, Vector3::new(x, y, z))
+    }
+
+    fn by_points(triangle: &Triangle, x: &Point3<f64>) -> (f64, Vector3<f64>) {
+        numbers(triangle.by_points(Portable, &lanes(Scalar::new(), &x.coords)))
+    }
+
+    fn exact(triangle: &Triangle, x: &Point3<f64>) -> (f64, Vector3<f64>) {
+        numbers(triangle.exact(Portable, &lanes(Scalar::new(), &x.coords)))
+    }
 
     /// The rule is right to what three sides away is lost by the center: the second moments of the
     /// triangle, at most a twelfth of its longest side squared, over the squared distance.
@@ -134,9 +191,9 @@ mod tests {
         for direction in [[1.0, 0.0, 0.0], [0.2, -0.5, 0.7], [-0.3, 0.9, 0.1], [0.0, 0.1, 1.0]] {
             let away = RULED * 1.001 * triangle.longest() * Vector3::from(direction).normalize();
             let x = triangle.center() + away;
-            let (potential, gradient) = triangle.by_points(&x);
-            let (exact, slope) = triangle.exact(&x);
-            assert!((potential / exact - 1.0).abs() < 1.0 / 12.0 / 9.0, "{potential}, not {exact}");
+            let (potential, gradient) = by_points(&triangle, &x);
+            let (mean, slope) = exact(&triangle, &x);
+            assert!((potential / mean - 1.0).abs() < 1.0 / 12.0 / 9.0, "{potential}, not {mean}");
             assert!((gradient - slope).norm() < 3.0 / 12.0 / 9.0 * slope.norm(), "{gradient}");
         }
     }
@@ -147,9 +204,9 @@ mod tests {
         let triangle = Triangle::new(corners);
         for at in [[0.3, 0.2, 0.3], [0.4, 0.3, -0.1], [2.0, 0.1, 0.4], [-0.2, 0.5, 0.01]] {
             let at = Point3::from(at);
-            let (_, gradient) = triangle.exact(&at);
+            let (_, gradient) = exact(&triangle, &at);
             for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-                let potential = |t: f64| triangle.exact(&(at + t * axis)).0;
+                let potential = |t: f64| exact(&triangle, &(at + t * axis)).0;
                 let slope = (potential(1e-5) - potential(-1e-5)) / 2e-5;
                 assert!((slope - gradient.dot(&axis)).abs() < 1e-8, "{slope} at {at}");
             }

@@ -20,6 +20,11 @@ const TASK: [usize; 2] = [8192, 131_072];
 /// Subtrees that are one task each, about, if they have that many bodies.
 const TASKS: usize = 16;
 
+/// Bodies below which a subtree is one task, of this many.
+pub(crate) fn grain(bodies: usize) -> usize {
+    (bodies / TASKS).clamp(TASK[0], TASK[1])
+}
+
 /// The multipoles of all cells of a tree.
 pub(crate) struct Multipoles<'a, E> {
     pub(crate) tree: &'a Tree,
@@ -82,7 +87,8 @@ impl<'a, E: Real> Multipoles<'a, E> {
     }
 }
 
-fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
+/// The points of `bodies`.
+pub(crate) fn scaled(bodies: &Range<usize>, per_body: usize) -> Range<usize> {
     bodies.start * per_body..bodies.end * per_body
 }
 
@@ -205,6 +211,8 @@ pub(crate) struct Descent<'a, L, E> {
     pub(crate) clearance: f64,
     /// Pairs of bodies that are cheaper one by one than by their cells.
     pub(crate) direct: usize,
+    /// Bodies of the targets below which a subtree is one task.
+    pub(crate) grain: usize,
     /// Bodies of the targets, ascending, that are wanted; without, all.
     pub(crate) samples: Option<&'a [usize]>,
 }
@@ -297,8 +305,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         movers.translator.each(Kind::Local, &shifts, &mut locals);
         let locals = cell.children.clone().zip(locals.chunks_exact(size));
         let (pending, Task { bodies, samples, mut out }) = (&lists.pending, task);
-        let least = (self.targets.order.len() / TASKS).clamp(TASK[0], TASK[1]);
-        if cell.bodies.len() <= least {
+        if cell.bodies.len() <= self.grain {
             for (child, local) in locals {
                 let task = Task { bodies: bodies.clone(), samples, out: &mut *out };
                 self.visit(child, local.to_vec(), pending.clone(), movers, task);

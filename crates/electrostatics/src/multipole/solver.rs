@@ -1,6 +1,6 @@
 //! The fast multipole method for point charges.
 
-use super::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task};
+use super::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain};
 use super::near::{Cloud, add_pairs};
 use super::reference::Reference;
 use super::single::add_pairs_single;
@@ -83,7 +83,7 @@ impl Plan {
         check_positions("target", targets)?;
         let capacity = capacity(accuracy);
         let plant = |points: &[Point3<f64>]| {
-            let tree = Tree::new(points.len(), capacity, |i| [points[i]; 2]);
+            let tree = Tree::new(points.len(), capacity, |i| [points[i]]);
             let sorted = places(tree.order.iter().map(|&i| &points[i as usize]));
             (tree, sorted)
         };
@@ -98,9 +98,7 @@ impl Plan {
     /// Charges that are not finite or not one for each source, and a tolerance out of reach.
     pub fn fields(&self, charges: &[f64]) -> Result<(Fields, Certificate), ElectrostaticsError> {
         check_charges(charges, self.sources.order.len())?;
-        // Charges near one keep squares of fields within range; a power of two keeps their bits.
-        let unit = charges.iter().fold(0.0, |unit: f64, q| unit.max(q.abs()));
-        let unit = if unit > 0.0 { unit.log2().floor().exp2() } else { 1.0 };
+        let unit = unit(charges);
         let charge = self.sources.order.iter().map(|&i| charges[i as usize] / unit).collect();
         let cloud = Cloud { x: self.places.clone(), charge };
         let own = (&self.sources, &self.places);
@@ -129,6 +127,13 @@ impl Plan {
         };
         Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
     }
+}
+
+/// The unit in which the largest of `charges` is near one, so that squares of fields stay within range; a
+/// power of two keeps their bits.
+pub(crate) fn unit(charges: &[f64]) -> f64 {
+    let most = charges.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+    if most > 0.0 { most.log2().floor().exp2() } else { 1.0 }
 }
 
 /// Refuses what no expansion can give.
@@ -295,6 +300,7 @@ impl<E: Real> Sum<'_, E> {
             degrees: Degrees::new(order, OPENING, thinning(self.plan.accuracy)),
             clearance: 0.0,
             direct: pairs_per_shift(order),
+            grain: grain(self.targets.order.len()),
             samples,
         }
         .run(out);

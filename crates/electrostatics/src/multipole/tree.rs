@@ -45,20 +45,19 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// The tree over `count` bodies (at most 2^32), each the segment between `ends(i)`; leaves hold
+    /// The tree over `count` bodies (at most 2^32), each what lies between its `ends(i)`; leaves hold
     /// at most `capacity` bodies, unless those coincide. The root's cube is larger than it must be where
     /// this fills leaves better: those of evenly spread bodies are all filled alike, by chance.
-    pub(crate) fn new(
+    pub(crate) fn new<const N: usize>(
         count: usize,
         capacity: usize,
-        ends: impl Fn(usize) -> [Point3<f64>; 2] + Sync,
+        ends: impl Fn(usize) -> [Point3<f64>; N] + Sync,
     ) -> Self {
-        let middle = |i: usize| {
-            let [a, b] = ends(i);
-            (a.coords + b.coords) * 0.5
-        };
-        let low = (0..count).fold(Vector3::repeat(f64::MAX), |low, i| low.inf(&middle(i)));
-        let high = (0..count).fold(Vector3::repeat(f64::MIN), |high, i| high.sup(&middle(i)));
+        let middle =
+            |i: usize| ends(i).iter().map(|end| end.coords).sum::<Vector3<f64>>() / N as f64;
+        let bounds = |[low, high]: [Vector3<f64>; 2], x| [low.inf(&x), high.sup(&x)];
+        let none = [f64::MAX, f64::MIN].map(Vector3::repeat);
+        let [low, high] = (0..count).map(middle).fold(none, bounds);
         let edge = (high - low).max().max(f64::MIN_POSITIVE) * (1.0 + 1e-12);
         let grow = |edge: f64| {
             let code = |i: usize| {
@@ -90,7 +89,7 @@ impl Tree {
     }
 
     /// Finds the tight spheres, leaves first.
-    fn fit(&mut self, ends: impl Fn(usize) -> [Point3<f64>; 2] + Sync) {
+    fn fit<const N: usize>(&mut self, ends: impl Fn(usize) -> [Point3<f64>; N] + Sync) {
         let order = &self.order;
         self.cells.par_iter_mut().filter(|cell| cell.is_leaf()).for_each(|cell| {
             let bodies = &order[cell.bodies.clone()];
@@ -196,7 +195,7 @@ mod tests {
         let golden = [0.819_172_513, 0.671_043_607, 0.549_700_478];
         for count in [3000, 6000, 12_000, 24_000, 48_000] {
             let point = |i: usize| Point3::from(golden.map(|g| (i as f64 * g).fract()));
-            let tree = Tree::new(count, 100, |i| [point(i); 2]);
+            let tree = Tree::new(count, 100, |i| [point(i)]);
             let leaves: Vec<_> = tree.cells.iter().filter(|cell| cell.is_leaf()).collect();
             let squares: usize = leaves.iter().map(|leaf| leaf.bodies.len().pow(2)).sum();
             let mean = squares as f64 / count as f64;

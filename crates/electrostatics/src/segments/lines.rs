@@ -4,6 +4,7 @@ use super::skew::Line;
 use crate::lanes::{LANES, Lanes};
 use nalgebra::{Point3, Vector3};
 use pulp::Simd;
+use rayon::prelude::*;
 
 /// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
 /// changes the force between touching hairs by 1e-10.
@@ -13,7 +14,6 @@ const CLOSEST: f64 = 1e-9;
 pub(super) const SOFTENING: f64 = CLOSEST * CLOSEST;
 
 /// Segments coordinate by coordinate.
-#[derive(Default)]
 pub(super) struct Lines {
     /// Start, tangent and length, for the closed form.
     ends: Vec<[f64; 7]>,
@@ -29,23 +29,28 @@ pub(super) struct Lines {
 pub(super) type Loads = [f64; 7];
 
 impl Lines {
-    /// Adds the segment `index` of `fiber`.
-    pub(super) fn push(
-        &mut self,
-        [start, end]: [Point3<f64>; 2],
-        charge: f64,
-        radius: f64,
-        [fiber, index]: [u32; 2],
-    ) {
-        let length = (end - start).norm();
-        let half = 0.5 * (end - start);
-        let tangent = (end - start) / length;
-        self.ends.push([start.x, start.y, start.z, tangent.x, tangent.y, tangent.z, length]);
-        let [x, y, z] = (start + half).into();
-        let bar = [x, y, z, half.x, half.y, half.z, length, 1.0 / length, charge];
-        self.bars.iter_mut().zip(bar).for_each(|(row, value)| row.push(value));
-        self.softening.push(radius * radius);
-        self.chain.push((u64::from(fiber) << 32) | u64::from(index));
+    /// Segments between their two `ends`, with the squares of their radii and their places in the `chain`.
+    pub(super) fn new(
+        ends: Vec<[Point3<f64>; 2]>,
+        charges: Vec<f64>,
+        softening: Vec<f64>,
+        chain: Vec<u64>,
+    ) -> Self {
+        let row = |number: &(dyn Fn(&[Point3<f64>; 2]) -> f64 + Sync)| -> Vec<f64> {
+            ends.par_iter().map(number).collect()
+        };
+        let middle = |d: usize| row(&|[a, b]| 0.5 * (a[d] + b[d]));
+        let half = |d: usize| row(&|[a, b]| 0.5 * (b[d] - a[d]));
+        let length = row(&|[a, b]| (b - a).norm());
+        let inverse = length.par_iter().map(|length| 1.0 / length).collect();
+        let bars =
+            [middle(0), middle(1), middle(2), half(0), half(1), half(2), length, inverse, charges];
+        let end = |[a, b]: [Point3<f64>; 2]| {
+            let (length, [x, y, z]) = ((b - a).norm(), a.into());
+            let tangent = (b - a) / length;
+            [x, y, z, tangent.x, tangent.y, tangent.z, length]
+        };
+        Self { ends: ends.into_par_iter().map(end).collect(), bars, softening, chain }
     }
 
     /// Middle from `center`, half, length, its inverse and charge of segment `i`.

@@ -1,5 +1,7 @@
 //! Fibres as straight charged segments.
 
+mod columns;
+mod fibers;
 mod lines;
 mod near;
 mod pairs;
@@ -9,4 +11,4 @@ mod rules;
 mod skew;
 mod solver;
 
-pub use solver::{ChargedFibers, Electrostatics};
+pub use fibers::{ChargedFibers, Electrostatics};

@@ -1,66 +1,14 @@
 //! Pairs of segments by the points of Gauss's rules, a source in each lane.
 
+use super::columns::{Block, Columns, WIDEST};
 use super::lines::{Lines, Loads, SOFTENING};
 use super::rules::{Node, Rules};
 use crate::lanes::{Lanes, Vectors, along, dot, minus, scaled};
 use crate::machine::{Kernel, Machine, dispatch};
 use crate::real::Real;
 use pulp::Simd;
-use std::ops::Range;
-
-/// Most lanes of any register.
-const MOST_LANES: usize = 16;
-
-/// What fills a register: a segment far from all others, of unit length and without charge.
-const NOTHING: [f64; 9] = [1e9, 1e9, 1e9, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
-
-/// Segments as sources, coordinate by coordinate, with places from a center.
-pub(super) struct Columns<E> {
-    center: [f64; 3],
-    /// Rows as those of [`Lines::bars`].
-    rows: [Vec<E>; 9],
-    indices: Vec<usize>,
-    /// Of those that act on the targets and feel nothing, which come first.
-    alone: usize,
-    /// What the others feel: forces and moments.
-    felt: [Vec<E>; 6],
-}
 
 impl<E: Real> Columns<E> {
-    /// The segments `alone`, which act on the targets, and those that are `mutual`, which also feel them.
-    pub(super) fn new(
-        lines: &Lines,
-        center: [f64; 3],
-        [alone, mutual]: [&[Range<usize>]; 2],
-    ) -> Self {
-        let size = |ranges: &[Range<usize>]| {
-            ranges.iter().map(Range::len).sum::<usize>().next_multiple_of(MOST_LANES)
-        };
-        let (alone_size, size) = (size(alone), size(alone) + size(mutual));
-        let row = |(k, values): (usize, &Vec<f64>)| {
-            let origin = center.get(k).copied().unwrap_or(0.0);
-            let mut row = Vec::with_capacity(size);
-            for (ranges, end) in [(alone, alone_size), (mutual, size)] {
-                for range in ranges {
-                    row.extend(values[range.clone()].iter().map(|x| E::of(x - origin)));
-                }
-                row.resize(end, E::of(NOTHING[k]));
-            }
-            row
-        };
-        let mut rows = [(); 9].map(|()| Vec::new());
-        for (to, of) in rows.iter_mut().zip(lines.bars.iter().enumerate()) {
-            *to = row(of);
-        }
-        let mut indices = Vec::with_capacity(size);
-        for (ranges, end) in [(alone, alone_size), (mutual, size)] {
-            indices.extend(ranges.iter().cloned().flatten());
-            indices.resize(end, usize::MAX);
-        }
-        let felt = [(); 6].map(|()| vec![E::of(0.0); size - alone_size]);
-        Self { center, rows, indices, alone: alone_size, felt }
-    }
-
     /// Adds to `out` the loads of the `targets` by all, each pair by the rule that serves it, and returns
     /// the pairs that are too close for any. A target among those that are alone is no pair.
     pub(super) fn act(
@@ -73,21 +21,6 @@ impl<E: Real> Columns<E> {
         let mut close = Vec::new();
         dispatch(Pairs { lines, rules, columns: self, targets, close: &mut close, out });
         close
-    }
-
-    /// Those that are mutual, and their loads.
-    pub(super) fn felt(&self) -> impl Iterator<Item = (usize, Loads)> {
-        let loads = move |k: usize| {
-            let felt = |row: usize| 0.5 * self.felt[row][k].double();
-            let mut loads = [0.0; 7];
-            for c in 0..3 {
-                loads[1 + c] = felt(3 + c) - felt(c);
-                loads[4 + c] = -felt(3 + c) - felt(c);
-            }
-            loads
-        };
-        let mutual = self.indices[self.alone..].iter().enumerate();
-        mutual.filter(|(_, i)| **i < usize::MAX).map(move |(k, i)| (*i, loads(k)))
     }
 }
 
@@ -129,8 +62,10 @@ impl<E: Real> Kernel for Pairs<'_, E> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { lines, rules, columns, targets, close, out } = self;
-        let Columns { center, rows, indices, alone, felt } = columns;
+        let Columns { center, blocks, indices, alone, felt } = columns;
         let zero = Lanes::<S, E>::splat(simd, 0.0);
+        let [sum, difference] = rules.reach();
+        let reach = [Lanes::all(simd, sum), Lanes::all(simd, difference)];
         // The sources that no rule serves.
         let mut list = vec![0; indices.len()];
         for (&i, out) in targets.iter().zip(out) {
@@ -140,14 +75,11 @@ impl<E: Real> Kernel for Pairs<'_, E> {
             }
             let own = Bars::new(own);
             let sums = Sums { energy: zero, force: [zero; 3], moment: [zero; 3] };
-            let mut seen = Seen { rules, rows, own, sums, list: &mut list, count: 0 };
-            for first in (0..indices.len()).step_by(E::lanes::<S>()) {
-                let [force, moment] = seen.add(machine, first, first < *alone);
-                if first >= *alone {
-                    for c in 0..3 {
-                        add_to(&mut felt[c][first - *alone..], force[c]);
-                        add_to(&mut felt[3 + c][first - *alone..], moment[c]);
-                    }
+            let mut seen = Seen { rules, reach, own, sums, list: &mut list, count: 0 };
+            for (k, block) in blocks.iter().enumerate() {
+                for part in 0..WIDEST / E::lanes::<S>() {
+                    let felt = if k < *alone { None } else { Some(&mut felt[k - *alone]) };
+                    seen.add(machine, block, [k, part], felt);
                 }
             }
             let Seen { sums, count, .. } = seen;
@@ -162,16 +94,11 @@ impl<E: Real> Kernel for Pairs<'_, E> {
     }
 }
 
-#[inline(always)]
-fn add_to<S: Simd, E: Real>(row: &mut [E], values: Lanes<S, E>) {
-    let sum = &mut E::registers_mut::<S>(row)[0];
-    *sum = E::add(values.simd, *sum, values.values);
-}
-
 /// What a target sees.
 struct Seen<'a, S: Simd, E: Real> {
     rules: &'a Rules<E>,
-    rows: &'a [Vec<E>; 9],
+    /// As [`Rules::reach`].
+    reach: [Lanes<S, E>; 2],
     own: Bars<S, E>,
     sums: Sums<S, E>,
     /// The sources that no rule serves, and how many they are.
@@ -180,37 +107,49 @@ struct Seen<'a, S: Simd, E: Real> {
 }
 
 impl<'a, S: Simd, E: Real> Seen<'a, S, E> {
-    /// Adds the sources in the register from `first` on, and tells the force on the target and its
-    /// moment about their middles.
+    /// Adds the sources in a register: `part` of `block`, which is the `k`th; and to `felt` what they feel.
     #[inline(always)]
-    fn add<M: Machine<S>>(&mut self, machine: M, first: usize, alone: bool) -> [Vectors<S, E>; 2] {
+    fn add<M: Machine<S>>(
+        &mut self,
+        machine: M,
+        block: &Block<E, 9>,
+        [k, part]: [usize; 2],
+        felt: Option<&mut Block<E, 6>>,
+    ) {
+        let simd = self.own.charge.simd;
         let mut other = [self.own.charge; 9];
-        for (other, row) in other.iter_mut().zip(self.rows) {
-            *other = Lanes::load(self.own.charge.simd, &row[first..]);
+        for (other, row) in other.iter_mut().zip(block) {
+            *other = Lanes { simd, values: E::registers::<S>(row)[part] };
         }
         let mut other = Bars::new(other);
         let r = minus(&self.own.middle, &other.middle);
         other.charge = other.charge * self.own.charge;
-        let rule = self.rule(machine, &r, &mut other, first);
-        let sums = sums(machine, rule, &self.own, &other, &r);
+        let first = k * WIDEST + part * E::lanes::<S>();
+        let sums = match self.rule(machine, &r, &mut other, first) {
+            [node, _] => of_two(machine, node, &self.own, &other, &r),
+            rule => sums(machine, rule, &self.own, &other, &r),
+        };
         // Inverse roots are doubled.
         let charge = other.charge * other.charge.of(0.125);
         let [none, v, vv] = scaled(&[sums[0], sums[2], sums[5]], charge);
         let [u, uv, uu] = scaled(&[sums[1], sums[4], sums[3]], charge);
         let vectors = [&r, &self.own.half, &other.half];
-        let force = combined(vectors, [none, u, v]);
-        let moment = combined(vectors, [u, uu, uv]);
-        let other_moment = combined(vectors, [v, uv, vv]);
-        let energy =
-            dot(&force, &r) + dot(&moment, &self.own.half) - dot(&other_moment, &other.half);
-        let sums = &mut self.sums;
-        let share = charge.of(if alone { 0.5 } else { 1.0 });
-        sums.energy = energy.times_plus(share, sums.energy);
+        let (force, moment) = (combined(vectors, [none, u, v]), combined(vectors, [u, uu, uv]));
+        let own = &mut self.sums;
+        let share = other.charge.of(if felt.is_some() { 0.5 } else { 0.25 });
+        own.energy = (sums[6] * share).times_plus(other.charge, own.energy);
         for c in 0..3 {
-            sums.force[c] = sums.force[c] + force[c];
-            sums.moment[c] = sums.moment[c] + moment[c];
+            own.force[c] = own.force[c] + force[c];
+            own.moment[c] = own.moment[c] + moment[c];
         }
-        [force, other_moment]
+        if let Some(felt) = felt {
+            let other_moment = combined(vectors, [v, uv, vv]);
+            let (forces, moments) = felt.split_at_mut(3);
+            for c in 0..3 {
+                add_to(&mut forces[c], part, force[c]);
+                add_to(&mut moments[c], part, other_moment[c]);
+            }
+        }
     }
 
     /// The rule that serves all of `other`; what none serves is listed and loses its charge.
@@ -224,7 +163,10 @@ impl<'a, S: Simd, E: Real> Seen<'a, S, E> {
     ) -> &'a [Node<E>] {
         let (simd, rules) = (other.charge.simd, self.rules.all());
         let last = rules.len() - 1;
-        let reach = (self.own.length + other.length) * Lanes::all(simd, self.rules.reach());
+        let [sum, difference] = self.reach;
+        let lengths = (self.own.length + other.length) * sum;
+        let unlike = (self.own.length - other.length).abs();
+        let reach = unlike.times_plus(difference, lengths);
         if !dot(r, r).any_below(reach * reach) {
             return &rules[0].points;
         }
@@ -285,8 +227,8 @@ fn nearness<S: Simd, E: Real, M: Machine<S>>(
     least
 }
 
-/// Means of `u^i v^j/r^3` over both segments, whose middles are `r` from each other, by a rule, times 8: for (i, j) = (0, 0), (1, 0), (0, 1), (2, 0), (1, 1) and
-/// (0, 2).
+/// Means over both segments, whose middles are `r` from each other, by a rule: of `u^i v^j/r^3`, times 8,
+/// for (i, j) = (0, 0), (1, 0), (0, 1), (2, 0), (1, 1) and (0, 2); and of `1/r`, times 2.
 ///
 /// Two points with the places u and v are `r + u own - v other` from each other. Only the part of it along
 /// `other` depends on v.
@@ -297,7 +239,7 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
     own: &Bars<S, E>,
     other: &Bars<S, E>,
     r: &Vectors<S, E>,
-) -> [Lanes<S, E>; 6] {
+) -> [Lanes<S, E>; 7] {
     let (zero, softening) = (other.charge.of(0.0), other.charge.of(SOFTENING));
     let simd = zero.simd;
     let tangent = scaled(&other.half, other.inverse_length + other.inverse_length);
@@ -305,7 +247,7 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
     let (r_along, own_along) = (dot(r, &tangent), dot(&own.half, &tangent));
     let r_across = along(r, &tangent, -r_along);
     let own_across = along(&own.half, &tangent, -own_along);
-    let mut sums = [zero; 6];
+    let mut sums = [zero; 7];
     for &Node { place, square, weight } in rule {
         let (place, square) = (Lanes::all(simd, place), Lanes::all(simd, square));
         let weight = Lanes::all(simd, weight);
@@ -314,10 +256,13 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
         let across2 = across[1].times_plus(across[1], across[0].times_plus(across[0], across2));
         let here = own_along.times_plus(place, r_along);
         let mut powers = [zero; 3];
+        let mut energy = zero;
         for &Node { place, square, weight } in rule {
             let beside = half.times_from(Lanes::all(simd, place), here);
             let inverse = E::double_inverse_root(machine, beside.times_plus(beside, across2));
-            let share = (inverse * Lanes::all(simd, weight)) * (inverse * inverse);
+            let weighed = inverse * Lanes::all(simd, weight);
+            let share = weighed * (inverse * inverse);
+            energy = energy + weighed;
             powers[0] = powers[0] + share;
             powers[1] = share.times_plus(Lanes::all(simd, place), powers[1]);
             powers[2] = share.times_plus(Lanes::all(simd, square), powers[2]);
@@ -329,8 +274,55 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
         sums[3] = powers[0].times_plus(square, sums[3]);
         sums[4] = powers[1].times_plus(place, sums[4]);
         sums[5] = sums[5] + powers[2];
+        sums[6] = energy.times_plus(weight, sums[6]);
     }
     sums
+}
+
+/// The same by the rule of two points, of which `node` is one, for segments that are not close: all four
+/// distances are from the products of the three vectors.
+#[inline(always)]
+fn of_two<S: Simd, E: Real, M: Machine<S>>(
+    machine: M,
+    node: &Node<E>,
+    own: &Bars<S, E>,
+    other: &Bars<S, E>,
+    r: &Vectors<S, E>,
+) -> [Lanes<S, E>; 7] {
+    let simd = r[0].simd;
+    let (place, square) = (Lanes::all(simd, node.place), Lanes::all(simd, node.square));
+    let squares = own.length.times_plus(own.length, other.length * other.length);
+    let middle = squares.times_plus(square * r[0].of(0.25), dot(r, r));
+    let (twice, twice_square) = (place + place, square + square);
+    let ahead = dot(r, &own.half) * twice;
+    let behind = dot(r, &other.half) * twice;
+    let both = dot(&own.half, &other.half) * twice_square;
+    let ends = [middle + ahead, middle - ahead];
+    let ways = [behind + both, behind - both];
+    let (mut cubes, mut energy) = ([[middle; 2]; 2], r[0].of(0.0));
+    for u in 0..2 {
+        for (v, square) in [ends[u] - ways[u], ends[u] + ways[u]].into_iter().enumerate() {
+            let inverse = E::double_inverse_root(machine, square);
+            energy = energy + inverse;
+            cubes[u][v] = inverse * (inverse * inverse);
+        }
+    }
+    let [[a, b], [c, d]] = cubes;
+    let quarter = r[0].of(0.25);
+    let (place, square) = (place * quarter, square * quarter);
+    let none = (a + b) + (c + d);
+    let u = ((a + b) - (c + d)) * place;
+    let v = ((a - b) + (c - d)) * place;
+    let uv = ((a - b) - (c - d)) * square;
+    let uu = none * square;
+    [none * quarter, u, v, uu, uv, uu, energy * quarter]
+}
+
+/// Adds to a register of a row.
+#[inline(always)]
+fn add_to<S: Simd, E: Real>(row: &mut [E; WIDEST], part: usize, values: Lanes<S, E>) {
+    let sum = &mut E::registers_mut::<S>(row)[part];
+    *sum = E::add(values.simd, *sum, values.values);
 }
 
 /// `a x + b y - c z`.

@@ -1,12 +1,13 @@
 //! Forces on sampled segments, without expansions.
 
+use super::columns::Columns;
 use super::lines::{Lines, Loads};
 use super::near::add_close;
-use super::pairs::Columns;
 use super::parallel::Parallel;
 use super::rules::Rules;
 use crate::Accuracy;
 use crate::multipole::engine::Task;
+use crate::real::Real;
 use rayon::prelude::*;
 
 /// Sources whose action on the samples is found at once.
@@ -18,17 +19,31 @@ const SHARE: f64 = 0.003;
 /// Error beyond which rules are not made stricter.
 pub(super) const STRICTEST: f64 = 1e-14;
 
+/// Tolerances from which single precision is enough here: a tile is at most some thousand segments long, so
+/// the distance of two that a rule serves is right to 1e-4 at worst.
+const COARSE: f64 = 5e-4;
+
 /// The loads of `samples` by all segments, by stricter rules than `accuracy` needs.
 pub(super) fn exact(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec<Loads> {
+    match accuracy {
+        Accuracy::Tolerance(tolerance) if tolerance >= COARSE => {
+            exact_in::<f32>(lines, accuracy, samples)
+        }
+        _ => exact_in::<f64>(lines, accuracy, samples),
+    }
+}
+
+fn exact_in<E: Real>(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec<Loads> {
     let error = match accuracy {
         Accuracy::Tolerance(tolerance) => (SHARE * tolerance).max(STRICTEST),
         Accuracy::Order(_) => 1e-8,
     };
-    let (rules, parallel) = (Rules::<f64>::everywhere(error), Parallel::new(error));
+    let (rules, parallel) = (Rules::<E>::everywhere(error), Parallel::new(error));
     let act = |first: usize| {
         let mut out = vec![[0.0; 7]; samples.len()];
         let tile = first..lines.count().min(first + TILE);
-        let mut columns = Columns::new(lines, [0.0; 3], [&[tile], &[]]);
+        let center = [0, 1, 2].map(|d| lines.bars[d][first]);
+        let mut columns = Columns::new(lines, center, [&[tile], &[]]);
         let close = columns.act(lines, &rules, samples, &mut out);
         (out, close)
     };

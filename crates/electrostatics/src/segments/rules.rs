@@ -72,9 +72,12 @@ impl<E: Real> Rules<E> {
         &self.rules[0].points
     }
 
-    /// Distance of the middles of two segments, over the sum of their lengths, from which it is used.
-    pub(super) fn reach(&self) -> E {
-        E::of(0.5 * self.rules[0].least.double().sqrt())
+    /// Factors of the sum and of the difference of the lengths of two segments, whose sum is a distance of
+    /// their middles from which it is used: a point of one is no closer to the middle of the other than
+    /// that less half of its own length, and the sum of its distances from the ends of that is twice as much.
+    pub(super) fn reach(&self) -> [E; 2] {
+        let axes = self.rules[0].least.double().sqrt();
+        [E::of(0.25 * (axes + 1.0)), E::of(0.25 * (axes - 1.0))]
     }
 
     /// Distance of two segments, over the longer of them, from which [`far`](Self::far) is used.

@@ -1,6 +1,6 @@
 //! Two straight charged lines in closed form, a pair in each lane.
 
-use crate::lanes::{Lanes, Vectors, along, angle, cross, dot, ln, minus, scaled};
+use crate::lanes::{Lanes, Vectors, along, angle, cross, dot, log, minus, scaled};
 use crate::machine::Roots;
 use pulp::Simd;
 
@@ -28,14 +28,6 @@ pub(super) struct Means<S: Simd> {
     pub(super) first_end: Vectors<S>,
     /// Of `v r/r^3`: less the force on the end of the second.
     pub(super) second_end: Vectors<S>,
-}
-
-/// `ln((R1 + w1)/(R0 + w0))` in the form that does not cancel, where `R^2 - w^2` is the same for both.
-#[inline(always)]
-fn log<S: Simd, R: Roots<S>>(roots: R, w: [Lanes<S>; 2], r: [Lanes<S>; 2]) -> Lanes<S> {
-    let sign = (w[0] + w[1]).below(w[0].of(0.0), w[0].of(-1.0), w[0].of(1.0));
-    let (a, b) = (sign.times_plus(w[0], r[0]), sign.times_plus(w[1], r[1]));
-    sign * ln(roots, b * roots.reciprocal(a))
 }
 
 /// The product of complex numbers.

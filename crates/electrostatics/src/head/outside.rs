@@ -1,0 +1,229 @@
+//! What triangles and the charges outside do to each other, by the multipole method.
+
+use super::close::{add_fields, add_mean};
+use super::elements::Elements;
+use super::triangle::{POINTS, Triangle};
+use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain, scaled};
+use crate::multipole::near::Cloud;
+use crate::multipole::samples::{SAMPLES, error, samples};
+use crate::multipole::solver::{MARGIN, find_order, guess, thinning};
+use crate::multipole::tree::{Cell, Tree};
+use crate::real::Real;
+use crate::{Accuracy, ElectrostaticsError};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Largest ratio of radii to distance at which expansions are used.
+const OPENING: f64 = 0.75;
+
+/// Triangles below which a subtree is one task.
+const GRAIN: usize = 64;
+
+/// Pairs up to which the direct sum is taken of all.
+const DIRECT: usize = 4_000_000;
+
+/// Pairs of charges outside and sampled triangles, about.
+const SAMPLED: usize = 100_000_000;
+
+/// Bodies outside of the conductor in the order of their tree, each with as many points of the cloud.
+#[derive(Clone, Copy)]
+pub(crate) struct Outside<'a> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) cloud: &'a Cloud,
+    pub(crate) per_body: usize,
+}
+
+/// Adds the potentials and gradients at the points of a body to what is found for it.
+pub(crate) type Add<'a, const N: usize> = &'a (dyn Fn(usize, &[[f64; 4]], &mut [f64; N]) + Sync);
+
+impl Elements {
+    /// The means of `q/r` of all charges outside over each triangle, in the order of the tree, and their
+    /// gradients, which are found to `accuracy`: with the multipoles and the degree that are `known`, if
+    /// these do.
+    pub(super) fn felt<E: Real>(
+        &self,
+        outside: Outside,
+        known: Option<(&Multipoles<E>, usize)>,
+        accuracy: Accuracy,
+    ) -> Result<Vec<[f64; 4]>, ElectrostaticsError> {
+        let count = self.triangles.len();
+        let all = 0..outside.cloud.len();
+        let direct = |triangle: usize| {
+            let (mut sum, all) = ([0.0; 4], std::slice::from_ref(&all));
+            add_mean(self.ordered(triangle), outside.cloud, all, &mut sum);
+            sum
+        };
+        if count * outside.cloud.len() < DIRECT {
+            return Ok((0..count).into_par_iter().map(direct).collect());
+        }
+        let multipoles =
+            |order| Multipoles::<E>::new(outside.tree, outside.cloud, outside.per_body, order);
+        let felt = |sources: &Multipoles<E>, order, samples: Option<&[usize]>| {
+            let mut out = vec![[0.0; 4]; count];
+            let leaf = &Felt { elements: self, outside };
+            descent(sources, &self.tree, leaf, order, accuracy, GRAIN, samples).run(&mut out);
+            out
+        };
+        let tolerance = match accuracy {
+            Accuracy::Order(order) => return Ok(felt(&multipoles(order), order, None)),
+            Accuracy::Tolerance(tolerance) => tolerance,
+        };
+        let wanted = (SAMPLED / outside.cloud.len()).clamp(SAMPLES / 4, SAMPLES);
+        let samples = samples(count, wanted);
+        let exact: Vec<_> = samples.par_iter().copied().map(direct).collect();
+        let error = |sources: &Multipoles<E>, order| {
+            error(&samples, &felt(sources, order, Some(&samples)), &exact)
+        };
+        if let Some((sources, order)) = known
+            && error(sources, order) <= MARGIN * tolerance
+        {
+            return Ok(felt(sources, order, None));
+        }
+        let (order, sources, _) = find_order(guess(accuracy), tolerance, multipoles, error)?;
+        Ok(felt(&sources, order, None))
+    }
+
+    /// What the `charges` of the triangles make at the points outside, of which `add` makes what is added
+    /// to `out`: in the order of their tree. The relative error of it at samples is returned.
+    pub(super) fn make<const N: usize>(
+        &self,
+        charges: &[f64],
+        outside: Outside,
+        accuracy: Accuracy,
+        add: Add<N>,
+        out: &mut [[f64; N]],
+    ) -> Result<f64, ElectrostaticsError> {
+        let ordered: Vec<_> = self.tree.order.iter().map(|&j| charges[j as usize]).collect();
+        let shares = self.points.charge.iter().enumerate();
+        let shared = shares.map(|(k, share)| ordered[k / POINTS] * share).collect();
+        let cloud = Cloud { x: self.points.x.clone(), charge: shared };
+        let multipoles = |order| Multipoles::<f64>::new(&self.tree, &cloud, POINTS, order);
+        let leaf = &Made { elements: self, charges: &ordered, outside, add };
+        let count = outside.tree.order.len();
+        let direct = |body: usize, out: &mut [f64; N]| {
+            let mut sums = vec![[0.0; 4]; outside.per_body];
+            leaf.add_triangles(std::iter::once(0..ordered.len()), body..body + 1, &mut sums);
+            add(body, &sums, out);
+        };
+        let run =
+            |multipoles: &Multipoles<f64>, order, samples: Option<&[usize]>, out: &mut [_]| {
+                let tree = outside.tree;
+                descent(multipoles, tree, leaf, order, accuracy, grain(count), samples).run(out);
+            };
+        let tolerance = match accuracy {
+            _ if ordered.len() * outside.cloud.len() < DIRECT => {
+                out.par_iter_mut().enumerate().for_each(|(body, out)| direct(body, out));
+                return Ok(0.0);
+            }
+            Accuracy::Order(_) => 0.0,
+            Accuracy::Tolerance(tolerance) => tolerance,
+        };
+        let samples = samples(count, SAMPLES);
+        let exact = samples.par_iter().map(|&body| {
+            let mut out = [0.0; N];
+            direct(body, &mut out);
+            out
+        });
+        let exact: Vec<_> = exact.collect();
+        let error = |multipoles: &Multipoles<f64>, order| {
+            let mut found = vec![[0.0; N]; count];
+            run(multipoles, order, Some(&samples), &mut found);
+            error(&samples, &found, &exact)
+        };
+        let (order, multipoles, reached) = match accuracy {
+            Accuracy::Tolerance(_) => find_order(guess(accuracy), tolerance, multipoles, error)?,
+            Accuracy::Order(order) => {
+                let multipoles = multipoles(order);
+                let reached = error(&multipoles, order);
+                (order, multipoles, reached)
+            }
+        };
+        run(&multipoles, order, None, out);
+        Ok(reached)
+    }
+
+    /// A triangle in the order of the tree.
+    fn ordered(&self, k: usize) -> &Triangle {
+        &self.triangles[self.tree.order[k] as usize]
+    }
+}
+
+fn descent<'a, L: Leaf, E: Real>(
+    sources: &'a Multipoles<'a, E>,
+    targets: &'a Tree,
+    leaf: &'a L,
+    order: usize,
+    accuracy: Accuracy,
+    grain: usize,
+    samples: Option<&'a [usize]>,
+) -> Descent<'a, L, E> {
+    let degrees = Degrees::new(order, OPENING, thinning(accuracy));
+    let (opening, clearance, direct) = (OPENING, 0.0, 0);
+    Descent { sources, targets, leaf, order, opening, degrees, clearance, direct, grain, samples }
+}
+
+/// Triangles that feel the charges outside.
+struct Felt<'a> {
+    elements: &'a Elements,
+    outside: Outside<'a>,
+}
+
+impl Leaf for Felt<'_> {
+    type Out = [f64; 4];
+
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
+        let points = &self.elements.points;
+        let own = scaled(&cell.bodies, POINTS);
+        let mut sums = vec![[0.0; 4]; own.len()];
+        far.add(cell, &points.x, own.clone(), &mut sums);
+        let near: Vec<_> = near.iter().map(|near| scaled(near, self.outside.per_body)).collect();
+        let shares = points.charge[own].chunks_exact(POINTS);
+        let found = sums.chunks_exact(POINTS).zip(shares);
+        for ((k, out), (sums, shares)) in cell.bodies.clone().zip(task.of(cell)).zip(found) {
+            for (sum, share) in sums.iter().zip(shares) {
+                out.iter_mut().zip(sum).for_each(|(out, x)| *out += share * x);
+            }
+            add_mean(self.elements.ordered(k), self.outside.cloud, &near, out);
+        }
+    }
+}
+
+/// Bodies outside that feel the triangles.
+struct Made<'a, const N: usize> {
+    elements: &'a Elements,
+    /// In the order of the tree.
+    charges: &'a [f64],
+    outside: Outside<'a>,
+    add: Add<'a, N>,
+}
+
+impl<const N: usize> Made<'_, N> {
+    /// Adds what triangles that are not far make at the points of `bodies`.
+    fn add_triangles(
+        &self,
+        near: impl Iterator<Item = Range<usize>>,
+        bodies: Range<usize>,
+        out: &mut [[f64; 4]],
+    ) {
+        let triangle = |k: usize| (self.elements.ordered(k), self.charges[k]);
+        let triangles: Vec<_> = near.flatten().map(triangle).collect();
+        let targets = scaled(&bodies, self.outside.per_body);
+        add_fields(&triangles, &self.outside.cloud.x, targets, out);
+    }
+}
+
+impl<const N: usize> Leaf for Made<'_, N> {
+    type Out = [f64; N];
+
+    fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; N]>) {
+        let Outside { cloud, per_body, .. } = self.outside;
+        let own = scaled(&cell.bodies, per_body);
+        let mut sums = vec![[0.0; 4]; own.len()];
+        far.add(cell, &cloud.x, own, &mut sums);
+        self.add_triangles(near.iter().cloned(), cell.bodies.clone(), &mut sums);
+        let found = cell.bodies.clone().zip(sums.chunks_exact(per_body));
+        for ((body, sums), out) in found.zip(task.of(cell)) {
+            (self.add)(body, sums, out);
+        }
+    }
+}
