@@ -153,9 +153,9 @@ impl ConductingSurface {
         Ok((charges.collect(), 0.5 * own * drawn))
     }
 
-    /// Adds to `out` what this conductor does to bodies outside, whose charges (in units of `unit`, C) have
-    /// these multipoles and degree `known`, as [`Elements::make`] does. Its energy (J), as [`respond`](Self::respond) tells it,
-    /// and the relative error are returned.
+    /// Adds to `out` what this conductor does to bodies outside, as [`Elements::make`] does, where their
+    /// charges (in units of `unit`, C) have these multipoles and degree `known`. Its energy (J), as
+    /// [`respond`](Self::respond) tells it, and the relative error are returned.
     pub(crate) fn act<E: Real, const N: usize>(
         &self,
         condition: Condition,
@@ -192,8 +192,7 @@ impl ConductingSurface {
 
     /// The potentials and fields that triangles with the `charges` of a solution (C) make at `targets`
     /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there are the
-    /// gradient of their energy in the
-    /// [`potentials`](Self::potentials) that they make.
+    /// gradient of their energy in the [`potentials`](Self::potentials) that they make.
     ///
     /// # Errors
     /// Targets that are inside or not finite, and charges that do not fit.

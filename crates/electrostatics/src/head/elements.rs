@@ -25,7 +25,7 @@ pub(super) struct Elements {
     centers: Vec<Point3<f64>>,
     pub(super) tree: Tree,
     /// The longest side of all.
-    longest: f64,
+    pub(super) longest: f64,
     /// The points that stand for the triangles where they are not close, in the order of the tree, with
     /// their shares.
     pub(super) points: Cloud,

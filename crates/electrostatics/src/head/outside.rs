@@ -2,7 +2,7 @@
 
 use super::close::{add_fields, add_mean};
 use super::elements::Elements;
-use super::triangle::{POINTS, Triangle};
+use super::triangle::{POINTS, RULED, Triangle};
 use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::samples::{SAMPLES, error, samples};
@@ -15,6 +15,10 @@ use std::ops::Range;
 
 /// Largest ratio of radii to distance at which expansions are used.
 const OPENING: f64 = 0.75;
+
+/// Tolerances from which a triangle's points may stand for it also where it is close, as far as the opening
+/// lets them: that errs by some 2e-5.
+const COARSE: f64 = 1e-4;
 
 /// Triangles below which a subtree is one task.
 const GRAIN: usize = 64;
@@ -61,7 +65,13 @@ impl Elements {
         let felt = |sources: &Multipoles<E>, order, samples: Option<&[usize]>| {
             let mut out = vec![[0.0; 4]; count];
             let leaf = &Felt { elements: self, outside };
-            descent(sources, &self.tree, leaf, order, accuracy, GRAIN, samples).run(&mut out);
+            let grain = GRAIN;
+            let task = Descent {
+                grain,
+                samples,
+                ..self.descent(sources, &self.tree, leaf, order, accuracy)
+            };
+            task.run(&mut out);
             out
         };
         let tolerance = match accuracy {
@@ -107,17 +117,13 @@ impl Elements {
         };
         let run =
             |multipoles: &Multipoles<f64>, order, samples: Option<&[usize]>, out: &mut [_]| {
-                let tree = outside.tree;
-                descent(multipoles, tree, leaf, order, accuracy, grain(count), samples).run(out);
+                let task = self.descent(multipoles, outside.tree, leaf, order, accuracy);
+                Descent { samples, ..task }.run(out);
             };
-        let tolerance = match accuracy {
-            _ if ordered.len() * outside.cloud.len() < DIRECT => {
-                out.par_iter_mut().enumerate().for_each(|(body, out)| direct(body, out));
-                return Ok(0.0);
-            }
-            Accuracy::Order(_) => 0.0,
-            Accuracy::Tolerance(tolerance) => tolerance,
-        };
+        if ordered.len() * outside.cloud.len() < DIRECT {
+            out.par_iter_mut().enumerate().for_each(|(body, out)| direct(body, out));
+            return Ok(0.0);
+        }
         let samples = samples(count, SAMPLES);
         let exact = samples.par_iter().map(|&body| {
             let mut out = [0.0; N];
@@ -131,7 +137,9 @@ impl Elements {
             error(&samples, &found, &exact)
         };
         let (order, multipoles, reached) = match accuracy {
-            Accuracy::Tolerance(_) => find_order(guess(accuracy), tolerance, multipoles, error)?,
+            Accuracy::Tolerance(tolerance) => {
+                find_order(guess(accuracy), tolerance, multipoles, error)?
+            }
             Accuracy::Order(order) => {
                 let multipoles = multipoles(order);
                 let reached = error(&multipoles, order);
@@ -142,24 +150,33 @@ impl Elements {
         Ok(reached)
     }
 
+    fn descent<'a, L: Leaf, E: Real>(
+        &self,
+        sources: &'a Multipoles<'a, E>,
+        targets: &'a Tree,
+        leaf: &'a L,
+        order: usize,
+        accuracy: Accuracy,
+    ) -> Descent<'a, L, E> {
+        let coarse = matches!(accuracy, Accuracy::Tolerance(tolerance) if tolerance >= COARSE);
+        Descent {
+            sources,
+            targets,
+            leaf,
+            order,
+            opening: OPENING,
+            degrees: Degrees::new(order, OPENING, thinning(accuracy)),
+            clearance: if coarse { 0.0 } else { RULED * self.longest },
+            direct: 0,
+            grain: grain(targets.order.len()),
+            samples: None,
+        }
+    }
+
     /// A triangle in the order of the tree.
     fn ordered(&self, k: usize) -> &Triangle {
         &self.triangles[self.tree.order[k] as usize]
     }
-}
-
-fn descent<'a, L: Leaf, E: Real>(
-    sources: &'a Multipoles<'a, E>,
-    targets: &'a Tree,
-    leaf: &'a L,
-    order: usize,
-    accuracy: Accuracy,
-    grain: usize,
-    samples: Option<&'a [usize]>,
-) -> Descent<'a, L, E> {
-    let degrees = Degrees::new(order, OPENING, thinning(accuracy));
-    let (opening, clearance, direct) = (OPENING, 0.0, 0);
-    Descent { sources, targets, leaf, order, opening, degrees, clearance, direct, grain, samples }
 }
 
 /// Triangles that feel the charges outside.

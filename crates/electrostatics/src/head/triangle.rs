@@ -21,7 +21,7 @@ pub(super) struct Triangle {
 
 /// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle: with
 /// errors below those of its center beyond three.
-const RULED: f64 = 1.2;
+pub(super) const RULED: f64 = 1.2;
 
 /// Points of [`RULE`].
 pub(super) const POINTS: usize = 7;

@@ -11,7 +11,6 @@ use crate::{
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Segments in a leaf, from measured rates.
 const CAPACITY: usize = 64;
@@ -94,13 +93,12 @@ impl ChargedFibers<'_> {
         let beside = beside.map(|(surface, condition)| Beside { surface, condition, unit });
         let Found { loads, energy, certificate } = loads(&tree, &lines, beside, self.accuracy)?;
         let factor = COULOMB_CONSTANT * unit * unit;
-        let places: Vec<_> = (0..count).into_par_iter().map(AtomicUsize::new).collect();
-        let order = tree.order.par_iter().enumerate();
-        order.for_each(|(k, &i)| places[i as usize].store(k, Ordering::Relaxed));
+        let mut places = vec![0; count];
+        tree.order.iter().enumerate().for_each(|(k, &i)| places[i as usize] = k);
         let forces = |fiber: usize| {
             let mut forces = vec![Vector3::zeros(); self.layout.node_range(fiber).len()];
             for (a, segment) in self.layout.segment_range(fiber).enumerate() {
-                let [_, start @ .., bx, by, bz] = loads[places[segment].load(Ordering::Relaxed)];
+                let [_, start @ .., bx, by, bz] = loads[places[segment]];
                 forces[a] += factor * Vector3::from(start);
                 forces[a + 1] += factor * Vector3::new(bx, by, bz);
             }
