@@ -17,7 +17,7 @@
 use crate::anderson::Anderson;
 use crate::contact::free_solve;
 use crate::solver::check;
-use crate::{Body, Contact, ContactError, Report, Solver, report};
+use crate::{Body, Contact, ContactError, Report, Solver, Violation, report};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -364,14 +364,17 @@ impl Sides {
                 let (contact, r, [first, second]) =
                     (&contacts[i], &impulses[i], self.of_contact[i]);
                 let mut off = contact.frame.tr_mul(&(step(first) - step(second))) / relaxation;
+                let velocity = contact.relative(&self.v);
                 if r.x <= -contact.adhesion {
                     // Nothing holds it: only what closes the gap is wrong.
-                    off = Vector3::new(contact.relative(&self.v).x.min(0.0), 0.0, 0.0);
+                    off = Vector3::new(velocity.x.min(0.0), 0.0, 0.0);
                 }
+                let velocity = velocity + r * contact.compliance;
+                let slip = Violation::new(contact, &velocity, r, 1.0 / responses[i]).slip;
                 wrong += off.norm_squared() / (responses[i] * responses[i]);
                 all += r.norm_squared();
                 found.normal_error = found.normal_error.max(off.x.abs());
-                found.slip_error = found.slip_error.max(off.yz().norm());
+                found.slip_error = found.slip_error.max(slip);
             }
             (wrong, all, found)
         };

@@ -2,7 +2,8 @@
 //!
 //! Type II (Walker and Ni 2011): of the last steps it finds the combination whose residual is
 //! least, and steps to the same combination of their images. A step that raises the residual is
-//! taken back.
+//! taken back. A step is some plain iterations, one after another: between extrapolations they
+//! smooth what these roughen, at a part of the cost (Pratapa, Suryanarayana and Pask 2016).
 //!
 //! Differences of steps are remembered in single precision, which is half of what has to be read:
 //! they only choose the next state, and their roundings shrink with them.
@@ -17,6 +18,9 @@ const CHUNK: usize = 256;
 const LANES: usize = 32;
 /// Part of the largest entry that keeps the small system regular.
 const RIDGE: f64 = 1e-10;
+/// Iterations that make a step; one of up to so many vectors, of which the memory spans much.
+const ITERATIONS: usize = 3;
+const FEW: usize = 64;
 /// A step is taken back if the residual grows by more than this factor.
 const GROWTH: f64 = 1.0;
 
@@ -25,6 +29,8 @@ const GROWTH: f64 = 1.0;
 pub(crate) struct Anderson {
     depth: usize,
     parts: Vec<Part>,
+    /// Iterations of the step at hand, and steps that are remembered or were.
+    iterations: usize,
     steps: usize,
     /// Norm of the residual of the step before; `None` if there is none.
     norm: Option<f64>,
@@ -36,6 +42,8 @@ pub(crate) struct Anderson {
 struct Part {
     /// Differences of residuals and of images, the oldest overwritten first.
     differences: Vec<[Vec<f32>; 2]>,
+    /// State at the start of the step.
+    start: Vec<f64>,
     /// Residual and image of the step before, and of the next.
     last: [Vec<f64>; 2],
     next: [Vec<f64>; 2],
@@ -48,10 +56,18 @@ struct Place {
     count: usize,
 }
 
+impl Part {
+    fn set_out(&mut self, state: &[Vector3<f64>]) {
+        self.start.clear();
+        self.start.extend(state.iter().flatten());
+    }
+}
+
 impl Anderson {
     /// Forgets everything; remembers `depth` steps from now on.
     pub(crate) fn reset(&mut self, depth: usize) {
         self.depth = depth;
+        self.iterations = 0;
         self.forget();
     }
 
@@ -61,19 +77,30 @@ impl Anderson {
         self.gram = DMatrix::zeros(self.depth, self.depth);
     }
 
-    /// Replaces `state` by the next one, where `residual` is what the iteration adds to it; `roots`
-    /// are those of the weights of its norm.
+    /// Replaces `state` by the next one, where `residual` is what an iteration adds to it; `roots`
+    /// are those of the weights of the norm of what a step adds.
     pub(crate) fn next(
         &mut self,
         roots: &[f64],
         residual: &[Vector3<f64>],
         state: &mut [Vector3<f64>],
     ) {
+        self.parts.resize_with(state.len().div_ceil(CHUNK), Part::default);
+        if self.iterations == 0 {
+            let parts = self.parts.par_iter_mut().zip(state.par_chunks(CHUNK));
+            parts.for_each(|(part, state)| part.set_out(state));
+        }
+        self.iterations += 1;
+        if self.iterations < ITERATIONS && state.len() > FEW {
+            let both = state.par_chunks_mut(CHUNK).zip(residual.par_chunks(CHUNK));
+            both.for_each(|(h, step)| h.iter_mut().zip(step).for_each(|(h, step)| *h += step));
+            return;
+        }
+        self.iterations = 0;
         let place = self.norm.map(|_| Place {
             newest: self.steps % self.depth,
             count: (self.steps + 1).min(self.depth),
         });
-        self.parts.resize_with(state.len().div_ceil(CHUNK), Part::default);
         let given = residual.par_chunks(CHUNK).zip(roots.par_chunks(CHUNK));
         let parts = self.parts.par_iter_mut().zip(state.par_chunks(CHUNK).zip(given));
         let products: Vec<Products> = parts
@@ -164,9 +191,12 @@ impl NullaryFnOnce for Look<'_> {
         weighted.resize(3 * state.len(), 0.0);
         image.resize(3 * state.len(), 0.0);
         let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(image.as_chunks_mut::<3>().0);
-        for (((weighted, image), h), (f, w)) in rooms.zip(state).zip(residual.iter().zip(roots)) {
-            *weighted = (f * *w).into();
-            *image = (h + f).into();
+        let rooms = rooms.zip(part.start.as_chunks::<3>().0);
+        let given = state.iter().zip(residual).zip(roots);
+        for (((weighted, image), start), ((h, f), w)) in rooms.zip(given) {
+            let next = h + f;
+            *weighted = ((next - Vector3::from(*start)) * *w).into();
+            *image = next.into();
         }
         let mut products = Products { norm: product(weighted), with: Vec::new() };
         let Some(Place { newest, count }) = place else { return products };
@@ -178,8 +208,10 @@ impl NullaryFnOnce for Look<'_> {
             difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = single(a - b));
         }
         let [newest, _] = &part.differences[newest];
-        let with = |[other, _]: &[Vec<f32>; 2]| dots(other, &part.next[0], newest);
-        products.with.extend(part.differences[..count].iter().map(with));
+        // No closure: the sums must be inlined into what is dispatched.
+        for [other, _] in &part.differences[..count] {
+            products.with.push(dots(other, &part.next[0], newest));
+        }
         products
     }
 }
@@ -247,7 +279,7 @@ impl NullaryFnOnce for Mix<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Part { differences, last, next } = self.part;
+        let Part { differences, last, next, .. } = self.part;
         std::mem::swap(last, next);
         // The room of the next step serves for the sum.
         let mixed = &mut next[1];

@@ -1,6 +1,6 @@
 //! How far impulses and velocities are from the law.
 use crate::{Contact, Report};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
 /// Contacts that one task takes.
@@ -15,14 +15,16 @@ pub struct Violation {
     /// Error of the normal velocity, m/s: how fast the gap closes, or opens although it is pressed.
     pub normal: f64,
     /// Slip that the friction does not allow, m/s: all of it while the friction is within its
-    /// limit.
+    /// limit, as far as more friction could hold it back. Where the friction is at its limit but not
+    /// straight against the slip, only the natural map tells.
     pub slip: f64,
 }
 
 impl Violation {
     /// `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
     /// `weight > 0` (kg) makes an impulse of a velocity: take three divided by the trace of the
-    /// contact's own response. All three measures are zero where, and only where, the law holds.
+    /// contact's own response. All three measures are zero where the law holds, and the
+    /// natural map nowhere else.
     ///
     /// Costs one projection onto the cone and one onto the curve.
     #[must_use]
@@ -47,9 +49,14 @@ impl Violation {
         Self {
             impulse: (r - projected).norm(),
             normal: velocity.x.min(r.x / weight).abs(),
-            slip: (r.yz() - friction).norm() / weight,
+            slip: along(&(r.yz() - friction), &slip) / weight,
         }
     }
+}
+
+/// How far `missing` goes along a direction; zero where that is none.
+fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
+    direction.try_normalize(0.0).map_or(0.0, |direction| missing.dot(&direction).max(0.0))
 }
 
 /// The report on all contacts: the residual is the norm of all natural maps divided by that of all

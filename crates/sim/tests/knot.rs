@@ -14,8 +14,9 @@ fn view() -> Vector3<f64> {
     Vector3::new(0.3, 0.9, 0.1)
 }
 
-/// Pulled by its ends a knot becomes small. Between no two states do the axes of any two segments
-/// come nearer to each other than half a diameter, and it is a trefoil to the end.
+/// Pulled by its ends a knot becomes small, and is a trefoil to the end. Between the states of no step
+/// that is taken as a whole do the axes of any two segments come nearer to each other than half a
+/// diameter; the way of one in parts is not straight.
 #[test]
 fn a_knot_tightens_without_crossing() {
     let diameter = 7e-5;
@@ -33,11 +34,15 @@ fn a_knot_tightens_without_crossing() {
     let width =
         |nodes: &[Point3<f64>]| nodes.iter().map(|p| p.coords.xy().norm()).fold(0.0, f64::max);
     let (start, mut before) = (width(&run.positions(0)), run.all_positions());
-    let (mut active, mut end) = (0, start);
+    let (mut active, mut whole, mut end) = (0, 0, start);
     for step in 0..150 {
-        active = active.max(run.step().contact.active);
+        let report = run.step().contact;
+        active = active.max(report.active);
         let after = run.all_positions();
-        assert_eq!(crossed(&before, &after, 0.5 * diameter), None, "step {step}");
+        if report.parts == 1 {
+            whole += 1;
+            assert_eq!(crossed(&before, &after, 0.5 * diameter), None, "step {step}");
+        }
         assert_eq!(determinant(&after[0], &view()), 3.0, "step {step}");
         before = after;
         // It swings while it is pulled.
@@ -45,7 +50,7 @@ fn a_knot_tightens_without_crossing() {
     }
     println!("the loop was {start:.4} m wide and becomes {end:.5} m; {active} contacts at most");
     // A trefoil crosses itself three times, and what lies side by side there touches at both ends.
-    assert!(end < 0.3 * start && active >= 6, "{start} {end} {active}");
+    assert!(end < 0.3 * start && active >= 6 && whole > 75, "{start} {end} {active} {whole}");
 }
 
 /// Without a knot the same measure finds none.

@@ -100,6 +100,12 @@ fn residuals_measure_each_part_of_the_law() {
     assert_eq!(of([-0.1, 0.0, 0.0], [0.0; 3]).normal, 0.1);
     assert_eq!(of([0.1, 0.0, 0.0], [9.0, 0.0, 0.0]).normal, 0.1);
     assert!((of([0.0, 1e-3, 0.0], [9.0, 0.0, 0.0]).slip - 1e-3).abs() < 1e-15);
+    // Friction that drives the slip allows none; that at its limit allows what it is not straight
+    // against, which the natural map tells.
+    assert!((of([0.0, 1e-3, 0.0], [2.0, 1.0, 0.0]).slip - 1e-3).abs() < 1e-15);
+    let (sin, cos) = 0.1_f64.sin_cos();
+    let askew = of([0.0, 1e-3 * cos, 1e-3 * sin], [2.0, -1.0, 0.0]);
+    assert!(askew.slip < 1e-3 * sin * sin && askew.impulse > 0.9 * 2e-3 * sin, "{askew:?}");
     // De Saxcé's term: without it a slider that lifts would pass.
     assert!(of([0.5 * 5.0, 3.0, -4.0], [2.0, -0.6, 0.8]).impulse > 1.0);
 

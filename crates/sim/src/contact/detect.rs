@@ -4,7 +4,7 @@ use super::object::{Object, Strand};
 use super::pair;
 use super::touch::{self, Partner, Touch};
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::continuous::MovingSegment;
+use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{
     Candidates, Capsules, CollisionError, Contact, Pair, contacts, squared_distances,
 };
@@ -17,6 +17,13 @@ const CHUNK: usize = 2048;
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
 const RESERVE: f64 = 8.0;
 
+/// Axes that come nearer to each other than this, in the sum of the radii, on the way would go on.
+const INTO: f64 = 0.9;
+
+/// Axes whose way is longer than their distance and that come nearer than this, in the sum of the radii,
+/// may pass through each other; what goes less far does not, or is left deep in each other.
+const THROUGH: f64 = 0.5;
+
 /// Finds touches, with lists that live for many steps.
 pub(crate) struct Detector {
     /// Largest gap of a touch that is listed, m.
@@ -27,6 +34,7 @@ pub(crate) struct Detector {
     holds: bool,
     candidates: Candidates,
     contacts: Vec<Contact>,
+    leads_through: bool,
 }
 
 /// All nodes before and after a step.
@@ -55,7 +63,14 @@ impl Detector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        Ok(Self { margin, more, holds, candidates, contacts: Vec::new() })
+        let contacts = Vec::new();
+        Ok(Self { margin, more, holds, candidates, contacts, leads_through: false })
+    }
+
+    /// Whether the last motion whose touches were asked for at its end leads fibres through each other,
+    /// whatever the touches there.
+    pub(crate) fn leads_through(&self) -> bool {
+        self.leads_through
     }
 
     /// All touches of a motion, sorted by pair and place; none is missed that a straight motion of
@@ -91,6 +106,10 @@ impl Detector {
                 let found = self.contacts.par_iter().chain(&fast);
                 let found = found.filter(|contact| !bends(&end, contact));
                 touches.par_extend(found.map(|contact| fiber_touch(&end, contact)));
+                let through = |contact: &Contact| {
+                    !bends(&end, contact) && impact(&start, &end, contact.pair, THROUGH).is_some()
+                };
+                self.leads_through = fast.iter().any(through);
             }
         }
         let fibers = motion.layout.fibers();
@@ -192,14 +211,19 @@ fn travel(start: &Capsules, end: &Capsules, pair: Pair) -> f64 {
     squared(0, 0).max(squared(0, 1)).max(squared(1, 0)).max(squared(1, 1))
 }
 
-/// Where two segments would pass through each other: the place of their impact, with the normal at
-/// that time and the gap along it at the end.
-fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
+/// When two axes first come as near as a part of the sum of the radii, and where.
+fn impact(start: &Capsules, end: &Capsules, pair: Pair, part: f64) -> Option<Impact<2>> {
     let [i, j] = pair.map(|segment| segment as usize);
     let (a0, b0, a1, b1) = (start.get(i), start.get(j), end.get(i), end.get(j));
     let reach = a0.radius + b0.radius;
     let (a, b) = (MovingSegment::between(&a0, &a1), MovingSegment::between(&b0, &b1));
-    let impact = a.impact(&b, 0.9 * reach, 1e-3 * reach)?;
+    a.impact(&b, part * reach, 1e-3 * reach)
+}
+
+/// Where two segments would pass through each other: the place of their impact, with the normal at
+/// that time and the gap along it at the end.
+fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
+    let impact = impact(start, end, pair, INTO)?;
     let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
     let contact = Contact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
     Some(Contact { gap: gap(end, &contact), ..contact })
@@ -300,5 +324,32 @@ fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
         axis: other,
         other_axis: own,
         ..touch
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the lower
+    /// one it has passed through it.
+    #[test]
+    fn a_way_through_another_fibre_is_told() {
+        let radius = 3.5e-5;
+        let layout = Layout::new([1, 1]);
+        let at = |height: f64| {
+            let z = 2.0 * radius * height;
+            [[-5e-4, 0.0, 0.0], [5e-4, 0.0, 0.0], [0.0, -5e-4, z], [0.0, 5e-4, z]].map(Point3::from)
+        };
+        for (height, through) in [(1.01, false), (0.6, false), (-0.1, true), (-2.0, true)] {
+            let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
+            let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+            let mut detector = Detector::new(radius, radius, false).expect("lengths");
+            let mut touches = Vec::new();
+            detector.touches(&motion, &[], Place::End, 0.0, &mut touches).expect("one layout");
+            assert_eq!(detector.leads_through(), through, "{height}");
+            let deep = touches.iter().any(|touch| touch.gap < -0.5 * radius);
+            assert_eq!(deep, height < 0.7, "{height}");
+        }
     }
 }

@@ -210,19 +210,23 @@ impl NullaryFnOnce for Answer<'_> {
     fn call(self) {
         let Self { explicit, inertia, impulses, velocities } = self;
         let (mut single, mut double) = (Room::default(), Room::default());
+        // No closures: what is dispatched must be inlined into this.
         for Explicit { own: PointResponses { points, matrix }, weighted } in explicit {
             match (inertia, weighted) {
                 (Inertia::Own, _) => {
-                    let own = |from: &[f64], to: &mut [f64]| multiply(matrix.as_slice(), from, to);
-                    double.answer(own, points, impulses, velocities);
+                    double.gather(points, impulses);
+                    multiply(matrix.as_slice(), &double.from, &mut double.to);
+                    double.scatter(points, velocities);
                 }
                 (Inertia::Weighted, Weighted::Single(matrix)) => {
-                    let product = |from: &[f32], to: &mut [f32]| matrix.multiply(from, to);
-                    single.answer(product, points, impulses, velocities);
+                    single.gather(points, impulses);
+                    matrix.multiply(&single.from, &mut single.to);
+                    single.scatter(points, velocities);
                 }
                 (Inertia::Weighted, Weighted::Double(matrix)) => {
-                    let product = |from: &[f64], to: &mut [f64]| matrix.multiply(from, to);
-                    double.answer(product, points, impulses, velocities);
+                    double.gather(points, impulses);
+                    matrix.multiply(&double.from, &mut double.to);
+                    double.scatter(points, velocities);
                 }
             }
         }
@@ -237,24 +241,24 @@ struct Room<T> {
 }
 
 impl<T: RealField + Copy> Room<T> {
+    /// Impulses of the points of the fibre, filled up with zeros, and room for velocities.
     #[inline(always)]
-    fn answer(
-        &mut self,
-        product: impl FnOnce(&[T], &mut [T]),
-        points: &[usize],
-        impulses: &[Vector3<f64>],
-        velocities: &mut [Vector3<f64>],
-    ) {
+    fn gather(&mut self, points: &[usize], impulses: &[Vector3<f64>]) {
         let size = 3 * points.len();
         self.from.clear();
         self.from.resize(size.next_multiple_of(COLUMNS), T::zero());
         for (from, &point) in self.from.as_chunks_mut::<3>().0.iter_mut().zip(points) {
-            *from = impulses[point].map(|x| convert::<f64, T>(x)).into();
+            let impulse = &impulses[point];
+            *from = [convert(impulse.x), convert(impulse.y), convert(impulse.z)];
         }
         self.to.resize(size.next_multiple_of(ROWS), T::zero());
-        product(&self.from, &mut self.to);
-        for (to, &point) in self.to.as_chunks::<3>().0.iter().zip(points) {
-            velocities[point] = Vector3::from(*to).map(|x| convert_unchecked::<T, f64>(x));
+    }
+
+    #[inline(always)]
+    fn scatter(&self, points: &[usize], velocities: &mut [Vector3<f64>]) {
+        for (&[x, y, z], &point) in self.to.as_chunks::<3>().0.iter().zip(points) {
+            let velocity = [convert_unchecked(x), convert_unchecked(y), convert_unchecked(z)];
+            velocities[point] = Vector3::from(velocity);
         }
     }
 }

@@ -254,6 +254,12 @@ impl Touching {
                     rough = false;
                     continue;
                 }
+                // What a way leads through may leave no touch at its end.
+                let through = self.detector.leads_through();
+                if through && !last {
+                    return Err(Cut::Contacts);
+                }
+                report.unresolved = usize::from(through);
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
                     let bounds = [strength, self.settings.slip];
                     case.tear(world, &part.mean, bounds, &mut part.touches)?;

@@ -30,7 +30,7 @@ pub fn crossed(before: &Fibers, after: &Fibers, reach: f64) -> Option<[Segment; 
                 break;
             }
             let neighbors = first.0 == second.0 && first.1.abs_diff(second.1) <= 1;
-            if !neighbors && a.impact(b, reach, 1e-3 * reach).is_some() {
+            if !neighbors && a.impact(b, reach, 1e-6 * reach).is_some() {
                 return Some([*first, *second]);
             }
         }
