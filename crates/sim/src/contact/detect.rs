@@ -2,7 +2,7 @@
 
 use super::object::{Object, Strand};
 use super::pair;
-use super::touch::{self, Partner, Touch};
+use super::touch::{self, Partner, Rank, Touch};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 const CHUNK: usize = 2048;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
-const RESERVE: f64 = 8.0;
+const RESERVE: f64 = 16.0;
 
 /// Axes that come nearer to each other than this, in the sum of the radii, on the way would go on.
 const INTO: f64 = 0.9;
@@ -90,54 +90,64 @@ impl Detector {
         let (start, end) = (start?, end?);
         let margin = self.margin + more.min(self.more);
         let pairs = self.candidates.on_the_way(&start, &end)?;
-        touches.clear();
-        match place {
+        let here = match place {
             Place::Start => {
                 let near = within_reach(&start, &end, pairs, margin);
                 contacts(&start, &near, f64::MAX, &mut self.contacts)?;
-                let found = self.contacts.par_iter().filter(|contact| !bends(&start, contact));
-                let moved = found.map(|contact| Contact { gap: gap(&end, contact), ..*contact });
-                touches.par_extend(moved.map(|contact| fiber_touch(&start, &contact)));
+                self.contacts.par_iter_mut().for_each(|contact| contact.gap = gap(&end, contact));
+                &start
             }
             Place::End => {
                 let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
                 let most = if self.holds { f64::MAX } else { margin };
                 contacts(&end, &near, most, &mut self.contacts)?;
-                let found = self.contacts.par_iter().chain(&fast);
-                let found = found.filter(|contact| !bends(&end, contact));
-                touches.par_extend(found.map(|contact| fiber_touch(&end, contact)));
                 let through = |contact: &Contact| {
                     !bends(&end, contact) && impact(&start, &end, contact.pair, THROUGH).is_some()
                 };
                 self.leads_through = fast.iter().any(through);
+                self.contacts.extend(fast);
+                &end
             }
-        }
-        let fibers = motion.layout.fibers();
-        let strand = |fiber: usize| {
-            let mut found = Vec::new();
-            for (index, object) in (0..).zip(objects) {
-                let strand = Strand {
-                    fiber: fiber_number(fiber),
-                    start: &motion.start[motion.layout.node_range(fiber)],
-                    end: &motion.end[motion.layout.node_range(fiber)],
-                    radii: &motion.radii[motion.layout.segment_range(fiber)],
-                };
-                let span = [motion.time, motion.dt];
-                object.touches(index, &strand, span, margin, &mut found);
-            }
-            found
         };
-        let found: Vec<_> = (0..fibers).into_par_iter().map(strand).collect();
-        touches.reserve_exact(found.iter().map(Vec::len).sum());
-        found.iter().for_each(|found| touches.extend_from_slice(found));
-        touches.extend(pair::touches(objects, [motion.time, motion.dt], place, margin));
-        touch::sort(touches);
-        touches.dedup_by(|a, b| a.same(b));
+        self.contacts.retain(|contact| !bends(here, contact));
+        let others = of_objects(motion, objects, place, margin);
+        let found = &self.contacts;
+        let ranks = (0..found.len() + others.len()).into_par_iter().map(|i| match found.get(i) {
+            Some(contact) => fiber_rank(here.layout(), contact),
+            None => others[i - found.len()].rank(),
+        });
+        let places = touch::places(ranks);
+        touches.clear();
+        touches.par_extend(places.into_par_iter().map(|i| match found.get(i) {
+            Some(contact) => fiber_touch(here, contact),
+            None => others[i - found.len()],
+        }));
         if place == Place::End {
             keep_sides(&start, touches);
         }
         Ok(())
     }
+}
+
+/// What fibres, and objects that move freely, touch of the objects.
+fn of_objects(motion: &Motion, objects: &[Object], place: Place, margin: f64) -> Vec<Touch> {
+    let strand = |fiber: usize| {
+        let mut found = Vec::new();
+        for (index, object) in (0..).zip(objects) {
+            let strand = Strand {
+                fiber: fiber_number(fiber),
+                start: &motion.start[motion.layout.node_range(fiber)],
+                end: &motion.end[motion.layout.node_range(fiber)],
+                radii: &motion.radii[motion.layout.segment_range(fiber)],
+            };
+            object.touches(index, &strand, [motion.time, motion.dt], margin, &mut found);
+        }
+        found
+    };
+    let found: Vec<_> = (0..motion.layout.fibers()).into_par_iter().map(strand).collect();
+    let mut found = found.concat();
+    found.extend(pair::touches(objects, [motion.time, motion.dt], place, margin));
+    found
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
@@ -284,46 +294,38 @@ fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
     touches.retain(|_| !jammed.next().unwrap_or_default());
 }
 
-/// The touch of two fibres; the one with the smaller number comes first.
-fn fiber_touch(end: &Capsules, contact: &Contact) -> Touch {
-    let layout = end.layout();
-    let numbers = contact.pair.map(|segment| {
-        let fiber = layout.segment_fibers()[segment as usize];
-        let first = layout.segment_range(fiber).start;
-        (fiber_number(fiber), segment - fiber_number(first))
-    });
-    let [(fiber, s), (partner, t)] = numbers;
-    let axis = |segment: u32| {
-        let capsule = end.get(segment as usize);
+/// The fibres of a contact, the one with the smaller number first, and the segments in them.
+fn of_fibers(layout: &Layout, contact: &Contact) -> ([Partner; 2], [u32; 2]) {
+    let fibers = contact.pair.map(|segment| layout.segment_fibers()[segment as usize]);
+    let segment =
+        |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
+    (fibers.map(|fiber| Partner::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
+}
+
+fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
+    let (sides, segments) = of_fibers(layout, contact);
+    Rank::new(sides, segments, contact.fractions)
+}
+
+fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
+    let (sides, segments) = of_fibers(here.layout(), contact);
+    let [axis, other_axis] = contact.pair.map(|segment| {
+        let capsule = here.get(segment as usize);
         capsule.end - capsule.start
-    };
-    let [own, other] = contact.pair.map(axis);
-    let touch = Touch {
-        sides: [fiber, partner].map(Partner::Fiber),
-        segments: [s, t],
+    });
+    Touch {
+        sides,
+        segments,
         fractions: contact.fractions,
         normal: -*contact.normal,
-        axis: own,
-        other_axis: other,
+        axis,
+        other_axis,
         gap: contact.gap,
         drive: Vector3::zeros(),
         levers: [Vector3::zeros(); 2],
         impulse: Vector3::zeros(),
         working: false,
         bonded: false,
-    };
-    if (fiber, s) <= (partner, t) {
-        return touch;
-    }
-    let [u, v] = contact.fractions;
-    Touch {
-        sides: [partner, fiber].map(Partner::Fiber),
-        segments: [t, s],
-        fractions: [v, u],
-        normal: *contact.normal,
-        axis: other,
-        other_axis: own,
-        ..touch
     }
 }
 

@@ -28,8 +28,10 @@ const SMALL_TURN: f64 = 1e-4;
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
 const LONGER: usize = 4;
+/// Gaps up to so many radii are listed.
+const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it starts, is wider than the last ones.
-const WIDE: f64 = 1.0;
+const WIDE: f64 = 0.5;
 /// The same of the second, at most.
 const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
@@ -80,7 +82,7 @@ impl Touching {
             Some(Adhesion::Bonds { range, .. }) => range,
             _ => film.as_ref().map_or(0.0, Film::reach),
         };
-        let detector = Detector::new(largest + range, WIDEST * largest, film.is_some())?;
+        let detector = Detector::new(MARGIN * largest + range, WIDEST * largest, film.is_some())?;
         let solver = Admm::new(Tolerance::EXACT);
         let bonds = Vec::new();
         let mut touching = Self { settings, film, detector, solver, radii, radius, bonds };

@@ -70,11 +70,8 @@ impl Touch {
         self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
     }
 
-    /// By pair, then by place, then by segments: of two that name one node the same comes first
-    /// whatever the order in which they were found. Places are not negative, so that their bits are
-    /// in order.
-    fn rank(&self) -> ([Partner; 2], [u64; 2], [u32; 2]) {
-        (self.sides, self.at().map(f64::to_bits), self.segments)
+    pub(super) fn rank(&self) -> Rank {
+        Rank::new(self.sides, self.segments, self.fractions)
     }
 
     /// Whether two are of one pair, and not far from each other.
@@ -88,21 +85,44 @@ impl Touch {
         let ([s, t], [u, v]) = (self.at(), other.at());
         (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < 0.0
     }
+}
+
+/// By pair, then by place, then by segments: of two that name one node the same comes first whatever
+/// the order in which they were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Rank {
+    sides: [Partner; 2],
+    /// In segments; places are not negative, so that their bits are in order.
+    at: [u64; 2],
+    segments: [u32; 2],
+}
+
+impl Rank {
+    pub(super) fn new(sides: [Partner; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
+        let at = [0, 1].map(|i| (f64::from(segments[i]) + fractions[i]).to_bits());
+        Self { sides, at, segments }
+    }
 
     /// Whether two are the same place, named by two segments that share a node.
-    pub(crate) fn same(&self, other: &Self) -> bool {
-        let ([s, t], [u, v]) = (self.at(), other.at());
-        self.sides == other.sides && (s - u).abs() < 1e-9 && (t - v).abs() < 1e-9
+    fn same(&self, other: &Self) -> bool {
+        let near =
+            |i: usize| (f64::from_bits(self.at[i]) - f64::from_bits(other.at[i])).abs() < 1e-9;
+        self.sides == other.sides && near(0) && near(1)
     }
 }
 
-/// Sorts touches by pair and place.
-pub(super) fn sort(touches: &mut Vec<Touch>) {
-    // Touches are large: their ranks are sorted instead.
-    let mut ranks: Vec<_> =
-        touches.par_iter().enumerate().map(|(i, touch)| (touch.rank(), i)).collect();
+/// Ranks in order, with where they were. Touches are large: they are moved but once.
+fn sorted(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<(Rank, usize)> {
+    let mut ranks: Vec<_> = ranks.enumerate().map(|(i, rank)| (rank, i)).collect();
     ranks.par_sort_unstable();
-    *touches = ranks.into_par_iter().map(|(_, i)| touches[i]).collect();
+    ranks
+}
+
+/// The order of some ranks; of those that are the same place the first.
+pub(super) fn places(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<usize> {
+    let mut ranks = sorted(ranks);
+    ranks.dedup_by(|(a, _), (b, _)| a.same(b));
+    ranks.into_par_iter().map(|(_, i)| i).collect()
 }
 
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
@@ -124,6 +144,5 @@ pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: boo
         }
     }
     merged.append(&mut new);
-    sort(&mut merged);
-    merged
+    sorted(merged.par_iter().map(Touch::rank)).into_iter().map(|(_, i)| merged[i]).collect()
 }
