@@ -69,7 +69,7 @@ pub(super) fn loads(
 }
 
 /// Error of rules over the tolerance of the forces, from measured errors.
-const SHARE: f64 = 0.7;
+const SHARE: f64 = 2.8;
 
 /// Relative error of closed forms at worst: with a smaller tolerance the certificate says what was
 /// reached.
@@ -96,7 +96,7 @@ impl<'a, E: Real> Sum<'a, E> {
         error: f64,
         accuracy: Accuracy,
     ) -> Self {
-        let rules = Rules::<E>::new((SHARE * error).min(0.1));
+        let rules = Rules::<E>::new(SHARE * error);
         let points = rules.far();
         let each = |value: &(dyn Fn(usize, &Node<E>) -> f64 + Sync)| {
             let at = |k: usize| value(k / points.len(), &points[k % points.len()]);
