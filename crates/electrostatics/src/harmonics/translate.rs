@@ -46,7 +46,7 @@ pub(crate) const fn padded(order: usize) -> usize {
     count(order).next_multiple_of(LANES)
 }
 
-/// Registers of expansions that are moved at once: as many as share constants without being moved to memory.
+/// Registers of expansions that are moved at once, which share the constants.
 const fn most_registers(order: usize) -> usize {
     if order <= LOW { 4 } else { 2 }
 }

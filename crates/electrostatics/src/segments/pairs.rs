@@ -126,7 +126,7 @@ impl<'a, S: Simd, E: Real> Seen<'a, S, E> {
         other.charge = other.charge * self.own.charge;
         let first = k * WIDEST + part * E::lanes::<S>();
         let sums = match self.rule(machine, &r, &mut other, first) {
-            [_, _] => expanded(machine, &self.own, &other, &r),
+            [node, _] => of_two(machine, node, &self.own, &other, &r),
             rule => sums(machine, rule, &self.own, &other, &r),
         };
         // Inverse roots are doubled.
@@ -279,32 +279,43 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
     sums
 }
 
-/// The same for segments that are not close, to the same order as by the rule of two points: by the means of
-/// the expansion of the kernel about both middles to second order.
+/// The same by the rule of two points, of which `node` is one, for segments that are not close: all four
+/// distances are from the products of the three vectors.
 #[inline(always)]
-fn expanded<S: Simd, E: Real, M: Machine<S>>(
+fn of_two<S: Simd, E: Real, M: Machine<S>>(
     machine: M,
+    node: &Node<E>,
     own: &Bars<S, E>,
     other: &Bars<S, E>,
     r: &Vectors<S, E>,
 ) -> [Lanes<S, E>; 7] {
-    let number = r[0];
-    let double_inverse = E::double_inverse_root(machine, dot(r, r));
-    let quarter = number.of(0.25);
-    // Over the square of the distance.
-    let inverse2 = double_inverse * double_inverse * quarter;
-    let (ahead, behind) = (dot(r, &own.half) * inverse2, dot(r, &other.half) * inverse2);
-    let both = dot(&own.half, &other.half) * inverse2;
+    let simd = r[0].simd;
+    let (place, square) = (Lanes::all(simd, node.place), Lanes::all(simd, node.square));
     let squares = own.length.times_plus(own.length, other.length * other.length);
-    let spread = squares * inverse2 * quarter;
-    let turned = ahead.times_plus(ahead, behind * behind);
-    let cube = double_inverse * double_inverse * double_inverse;
-    let third = cube * number.of(1.0 / 3.0);
-    let none = turned.times_plus(number.of(2.5), spread.times_from(number.of(0.5), number.of(1.0)));
-    let uv = (ahead * behind).times_from(number.of(5.0), both) * third;
-    let energy = turned.times_plus(number.of(0.5), number.of(1.0));
-    let energy = spread.times_from(number.of(1.0 / 6.0), energy) * double_inverse;
-    [none * cube, -(ahead * cube), behind * cube, third, uv, third, energy]
+    let middle = squares.times_plus(square * r[0].of(0.25), dot(r, r));
+    let (twice, twice_square) = (place + place, square + square);
+    let ahead = dot(r, &own.half) * twice;
+    let behind = dot(r, &other.half) * twice;
+    let both = dot(&own.half, &other.half) * twice_square;
+    let ends = [middle + ahead, middle - ahead];
+    let ways = [behind + both, behind - both];
+    let (mut cubes, mut energy) = ([[middle; 2]; 2], r[0].of(0.0));
+    for u in 0..2 {
+        for (v, square) in [ends[u] - ways[u], ends[u] + ways[u]].into_iter().enumerate() {
+            let inverse = E::double_inverse_root(machine, square);
+            energy = energy + inverse;
+            cubes[u][v] = inverse * (inverse * inverse);
+        }
+    }
+    let [[a, b], [c, d]] = cubes;
+    let quarter = r[0].of(0.25);
+    let (place, square) = (place * quarter, square * quarter);
+    let none = (a + b) + (c + d);
+    let u = ((a + b) - (c + d)) * place;
+    let v = ((a - b) + (c - d)) * place;
+    let uv = ((a - b) - (c - d)) * square;
+    let uu = none * square;
+    [none * quarter, u, v, uu, uv, uu, energy * quarter]
 }
 
 /// Adds to a register of a row.

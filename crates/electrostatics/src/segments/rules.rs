@@ -21,10 +21,6 @@ const EXACT: f64 = 2.5;
 /// Error below which as few pairs as possible are done in closed form.
 const STRICT: f64 = 1e-6;
 
-/// Error of the rule of the fewest points over that of the others: it serves all that is far away, whose errors
-/// add up.
-const STEADY: f64 = 0.25;
-
 /// Fewest points of the rules for a sum over all segments, most of which are far away.
 const FEWEST: usize = 2;
 
@@ -56,18 +52,14 @@ pub(super) struct Rules<E> {
 impl<E: Real> Rules<E> {
     /// Rules that err by about `error`, for segments in neighboring cells.
     pub(super) fn new(error: f64) -> Self {
-        Self::with(count(1.0, STEADY * error), error)
+        let fewest = count(1.0, error);
+        Self { rules: (fewest..=count(most(error), error)).map(|m| rule(m, error)).collect() }
     }
 
     /// The same for segments at any distance.
     pub(super) fn everywhere(error: f64) -> Self {
-        Self::with(FEWEST, error)
-    }
-
-    fn with(fewest: usize, error: f64) -> Self {
-        let most = count(most(error), error).max(fewest);
-        let share = |m| if m == fewest { STEADY } else { 1.0 };
-        Self { rules: (fewest..=most).map(|m| rule(m, share(m) * error)).collect() }
+        let most = count(most(error), error).max(FEWEST);
+        Self { rules: (FEWEST..=most).map(|m| rule(m, error)).collect() }
     }
 
     /// From the fewest points to the most.

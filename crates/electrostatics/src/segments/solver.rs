@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.76;
+const OPENING: f64 = 0.79;
 
 /// A conductor beside the segments, whose charges are in units of `unit` (C).
 #[derive(Clone, Copy)]
@@ -69,7 +69,7 @@ pub(super) fn loads(
 }
 
 /// Error of rules over the tolerance of the forces, from measured errors.
-const SHARE: f64 = 2.8;
+const SHARE: f64 = 0.7;
 
 /// Relative error of closed forms at worst: with a smaller tolerance the certificate says what was
 /// reached.
@@ -96,7 +96,7 @@ impl<'a, E: Real> Sum<'a, E> {
         error: f64,
         accuracy: Accuracy,
     ) -> Self {
-        let rules = Rules::<E>::new(SHARE * error);
+        let rules = Rules::<E>::new((SHARE * error).min(0.1));
         let points = rules.far();
         let each = |value: &(dyn Fn(usize, &Node<E>) -> f64 + Sync)| {
             let at = |k: usize| value(k / points.len(), &points[k % points.len()]);
