@@ -14,6 +14,9 @@ use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
 use pulp::Simd;
 
+/// Highest order of which four registers are faster than two, from measured rates.
+const LOW: usize = 8;
+
 /// What becomes of the expansion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -43,6 +46,11 @@ pub(crate) const fn padded(order: usize) -> usize {
     count(order).next_multiple_of(LANES)
 }
 
+/// Registers of expansions that are moved at once, which share the constants.
+const fn most_registers(order: usize) -> usize {
+    if order <= LOW { 4 } else { 2 }
+}
+
 /// Scratch space for moving expansions.
 pub(crate) struct Translator<E> {
     order: usize,
@@ -52,11 +60,12 @@ pub(crate) struct Translator<E> {
 impl<E: Real> Translator<E> {
     /// For expansions of degree up to `order`.
     pub(crate) fn new(order: usize) -> Self {
-        let size = (count(order) + 2 * padded(order) + 2 * turn_size(order)) * LANES;
+        let most = most_registers(order);
+        let size = (count(order) + most * (padded(order) + turn_size(order))) * LANES;
         Self { order, work: avec![[64]| E::of(0.0); size] }
     }
 
-    /// Adds the moved `shifts` to `out`. As many as two registers have lanes are moved at once, by the
+    /// Adds the moved `shifts` to `out`. As many as some registers have lanes are moved at once, by the
     /// highest of their degrees: it is fastest to have like degrees together.
     pub(crate) fn sum(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
@@ -93,8 +102,10 @@ impl<E: Real> Kernel for Sum<'_, E> {
         total.fill(E::splat(simd, E::of(0.0)));
         let mut rest = shifts;
         while !rest.is_empty() {
-            let (now, later) = rest.split_at(rest.len().min(2 * lanes));
-            if now.len() > lanes {
+            let (now, later) = rest.split_at(rest.len().min(most_registers(order) * lanes));
+            if now.len() > 2 * lanes {
+                moved::<S, E, M, 4>(simd, machine, kind, now, work, total, &mut out);
+            } else if now.len() > lanes {
                 moved::<S, E, M, 2>(simd, machine, kind, now, work, total, &mut out);
             } else {
                 moved::<S, E, M, 1>(simd, machine, kind, now, work, total, &mut out);

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.75;
+const OPENING: f64 = 0.7;
 
 /// Tolerances from which a triangle's points may stand for it also where it is close, as far as the opening
 /// lets them: that errs by some 2e-5.
@@ -89,7 +89,8 @@ impl Elements {
         {
             return Ok(felt(sources, order, None));
         }
-        let (order, sources, _) = find_order(guess(accuracy), tolerance, multipoles, error)?;
+        let (order, sources, _) =
+            find_order(guess(accuracy).div_ceil(2), tolerance, multipoles, error)?;
         Ok(felt(&sources, order, None))
     }
 
@@ -138,7 +139,7 @@ impl Elements {
         };
         let (order, multipoles, reached) = match accuracy {
             Accuracy::Tolerance(tolerance) => {
-                find_order(guess(accuracy), tolerance, multipoles, error)?
+                find_order(guess(accuracy).div_ceil(2), tolerance, multipoles, error)?
             }
             Accuracy::Order(order) => {
                 let multipoles = multipoles(order);

@@ -244,7 +244,8 @@ impl<E: Real> Sum<'_, E> {
                 self.descend(multipoles, order, Some(&reference.samples), &mut out);
                 reference.error(&out)
             };
-            find_order(guess, tolerance, multipoles, error)?
+            // Half the degree takes an eighth of the time, and tells which will be enough.
+            find_order(guess.div_ceil(2), tolerance, multipoles, error)?
         } else {
             let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, guess);
             (guess, multipoles, f64::NAN)
@@ -318,16 +319,15 @@ impl<E: Real> Leaf for Sum<'_, E> {
 }
 
 /// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
-/// order or more) and the error.
+/// order or more) and the error, with `start` as the first order that is tried.
 pub(crate) fn find_order<'a, E: Real>(
-    guess: usize,
+    start: usize,
     tolerance: f64,
     multipoles: impl Fn(usize) -> Multipoles<'a, E>,
     error: impl Fn(&Multipoles<'a, E>, usize) -> f64,
 ) -> Result<(usize, Multipoles<'a, E>, f64), ElectrostaticsError> {
     let allowed = MARGIN * tolerance;
-    // Half the degree takes an eighth of the time, and tells which will be enough.
-    let mut order = guess.div_ceil(2);
+    let mut order = start;
     let mut expansions = multipoles(order);
     let mut highest = order;
     let mut errors = [f64::NAN; MAX_ORDER + 1];

@@ -2,9 +2,10 @@
 //!
 //! The closed form of [`skew`](super::skew::skew) loses digits here. So only the second line is
 //! integrated in closed form, which for one line has no such loss, and the first by Gauss's rule. The
-//! integrand has poles beside the ends of the second, p from the first. With `y = p (z - 1/z)/2` from
-//! there on they lie at `z = i` and `-i`; panels in which z grows threefold leave Gauss's rule of m
-//! points an error of [`RATE`] to the power -2m, however close the lines are.
+//! integrand has poles beside the ends of the second, p from the first, and where lines cross, their
+//! distance over the sine of their angle from it. With `y = p (z - 1/z)/2` from there on they lie at
+//! `z = i` and `-i`; panels in which z grows threefold leave Gauss's rule of m points an error of
+//! [`RATE`] to the power -2m, however close the lines are.
 
 use super::skew::{Line, Means, ROUNDINGS};
 use crate::lanes::{Lanes, Vectors, along, dot, ln, minus, scaled};
@@ -25,6 +26,13 @@ const MOST: i32 = 14;
 /// Most panels: they are enough for distances of 1e-7 of the length.
 const PANELS: i32 = 16;
 
+/// Distance of the poles of a crossing, over the length, beyond which the widest panels need not heed them:
+/// those are two thirds as long, and from their middle the ellipse of [`RATE`] is half as wide again.
+const HEEDED: f64 = 0.7;
+
+/// What keeps the square of a sine from zero.
+const TINY: f64 = 1e-30;
+
 /// Lines that are nearly parallel.
 pub(super) struct Parallel {
     sine: f64,
@@ -40,7 +48,6 @@ impl Parallel {
         let error = |points: i32| 0.5 * f64::from(points * points) * RATE.powi(-2 * points);
         let enough = |points: &i32| error(*points) <= allowed;
         let points = (2..MOST).find(enough).unwrap_or(MOST);
-        // Lines at larger angles may cross closely, which panels do not heed.
         let sine = (ROUNDINGS / allowed).cbrt().clamp(1e-3, 0.05);
         Self { sine, rule: gauss_legendre(points.unsigned_abs() as usize) }
     }
@@ -50,8 +57,8 @@ impl Parallel {
         self.sine
     }
 
-    /// The means over two lines, which do not come closer than the hundredth part of their length if
-    /// they cross. Cost: some 90 operations a point of the rule and panel, of which there are four or more.
+    /// The means over two lines. Cost: some 100 operations a point of the rule and panel, of which there are
+    /// four or more.
     #[inline(always)]
     pub(super) fn means<S: Simd, R: Roots<S>>(
         &self,
@@ -60,16 +67,24 @@ impl Parallel {
         second: &Line<S>,
         softening: Lanes<S>,
     ) -> Means<S> {
-        let pair = Pair::new(*first, *second, softening);
+        let pair = Pair::new(roots, *first, *second, softening);
         // Places on the first beside the ends of the second.
         let start = -dot(&pair.r, &first.tangent);
         let end = second.length.times_plus(dot(&first.tangent, &second.tangent), start);
         let low = within(start.below(end, start, end), first.length);
         let high = within(start.below(end, end, start), first.length);
-        let middle = (low + high) * low.of(0.5);
-        let mut sums = [low.of(0.0); 7];
-        for [from, to] in [[low, low.of(0.0)], [low, middle], [high, middle], [high, first.length]]
-        {
+        let crossing = pair.crossing([low, high]);
+        let half = low.of(0.5);
+        let middles = [(low + crossing) * half, (crossing + high) * half];
+        let mut sums = [low.of(0.0); 10];
+        for [from, to] in [
+            [low, low.of(0.0)],
+            [low, middles[0]],
+            [crossing, middles[0]],
+            [crossing, middles[1]],
+            [high, middles[1]],
+            [high, first.length],
+        ] {
             self.add(roots, &pair, [from, to], &mut sums);
         }
         pair.means(roots, &sums)
@@ -82,15 +97,14 @@ impl Parallel {
         roots: R,
         pair: &Pair<S>,
         [from, to]: [Lanes<S>; 2],
-        sums: &mut [Lanes<S>; 7],
+        sums: &mut [Lanes<S>; 10],
     ) {
         let (zero, one, half) = (from.of(0.0), from.of(1.0), from.of(0.5));
         let span = to - from;
         if !zero.any_below(span.abs()) {
             return;
         }
-        let (_, [a2, b2]) = pair.squares(from);
-        let unit = roots.root(a2.below(b2, a2, b2));
+        let unit = pair.pole(roots, from);
         let steep = span.abs() * roots.reciprocal(unit);
         let mut growth = steep + roots.root(steep.times_plus(steep, one));
         let mut panels = 1;
@@ -129,42 +143,78 @@ struct Pair<S: Simd> {
     softening: Lanes<S>,
     /// From the start of the second to that of the first.
     r: Vectors<S>,
+    /// What the tangent of the first has across the second, and the inverse of its square.
+    lean: Vectors<S>,
+    steepness: Lanes<S>,
+}
+
+/// How a place on the first is seen from the second.
+struct Seen<S: Simd> {
+    /// Its way beyond the start of the second, along that.
+    beyond: Lanes<S>,
+    /// The way from the line of the second to it, and the square of that with the softening.
+    across: Vectors<S>,
+    across2: Lanes<S>,
+    /// The squares of the distances from the start and the end of the second.
+    squares: [Lanes<S>; 2],
 }
 
 impl<S: Simd> Pair<S> {
     #[inline(always)]
-    fn new(first: Line<S>, second: Line<S>, softening: Lanes<S>) -> Self {
-        Self { first, second, softening, r: minus(&first.start, &second.start) }
+    fn new<R: Roots<S>>(roots: R, first: Line<S>, second: Line<S>, softening: Lanes<S>) -> Self {
+        let lean = across(&first.tangent, &second.tangent);
+        let steepness = roots.reciprocal(dot(&lean, &lean) + softening.of(TINY));
+        let r = minus(&first.start, &second.start);
+        Self { first, second, softening, r, lean, steepness }
     }
 
-    /// The way of a `place` on the first beyond the start of the second, along it, the square of its
-    /// distance from the line of the second, and those from start and end of it.
     #[inline(always)]
-    fn squares(&self, place: Lanes<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
+    fn seen(&self, place: Lanes<S>) -> Seen<S> {
         let r = along(&self.r, &self.first.tangent, place);
         let beyond = dot(&r, &self.second.tangent);
         let across = along(&r, &self.second.tangent, -beyond);
         let across2 = dot(&across, &across) + self.softening;
         let rest = beyond - self.second.length;
-        let ends = [beyond.times_plus(beyond, across2), rest.times_plus(rest, across2)];
-        ([beyond, across2], ends)
+        let squares = [beyond.times_plus(beyond, across2), rest.times_plus(rest, across2)];
+        Seen { beyond, across, across2, squares }
     }
 
-    /// Adds the potential at a `place` on the first, and the means of 1, v and `v^2` over `r^3`, the former
-    /// times powers of the place.
+    /// The place of `low` to `high` nearest to where the lines cross, if that is heeded; else `low`.
+    #[inline(always)]
+    fn crossing(&self, [low, high]: [Lanes<S>; 2]) -> Lanes<S> {
+        let place = -(dot(&self.lean, &self.r) * self.steepness);
+        let place = place.below(low, low, place);
+        let place = place.below(high, place, high);
+        let reach = self.first.length * low.of(HEEDED);
+        let pole2 = self.seen(place).across2 * self.steepness;
+        pole2.below(reach * reach, place, low)
+    }
+
+    /// How far from a `place` on the first the nearest pole is.
+    #[inline(always)]
+    fn pole<R: Roots<S>>(&self, roots: R, place: Lanes<S>) -> Lanes<S> {
+        let Seen { across2, squares: [a2, b2], .. } = self.seen(place);
+        let crossing2 = across2 * self.steepness;
+        let end2 = a2.below(b2, a2, b2);
+        roots.root(end2.below(crossing2, end2, crossing2))
+    }
+
+    /// Adds what the second makes at a `place` on the first: the potential, the means of `r/r^3`, those times
+    /// the place, and those of `v r/r^3`.
     ///
     /// With the distances A and B of the place from start and end of the second, whose product as
     /// vectors is w, the means of `v/r^3` and `(1 - v)/r^3` are `1/(B (A B + w))` and `1/(A (A B + w))`,
-    /// that of `1/r` is `ln((A + B + L)^2/(2 A B + 2 w))/L`, and the derivative of `v/r` gives the rest.
+    /// and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the second, those of `r/r^3` and
+    /// `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
     #[inline(always)]
     fn add<R: Roots<S>>(
         &self,
         roots: R,
         place: Lanes<S>,
         share: Lanes<S>,
-        sums: &mut [Lanes<S>; 7],
+        sums: &mut [Lanes<S>; 10],
     ) {
-        let ([beyond, across2], squares) = self.squares(place);
+        let Seen { beyond, across, across2, squares } = self.seen(place);
         let length = self.second.length;
         let inverses = [roots.inverse_root(squares[0]), roots.inverse_root(squares[1])];
         let [a, b] = [squares[0] * inverses[0], squares[1] * inverses[1]];
@@ -177,47 +227,48 @@ impl<S: Simd> Pair<S> {
         let around = a + b + length;
         let over = roots.reciprocal(length);
         let potential = ln(roots, around * around * inverse * place.of(0.5)) * over;
-        let first = inverses[1] * inverse;
-        let mean = inverses[0].times_plus(inverse, first);
-        let second = (beyond * length).times_plus(first, potential - inverses[1]) * over * over;
-        let mut power = share;
-        for k in 0..3 {
-            sums[1 + k] = mean.times_plus(power, sums[1 + k]);
-            power = power * place;
-        }
+        let end = inverses[1] * inverse;
+        let mean = inverses[0].times_plus(inverse, end);
+        let tangent = scaled(&self.second.tangent, over * share);
+        let force = along(&scaled(&across, mean * share), &tangent, inverses[1] - inverses[0]);
+        let second_end = along(&scaled(&across, end * share), &tangent, inverses[1] - potential);
         sums[0] = potential.times_plus(share, sums[0]);
-        sums[4] = first.times_plus(share, sums[4]);
-        sums[5] = first.times_plus(share * place, sums[5]);
-        sums[6] = second.times_plus(share, sums[6]);
+        for c in 0..3 {
+            sums[1 + c] = sums[1 + c] + force[c];
+            sums[4 + c] = force[c].times_plus(place, sums[4 + c]);
+            sums[7 + c] = sums[7 + c] + second_end[c];
+        }
     }
 
     /// The means over both lines from the sums over all places.
     #[inline(always)]
-    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lanes<S>; 7]) -> Means<S> {
+    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lanes<S>; 10]) -> Means<S> {
         let over = roots.reciprocal(self.first.length);
+        let [energy, a, b, c, d, e, f, g, h, i] = *sums;
         Means {
-            energy: sums[0] * over,
-            force: scaled(&self.combined([sums[1], sums[2], sums[4]]), over),
-            first_end: scaled(&self.combined([sums[2], sums[3], sums[5]]), over * over),
-            second_end: scaled(&self.combined([sums[4], sums[5], sums[6]]), over),
+            energy: energy * over,
+            force: scaled(&[a, b, c], over),
+            first_end: scaled(&[d, e, f], over * over),
+            second_end: scaled(&[g, h, i], over),
         }
     }
+}
 
-    /// `a r + s y - t v` of both starts and both lines.
-    #[inline(always)]
-    fn combined(&self, [a, s, t]: [Lanes<S>; 3]) -> Vectors<S> {
-        let ahead = along(&scaled(&self.r, a), &self.first.tangent, s);
-        along(&ahead, &self.second.tangent, -(t * self.second.length))
-    }
+/// What of a vector is across the unit vector `axis`.
+#[inline(always)]
+fn across<S: Simd>(vector: &Vectors<S>, axis: &Vectors<S>) -> Vectors<S> {
+    along(vector, axis, -dot(vector, axis))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::skew::skew;
     use super::*;
     use crate::machine::{Kernel, dispatch};
     use nalgebra::Vector3;
 
-    /// A line of `parallel.csv`: start and end of the second line, softening, and the means.
+    /// A line of `parallel.csv`: start and end of the second line, softening, and the means. Lines that lean
+    /// far enough for the closed form are compared with that as well.
     struct Check<'a> {
         values: &'a [f64],
         tolerance: f64,
@@ -237,7 +288,17 @@ mod tests {
             let parallel = Parallel::new(self.tolerance);
             // Inverse roots err by 6e-13.
             let most = 0.1 * self.tolerance + 2e-12;
-            let means = parallel.means(roots, &first, &second, of(self.values[6]));
+            let softening = of(self.values[6]);
+            self.check(&parallel.means(roots, &first, &second, softening), most);
+            let leaning = (vector(3) - vector(0)).normalize().xy().norm();
+            if leaning > parallel.sine() {
+                self.check(&skew(roots, &first, &second, softening), most);
+            }
+        }
+    }
+
+    impl Check<'_> {
+        fn check<S: Simd>(&self, means: &Means<S>, most: f64) {
             let exact = &self.values[7..];
             let error = (means.energy.store()[0] / exact[0] - 1.0).abs();
             assert!(error < most, "{:?}: {error:e}", self.values);
@@ -250,8 +311,9 @@ mod tests {
         }
     }
 
-    /// Lines beside each other, against each other and one behind the other, at angles from none to those
-    /// of the closed form, some as close as a thousandth of their length.
+    /// Lines beside each other, against each other, across each other and one behind the other, at angles from
+    /// none to those of the closed form, some as close as a thousandth of their length, where they cross
+    /// as a ten thousandth.
     #[test]
     fn nearly_parallel_lines_are_the_integrals() {
         let table = include_str!("../../tests/data/parallel.csv");

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.76;
+const OPENING: f64 = 0.79;
 
 /// A conductor beside the segments, whose charges are in units of `unit` (C).
 #[derive(Clone, Copy)]
