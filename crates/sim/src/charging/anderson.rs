@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-/// A change of the residual is used if by more than this part of it it is not a sum of newer ones.
+/// A change of the residual is used if by more than this part of it it is not a sum of older ones.
 const INDEPENDENT: f64 = 1e-6;
 
 /// The last iterates and residuals of `x -> x + r(x)`.
@@ -12,7 +12,8 @@ pub(crate) struct Anderson {
     /// Most changes that are kept.
     depth: usize,
     last: Option<[Vec<f64>; 2]>,
-    /// Changes of the iterate and of its residual, newest first.
+    /// Changes of the residual, oldest first, made orthonormal, with the changes of the iterate that go
+    /// with them.
     changes: VecDeque<[Vec<f64>; 2]>,
 }
 
@@ -29,40 +30,42 @@ impl Anderson {
     /// The step from the iterate `x` with the residual `r` to the next: to where, as far as the last
     /// changes tell, the residual is least, and by that residual from there.
     pub(crate) fn step(&mut self, x: &[f64], r: &[f64]) -> Vec<f64> {
-        if let Some([last_x, last_r]) = self.last.replace([x.to_vec(), r.to_vec()]) {
-            self.changes.push_front([difference(x, &last_x), difference(r, &last_r)]);
-            self.changes.truncate(self.depth);
+        if let Some([mut dx, mut dr]) = self.last.take() {
+            for (change, now) in [(&mut dx, x), (&mut dr, r)] {
+                change.iter_mut().zip(now).for_each(|(last, now)| *last = now - *last);
+            }
+            self.remember(dx, dr);
         }
-        // Gram and Schmidt: an orthonormal basis of the changes of the residual, with the changes of the
-        // iterate that go with it.
+        self.last = Some([x.to_vec(), r.to_vec()]);
         let (mut step, mut rest) = (vec![0.0; x.len()], r.to_vec());
-        let mut basis: Vec<[Vec<f64>; 2]> = Vec::new();
         for [dx, dr] in &self.changes {
-            let [mut dx, mut dr] = [dx.clone(), dr.clone()];
-            let size = dot(&dr, &dr).sqrt();
-            // Twice is enough (Kahan).
-            for [bx, br] in basis.iter().chain(&basis) {
-                let share = dot(br, &dr);
-                add(&mut dx, -share, bx);
-                add(&mut dr, -share, br);
-            }
-            let left = dot(&dr, &dr).sqrt();
-            if left <= INDEPENDENT * size {
-                continue;
-            }
-            dx.iter_mut().chain(dr.iter_mut()).for_each(|x| *x /= left);
-            let share = dot(&dr, &rest);
-            add(&mut step, -share, &dx);
-            add(&mut rest, -share, &dr);
-            basis.push([dx, dr]);
+            let share = dot(dr, &rest);
+            add(&mut step, -share, dx);
+            add(&mut rest, -share, dr);
         }
         add(&mut step, 1.0, &rest);
         step
     }
-}
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
+    /// Adds a change to those that are kept, by Gram and Schmidt's method.
+    fn remember(&mut self, mut dx: Vec<f64>, mut dr: Vec<f64>) {
+        let size = dot(&dr, &dr).sqrt();
+        // Twice is enough (Kahan).
+        for [bx, br] in self.changes.iter().chain(&self.changes) {
+            let share = dot(br, &dr);
+            add(&mut dx, -share, bx);
+            add(&mut dr, -share, br);
+        }
+        let left = dot(&dr, &dr).sqrt();
+        if left <= INDEPENDENT * size {
+            return;
+        }
+        dx.iter_mut().chain(dr.iter_mut()).for_each(|x| *x /= left);
+        self.changes.push_back([dx, dr]);
+        if self.changes.len() > self.depth {
+            self.changes.pop_front();
+        }
+    }
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -7,7 +7,7 @@ use crate::scene::{self, Charging};
 use crate::{SimError, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{
-    Accuracy, ChargedFibers, ElectrostaticsError, Fields, Method, Multipole,
+    Accuracy, ChargedFibers, Electrostatics, ElectrostaticsError, Fields, Method, Multipole,
 };
 use rapunzel_fiber::Layout;
 
@@ -84,36 +84,38 @@ impl Electric {
         charges: &[f64],
     ) -> Result<Forces, SimError> {
         let layout = world.assembly().layout();
-        let mut sum = Forces { energy: 0.0, forces: vec![Vector3::zeros(); positions.len()] };
         if charges.iter().all(|charge| *charge == 0.0) {
-            return Ok(sum);
+            return Ok(Forces { energy: 0.0, forces: vec![Vector3::zeros(); positions.len()] });
         }
-        let radii = &self.radii[..];
+        let (head, radii, share) = (&self.head, &self.radii[..], self.share);
         let mutual = self.within_reach(|accuracy| {
-            ChargedFibers { layout, charges, radii, accuracy }.forces(positions)
+            head.beside(&ChargedFibers { layout, charges, radii, accuracy }, positions, share)
         });
-        let mutual = mutual.map_err(SimError::electric(world.time()))?;
-        sum.energy += mutual.energy;
-        sum.forces = mutual.forces;
-        let (points, halves) = placed(layout, positions, charges);
+        let Electrostatics { mut energy, mut forces, .. } =
+            mutual.map_err(|error| self.located(world, error, 1))?;
         let field = Vector3::from(self.charging.field);
-        let mut pulls: Vec<_> = halves.iter().map(|q| *q * field).collect();
-        sum.energy -= points.iter().zip(&pulls).map(|(x, f)| f.dot(&x.coords)).sum::<f64>();
-        if !matches!(self.head, Head::None) {
-            let (head, objects, share) = (&self.head, &world.objects, self.share);
+        for (segment, charge) in charges.iter().enumerate() {
+            let half = 0.5 * *charge * field;
+            for node in layout.segment_nodes(segment) {
+                energy -= half.dot(&positions[node].coords);
+                forces[node] += half;
+            }
+        }
+        if matches!(head, Head::Ball { .. } | Head::Thesis { .. }) {
+            let (points, halves) = placed(layout, positions, charges);
+            let objects = &world.objects;
             let action =
                 self.within_reach(|accuracy| head.act(objects, &points, &halves, share, accuracy));
-            let action = action.map_err(|error| self.located(world, error))?;
-            sum.energy += action.energy;
-            pulls.iter_mut().zip(&action.forces).for_each(|(pull, force)| *pull += force);
+            let action = action.map_err(|error| self.located(world, error, PLACES.len()))?;
+            energy += action.energy;
+            for (point, force) in action.forces.iter().enumerate() {
+                let [a, b] = layout.segment_nodes(point / PLACES.len());
+                let part = PLACES[point % PLACES.len()];
+                forces[a] += (1.0 - part) * force;
+                forces[b] += part * force;
+            }
         }
-        for (point, pull) in pulls.iter().enumerate() {
-            let [a, b] = layout.segment_nodes(point / 2);
-            let part = PLACES[point % 2];
-            sum.forces[a] += (1.0 - part) * pull;
-            sum.forces[b] += part * pull;
-        }
-        Ok(sum)
+        Ok(Forces { energy, forces })
     }
 
     /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are points on
@@ -159,16 +161,16 @@ impl Electric {
             }
             Ok(all)
         };
-        self.within_reach(all).map_err(|error| self.located(world, error))
+        self.within_reach(all).map_err(|error| self.located(world, error, PLACES.len()))
     }
 
-    /// The error with the fibre that it is about.
-    fn located(&self, world: &World, error: ElectrostaticsError) -> SimError {
+    /// The error of one of so many `places` on each segment, with the fibre that it is about.
+    fn located(&self, world: &World, error: ElectrostaticsError, places: usize) -> SimError {
         let object = self.charging.head.object();
         if let (ElectrostaticsError::Inside { index, depth }, Some(object)) = (&error, object) {
-            let layout = world.assembly().layout();
-            let fiber = layout.segment_fibers()[index / 2];
-            let segment = index / 2 - layout.segment_range(fiber).start;
+            let (layout, segment) = (world.assembly().layout(), index / places);
+            let fiber = layout.segment_fibers()[segment];
+            let segment = segment - layout.segment_range(fiber).start;
             return SimError::InHead { fiber, segment, object, depth: *depth, time: world.time() };
         }
         SimError::electric(world.time())(error)

@@ -7,8 +7,8 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_electrostatics::{
-    Accuracy, COULOMB_CONSTANT, Condition, ConductingSphere, ConductingSurface,
-    ElectrostaticsError, Fields, Method, Multipole, thesis_repulsion,
+    Accuracy, COULOMB_CONSTANT, ChargedFibers, Condition, ConductingSphere, ConductingSurface,
+    Electrostatics, ElectrostaticsError, Fields, Method, Multipole, thesis_repulsion,
 };
 
 /// Least number of triangles of a conductor; shapes that are shown with fewer are refined.
@@ -153,11 +153,9 @@ impl Head {
             }
             Induced::None => 0.0,
         };
-        let (potential, own) = match *held {
-            Held::Potential(potential) => (share * potential, share * potential),
-            Held::Charge(charge) => {
-                ((share * charge + drawn) / capacity, share * charge / capacity)
-            }
+        let (potential, own) = match condition(*held, share) {
+            Condition::Potential(potential) => (potential, potential),
+            Condition::Charge(charge) => ((charge + drawn) / capacity, charge / capacity),
         };
         let induced = match grounded {
             Induced::Points(places, mut charges) => {
@@ -175,8 +173,24 @@ impl Head {
         Ok(Response { induced, potential, energy: 0.5 * own * drawn })
     }
 
-    /// What it does to `charges` (C) at `points` (world, m) when this share of its own charge or
-    /// potential is dealt.
+    /// What `fibers` with the nodes at `positions` (world, m) do to each other, beside a surface when
+    /// this share of its own charge or potential is dealt.
+    pub(super) fn beside(
+        &self,
+        fibers: &ChargedFibers,
+        positions: &[Point3<f64>],
+        share: f64,
+    ) -> Result<Electrostatics, ElectrostaticsError> {
+        match self {
+            Self::Surface { surface, held } => {
+                fibers.forces_beside(positions, surface, condition(*held, share))
+            }
+            _ => fibers.forces(positions),
+        }
+    }
+
+    /// What any other head does to `charges` (C) at `points` (world, m) when this share of its own charge
+    /// or potential is dealt.
     pub(super) fn act(
         &self,
         objects: &[Object],
@@ -192,6 +206,14 @@ impl Head {
         let Fields { potentials, fields } = induced.fields(points, accuracy)?;
         let forces = charges.iter().zip(fields).map(|(q, field)| *q * field).collect();
         Ok(Action { energy: energy + 0.5 * super::anderson::dot(charges, &potentials), forces })
+    }
+}
+
+/// What is known of a conductor when this share of what it is held at is dealt.
+fn condition(held: Held, share: f64) -> Condition {
+    match held {
+        Held::Potential(potential) => Condition::Potential(share * potential),
+        Held::Charge(charge) => Condition::Charge(share * charge),
     }
 }
 
