@@ -37,7 +37,6 @@ struct Trial {
     electric: Forces,
     /// Mechanical and electric energy, J.
     energy: f64,
-    shapes: Vec<Shape>,
 }
 
 /// Lets all fibres come to rest under gravity, their loads and the electric forces of their charges.
@@ -52,8 +51,8 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
         Some(electric) => (electric.charging.tolerance, electric.charging.evaluations),
         None => (0.0, 1),
     };
-    let start = evaluate(world)?;
-    let mut now = trial(world, flat(&start.forces), shapes(world))?;
+    let start = flat(&evaluate(world, 1.0)?.forces);
+    let mut now = trial(world, start, 1.0)?;
     let mut anderson = Anderson::new(DEPTH);
     let (mut evaluations, mut retreats) = (2, 0);
     loop {
@@ -61,21 +60,25 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
         let forces = flat(&now.electric.forces);
         let residual = if size > 0.0 { size / dot(&forces, &forces).sqrt() } else { 0.0 };
         let at_rest = residual <= tolerance;
-        let settled = |world: &mut World, now: Trial, evaluations, retreats| {
-            hold(world, &now.held, now.shapes);
-            Settled { evaluations, retreats, residual, at_rest, electric: now.electric }
+        let settled = |electric, evaluations, retreats| Settled {
+            evaluations,
+            retreats,
+            residual,
+            at_rest,
+            electric,
         };
         if at_rest || evaluations >= most {
-            return Ok(settled(world, now, evaluations, retreats));
+            return Ok(settled(now.electric, evaluations, retreats));
         }
         let mut step = anderson.step(&now.held, &now.residual);
         // The energy is known as well as the forces are.
         let slack = tolerance * now.electric.energy.abs();
         let mut part = 1.0;
+        let before = shapes(world);
         now = loop {
             let held: Vec<f64> = now.held.iter().zip(&step).map(|(f, s)| f + part * s).collect();
             evaluations += 1;
-            let next = trial(world, held, now.shapes.clone());
+            let next = trial(world, held, residual);
             let ready = match &next {
                 Ok(next) => next.energy <= now.energy + slack,
                 Err(_) => false,
@@ -84,8 +87,10 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
             if ready || part < SHORTEST {
                 break next?;
             }
+            lie(world, &before);
             if evaluations >= most {
-                return Ok(settled(world, now, evaluations, retreats));
+                hold(world, &now.held);
+                return Ok(settled(now.electric, evaluations, retreats));
             }
             retreats += 1;
             if part == 1.0 {
@@ -98,27 +103,35 @@ pub(super) fn settle(world: &mut World) -> Result<Settled, SimError> {
     }
 }
 
-/// Lays the fibres at rest under `held` forces, from `shapes`.
-fn trial(world: &mut World, held: Vec<f64>, shapes: Vec<Shape>) -> Result<Trial, SimError> {
-    hold(world, &held, shapes);
+/// Lays the fibres at rest under `held` forces, from where they lie; `residual` is the last relative one.
+fn trial(world: &mut World, held: Vec<f64>, residual: f64) -> Result<Trial, SimError> {
+    hold(world, &held);
     let gravity = world.gravity();
     relax(world, &gravity)?;
-    let electric = evaluate(world)?;
+    let electric = evaluate(world, residual)?;
     let mechanical: f64 = rods(world).map(|(_, rod)| rod.mechanical_energy(&gravity)).sum();
     let residual = flat(&electric.forces).iter().zip(&held).map(|(f, h)| f - h).collect();
     let energy = mechanical + electric.energy;
-    Ok(Trial { held, residual, energy, electric, shapes: self::shapes(world) })
+    Ok(Trial { held, residual, energy, electric })
 }
 
-/// Gives all fibres electric forces and shapes.
-fn hold(world: &mut World, held: &[f64], shapes: Vec<Shape>) {
+/// Gives all fibres electric forces.
+fn hold(world: &mut World, held: &[f64]) {
     let layout = world.assembly().layout().clone();
-    for (fiber, shape) in shapes.into_iter().enumerate() {
+    for fiber in 0..layout.fibers() {
         let nodes = layout.node_range(fiber);
         if let Some(rod) = rod_mut(world, fiber) {
             let forces = held[3 * nodes.start..3 * nodes.end].chunks(3);
             rod.electric = forces.map(|f| Vector3::new(f[0], f[1], f[2])).collect();
-            rod.lie(shape);
+        }
+    }
+}
+
+/// Gives all fibres shapes.
+fn lie(world: &mut World, shapes: &[Shape]) {
+    for (fiber, shape) in shapes.iter().enumerate() {
+        if let Some(rod) = rod_mut(world, fiber) {
+            rod.lie(shape.clone());
         }
     }
 }
@@ -143,11 +156,11 @@ pub(crate) fn relax(world: &mut World, gravity: &Vector3<f64>) -> Result<(), Sim
 }
 
 /// The electric forces where the fibres are. Those on the roots, which are held, are left out.
-fn evaluate(world: &World) -> Result<Forces, SimError> {
+fn evaluate(world: &World, residual: f64) -> Result<Forces, SimError> {
     let Some(electric) = &world.electric else {
         return Ok(Forces { energy: 0.0, forces: vec![Vector3::zeros(); world.nodes()] });
     };
-    let mut forces = electric.forces(world, &positions(world), &charges(world))?;
+    let mut forces = electric.forces(world, &positions(world), &charges(world), residual)?;
     let layout = world.assembly().layout();
     for fiber in 0..layout.fibers() {
         forces.forces[layout.node_range(fiber).start] = Vector3::zeros();
