@@ -2,7 +2,7 @@
 //! our numbers.
 //!
 //! `cargo xtask repro ch4` runs it. Each figure is an SVG with its numbers as CSV. The tress has fewer fibers,
-//! as dense, so that all takes a minute or two; `--full` takes it as it ships.
+//! as dense, so that all takes a minute or two; `--full` takes it as it ships, and all hairs of the half head.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
 mod accuracy;
