@@ -308,11 +308,18 @@ fn nonsense_is_refused_by_the_name_of_its_field() {
 /// Fibres in the head, and heads that bound nothing.
 #[test]
 fn bad_heads_are_refused() {
-    let inside = Scene::from_ron(&SMALL.replace("Ball(radius: 0.05)", "Ball(radius: 0.06)"));
-    let mut run = Run::new(&inside.expect("a scene"));
-    let error = run.stepper.step(&mut run.world, 1.0).expect_err("they start in it");
-    let SimError::InHead { segment: 0, object: 0, depth, .. } = error else { panic!("{error}") };
-    assert!(depth > 5e-3 && depth <= 0.01, "{depth}");
+    for shape in ["Ball(radius: 0.06)", "Capsule(length: 0, radius: 0.06)"] {
+        let inside = Scene::from_ron(&SMALL.replace("Ball(radius: 0.05)", shape));
+        let mut run = Run::new(&inside.expect("a scene"));
+        let error = run.stepper.step(&mut run.world, 1.0).expect_err("they start in it");
+        let SimError::InHead { fiber, segment, object: 0, depth, .. } = error else {
+            panic!("{error}")
+        };
+        // The charge is within half a segment from its middle.
+        let middle =
+            nalgebra::center(&run.positions(fiber)[segment], &run.positions(fiber)[segment + 1]);
+        assert!(depth > 0.0 && (0.06 - middle.coords.norm() - depth).abs() < 2.5e-3, "{depth}");
+    }
     let folder = tempfile::tempdir().expect("a folder");
     let ball = rapunzel_collision::field::shapes::sphere(0.05, 4);
     for (open, turn) in [(true, [0, 1, 2]), (false, [0, 2, 1])] {
