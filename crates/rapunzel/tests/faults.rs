@@ -71,7 +71,7 @@ fn a_folder_in_use_is_refused() {
     let scene = scene_file(folder.path(), &SCENE.replace("duration: 0.5", "duration: 1e5"));
     let out = folder.path().join("out");
     let mut first = run_in(&scene, &out).stderr(Stdio::null()).spawn().expect("starts");
-    wait_for(&out.join("checkpoint.bin"));
+    wait_for(&out.join("summary.json"));
     for option in ["--resume", "--force"] {
         let output = run_in(&scene, &out).arg(option).output().expect("runs");
         assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
