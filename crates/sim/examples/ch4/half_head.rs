@@ -18,12 +18,14 @@ const DRAWN: usize = 3250;
 pub(crate) fn charged(size: Size) -> Fallible<Figure> {
     let mut half = scene("charge/half-head")?;
     let (count, parameters) = match size {
-        Size::Full => {
-            (THESIS, "65,000 hairs, lifted as the 2000 of the scene; every twentieth is drawn")
-        }
-        Size::Reduced => {
-            (FEW, "400 hairs, lifted as the 2000 of the scene; --full takes the thesis's 65,000")
-        }
+        Size::Full => (
+            THESIS,
+            "65,000 hairs of 20 segments, lifted as the scene's 2000; every twentieth is drawn",
+        ),
+        Size::Reduced => (
+            FEW,
+            "400 hairs of 20 segments, lifted as the scene's 2000; --full takes the thesis's 65,000",
+        ),
     };
     resize(&mut half, count)?;
     let mut film = Film::at(&[0.0, half.duration]);
