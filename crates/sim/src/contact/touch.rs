@@ -21,6 +21,10 @@ impl fmt::Display for Partner {
     }
 }
 
+/// Cosine of the angle from which on two normals face each other: about a bend both of two at right angles
+/// may be needed.
+const FACING: f64 = -0.5;
+
 /// A place where two things touch, or nearly do, at the end of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
@@ -83,7 +87,7 @@ impl Touch {
     /// Whether two touches of one pair lie beside each other with normals that face each other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
         let ([s, t], [u, v]) = (self.at(), other.at());
-        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < 0.0
+        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < FACING
     }
 }
 
