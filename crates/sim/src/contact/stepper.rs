@@ -297,10 +297,10 @@ impl Touching {
         last: bool,
     ) -> Result<bool, Cut> {
         let patient = list >= PATIENCE;
-        let (mut turn, mut longer) = (f64::INFINITY, false);
+        let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
         for _ in 0..MOST_ITERATIONS {
             let error = case.error().unwrap_or(f64::INFINITY);
-            let solved = effort.is_last() && error <= 1.0;
+            let solved = exact && error <= 1.0;
             // After a small increment the next is far smaller, and need not be found to be known.
             if solved && turn < SMALL_TURN {
                 return Ok(true);
@@ -317,7 +317,7 @@ impl Touching {
                 effort = Effort::after(error);
             }
             let (increment, reached) = self.iterate(world, part, case, effort, patient)?;
-            turn = increment;
+            (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
             if !reached && longer && !last {
                 return Err(Cut::Contacts);
