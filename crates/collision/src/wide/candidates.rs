@@ -11,10 +11,8 @@ use rayon::prelude::*;
 
 /// A tree that has grown this much costlier than it was when new is built anew.
 const WORN: f64 = 1.5;
-/// By which part of the margin ends of motions may be apart to have the same pairs of the list, and of
-/// those that are searched for one by one.
+/// Part of the margin by which ends of motions may be apart to have the same pairs.
 const SLACK: f64 = 0.5;
-const WIDE_SLACK: f64 = 1.5;
 /// Pairs a segment above which a list is too long, and its margin is halved; where there are not even a
 /// quarter of them, it is doubled.
 const CROWD: usize = 8;
@@ -211,20 +209,21 @@ impl List {
     /// else with what the tree finds.
     fn set_out(&mut self, start: &Capsules, end: &Capsules) -> Result<(), CollisionError> {
         let try_again = self.wide.is_multiple_of(PATIENCE);
-        let kept = |list: &mut Self| list.stays_complete([start, end], (1.0 - SLACK) * list.margin);
+        let slack = |list: &Self| SLACK * list.margin;
+        let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
         let mut complete = try_again && kept(self)?;
         if try_again && !complete && self.positions != start.positions() {
             self.renew(start)?;
             complete = kept(self)?;
         }
+        let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
-            self.way.set_out(start, end, &self.pairs, [self.reach, SLACK * self.margin]);
+            self.way.set_out(start, end, &self.pairs, reaches);
         } else {
             self.wide += 1;
-            let slack = WIDE_SLACK * self.margin;
-            self.tree.refit_swept(start, end, 0.5 * (self.reach + slack))?;
-            self.way.set_out_among(start, end, &self.tree, [self.reach, slack]);
+            self.tree.refit_swept(start, end, 0.5 * (self.reach + slack(self)))?;
+            self.way.set_out_among(start, end, &self.tree, reaches);
         }
         Ok(())
     }
