@@ -65,12 +65,13 @@ fn a_loop_is_no_knot() {
 }
 
 /// Of a knot at rest with a loop of some 15 mm: `sqrt(h / R)`, and the tension times the squared radius
-/// of the loop over the bending stiffness.
+/// of the loop over the bending stiffness. The ends are longer than the loop is wide: it must not slip over
+/// them as it settles.
 fn pull(thickness: f64) -> [f64; 2] {
-    let segments = 260;
+    let segments = 400;
     let mut run = Run::read(&format!(
         "(format: 1, duration: 1.0, fibers: [(
-            length: 0.13, segments: {segments}, section: Circle(radius: {thickness:?}),
+            length: 0.2, segments: {segments}, section: Circle(radius: {thickness:?}),
             initial: Overhand(radius: 0.01, spacing: {:?}),
             root: (orientation: Along(direction: (0, 0, 1))), root_joint: Ball(),
             tip: Driven(velocity: (0, 0, 0), until: 1.0, joint: Ball()),
@@ -105,5 +106,5 @@ fn a_loose_trefoil() {
     let limit = thin - slope * e;
     println!("T R^2 / B = {thin:.4} at {e:.4}, {thick:.4} at {f:.4}: {limit:.4} + {slope:.2} x");
     assert!((limit - 0.5).abs() < 0.01, "{limit}");
-    assert!(slope > 1.0, "{slope}");
+    assert!(slope > 0.5, "{slope}");
 }

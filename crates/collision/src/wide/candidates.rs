@@ -13,6 +13,11 @@ use rayon::prelude::*;
 const WORN: f64 = 1.5;
 /// Part of the margin by which ends of motions may be apart to have the same pairs.
 const SLACK: f64 = 0.5;
+/// Pairs a segment above which a list is too long, and its margin is halved; where there are not even a
+/// quarter of them, it is doubled.
+const CROWD: usize = 8;
+/// The least part of the margin that was asked for.
+const LEAST: f64 = 0.125;
 /// Motions in a row whose pairs are searched for one by one before a list is tried again.
 const PATIENCE: usize = 16;
 /// Parts in which motion is followed, each by one thread at a time.
@@ -28,6 +33,7 @@ const PARTS: usize = 16;
 #[derive(Debug, Clone)]
 pub struct Candidates {
     reach: f64,
+    /// The largest.
     margin: f64,
     list: Option<List>,
 }
@@ -39,6 +45,10 @@ struct List {
     /// What the tree cost when it was new.
     cost: f64,
     pairs: Vec<Pair>,
+    reach: f64,
+    /// The margin of the list, and the largest that it may have, m.
+    margin: f64,
+    most: f64,
     /// Positions when the list was made (world), m.
     positions: Vec<Point3<f64>>,
     /// Boxes of the regions when the list was made.
@@ -64,7 +74,7 @@ pub enum Update {
 
 impl Candidates {
     /// Will list all pairs with gaps of at most `reach`, m, and as a reserve up to `margin`, m,
-    /// more.
+    /// more, or an eighth of it where many are near.
     ///
     /// # Errors
     /// [`CollisionError::Length`] if either is negative or not finite.
@@ -82,15 +92,14 @@ impl Candidates {
     /// # Errors
     /// [`CollisionError::Count`] if the number of segments or nodes has changed.
     pub fn update(&mut self, capsules: &Capsules) -> Result<Update, CollisionError> {
-        let grow = self.reach + self.margin;
         let Some(list) = &mut self.list else {
-            self.list = Some(List::new(capsules, grow)?);
+            self.list = Some(List::new(capsules, self.reach, self.margin)?);
             return Ok(Update::Rebuilt);
         };
-        if list.stays_complete([capsules], self.margin)? {
+        if list.stays_complete([capsules], list.margin)? {
             return Ok(Update::Kept);
         }
-        list.renew(capsules, grow)
+        list.renew(capsules)
     }
 
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
@@ -98,7 +107,7 @@ impl Candidates {
     /// depend on the number of threads.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
-    /// is wider than half the margin, a search of what all segments sweep instead, 1 us a segment in a
+    /// is wider than half of its margin, a search of what all segments sweep instead, 1 us a segment in a
     /// dense lock.
     /// Asked again for a motion from the same start to nearly the same end, only the travel of what
     /// was found is looked at.
@@ -110,13 +119,12 @@ impl Candidates {
         start: &Capsules,
         end: &Capsules,
     ) -> Result<&[Pair], CollisionError> {
-        let slack = SLACK * self.margin;
         if self.list.is_none() {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
-        if !list.way.leads(start, end, slack) {
-            list.set_out(start, end, [self.reach, self.margin, slack])?;
+        if !list.way.leads(start, end) {
+            list.set_out(start, end)?;
         }
         list.way.go(start, end, self.reach);
         Ok(&list.way.near)
@@ -147,9 +155,11 @@ impl Candidates {
 }
 
 impl List {
-    /// The list of all pairs with gaps of at most `grow`.
-    fn new(capsules: &Capsules, grow: f64) -> Result<Self, CollisionError> {
-        let tree = Tree::new(capsules, 0.5 * grow)?;
+    /// The list of all pairs with gaps of at most `reach` and a margin of at most `most`: as large a one as
+    /// does not make it long.
+    fn new(capsules: &Capsules, reach: f64, most: f64) -> Result<Self, CollisionError> {
+        let margin = LEAST * most;
+        let tree = Tree::new(capsules, 0.5 * (reach + margin))?;
         let mut regions = vec![0; capsules.len()];
         for (region, blocks) in (0..).zip(&tree.levels[1].children) {
             for &block in blocks.iter().filter(|&&block| block != NONE) {
@@ -159,58 +169,84 @@ impl List {
             }
         }
         let mut list = Self {
-            cost: tree.cost(),
+            cost: 0.0,
             tree,
             pairs: Vec::new(),
+            reach,
+            margin,
+            most,
             positions: Vec::new(),
             hulls: Vec::new(),
             regions,
             way: Way::default(),
             wide: 0,
         };
-        list.search(capsules, grow);
+        list.search(capsules);
+        while list.is_short() {
+            list.margin *= 2.0;
+            list.tree.refit(capsules, list.grow())?;
+            list.search(capsules);
+        }
+        list.cost = list.tree.cost();
         Ok(list)
+    }
+
+    /// By how much boxes are larger than their segments to all sides, m.
+    fn grow(&self) -> f64 {
+        0.5 * (self.reach + self.margin)
+    }
+
+    /// Whether a larger margin would not make it long.
+    fn is_short(&self) -> bool {
+        self.margin < self.most && 4 * self.pairs.len() < CROWD * self.regions.len()
+    }
+
+    fn is_long(&self) -> bool {
+        self.margin > LEAST * self.most && self.pairs.len() > CROWD * self.regions.len()
     }
 
     /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or
     /// else with what the tree finds.
-    fn set_out(
-        &mut self,
-        start: &Capsules,
-        end: &Capsules,
-        [reach, margin, slack]: [f64; 3],
-    ) -> Result<(), CollisionError> {
+    fn set_out(&mut self, start: &Capsules, end: &Capsules) -> Result<(), CollisionError> {
         let try_again = self.wide.is_multiple_of(PATIENCE);
-        let mut complete = try_again && self.stays_complete([start, end], margin - slack)?;
+        let slack = |list: &Self| SLACK * list.margin;
+        let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
+        let mut complete = try_again && kept(self)?;
         if try_again && !complete && self.positions != start.positions() {
-            self.renew(start, reach + margin)?;
-            complete = self.stays_complete([start, end], margin - slack)?;
+            self.renew(start)?;
+            complete = kept(self)?;
         }
-        let reaches = [reach, slack];
+        let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
             self.way.set_out(start, end, &self.pairs, reaches);
         } else {
             self.wide += 1;
-            self.tree.refit_swept(start, end, 0.5 * (reach + slack))?;
+            self.tree.refit_swept(start, end, 0.5 * (self.reach + slack(self)))?;
             self.way.set_out_among(start, end, &self.tree, reaches);
         }
         Ok(())
     }
 
-    /// Makes the list of all pairs with gaps of at most `grow` where the segments are now.
-    fn renew(&mut self, capsules: &Capsules, grow: f64) -> Result<Update, CollisionError> {
-        self.tree.refit(capsules, 0.5 * grow)?;
+    /// Makes the list anew where the segments are now, with another margin if it was too short or too long.
+    fn renew(&mut self, capsules: &Capsules) -> Result<Update, CollisionError> {
+        if self.is_short() {
+            self.margin *= 2.0;
+        } else if self.is_long() {
+            self.margin *= 0.5;
+        }
+        self.tree.refit(capsules, self.grow())?;
         if self.tree.cost() > WORN * self.cost {
-            *self = Self::new(capsules, grow)?;
+            *self = Self::new(capsules, self.reach, self.most)?;
             return Ok(Update::Rebuilt);
         }
-        self.search(capsules, grow);
+        self.search(capsules);
         Ok(Update::Refitted)
     }
 
-    /// Lists all pairs whose grown boxes meet, but those with gaps of more than `grow`, m.
-    fn search(&mut self, capsules: &Capsules, grow: f64) {
+    /// Lists all pairs whose grown boxes meet, but those with gaps of more than reach and margin.
+    fn search(&mut self, capsules: &Capsules) {
+        let grow = 2.0 * self.grow();
         let close = |pairs: &mut Vec<Pair>| {
             let mut squared = Vec::new();
             squared_distances(capsules, pairs, &mut squared);

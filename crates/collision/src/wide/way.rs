@@ -16,6 +16,8 @@ const CHUNK: usize = 4096;
 pub(super) struct Way {
     start: Vec<Point3<f64>>,
     end: Vec<Point3<f64>>,
+    /// By how much an end may be elsewhere, m.
+    aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
     /// Of the last motion.
@@ -38,6 +40,7 @@ impl Way {
         self.start.extend_from_slice(start.positions());
         self.end.clear();
         self.end.extend_from_slice(end.positions());
+        self.aside = 0.5 * slack;
     }
 
     /// The same with those of all pairs that a tree finds.
@@ -61,8 +64,8 @@ impl Way {
     }
 
     /// Whether a motion is one of those that it has set out for.
-    pub(super) fn leads(&self, start: &Capsules, end: &Capsules, slack: f64) -> bool {
-        let near = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm() <= 0.5 * slack;
+    pub(super) fn leads(&self, start: &Capsules, end: &Capsules) -> bool {
+        let near = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm() <= self.aside;
         self.start == start.positions() && self.end.iter().zip(end.positions()).all(near)
     }
 

@@ -286,19 +286,12 @@ impl Case {
         Ok(())
     }
 
-    /// Gives the touches the gaps along their normals where all nodes have the given velocities.
-    pub(super) fn give_gaps(
-        &self,
-        world: &World,
-        mean: &[Vector3<f64>],
-        dt: f64,
-        touches: &mut [Touch],
-    ) {
+    /// The gaps along the normals, m, where all nodes have the given mean velocities.
+    pub(super) fn gaps(&self, world: &World, mean: &[Vector3<f64>], dt: f64) -> Vec<f64> {
         let velocities = self.relative(world, mean);
-        touches.par_iter_mut().enumerate().for_each(|(i, touch)| {
-            // The bias may be another than that of the gap.
-            touch.gap = dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
-        });
+        // The bias may be another than that of the gap.
+        let gap = |i: usize| dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
+        (0..self.contacts.len()).map(gap).collect()
     }
 
     /// Velocities of all points where all nodes have the given ones.

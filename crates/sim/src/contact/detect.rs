@@ -47,14 +47,12 @@ pub(crate) struct Motion<'a> {
     pub(crate) dt: f64,
 }
 
-/// Where the places and normals of touches of fibres are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Place {
-    /// At the start of a motion, where no fibre is in another: all that the touches ask for at once
-    /// is possible, wherever the motion leads.
-    Start,
-    /// At its end, where they are exact if the motion is the right one.
-    End,
+impl Motion<'_> {
+    /// All segments at its start and at its end.
+    fn capsules(&self) -> Result<[Capsules<'_>; 2], CollisionError> {
+        let at = |positions| Capsules::new(self.layout, positions, self.radii);
+        Ok([at(self.start)?, at(self.end)?])
+    }
 }
 
 impl Detector {
@@ -73,64 +71,68 @@ impl Detector {
         self.leads_through
     }
 
-    /// All touches of a motion, sorted by pair and place; none is missed that a straight motion of
-    /// all nodes would lead through. `place` tells where places and normals are taken; gaps are
-    /// those at the end. Gaps up to `more`, m, above the margin are listed too; that is at most what
-    /// the detector was made for.
+    /// All touches of a motion, with their places and normals at its end, sorted by pair and place; none is
+    /// missed that a straight motion of all nodes would lead through. Gaps up to `more`, m, above the
+    /// margin are listed too; that is at most what the detector was made for.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
         objects: &[Object],
-        place: Place,
         more: f64,
         touches: &mut Vec<Touch>,
     ) -> Result<(), CollisionError> {
-        let [start, end] = [motion.start, motion.end]
-            .map(|positions| Capsules::new(motion.layout, positions, motion.radii));
-        let (start, end) = (start?, end?);
+        let [start, end] = motion.capsules()?;
         let margin = self.margin + more.min(self.more);
         let pairs = self.candidates.on_the_way(&start, &end)?;
-        let here = match place {
-            Place::Start => {
-                let near = within_reach(&start, &end, pairs, margin);
-                contacts(&start, &near, f64::MAX, &mut self.contacts)?;
-                self.contacts.par_iter_mut().for_each(|contact| contact.gap = gap(&end, contact));
-                &start
-            }
-            Place::End => {
-                let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
-                let most = if self.holds { f64::MAX } else { margin };
-                contacts(&end, &near, most, &mut self.contacts)?;
-                let through = |contact: &Contact| {
-                    !bends(&end, contact) && impact(&start, &end, contact.pair, THROUGH).is_some()
-                };
-                self.leads_through = fast.iter().any(through);
-                self.contacts.extend(fast);
-                &end
-            }
+        let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
+        let most = if self.holds { f64::MAX } else { margin };
+        contacts(&end, &near, most, &mut self.contacts)?;
+        let through = |contact: &Contact| {
+            !bends(&end, contact) && impact(&start, &end, contact.pair, THROUGH).is_some()
         };
-        self.contacts.retain(|contact| !bends(here, contact));
-        let others = of_objects(motion, objects, place, margin);
+        self.leads_through = fast.iter().any(through);
+        self.contacts.extend(fast);
+        self.contacts.retain(|contact| !bends(&end, contact));
+        let others = of_objects(motion, objects, margin);
         let found = &self.contacts;
         let ranks = (0..found.len() + others.len()).into_par_iter().map(|i| match found.get(i) {
-            Some(contact) => fiber_rank(here.layout(), contact),
+            Some(contact) => fiber_rank(end.layout(), contact),
             None => others[i - found.len()].rank(),
         });
         let places = touch::places(ranks);
         touches.clear();
         touches.par_extend(places.into_par_iter().map(|i| match found.get(i) {
-            Some(contact) => fiber_touch(here, contact),
+            Some(contact) => fiber_touch(&end, contact),
             None => others[i - found.len()],
         }));
-        if place == Place::End {
-            keep_sides(&start, touches);
-        }
+        keep_sides(&start, touches);
         Ok(())
     }
 }
 
+/// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and normals
+/// of these; infinitely if one side is an object.
+pub(crate) fn gaps(motion: &Motion, touches: &[Touch]) -> Result<Vec<f64>, CollisionError> {
+    let [_, end] = motion.capsules()?;
+    let pair = |(i, touch): (usize, &Touch)| {
+        let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides else { return None };
+        let [s, t] = touch.segments;
+        let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
+        Some((i, [first(fiber) + s, first(partner) + t]))
+    };
+    let (places, pairs): (Vec<_>, Vec<_>) = touches.iter().enumerate().filter_map(pair).unzip();
+    let mut squared = Vec::new();
+    squared_distances(&end, &pairs, &mut squared);
+    let mut gaps = vec![f64::INFINITY; touches.len()];
+    for ((place, pair), squared) in places.into_iter().zip(&pairs).zip(squared) {
+        let [r, q] = pair.map(|segment| motion.radii[segment as usize]);
+        gaps[place] = squared.sqrt() - r - q;
+    }
+    Ok(gaps)
+}
+
 /// What fibres, and objects that move freely, touch of the objects.
-fn of_objects(motion: &Motion, objects: &[Object], place: Place, margin: f64) -> Vec<Touch> {
+fn of_objects(motion: &Motion, objects: &[Object], margin: f64) -> Vec<Touch> {
     let strand = |fiber: usize| {
         let mut found = Vec::new();
         for (index, object) in (0..).zip(objects) {
@@ -146,23 +148,13 @@ fn of_objects(motion: &Motion, objects: &[Object], place: Place, margin: f64) ->
     };
     let found: Vec<_> = (0..motion.layout.fibers()).into_par_iter().map(strand).collect();
     let mut found = found.concat();
-    found.extend(pair::touches(objects, [motion.time, motion.dt], place, margin));
+    found.extend(pair::touches(objects, [motion.time, motion.dt], margin));
     found
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
 fn fiber_number(fiber: usize) -> u32 {
     fiber as u32
-}
-
-/// Pairs with gaps up to `margin`, m, at the start or the end, or that would pass through each other
-/// between.
-fn within_reach(start: &Capsules, end: &Capsules, pairs: &[Pair], margin: f64) -> Vec<Pair> {
-    let (mut near, fast) = sort(start, end, pairs, margin, true);
-    near.extend(fast.iter().map(|contact| contact.pair));
-    near.par_sort_unstable();
-    near.dedup();
-    near
 }
 
 /// The gap along the normal of a contact between its places, m.
@@ -172,7 +164,7 @@ fn gap(end: &Capsules, contact: &Contact) -> f64 {
     (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
 }
 
-/// Pairs with gaps up to `margin`, m, at the end, or at `either` place, that cannot have passed through
+/// Pairs with gaps up to `margin`, m, at the end, or at `either` end, that cannot have passed through
 /// each other, and contacts of those that would.
 fn sort(
     start: &Capsules,
@@ -348,7 +340,7 @@ mod tests {
             let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
             let mut detector = Detector::new(radius, radius, false).expect("lengths");
             let mut touches = Vec::new();
-            detector.touches(&motion, &[], Place::End, 0.0, &mut touches).expect("one layout");
+            detector.touches(&motion, &[], 0.0, &mut touches).expect("one layout");
             assert_eq!(detector.leads_through(), through, "{height}");
             let deep = touches.iter().any(|touch| touch.gap < -0.5 * radius);
             assert_eq!(deep, height < 0.7, "{height}");

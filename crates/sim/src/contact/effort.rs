@@ -5,14 +5,14 @@ use rapunzel_contact::Tolerance;
 /// The least and the largest of the errors, in tolerances, that solves of contacts leave.
 const TIGHT: f64 = 0.8;
 const LOOSE: f64 = 15.0;
-/// The same of a first guess.
-const GUESS: f64 = 40.0;
-/// A first guess that leaves a smaller error than this, in tolerances, needs no other.
-pub(super) const FAIR: f64 = 60.0;
-/// Where a guess leaves a larger error, in tolerances, lists will change, and are first solved to a
-/// coarser one.
-pub(super) const ROUGH: f64 = 350.0;
-pub(super) const COARSE: f64 = 5.0;
+/// What the first of a step leaves.
+const FIRST: f64 = 40.0;
+/// Iterations, at most, of a solve that is not the last.
+const MOST: usize = 120;
+/// How much deeper than they may be fibres are left by a list that is not solved exactly the next time
+/// either, and what that leaves of it, in tolerances.
+const OFF: f64 = 2.0;
+const PART: f64 = 3.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
 const SQUARE: f64 = 1e-5;
 
@@ -25,7 +25,7 @@ pub(super) struct Effort {
 
 impl Effort {
     /// As long as the rods are far from where they go, exact answers are wasted.
-    pub(super) const FIRST: Self = Self { slack: GUESS, most: 60 };
+    pub(super) const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
     /// What is asked for in the end.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
 
@@ -33,17 +33,22 @@ impl Effort {
     /// constant, however well it is solved.
     pub(super) fn after(error: f64) -> Self {
         let slack = SQUARE * error * error;
-        if slack > TIGHT { Self { slack: slack.min(LOOSE), most: 120 } } else { Self::LAST }
+        if slack > TIGHT { Self { slack: slack.min(LOOSE), most: MOST } } else { Self::LAST }
     }
 
-    /// The same where `goal` times the tolerances will do.
-    pub(super) fn toward(self, goal: f64) -> Self {
-        Self { slack: self.slack.max(TIGHT * goal), ..self }
+    /// With contacts that are new where fibres were left so many times deeper in each other than they may
+    /// be. Where hardly any are, loose answers lead away.
+    pub(super) fn where_off(times: f64) -> Self {
+        if times > OFF { Self { slack: LOOSE.min(PART * times), most: MOST } } else { Self::LAST }
     }
 
-    /// The same with more iterations.
-    pub(super) fn longer(self, times: usize) -> Self {
-        Self { most: self.most.saturating_mul(times), ..self }
+    /// After a solve that did not come so far: one that need not, with so many times its iterations.
+    pub(super) fn again(self, times: usize) -> Self {
+        Self { slack: self.slack.max(LOOSE), most: self.most.saturating_mul(times) }
+    }
+
+    pub(super) fn is_last(self) -> bool {
+        self == Self::LAST
     }
 
     /// What it asks of a solver.

@@ -4,16 +4,14 @@
 //! method, and every iteration solves all contacts together with the linearised rods:
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
-//! 2. touches are found where the step starts, with the normals that they have there (`detect`). No
-//!    fibre is in another there, so that all that they ask for at once is possible: wherever that
-//!    guess leads, impulses stay of the right size;
+//! 2. touches are found where that would lead, as well as on the way there (`detect`). A touch that has
+//!    changed sides beside one of its pair that has not is none;
 //! 3. the rods are linearised where they are, all impulses are solved for (`case`) as well as that
-//!    is of use (`effort`), and the rods take the increment that belongs to them, twice;
-//! 4. touches are found where that has led, as well as on the way there, with the normals there. A
-//!    touch that has changed sides beside one of its pair that has not is none;
-//! 5. 3 repeats, with places and normals of the contacts kept, until rods and law agree;
-//! 6. touches are looked for where the fibres really are. Those that are too deep replace or join
-//!    the list, and 5 and 6 repeat.
+//!    is of use (`effort`), and the rods take the increment that belongs to them;
+//! 4. 3 repeats, with places and normals of the contacts kept, until rods and law agree, or until it is
+//!    seen that others are missing;
+//! 5. touches are looked for where the fibres really are. Those that are too deep replace or join
+//!    the list, and 3 to 5 repeat.
 //!
 //! Only contacts that bear something or would close are solved for: others would hold the solver
 //! back. After some lists none is dropped any more, so that no two take turns for ever.

@@ -4,7 +4,6 @@
 //! edges of the one on faces and edges of the other are all places where solids can first meet. A
 //! round shape is its own skeleton, and tells all of a pair alone.
 
-use super::detect::Place;
 use super::object::{Object, Placed, Way};
 use super::touch::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -39,10 +38,10 @@ pub(super) fn pairs(objects: &[Object]) -> Vec<[u32; 2]> {
 
 /// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`, m,
 /// at its end.
-pub(super) fn touches(objects: &[Object], span: [f64; 2], place: Place, margin: f64) -> Vec<Touch> {
+pub(super) fn touches(objects: &[Object], span: [f64; 2], margin: f64) -> Vec<Touch> {
     let found = pairs(objects).into_par_iter().map(|numbers| {
         let pair = Pair::new(objects, numbers);
-        pair.touches(numbers.map(Partner::Object), span, place, margin)
+        pair.touches(numbers.map(Partner::Object), span, margin)
     });
     found.collect::<Vec<_>>().concat()
 }
@@ -85,24 +84,14 @@ impl<'a> Pair<'a> {
         (b - a).norm() > r + q + reach
     }
 
-    /// The touches at a place of a step. Where an axis has come into the other, inside of which faces
+    /// The touches at the end of a step. Where an axis has come into the other, inside of which faces
     /// are told by chance, they are those of the start, as in a rebound that has been missed.
-    fn touches(
-        &self,
-        sides: [Partner; 2],
-        span: [f64; 2],
-        place: Place,
-        margin: f64,
-    ) -> Vec<Touch> {
+    fn touches(&self, sides: [Partner; 2], span: [f64; 2], margin: f64) -> Vec<Touch> {
         let poses = self.0.map(|object| object.poses(span));
         let [start, end] =
             [0, 1].map(|when| Step { pair: self, sides, poses, when, dt: span[1], margin });
-        let at_start = || start.touches(margin + self.way(&poses)).0;
-        if place == Place::Start {
-            return at_start();
-        }
         let (touches, inside) = end.touches(margin);
-        if inside { at_start() } else { touches }
+        if inside { start.touches(margin + self.way(&poses)).0 } else { touches }
     }
 
     /// Which of the two are searched in the other's field.

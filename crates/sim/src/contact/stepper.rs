@@ -1,7 +1,7 @@
 use super::case::Case;
 use super::cut::{Cut, lost};
-use super::detect::{Detector, Motion, Place};
-use super::effort::{COARSE, Effort, FAIR, ROUGH};
+use super::detect::{self, Detector, Motion};
+use super::effort::Effort;
 use super::film::Film;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
@@ -20,20 +20,20 @@ const MOST_ITERATIONS: usize = 8;
 const MOST_LISTS: usize = 9;
 /// From this list on no contact is dropped: some would come and go for ever.
 const PATIENCE: usize = 3;
-/// Iterations with the first list, at most.
-const GUESSES: usize = 2;
 /// Increments below this, rad, end Newton's method: what is left is of the order of their square.
 const SMALL_TURN: f64 = 1e-4;
 /// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost less.
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
 const LONGER: usize = 4;
+/// An error below which fibres are so near to where they go, in tolerances, that it is seen which contacts
+/// will not do.
+const CLOSE: f64 = 150.0;
 /// Gaps up to so many radii are listed.
 const MARGIN: f64 = 0.5;
-/// By how many radii the first list of a step, which is of where it starts, is wider than the last ones.
+/// By how many radii the first list of a step, which is of where it is expected to lead, is wider than the
+/// others.
 const WIDE: f64 = 0.5;
-/// The same of the second, at most.
-const WIDEST: f64 = 2.0;
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
 /// A step in which nothing moves, s.
@@ -71,6 +71,23 @@ struct Part {
     report: StepReport,
 }
 
+impl Part {
+    /// Positions of all nodes at its end if they have these mean velocities.
+    fn end(&self, mean: &[Vector3<f64>]) -> Vec<Point3<f64>> {
+        self.start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect()
+    }
+
+    fn motion<'a>(
+        &'a self,
+        world: &'a World,
+        radii: &'a [f64],
+        end: &'a [Point3<f64>],
+    ) -> Motion<'a> {
+        let layout = world.assembly().layout();
+        Motion { layout, radii, start: &self.start, end, time: self.time, dt: self.dt }
+    }
+}
+
 impl Touching {
     pub(crate) fn new(settings: ContactSettings, world: &World) -> Result<Self, SimError> {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
@@ -82,7 +99,7 @@ impl Touching {
             Some(Adhesion::Bonds { range, .. }) => range,
             _ => film.as_ref().map_or(0.0, Film::reach),
         };
-        let detector = Detector::new(MARGIN * largest + range, WIDEST * largest, film.is_some())?;
+        let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         let solver = Admm::new(Tolerance::EXACT);
         let bonds = Vec::new();
         let mut touching = Self { settings, film, detector, solver, radii, radius, bonds };
@@ -103,7 +120,7 @@ impl Touching {
             dt: INSTANT,
         };
         let mut touches = Vec::new();
-        self.detector.touches(&motion, &world.objects, Place::End, 0.0, &mut touches)?;
+        self.detector.touches(&motion, &world.objects, 0.0, &mut touches)?;
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         match deepest {
             Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
@@ -214,36 +231,14 @@ impl Touching {
         let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
         world.push(&touches, time, dt)?;
         world.with_impulses(&touches, |group, own| group.set_out(time, dt, own))?;
-        // The first list is that of a guess: it only serves to find a better one.
-        self.list(world, part, expected, Place::Start, WIDE * self.radius)?;
+        self.list(world, part, expected, WIDE * self.radius)?;
         let mut case = self.case(world, part)?;
-        let (mut turn, mut rough) = (0.0, false);
-        for _ in 0..GUESSES {
-            world.for_groups(|group| group.linearize())?;
-            (turn, _) = self.iterate(world, part, &mut case, self.first_effort(), false)?;
-            let error = case.error().unwrap_or(f64::INFINITY);
-            rough |= error > ROUGH;
-            if error < FAIR {
-                break;
-            }
-        }
-        if turn > LOST && !last {
-            return Err(Cut::Contacts);
-        }
-        // What has moved far since it was listed may move as far again.
-        let now = world.mean_velocities();
-        let moved = part.mean.iter().zip(&now).map(|(a, b)| (a - b).norm());
-        let more = (moved.fold(0.0, f64::max) * dt).min(WIDEST * self.radius);
-        drop(now);
-        let bearing = remember(&part.touches);
-        self.list(world, part, &bearing, Place::End, more)?;
-        case = self.case(world, part)?;
+        let mut effort = self.rough(Effort::FIRST);
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
-            let goal = if rough && list < PATIENCE { COARSE } else { 1.0 };
-            let solved = self.converge(world, part, &mut case, list, goal, last)?;
+            let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
-            self.list(world, part, &[], Place::End, 0.0)?;
+            self.list(world, part, &[], 0.0)?;
             part.work = case.work(world, &part.mean, &bearing);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
@@ -252,10 +247,6 @@ impl Touching {
             report.depth = deepest;
             if solved && deepest <= self.depth() {
                 part.touches = bearing;
-                if goal > 1.0 {
-                    rough = false;
-                    continue;
-                }
                 // What a way leads through may leave no touch at its end.
                 let through = self.detector.leads_through();
                 if through && !last {
@@ -269,18 +260,21 @@ impl Touching {
                 return Ok(());
             }
             worst_touch = Unresolved::deepest(time, &part.touches);
-            case.give_gaps(world, &part.mean, dt, &mut bearing);
+            let gaps = case.gaps(world, &part.mean, dt);
+            bearing.iter_mut().zip(gaps).for_each(|(touch, gap)| touch.gap = gap);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
+            effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         part.report.contact.unresolved = 1;
         part.report.contact.first_unresolved = worst_touch;
         if last { Ok(()) } else { Err(Cut::Contacts) }
     }
 
-    /// What a film pulls is far more than what moves fibres: loose answers would fling them apart.
-    fn first_effort(&self) -> Effort {
-        if self.film.is_some() { Effort::LAST } else { Effort::FIRST }
+    /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
+    /// answers would fling them apart.
+    fn rough(&self, effort: Effort) -> Effort {
+        if self.film.is_some() { Effort::LAST } else { effort }
     }
 
     /// How deep in each other things may be after a step, m: so little that a film does not tear by an
@@ -290,8 +284,8 @@ impl Touching {
         self.film.as_ref().map_or(depth, |film| depth.min(0.1 * film.reach()))
     }
 
-    /// Solves the step with the contacts of a case, of the list of this number. Tells whether rods and
-    /// contacts are within `goal` times their tolerances. Where all fly apart they are not listed again:
+    /// Solves the step with the contacts of a case, of the list of this number, from this effort on. Tells
+    /// whether rods and contacts are within their tolerances. Where all fly apart they are not listed again:
     /// what is swept then could be everything.
     fn converge(
         &mut self,
@@ -299,37 +293,51 @@ impl Touching {
         part: &mut Part,
         case: &mut Case,
         list: usize,
-        goal: f64,
+        mut effort: Effort,
         last: bool,
     ) -> Result<bool, Cut> {
         let patient = list >= PATIENCE;
-        let (mut turn, mut longer) = (f64::INFINITY, 1);
+        let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
         for _ in 0..MOST_ITERATIONS {
-            let solved = case.error().is_some_and(|error| error <= goal);
+            let error = case.error().unwrap_or(f64::INFINITY);
+            let solved = exact && error <= 1.0;
             // After a small increment the next is far smaller, and need not be found to be known.
             if solved && turn < SMALL_TURN {
                 return Ok(true);
+            }
+            // The first list is of another end, and soon seen not to do.
+            if list == 0 && !solved && error < CLOSE && self.strays(world, part, case)? {
+                return Ok(false);
             }
             let own = largest(world.for_groups(|group| group.linearize())?);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
-            let effort = match case.error() {
-                Some(error) => Effort::after(error),
-                None if list == 0 => self.first_effort(),
-                // Where the list has hardly changed, loose answers lead away.
-                None => Effort::LAST,
-            };
-            let effort = effort.toward(goal).longer(longer);
+            if error.is_finite() && !longer {
+                effort = Effort::after(error);
+            }
             let (increment, reached) = self.iterate(world, part, case, effort, patient)?;
-            turn = increment;
+            (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
-            if !reached && longer > 1 && !last {
+            if !reached && longer && !last {
                 return Err(Cut::Contacts);
             }
-            longer = if reached { 1 } else { LONGER * longer };
+            longer = !reached;
+            if longer {
+                effort = effort.again(LONGER);
+            }
         }
         if turn > LOST { Err(Cut::Contacts) } else { Ok(false) }
+    }
+
+    /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
+    /// solution with these contacts would be found to be none.
+    fn strays(&self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
+        let mean = world.mean_velocities();
+        let end = part.end(&mean);
+        let found = detect::gaps(&part.motion(world, &self.radii, &end), &part.touches)?;
+        let told = case.gaps(world, &mean, part.dt);
+        Ok(told.iter().zip(found).any(|(told, found)| told.min(0.0) - found > self.depth()))
     }
 
     /// The contacts of a part.
@@ -381,21 +389,15 @@ impl Touching {
         world: &World,
         part: &mut Part,
         expected: &[Remembered],
-        place: Place,
         more: f64,
     ) -> Result<(), CollisionError> {
         part.mean = world.mean_velocities();
-        let end: Vec<_> = part.start.iter().zip(&part.mean).map(|(x, v)| x + v * part.dt).collect();
-        let motion = Motion {
-            layout: world.assembly().layout(),
-            radii: &self.radii,
-            start: &part.start,
-            end: &end,
-            time: part.time,
-            dt: part.dt,
-        };
-        self.detector.touches(&motion, &world.objects, place, more, &mut part.touches)?;
-        recall(expected, &mut part.touches);
+        let mut touches = std::mem::take(&mut part.touches);
+        let end = part.end(&part.mean);
+        let motion = part.motion(world, &self.radii, &end);
+        self.detector.touches(&motion, &world.objects, more, &mut touches)?;
+        recall(expected, &mut touches);
+        part.touches = touches;
         Ok(())
     }
 }

@@ -12,6 +12,12 @@ pub enum Partner {
     Object(u32),
 }
 
+impl Partner {
+    fn is_object(&self) -> bool {
+        matches!(self, Self::Object(_))
+    }
+}
+
 impl fmt::Display for Partner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -20,6 +26,10 @@ impl fmt::Display for Partner {
         }
     }
 }
+
+/// Cosine of the angle from which on two normals of fibres face each other: about a bend both of two at right
+/// angles may be needed. A corner of an object has but one at a time.
+const FACING: f64 = -0.5;
 
 /// A place where two things touch, or nearly do, at the end of a step.
 #[derive(Debug, Clone, Copy)]
@@ -83,7 +93,8 @@ impl Touch {
     /// Whether two touches of one pair lie beside each other with normals that face each other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
         let ([s, t], [u, v]) = (self.at(), other.at());
-        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < 0.0
+        let facing = if self.sides.iter().any(Partner::is_object) { 0.0 } else { FACING };
+        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < facing
     }
 }
 
