@@ -13,6 +13,9 @@
 //! 5. touches are looked for where the fibres really are. Those that are too deep replace or join
 //!    the list, and 3 to 5 repeat.
 //!
+//! Normals are those of where the list was made: in the end, weighted with impulses, off by a hundredth of
+//! a radian where hair strikes, and by a third of that at rest. Gaps are looked at where fibres are.
+//!
 //! Only contacts that bear something or would close are solved for: others would hold the solver
 //! back. After some lists none is dropped any more, so that no two take turns for ever.
 //!
