@@ -40,10 +40,9 @@ impl Method for BarnesHut {
         check_positions("target", targets)?;
         check_charges(charges, sources.len())?;
         let tree = Tree::new(sources.len(), 32, |i| [sources[i]]);
-        let mut cloud = Cloud::default();
-        for &i in &tree.order {
-            cloud.push(sources[i as usize].into(), charges[i as usize]);
-        }
+        let sorted = tree.order.par_iter().map(|&i| i as usize);
+        let charge = sorted.clone().map(|i| charges[i]).collect();
+        let cloud = Cloud::new(places(sorted.map(|i| sources[i])), charge);
         let multipoles = Multipoles::new(&tree, &cloud, 1, order);
         let gradients: Vec<_> = (0..tree.cells.len())
             .into_par_iter()
@@ -54,11 +53,11 @@ impl Method for BarnesHut {
                 gradient
             })
             .collect();
-        let places = places(targets.iter());
+        let places = places(targets.par_iter().copied());
         let walk = Walk { tree: &tree, gradients: &gradients, cloud: &cloud, places: &places };
         let sums: Vec<_> =
             (0..targets.len()).into_par_iter().map(|k| walk.sum(*self, k, &targets[k])).collect();
-        Ok(Fields::new(1.0, &sums, 0..))
+        Ok(Fields::new(1.0, sums.len(), |i| sums[i]))
     }
 }
 

@@ -1,3 +1,4 @@
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// What can be wrong with charges, where they are, or what is asked of them.
@@ -10,7 +11,7 @@ pub enum ElectrostaticsError {
         position[0], position[1], position[2]
     )]
     Position {
-        /// Source, target, node or vertex.
+        /// Source, target, node, vertex or center.
         what: &'static str,
         /// Its index.
         index: usize,
@@ -88,26 +89,32 @@ pub enum ElectrostaticsError {
 }
 
 /// Refuses positions that are no places.
-pub(crate) fn check_positions<'a>(
+pub(crate) fn check_positions(
     what: &'static str,
-    positions: impl IntoIterator<Item = &'a nalgebra::Point3<f64>>,
+    positions: &[nalgebra::Point3<f64>],
 ) -> Result<(), ElectrostaticsError> {
-    for (index, position) in positions.into_iter().enumerate() {
-        if !position.iter().all(|x| x.abs() < 1e75) {
-            return Err(ElectrostaticsError::Position {
-                what,
-                index,
-                position: (*position).into(),
-            });
+    let place = |position: &nalgebra::Point3<f64>| position.iter().all(|x| x.abs() < 1e75);
+    match first_not(positions, place) {
+        Some(index) => {
+            let position = positions[index].into();
+            Err(ElectrostaticsError::Position { what, index, position })
         }
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// The first of `items` that is not `right`.
+fn first_not<T: Sync>(items: &[T], right: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    const PART: usize = 4096;
+    let wrong =
+        |(k, part): (usize, &[T])| part.iter().position(|item| !right(item)).map(|i| k * PART + i);
+    items.par_chunks(PART).enumerate().find_map_first(wrong)
 }
 
 /// Refuses charges that are no numbers, or not as many as `needed`.
 pub(crate) fn check_charges(charges: &[f64], needed: usize) -> Result<(), ElectrostaticsError> {
     check_count("charges", charges.len(), needed)?;
-    match charges.iter().position(|charge| !charge.is_finite()) {
+    match first_not(charges, |charge| charge.is_finite()) {
         Some(index) => Err(ElectrostaticsError::Charge { index, charge: charges[index] }),
         None => Ok(()),
     }

@@ -16,15 +16,15 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// From sums of `q/r` and their gradients, in units of the charge `unit` and the order `order`.
-    pub(crate) fn new(unit: f64, sums: &[[f64; 4]], order: impl Iterator<Item = usize>) -> Self {
-        let mut fields =
-            Self { potentials: vec![0.0; sums.len()], fields: vec![Vector3::zeros(); sums.len()] };
-        for (i, [potential, x, y, z]) in order.zip(sums) {
-            fields.potentials[i] = COULOMB_CONSTANT * unit * potential;
-            fields.fields[i] = -COULOMB_CONSTANT * unit * Vector3::new(*x, *y, *z);
-        }
-        fields
+    /// From the sums of `q/r` at `count` targets and their gradients, in units of the charge `unit`.
+    pub(crate) fn new(unit: f64, count: usize, sums: impl Fn(usize) -> [f64; 4] + Sync) -> Self {
+        let factor = COULOMB_CONSTANT * unit;
+        let field = |i| {
+            let [potential, x, y, z] = sums(i);
+            (factor * potential, -factor * Vector3::new(x, y, z))
+        };
+        let (potentials, fields) = (0..count).into_par_iter().map(field).unzip();
+        Self { potentials, fields }
     }
 }
 
@@ -63,16 +63,17 @@ impl Method for Direct {
         check_positions("source", sources)?;
         check_positions("target", targets)?;
         check_charges(charges, sources.len())?;
-        let mut cloud = Cloud::default();
-        sources.iter().zip(charges).for_each(|(x, q)| cloud.push((*x).into(), *q));
-        let sums = direct_sums(&cloud, 0.0, &places(targets.iter()));
-        Ok(Fields::new(1.0, &sums, 0..))
+        let cloud = Cloud::new(places(sources.par_iter().copied()), charges.to_vec());
+        let sums = direct_sums(&cloud, 0.0, &places(targets.par_iter().copied()));
+        Ok(Fields::new(1.0, sums.len(), |i| sums[i]))
     }
 }
 
 /// Coordinate by coordinate.
-pub(crate) fn places<'a>(points: impl Iterator<Item = &'a Point3<f64>> + Clone) -> [Vec<f64>; 3] {
-    [0, 1, 2].map(|d| points.clone().map(|x| x[d]).collect())
+pub(crate) fn places(points: impl IndexedParallelIterator<Item = Point3<f64>>) -> [Vec<f64>; 3] {
+    // Points may stand anywhere in memory: they are fetched once.
+    let points: Vec<_> = points.collect();
+    [0, 1, 2].map(|d| points.par_iter().map(|x| x[d]).collect())
 }
 
 /// Sums of `q/sqrt(r^2 + softening)` and their gradients at `targets`.
@@ -80,12 +81,20 @@ pub(crate) fn direct_sums(cloud: &Cloud, softening: f64, targets: &[Vec<f64>; 3]
     // Sources are taken a level-2 cache at a time.
     const TILE: usize = 16_384;
     const TARGETS: usize = 64;
+    let tiles = cloud.len().div_ceil(TILE);
     let mut sums = vec![[0.0; 4]; targets[0].len()];
     sums.par_chunks_mut(TARGETS).enumerate().for_each(|(k, out)| {
         let range = k * TARGETS..k * TARGETS + out.len();
-        for first in (0..cloud.len()).step_by(TILE) {
-            let tile = first..cloud.len().min(first + TILE);
-            add_pairs(cloud, &[tile], softening, targets, range.clone(), out);
+        let part = |k: usize| {
+            let (tile, mut part) = (k * TILE..cloud.len().min((k + 1) * TILE), [[0.0; 4]; TARGETS]);
+            let part = &mut part[..out.len()];
+            add_pairs(cloud, &[tile], softening, targets, range.clone(), part);
+            part.to_vec()
+        };
+        let parts: Vec<_> = (0..tiles).into_par_iter().map(part).collect();
+        for part in parts {
+            let sums = out.as_flattened_mut().iter_mut();
+            sums.zip(part.as_flattened()).for_each(|(sum, part)| *sum += part);
         }
     });
     sums

@@ -5,6 +5,7 @@ use super::elements::Elements;
 use super::iteration::{MOST, solve};
 use super::outside::{Add, Outside};
 use crate::error::{check_charges, check_count, check_positions};
+use crate::method::places;
 use crate::multipole::engine::{Multipoles, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::solver::{check_accuracy, unit};
@@ -13,6 +14,7 @@ use crate::real::Real;
 use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields};
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
+use rayon::prelude::*;
 
 /// Relative residual to which charges are found.
 const RESIDUAL: f64 = 1e-6;
@@ -214,15 +216,17 @@ impl ConductingSurface {
         };
         let mut sums = vec![[0.0; 4]; targets.len()];
         self.elements.make(&charges, outside, accuracy, &add, &mut sums)?;
-        Ok(Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)))
+        let place = tree.places();
+        Ok(Fields::new(unit, sums.len(), |i| sums[place[i] as usize]))
     }
 }
 
 /// Points in the order of a tree over them.
-fn sorted(points: &[Point3<f64>], charge: impl Fn(usize) -> f64) -> (Tree, Cloud) {
+fn sorted(points: &[Point3<f64>], charge: impl Fn(usize) -> f64 + Sync + Send) -> (Tree, Cloud) {
     let tree = Tree::new(points.len(), CAPACITY, |i| [points[i]]);
-    let mut cloud = Cloud::default();
-    tree.order.iter().for_each(|&i| cloud.push(points[i as usize].into(), charge(i as usize)));
+    let order = tree.order.par_iter().map(|&i| i as usize);
+    let charge = order.clone().map(charge).collect();
+    let cloud = Cloud::new(places(order.map(|i| points[i])), charge);
     (tree, cloud)
 }
 

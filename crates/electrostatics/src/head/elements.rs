@@ -1,6 +1,7 @@
 //! Charged triangles and what they do to each other and to points.
 
 use super::triangle::Triangle;
+use crate::method::places;
 use crate::multipole::near::Cloud;
 use crate::multipole::tree::Tree;
 use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Plan};
@@ -45,11 +46,9 @@ impl Elements {
         let tree = Tree::new(centers.len(), CAPACITY, |i| triangles[i].corners());
         let longest = triangles.iter().map(Triangle::longest).fold(0.0, f64::max);
         let plan = Plan::new(&centers, &centers, ACCURACY)?;
-        let mut points = Cloud::default();
-        for triangle in &tree.order {
-            let triangle = &triangles[*triangle as usize];
-            triangle.points().iter().for_each(|(x, share)| points.push((*x).into(), *share));
-        }
+        let ordered = tree.order.iter().map(|&triangle| &triangles[triangle as usize]);
+        let (points, shares): (Vec<_>, _) = ordered.flat_map(Triangle::points).unzip();
+        let points = Cloud::new(places(points.into_par_iter()), shares);
         let (excess, diagonal) = (Vec::new(), Vec::new());
         let mut all = Self { triangles, centers, tree, longest, points, plan, excess, diagonal };
         let excess = |(i, x): (usize, &Point3<f64>)| {

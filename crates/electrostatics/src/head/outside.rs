@@ -3,7 +3,7 @@
 use super::close::{add_fields, add_mean};
 use super::elements::Elements;
 use super::triangle::{POINTS, RULED, Triangle};
-use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain, scaled};
+use crate::multipole::engine::{self, Degrees, Descent, Far, Leaf, Multipoles, Task, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{MARGIN, find_order, guess, thinning};
@@ -12,6 +12,7 @@ use crate::real::Real;
 use crate::{Accuracy, ElectrostaticsError};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Largest ratio of radii to distance at which expansions are used.
 const OPENING: f64 = 0.7;
@@ -107,7 +108,7 @@ impl Elements {
         let ordered: Vec<_> = self.tree.order.iter().map(|&j| charges[j as usize]).collect();
         let shares = self.points.charge.iter().enumerate();
         let shared = shares.map(|(k, share)| ordered[k / POINTS] * share).collect();
-        let cloud = Cloud { x: self.points.x.clone(), charge: shared };
+        let cloud = Cloud { x: Arc::clone(&self.points.x), charge: shared };
         let multipoles = |order| Multipoles::<f64>::new(&self.tree, &cloud, POINTS, order);
         let leaf = &Made { elements: self, charges: &ordered, outside, add };
         let count = outside.tree.order.len();
@@ -169,7 +170,7 @@ impl Elements {
             degrees: Degrees::new(order, OPENING, thinning(accuracy)),
             clearance: if coarse { 0.0 } else { RULED * self.longest },
             direct: 0,
-            grain: grain(targets.order.len()),
+            grain: engine::GRAIN,
             samples: None,
         }
     }

@@ -31,7 +31,8 @@ impl ConductingSphere {
         sources: &[Point3<f64>],
         charges: &[f64],
     ) -> Result<(Vec<Point3<f64>>, Vec<f64>), ElectrostaticsError> {
-        check_positions("source", sources.iter().chain([&self.center]))?;
+        check_positions("source", sources)?;
+        check_positions("center", &[self.center])?;
         check_charges(charges, sources.len())?;
         let radius = self.radius;
         if !(radius > 0.0 && radius.is_finite()) {

@@ -13,17 +13,9 @@ use crate::real::Real;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Least and most bodies below which a subtree is one task: pairs within one need be looked at once, and
-/// there must be tasks enough for all threads.
-const TASK: [usize; 2] = [8192, 131_072];
-
-/// Subtrees that are one task each, about, if they have that many bodies.
-const TASKS: usize = 16;
-
-/// Bodies below which a subtree is one task, of this many.
-pub(crate) fn grain(bodies: usize) -> usize {
-    (bodies / TASKS).clamp(TASK[0], TASK[1])
-}
+/// Bodies below which a subtree is one task, where it matters not to them which are in it: there are
+/// then tasks enough for all threads to end at the same time.
+pub(crate) const GRAIN: usize = 8192;
 
 /// The multipoles of all cells of a tree.
 pub(crate) struct Multipoles<'a, E> {
@@ -52,7 +44,9 @@ impl<'a, E: Real> Multipoles<'a, E> {
             let deeper = &deeper[..size * below.len()];
             let cells = &tree.cells[level[0]..level[1]];
             let scratch = || (points::work(order), vec![0.0; size], Translator::<E>::new(order));
-            let cells = cells.par_iter().zip(above.par_chunks_exact_mut(size)).with_min_len(16);
+            // Those with many points or children may stand together.
+            let cells = cells.par_iter().zip(above.par_chunks_exact_mut(size));
+            let cells = cells.with_min_len(16).with_max_len(512);
             cells.for_each_init(scratch, |(work, leaf, translator), (cell, moments)| {
                 if cell.is_leaf() {
                     let range = scaled(&cell.bodies, per_body);
@@ -76,7 +70,7 @@ impl<'a, E: Real> Multipoles<'a, E> {
     /// other: the others are small.
     pub(crate) fn rounded(mut self, low: usize) -> Self {
         #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
-        let moments = self.moments.iter().map(|moment| moment.double() as f32).collect();
+        let moments = self.moments.par_iter().map(|moment| moment.double() as f32).collect();
         self.rounded = Some(Rounded { low, moments });
         self
     }
@@ -85,6 +79,27 @@ impl<'a, E: Real> Multipoles<'a, E> {
     pub(crate) fn moments(&self, cell: usize) -> &[E] {
         &self.moments[count(self.order) * cell..][..count(self.order)]
     }
+}
+
+/// What all bodies are to be found, nothing yet. All threads write it, as memory that is read before it is
+/// written takes twice as long, and more where other threads run.
+pub(crate) fn nothing<const N: usize>(bodies: usize) -> Vec<[f64; N]> {
+    (0..bodies).into_par_iter().map(|_| [0.0; N]).collect()
+}
+
+/// The parts of `all` for these ascending `ranges`.
+pub(crate) fn parts<T>(
+    mut all: &mut [T],
+    ranges: impl Iterator<Item = Range<usize>>,
+) -> Vec<(Range<usize>, &mut [T])> {
+    let mut first = 0;
+    let part = |range: Range<usize>| {
+        let (_, rest) = std::mem::take(&mut all).split_at_mut(range.start - first);
+        let (part, rest) = rest.split_at_mut(range.len());
+        (all, first) = (rest, range.end);
+        (range, part)
+    };
+    ranges.map(part).collect()
 }
 
 /// The points of `bodies`.
@@ -224,9 +239,36 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
             return;
         }
         let local = vec![E::of(0.0); count(self.order)];
-        let bodies = self.targets.cells[0].bodies.clone();
-        let task = Task { bodies, samples: self.samples, out };
-        self.visit(0, local, vec![0], &mut self.movers(), task);
+        let mut visits = vec![Visit { cell: 0, local, pending: vec![0] }];
+        let mut tasks = Vec::new();
+        while !visits.is_empty() {
+            let (now, split): (Vec<_>, Vec<_>) = visits.into_iter().partition(|visit| {
+                let cell = self.cell(visit);
+                cell.is_leaf() || cell.bodies.len() <= self.grain
+            });
+            tasks.extend(now);
+            let parts = |movers: &mut _, mut visit| {
+                self.open(&mut visit, movers);
+                self.children(&visit, movers)
+            };
+            visits =
+                split.into_par_iter().map_init(|| self.movers(), parts).flatten_iter().collect();
+        }
+        tasks.sort_by_key(|visit| self.cell(visit).bodies.start);
+        let parts = parts(out, tasks.iter().map(|visit| self.cell(visit).bodies.clone()));
+        let task = |(visit, (bodies, out))| (visit, Task { bodies, samples: self.samples, out });
+        let mut tasks: Vec<_> = tasks.into_iter().zip(parts).map(task).collect();
+        // Threads take one after another, the largest first, so that they end at about the same time; those
+        // of about the same size, as neighbors have much in common.
+        tasks.sort_by_key(|(_, task)| std::cmp::Reverse(task.bodies.len().ilog2()));
+        tasks.into_iter().par_bridge().for_each_init(
+            || self.movers(),
+            |movers, (visit, task)| self.visit(visit, movers, task),
+        );
+    }
+
+    fn cell(&self, visit: &Visit<E>) -> &Cell {
+        &self.targets.cells[visit.cell]
     }
 
     fn movers(&self) -> Movers<E> {
@@ -235,7 +277,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
             sums: vec![0.0; count(self.order)],
         };
         let single = self.sources.rounded.is_some().then(single);
-        Movers { translator: Translator::new(self.order), single }
+        Movers { translator: Translator::new(self.order), single, lists: Lists::default() }
     }
 
     /// Adds the expansions `far`, of falling degree, to the local expansion of `cell`.
@@ -273,62 +315,66 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         samples.get(next).is_some_and(|sample| *sample < cell.bodies.end)
     }
 
-    fn visit(
-        &self,
-        index: usize,
-        mut local: Vec<E>,
-        pending: Vec<u32>,
-        movers: &mut Movers<E>,
-        task: Task<L::Out>,
-    ) {
-        let cell = &self.targets.cells[index];
-        if !self.wanted(cell) {
-            return;
-        }
-        let mut lists = Lists::default();
-        lists.sort(self, index, pending);
-        lists.far.sort_by_key(|far| std::cmp::Reverse(far.degree));
-        self.add_far(&lists.far, cell, movers, &mut local);
+    fn visit(&self, mut visit: Visit<E>, movers: &mut Movers<E>, task: Task<L::Out>) {
+        self.open(&mut visit, movers);
+        let cell = self.cell(&visit);
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
-            let local: Vec<_> = local.iter().map(|c| c.double()).collect();
+            let local: Vec<_> = visit.local.iter().map(|c| c.double()).collect();
             gradient.set(Tables::get(), self.order, cell.scale, &local);
             let far = Far { order: self.order, gradient };
-            self.leaf.receive(cell, &far, &lists.near, task);
+            self.leaf.receive(cell, &far, &movers.lists.near, task);
             return;
         }
-        let children = &self.targets.cells[cell.children.clone()];
-        let shifts: Vec<_> =
-            children.iter().map(|child| shift(cell, child, &local, self.order)).collect();
+        let Task { bodies, samples, out } = task;
+        for child in self.children(&visit, movers) {
+            let task = Task { bodies: bodies.clone(), samples, out: &mut *out };
+            self.visit(child, movers, task);
+        }
+    }
+
+    /// Sorts what the parent left, and adds what is far to the local expansion.
+    fn open(&self, visit: &mut Visit<E>, movers: &mut Movers<E>) {
+        let mut lists = std::mem::take(&mut movers.lists);
+        lists.sort(self, visit);
+        lists.far.sort_by_key(|far| std::cmp::Reverse(far.degree));
+        self.add_far(&lists.far, self.cell(visit), movers, &mut visit.local);
+        movers.lists = lists;
+    }
+
+    /// The children that are wanted, with what is left to them.
+    fn children(&self, visit: &Visit<E>, movers: &mut Movers<E>) -> Vec<Visit<E>> {
+        let (cell, cells) = (self.cell(visit), &self.targets.cells);
+        let wanted: Vec<_> =
+            cell.children.clone().filter(|&child| self.wanted(&cells[child])).collect();
+        let to = |&child: &usize| shift(cell, &cells[child], &visit.local, self.order);
+        let shifts: Vec<_> = wanted.iter().map(to).collect();
         let size = count(self.order);
-        let mut locals = vec![E::of(0.0); size * children.len()];
+        let mut locals = vec![E::of(0.0); size * wanted.len()];
         movers.translator.each(Kind::Local, &shifts, &mut locals);
-        let locals = cell.children.clone().zip(locals.chunks_exact(size));
-        let (pending, Task { bodies, samples, mut out }) = (&lists.pending, task);
-        if cell.bodies.len() <= self.grain {
-            for (child, local) in locals {
-                let task = Task { bodies: bodies.clone(), samples, out: &mut *out };
-                self.visit(child, local.to_vec(), pending.clone(), movers, task);
-            }
-            return;
-        }
-        let mut parts = Vec::with_capacity(children.len());
-        for (child, local) in locals {
-            let bodies = self.targets.cells[child].bodies.clone();
-            let (part, rest) = out.split_at_mut(bodies.len());
-            parts.push((child, local.to_vec(), Task { bodies, samples, out: part }));
-            out = rest;
-        }
-        parts.into_par_iter().for_each(|(child, local, task)| {
-            self.visit(child, local, pending.clone(), &mut self.movers(), task);
-        });
+        let child = |(cell, local): (usize, &[E])| Visit {
+            cell,
+            local: local.to_vec(),
+            pending: movers.lists.pending.clone(),
+        };
+        wanted.into_iter().zip(locals.chunks_exact(size)).map(child).collect()
     }
 }
 
-/// What moves the expansions of one thread.
+/// A cell of the targets on the way down.
+struct Visit<E> {
+    cell: usize,
+    /// Its local expansion, by what is far from its parents.
+    local: Vec<E>,
+    /// Source cells that those left.
+    pending: Vec<u32>,
+}
+
+/// What moves the expansions of one thread, and the lists of the cell that it is at.
 struct Movers<E> {
     translator: Translator<E>,
     single: Option<Single>,
+    lists: Lists,
 }
 
 /// The same in single precision, with space for a sum.
@@ -350,15 +396,20 @@ struct Lists {
     far: Vec<Distant>,
     pending: Vec<u32>,
     near: Vec<Range<usize>>,
+    /// Those that are yet to be sorted.
+    stack: Vec<u32>,
 }
 
 impl Lists {
     /// The larger of two cells is split, of equal ones that with the greater index, so that within
     /// one tree a body is near to another if that is near to it.
-    fn sort<L: Leaf, E: Real>(&mut self, descent: &Descent<L, E>, own: usize, mut stack: Vec<u32>) {
-        let target = &descent.targets.cells[own];
-        stack.reverse();
-        while let Some(index) = stack.pop() {
+    fn sort<L: Leaf, E: Real>(&mut self, descent: &Descent<L, E>, visit: &Visit<E>) {
+        let (own, target) = (visit.cell, descent.cell(visit));
+        self.far.clear();
+        self.pending.clear();
+        self.near.clear();
+        self.stack.extend(visit.pending.iter().rev());
+        while let Some(index) = self.stack.pop() {
             let source = &descent.sources.tree.cells[index as usize];
             let larger = (source.radius, index as usize) > (target.radius, own);
             let reach = target.radius + source.radius;
@@ -376,7 +427,7 @@ impl Lists {
                 self.near(&source.bodies);
             } else if !source.is_leaf() && (target.is_leaf() || larger) {
                 #[expect(clippy::cast_possible_truncation, reason = "indices fit 32 bits")]
-                stack.extend(source.children.clone().rev().map(|child| child as u32));
+                self.stack.extend(source.children.clone().rev().map(|child| child as u32));
             } else {
                 self.pending.push(index);
             }

@@ -4,20 +4,18 @@ use crate::lanes::{Lanes, Vectors};
 use crate::machine::{Kernel, Roots, dispatch};
 use pulp::Simd;
 use std::ops::Range;
+use std::sync::Arc;
 
-/// Positions and charges, coordinate by coordinate.
-#[derive(Debug, Clone, Default)]
+/// Positions, coordinate by coordinate, which may be shared, and charges.
+#[derive(Debug, Clone)]
 pub(crate) struct Cloud {
-    pub(crate) x: [Vec<f64>; 3],
+    pub(crate) x: Arc<[Vec<f64>; 3]>,
     pub(crate) charge: Vec<f64>,
 }
 
 impl Cloud {
-    pub(crate) fn push(&mut self, x: [f64; 3], charge: f64) {
-        for d in 0..3 {
-            self.x[d].push(x[d]);
-        }
-        self.charge.push(charge);
+    pub(crate) fn new(x: [Vec<f64>; 3], charge: Vec<f64>) -> Self {
+        Self { x: Arc::new(x), charge }
     }
 
     pub(crate) fn len(&self) -> usize {

@@ -2,6 +2,10 @@
 
 use super::near::Cloud;
 use crate::method::direct_sums;
+use rayon::prelude::*;
+
+/// Targets that are looked at one by one if there is a sample among them.
+const PART: usize = 256;
 
 /// The direct sums at some of the targets.
 pub(super) struct Reference {
@@ -18,23 +22,34 @@ impl Reference {
     pub(super) fn new(cloud: &Cloud, places: &[Vec<f64>; 3], strengths: &[f64]) -> Self {
         let targets = strengths.len();
         let wanted = (100_000_000 / cloud.len().max(1)).clamp(64, 2048).min(targets);
-        let totals = strengths.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
+        let totals = |part: &[f64]| part.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
+        let parts: Vec<_> = strengths.par_chunks(PART).map(totals).collect();
+        let all = parts.iter().fold([0.0; 2], |[a, b], part| [a + part[0], b + part[1]]);
         let share = |part: f64, total: f64| if total > 0.0 { part / total } else { 0.0 };
+        let chance = |count: usize, [a, b]: [f64; 2]| {
+            (count as f64 / targets as f64 + share(a, all[0]) + share(b, all[1])) / 3.0
+        };
         let (mut samples, mut weights) = (Vec::new(), Vec::new());
-        let (mut picks, mut passed) = (0, 0.0);
+        let (mut picks, mut end) = (0, 0.0);
         // The golden ratio spreads the places within equal parts evenly.
         let place = |k: usize| (k as f64 + (k as f64 * 0.618_033_988_75).fract()) / wanted as f64;
-        for (target, &strength) in strengths.iter().enumerate() {
-            let strong = share(strength, totals[0]) + share(strength.sqrt(), totals[1]);
-            let chance = (1.0 / targets as f64 + strong) / 3.0;
-            passed += chance;
-            let before = picks;
-            while picks < wanted && place(picks) < passed {
-                picks += 1;
+        for (k, (part, totals)) in strengths.chunks(PART).zip(parts).enumerate() {
+            let mut passed = end;
+            end += chance(part.len(), totals);
+            if place(picks) >= end {
+                continue;
             }
-            if picks > before {
-                samples.push(target);
-                weights.push((picks - before) as f64 / (chance * wanted as f64));
+            for (i, strength) in part.iter().enumerate() {
+                let chance = chance(1, [*strength, strength.sqrt()]);
+                passed += chance;
+                let before = picks;
+                while picks < wanted && place(picks) < passed {
+                    picks += 1;
+                }
+                if picks > before {
+                    samples.push(k * PART + i);
+                    weights.push((picks - before) as f64 / (chance * wanted as f64));
+                }
             }
         }
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| places[d][k]).collect());

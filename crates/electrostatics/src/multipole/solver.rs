@@ -1,6 +1,6 @@
 //! The fast multipole method for point charges.
 
-use super::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain};
+use super::engine::{Degrees, Descent, Far, GRAIN, Leaf, Multipoles, Task, nothing, parts};
 use super::near::{Cloud, add_pairs};
 use super::reference::Reference;
 use super::single::add_pairs_single;
@@ -11,8 +11,10 @@ use crate::harmonics::MAX_ORDER;
 use crate::method::{Fields, Method, direct_sums, places};
 use crate::real::Real;
 use nalgebra::Point3;
+use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How exact a sum must be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,9 +64,9 @@ impl Method for Multipole {
 pub struct Plan {
     accuracy: Accuracy,
     sources: Tree,
-    places: [Vec<f64>; 3],
+    places: Arc<[Vec<f64>; 3]>,
     /// The tree of the targets; without, those are the sources.
-    targets: Option<(Tree, [Vec<f64>; 3])>,
+    targets: Option<(Tree, Arc<[Vec<f64>; 3]>)>,
 }
 
 impl Plan {
@@ -84,8 +86,8 @@ impl Plan {
         let capacity = capacity(accuracy);
         let plant = |points: &[Point3<f64>]| {
             let tree = Tree::new(points.len(), capacity, |i| [points[i]]);
-            let sorted = places(tree.order.iter().map(|&i| &points[i as usize]));
-            (tree, sorted)
+            let sorted = places(tree.order.par_iter().map(|&i| points[i as usize]));
+            (tree, Arc::new(sorted))
         };
         let (tree, sorted) = plant(sources);
         let targets = (sources != targets).then(|| plant(targets));
@@ -99,8 +101,8 @@ impl Plan {
     pub fn fields(&self, charges: &[f64]) -> Result<(Fields, Certificate), ElectrostaticsError> {
         check_charges(charges, self.sources.order.len())?;
         let unit = unit(charges);
-        let charge = self.sources.order.iter().map(|&i| charges[i as usize] / unit).collect();
-        let cloud = Cloud { x: self.places.clone(), charge };
+        let charge = self.sources.order.par_iter().map(|&i| charges[i as usize] / unit).collect();
+        let cloud = Cloud { x: Arc::clone(&self.places), charge };
         let own = (&self.sources, &self.places);
         let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
         let (plan, cloud) = (self, &cloud);
@@ -114,7 +116,7 @@ impl Plan {
             Sum { plan, cloud, targets: tree, places, low, real }.run()
         };
         let finite = |(sums, _): &(Vec<[f64; 4]>, Certificate)| {
-            sums.as_flattened().iter().all(|x| x.is_finite())
+            sums.par_chunks(PART).all(|part| part.as_flattened().iter().all(|x| x.is_finite()))
         };
         let quick = match self.accuracy {
             Accuracy::Tolerance(tolerance) if tolerance >= SINGLE => single().ok(),
@@ -125,14 +127,20 @@ impl Plan {
             Some(found) => found,
             None => double(None)?,
         };
-        Ok((Fields::new(unit, &sums, tree.order.iter().map(|&i| i as usize)), certificate))
+        let place = tree.places();
+        Ok((Fields::new(unit, sums.len(), |i| sums[place[i] as usize]), certificate))
     }
 }
+
+/// Numbers that a thread looks at without a break.
+const PART: usize = 4096;
 
 /// The unit in which the largest of `charges` is near one, so that squares of fields stay within range; a
 /// power of two keeps their bits.
 pub(crate) fn unit(charges: &[f64]) -> f64 {
-    let most = charges.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+    let largest = |part: &[f64]| part.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+    let parts: Vec<_> = charges.par_chunks(PART).map(largest).collect();
+    let most = largest(&parts);
     if most > 0.0 { most.log2().floor().exp2() } else { 1.0 }
 }
 
@@ -250,7 +258,7 @@ impl<E: Real> Sum<'_, E> {
             let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, guess);
             (guess, multipoles, f64::NAN)
         };
-        let mut out = vec![[0.0; 4]; m];
+        let mut out = nothing(m);
         self.descend(&multipoles, order, None, &mut out);
         let error = if error.is_nan() { reference.error(&out) } else { error };
         let samples = reference.samples.len();
@@ -260,18 +268,27 @@ impl<E: Real> Sum<'_, E> {
     /// About the square of the field at each target: what its own leaf makes, where targets are
     /// sources, else what quadrupoles make.
     fn strengths(&self) -> Vec<f64> {
-        let mut out = vec![[0.0; 4]; self.places[0].len()];
+        let square = |[_, x, y, z]: [f64; 4]| x * x + y * y + z * z;
         if self.plan.targets.is_none() {
-            for leaf in self.targets.cells.iter().filter(|cell| cell.is_leaf()) {
-                let bodies = leaf.bodies.clone();
-                let out = &mut out[bodies.clone()];
-                self.add_near(leaf, std::slice::from_ref(&leaf.bodies), out);
-            }
+            let mut leaves: Vec<_> =
+                self.targets.cells.iter().filter(|cell| cell.is_leaf()).collect();
+            leaves.sort_by_key(|leaf| leaf.bodies.start);
+            let mut squares = vec![0.0; self.places[0].len()];
+            let parts = parts(&mut squares, leaves.iter().map(|leaf| leaf.bodies.clone()));
+            leaves.into_par_iter().zip(parts).with_max_len(64).for_each(
+                |(leaf, (own, squares))| {
+                    let mut out = vec![[0.0; 4]; own.len()];
+                    self.add_near(leaf, &[own], &mut out);
+                    squares.iter_mut().zip(out).for_each(|(to, out)| *to = square(out));
+                },
+            );
+            squares
         } else {
+            let mut out = vec![[0.0; 4]; self.places[0].len()];
             let multipoles = Multipoles::new(&self.plan.sources, self.cloud, 1, 2);
             self.descend(&multipoles, 2, None, &mut out);
+            out.into_par_iter().map(square).collect()
         }
-        out.iter().map(|[_, x, y, z]| x * x + y * y + z * z).collect()
     }
 
     /// Adds what the bodies `near` do to those of `cell`.
@@ -301,7 +318,7 @@ impl<E: Real> Sum<'_, E> {
             degrees: Degrees::new(order, OPENING, thinning(self.plan.accuracy)),
             clearance: 0.0,
             direct: pairs_per_shift(order),
-            grain: grain(self.targets.order.len()),
+            grain: GRAIN,
             samples,
         }
         .run(out);

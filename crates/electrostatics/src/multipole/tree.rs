@@ -3,12 +3,16 @@
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Halvings of the root's cube: the bits of a Morton code for each axis.
 const DEPTH: u32 = 21;
 
 /// Least length that expansions are scaled with, over the radius of the root.
 const TINY: f64 = 1e-20;
+
+/// Bodies whose bounds are found at once.
+const PART: usize = 4096;
 
 /// Bodies in a leaf at best, over the most, from measured rates.
 const FILLING: f64 = 0.35;
@@ -55,9 +59,15 @@ impl Tree {
     ) -> Self {
         let middle =
             |i: usize| ends(i).iter().map(|end| end.coords).sum::<Vector3<f64>>() / N as f64;
-        let bounds = |[low, high]: [Vector3<f64>; 2], x| [low.inf(&x), high.sup(&x)];
+        let bounds =
+            |[low, high]: [Vector3<f64>; 2], [a, b]: [Vector3<f64>; 2]| [low.inf(&a), high.sup(&b)];
         let none = [f64::MAX, f64::MIN].map(Vector3::repeat);
-        let [low, high] = (0..count).map(middle).fold(none, bounds);
+        let part = |first: usize| {
+            let part = first..count.min(first + PART);
+            part.map(|i| [middle(i); 2]).fold(none, bounds)
+        };
+        let parts: Vec<_> = (0..count).into_par_iter().step_by(PART).map(part).collect();
+        let [low, high] = parts.into_iter().fold(none, bounds);
         let edge = (high - low).max().max(f64::MIN_POSITIVE) * (1.0 + 1e-12);
         let grow = |edge: f64| {
             let code = |i: usize| {
@@ -68,7 +78,7 @@ impl Tree {
                 (0..count).into_par_iter().map(|i| (code(i), number(i))).collect();
             keys.par_sort_unstable();
             let (cells, levels) = split(&keys, capacity.max(1));
-            Self { cells, levels, order: keys.into_iter().map(|(_, i)| i).collect() }
+            Self { cells, levels, order: keys.par_iter().map(|(_, i)| *i).collect() }
         };
         let mut tree = grow(edge);
         let stretch = tree.stretch(capacity);
@@ -77,6 +87,14 @@ impl Tree {
         }
         tree.fit(ends);
         tree
+    }
+
+    /// Where each body stands in the order.
+    pub(crate) fn places(&self) -> Vec<u32> {
+        let places: Vec<_> = self.order.par_iter().map(|_| AtomicU32::new(0)).collect();
+        let put = |(k, &i): (usize, &u32)| places[i as usize].store(number(k), Ordering::Relaxed);
+        self.order.par_iter().enumerate().for_each(put);
+        places.into_iter().map(AtomicU32::into_inner).collect()
     }
 
     /// By how much the root's cube should be larger, if bodies are spread evenly, for leaves as large as
@@ -144,20 +162,20 @@ fn split(keys: &[(u64, u32)], capacity: usize) -> (Vec<Cell>, Vec<usize>) {
     for level in (0..DEPTH).rev() {
         let first = levels[levels.len() - 1];
         levels.push(cells.len());
-        for k in first..cells.len() {
-            let bodies = cells[k].bodies.clone();
-            if bodies.len() <= capacity {
-                continue;
-            }
-            let begin = cells.len();
+        let octants = |bodies: &Range<usize>| {
             let mut start = bodies.start;
-            while start < bodies.end {
-                let octant = keys[start].0 >> (3 * level);
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|octant| {
                 let rest = &keys[start..bodies.end];
-                let end = start + rest.partition_point(|key| key.0 >> (3 * level) == octant);
-                cells.push(cell(start..end));
-                start = end;
-            }
+                let end = start + rest.partition_point(|key| (key.0 >> (3 * level)) & 7 <= octant);
+                std::mem::replace(&mut start, end)..end
+            })
+        };
+        let split = |cell: &Cell| (cell.bodies.len() > capacity).then(|| octants(&cell.bodies));
+        let parts: Vec<_> = cells[first..].par_iter().map(split).collect();
+        for (k, parts) in (first..).zip(parts) {
+            let Some(parts) = parts else { continue };
+            let begin = cells.len();
+            cells.extend(parts.into_iter().filter(|part| !part.is_empty()).map(cell));
             cells[k].children = begin..cells.len();
         }
         if cells.len() == levels[levels.len() - 1] {

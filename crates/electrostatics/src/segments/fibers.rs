@@ -93,12 +93,11 @@ impl ChargedFibers<'_> {
         let beside = beside.map(|(surface, condition)| Beside { surface, condition, unit });
         let Found { loads, energy, certificate } = loads(&tree, &lines, beside, self.accuracy)?;
         let factor = COULOMB_CONSTANT * unit * unit;
-        let mut places = vec![0; count];
-        tree.order.iter().enumerate().for_each(|(k, &i)| places[i as usize] = k);
+        let places = tree.places();
         let forces = |fiber: usize| {
             let mut forces = vec![Vector3::zeros(); self.layout.node_range(fiber).len()];
             for (a, segment) in self.layout.segment_range(fiber).enumerate() {
-                let [_, start @ .., bx, by, bz] = loads[places[segment]];
+                let [_, start @ .., bx, by, bz] = loads[places[segment] as usize];
                 forces[a] += factor * Vector3::from(start);
                 forces[a + 1] += factor * Vector3::new(bx, by, bz);
             }

@@ -8,7 +8,7 @@ use super::reference::{STRICTEST, exact};
 use super::rules::{Node, Rules};
 use crate::harmonics::MAX_ORDER;
 use crate::head::outside::Outside;
-use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, grain, scaled};
+use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, nothing, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{SINGLE, find_order, guess, thinning};
@@ -20,6 +20,18 @@ use std::ops::Range;
 
 /// Largest ratio of radii to distance at which expansions are used.
 const OPENING: f64 = 0.79;
+
+/// Least and most bodies below which a subtree is one task: pairs within one need be looked at once, and
+/// there must be tasks enough for all threads.
+const TASK: [usize; 2] = [8192, 131_072];
+
+/// Subtrees that are one task each, about, if they have that many bodies.
+const TASKS: usize = 16;
+
+/// Bodies below which a subtree is one task, of this many.
+fn grain(bodies: usize) -> usize {
+    (bodies / TASKS).clamp(TASK[0], TASK[1])
+}
 
 /// A conductor beside the segments, whose charges are in units of `unit` (C).
 #[derive(Clone, Copy)]
@@ -106,7 +118,7 @@ impl<'a, E: Real> Sum<'a, E> {
         let place =
             |x: &Vec<f64>, half: &Vec<f64>| each(&|i, node| x[i] + node.place.double() * half[i]);
         let charge = each(&|i, node| charge[i] * node.weight.double());
-        let cloud = Cloud { x: [place(x, a), place(y, b), place(z, c)], charge };
+        let cloud = Cloud::new([place(x, a), place(y, b), place(z, c)], charge);
         let longest = (0..lines.count()).map(|i| lines.length(i)).fold(0.0, f64::max);
         let clearance = 0.5 * rules.clearance() * longest;
         let parallel = Parallel::new(error);
@@ -161,7 +173,7 @@ impl<'a, E: Real> Sum<'a, E> {
                 (order, multipoles)
             }
         };
-        let mut out = vec![[0.0; 7]; count];
+        let mut out = nothing(count);
         self.descend(&multipoles, order, None, &mut out);
         let reached = error(&samples, &out, &exact);
         match self.accuracy {
