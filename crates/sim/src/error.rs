@@ -1,6 +1,6 @@
-use crate::Partner;
 use crate::export::ExportError;
 use crate::scene::Problem;
+use crate::{Partner, Unresolved};
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_electrostatics::ElectrostaticsError;
@@ -115,14 +115,17 @@ pub enum SimError {
     },
     /// Contacts throw fibres about even in the shortest part of a step.
     #[error(
-        "the run stopped at t = {time} s: contacts do not converge in a part of a step, {dt:.2e} s; set \
-         stepper.dt to less, or let things meet more gently"
+        "the run stopped at t = {time} s: contacts do not converge in a part of a step, {dt:.2e} s{}; set \
+         stepper.dt to less, or let things meet more gently",
+        meeting(worst.as_ref())
     )]
     Lost {
         /// Start of the part, s.
         time: f64,
         /// Its length, s.
         dt: f64,
+        /// Where contacts were farthest from their law, or deepest.
+        worst: Option<Unresolved>,
     },
     /// Contacts could not be looked for.
     #[error("contacts cannot be found: {0}")]
@@ -263,6 +266,13 @@ fn counted(problems: usize) -> String {
 
 fn along(segment: Option<usize>) -> String {
     segment.map(|segment| format!(", at its segment {segment}")).unwrap_or_default()
+}
+
+fn meeting(worst: Option<&Unresolved>) -> String {
+    let tell = |Unresolved { sides: [first, second], segment, .. }: &Unresolved| {
+        format!(", worst where {second} meets {first}{}", along(*segment))
+    };
+    worst.map(tell).unwrap_or_default()
 }
 
 fn listed(problems: &[Problem]) -> String {

@@ -188,6 +188,29 @@ fn overlaps_at_the_start_are_refused() {
     assert!(message.contains("deep in objects[0]"), "{message}");
 }
 
+/// Held roots are not to be parted, however little they overlap; what is free is.
+#[test]
+fn roots_that_are_held_in_each_other_are_refused() {
+    let hairs = |root: &str| {
+        let beside = |y: f64| {
+            format!("{root}(position: (0, {y}, 0), orientation: Along(direction: (1, 0, 0)))")
+        };
+        [0.0, 0.93 * DIAMETER].map(|y| hair(20, &beside(y)))
+    };
+    let built = |root: &str| {
+        let scene = Scene::from_ron(&scene(&hairs(root), "", 0.3, 0.0, 1e-3)).expect("sound");
+        let mut world = scene.build().expect("a world");
+        scene.stepper_of(&world).map(|mut stepper| stepper.step(&mut world, 1e-3).expect("a step"))
+    };
+    let message = built("root: ").expect_err("held in each other").to_string();
+    assert!(
+        message.starts_with("fibre 0 starts 4.90e-6 m deep in fibre 1, at its segment 0"),
+        "{message}"
+    );
+    let report = built("root_joint: Free, root: ").expect("parted").contact;
+    assert!(report.active > 0 && report.depth <= 0.02 * DIAMETER, "{report:?}");
+}
+
 /// The cuticle: a hair that is pulled down a slope root first stays where one that lies the other
 /// way round slides.
 #[test]

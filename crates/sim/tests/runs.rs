@@ -178,10 +178,13 @@ fn contacts_that_lead_nowhere_end_a_run_that_keeps_what_it_has() {
     let scene = Scene::from_ron(&text).expect("each number is sound");
     let folder = tempfile::tempdir().expect("a folder");
     let error = run_until(&scene, folder.path(), Existing::Refuse, u64::MAX).expect_err("fails");
-    let SimError::Lost { time, dt } = error else { panic!("{error}") };
+    let SimError::Lost { time, dt, worst: Some(worst) } = error else { panic!("{error}") };
     // The shortest part of a step; the lowest hairs reach the plane, 20 mm below them, after 64 ms.
     assert!((64.0 * dt / 4e-3 - 1.0).abs() < 1e-12, "{dt}");
     assert!((0.06..0.08).contains(&time), "{time}");
+    let sides = worst.sides.map(|side| side.to_string());
+    let told = error.to_string();
+    assert!(sides[0].starts_with("fibre") && sides.iter().all(|s| told.contains(s)), "{told}");
     let Summary { outcome, steps, .. } = Summary::read(folder.path()).expect("is written");
     assert_eq!(outcome, Outcome::Failed { error: error.to_string() });
     // A frame a step: what is kept ends less than a step before the part.

@@ -12,7 +12,7 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
     let times = [0.0, 0.15, 0.25, 0.4];
     let mut pictures = Vec::new();
     let mut ends = Vec::new();
-    for (name, mu) in [("with friction", 0.3), ("without", 0.0)] {
+    for (name, mu) in [("with friction", 0.5), ("without", 0.0)] {
         let mut scene = size.scene("horizontal-bundle-on-ball", 40, 30)?;
         scene.duration = 0.4;
         scene.contact.as_mut().ok_or("a scene with contact")?.friction = Friction::Isotropic(mu);
@@ -44,7 +44,7 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
     });
     Ok(Figure {
         scene: "scenes/contact/horizontal-bundle-on-ball.ron",
-        parameters: "0.4 s; friction 0.3, which the thesis does not tell, and none",
+        parameters: "0.4 s; friction 0.5, which the thesis does not tell, and none",
         drawings: vec![Drawing::Pictures(Pictures {
             title: "8.8 A bundle on a ball, with friction and without".into(),
             view: "seen along the bundle from its root",

@@ -7,7 +7,7 @@ use super::work::ContactWork;
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_contact::{
-    Admm, Body, Bond, Contact, ContactError, Report, Solver, Tolerance, report,
+    Admm, Body, Bond, Contact, ContactError, Report, Solver, Tolerance, Violation, report,
 };
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
@@ -235,6 +235,15 @@ impl Case {
     pub(super) fn certificate(&self, world: &World, mean: &[Vector3<f64>]) -> Report {
         let velocities = self.relative(world, mean);
         report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
+    }
+
+    /// Which contact is farthest from the law where all nodes have the given mean velocities.
+    pub(super) fn worst(&self, world: &World, mean: &[Vector3<f64>]) -> Option<usize> {
+        let velocities = self.relative(world, mean);
+        let wrong = |i: usize| {
+            Violation::new(&self.contacts[i], &velocities[i], &self.impulses[i], self.mass).impulse
+        };
+        (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }
 
     /// Gives the impulses back to the touches, and tells which the solver looks at.

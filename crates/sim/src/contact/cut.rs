@@ -1,3 +1,4 @@
+use super::report::Unresolved;
 use crate::SimError;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
@@ -7,8 +8,8 @@ use rapunzel_rod_dynamic::StepError;
 pub(super) enum Cut {
     /// A rod did not converge.
     Rod(StepError),
-    /// Contacts did not converge.
-    Contacts,
+    /// Contacts did not converge, and where they were worst.
+    Contacts(Option<Unresolved>),
     /// Shorter parts will not help.
     Fatal(SimError),
 }

@@ -28,7 +28,7 @@ const THROUGH: f64 = 0.5;
 pub(crate) struct Detector {
     /// Largest gap of a touch that is listed, m.
     margin: f64,
-    /// How much larger gaps may be asked for, m.
+    /// How much larger it is where all are asked for, m.
     more: f64,
     /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
     holds: bool,
@@ -56,8 +56,8 @@ impl Motion<'_> {
 }
 
 impl Detector {
-    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where asked; if a film
-    /// `holds` them, also those that only had such gaps at the start.
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked for; if a
+    /// film `holds` them, also those that only had such gaps at the start.
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
@@ -72,19 +72,41 @@ impl Detector {
     }
 
     /// All touches of a motion, with their places and normals at its end, sorted by pair and place; none is
-    /// missed that a straight motion of all nodes would lead through. Gaps up to `more`, m, above the
-    /// margin are listed too; that is at most what the detector was made for.
+    /// missed that a straight motion of all nodes would lead through.
     pub(crate) fn touches(
         &mut self,
         motion: &Motion,
         objects: &[Object],
-        more: f64,
+        touches: &mut Vec<Touch>,
+    ) -> Result<(), CollisionError> {
+        self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
+    }
+
+    /// The touches of things that overlap at the end of a motion or that it would lead through each other:
+    /// all of pairs of fibres that do, with gaps up to the margin. The others of a dense list are many, and
+    /// of no use where it has been solved.
+    pub(crate) fn overlaps(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        touches: &mut Vec<Touch>,
+    ) -> Result<(), CollisionError> {
+        self.list(motion, objects, self.margin, of_overlapping, touches)
+    }
+
+    /// The touches with gaps up to `margin`, m, of those pairs that are near which `chosen` leaves.
+    fn list(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        margin: f64,
+        chosen: impl Fn(&Capsules, Vec<Pair>, &[Contact]) -> Vec<Pair>,
         touches: &mut Vec<Touch>,
     ) -> Result<(), CollisionError> {
         let [start, end] = motion.capsules()?;
-        let margin = self.margin + more.min(self.more);
         let pairs = self.candidates.on_the_way(&start, &end)?;
         let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
+        let near = chosen(&end, near, &fast);
         let most = if self.holds { f64::MAX } else { margin };
         contacts(&end, &near, most, &mut self.contacts)?;
         let through = |contact: &Contact| {
@@ -108,6 +130,25 @@ impl Detector {
         keep_sides(&start, touches);
         Ok(())
     }
+}
+
+/// Those of some pairs of segments whose fibres overlap somewhere or have a contact on the way.
+fn of_overlapping(end: &Capsules, mut near: Vec<Pair>, on_the_way: &[Contact]) -> Vec<Pair> {
+    let fibers = |pair: &Pair| pair.map(|segment| end.layout().segment_fibers()[segment as usize]);
+    let mut squared = Vec::new();
+    squared_distances(end, &near, &mut squared);
+    let overlap = |(pair, squared): (&Pair, f64)| {
+        let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
+        // The fast distances may be off by roundings.
+        let reach = (r + q) * (1.0 + 1e-6);
+        (squared <= reach * reach).then(|| fibers(pair))
+    };
+    let mut chosen: Vec<_> = near.par_iter().zip(squared).filter_map(overlap).collect();
+    chosen.extend(on_the_way.iter().map(|contact| fibers(&contact.pair)));
+    chosen.par_sort_unstable();
+    chosen.dedup();
+    near.retain(|pair| chosen.binary_search(&fibers(pair)).is_ok());
+    near
 }
 
 /// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and normals
@@ -340,7 +381,7 @@ mod tests {
             let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
             let mut detector = Detector::new(radius, radius, false).expect("lengths");
             let mut touches = Vec::new();
-            detector.touches(&motion, &[], 0.0, &mut touches).expect("one layout");
+            detector.overlaps(&motion, &[], &mut touches).expect("one layout");
             assert_eq!(detector.leads_through(), through, "{height}");
             let deep = touches.iter().any(|touch| touch.gap < -0.5 * radius);
             assert_eq!(deep, height < 0.7, "{height}");

@@ -44,6 +44,7 @@ mod pair;
 mod report;
 mod skeleton;
 mod solid;
+mod start;
 mod stepper;
 mod touch;
 mod work;

@@ -63,9 +63,13 @@ impl ContactReport {
 }
 
 impl Unresolved {
+    pub(super) fn new(time: f64, touch: &Touch) -> Self {
+        Self { time, sides: touch.sides, segment: touch.segment(), depth: -touch.gap }
+    }
+
     /// Where the deepest of some touches is.
     pub(super) fn deepest(time: f64, touches: &[Touch]) -> Option<Self> {
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
-        Some(Self { time, sides: deepest.sides, segment: deepest.segment(), depth: -deepest.gap })
+        Some(Self::new(time, deepest))
     }
 }

@@ -7,6 +7,7 @@ use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
 use super::report::Unresolved;
+use super::start;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
@@ -34,10 +35,6 @@ const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider than the
 /// others.
 const WIDE: f64 = 0.5;
-/// How deep in each other things may be at the start, in radii: steps push them apart.
-const OVERLAP: f64 = 0.2;
-/// A step in which nothing moves, s.
-const INSTANT: f64 = 1e-12;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -89,6 +86,7 @@ impl Part {
 }
 
 impl Touching {
+    /// Refuses a world that starts too deep in itself, and puts bonds where it touches itself.
     pub(crate) fn new(settings: ContactSettings, world: &World) -> Result<Self, SimError> {
         let radii = segment_radii(world.assembly().layout(), world.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
@@ -103,38 +101,12 @@ impl Touching {
         let solver = Admm::new(Tolerance::EXACT);
         let bonds = Vec::new();
         let mut touching = Self { settings, film, detector, solver, radii, radius, bonds };
-        touching.look(world)?;
-        Ok(touching)
-    }
-
-    /// Refuses a world that starts deeper in itself than a step would leave it, and puts bonds where
-    /// it touches itself.
-    fn look(&mut self, world: &World) -> Result<(), SimError> {
-        let start = world.positions();
-        let motion = Motion {
-            layout: world.assembly().layout(),
-            radii: &self.radii,
-            start: &start,
-            end: &start,
-            time: world.time(),
-            dt: INSTANT,
-        };
-        let mut touches = Vec::new();
-        self.detector.touches(&motion, &world.objects, 0.0, &mut touches)?;
-        let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
-        match deepest {
-            Some(touch) if touch.gap < -OVERLAP * self.radius => Err(SimError::Overlap {
-                sides: touch.sides,
-                segment: touch.segment(),
-                depth: -touch.gap,
-            }),
-            _ => {
-                if let Some(Adhesion::Bonds { range, .. }) = self.settings.adhesion {
-                    self.bonds = glue(&touches, range);
-                }
-                Ok(())
-            }
+        let depths = [radius, touching.depth()];
+        let touches = start::touches(world, &mut touching.detector, &touching.radii, depths)?;
+        if let Some(Adhesion::Bonds { range, .. }) = touching.settings.adhesion {
+            touching.bonds = glue(&touches, range);
         }
+        Ok(touching)
     }
 }
 
@@ -171,7 +143,9 @@ impl Touching {
                 }
                 Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
                 Err(Cut::Rod(source)) if part == 1 => return Err(SimError::Step { time, source }),
-                Err(Cut::Contacts) if part == 1 => return Err(SimError::Lost { time, dt: length }),
+                Err(Cut::Contacts(worst)) if part == 1 => {
+                    return Err(SimError::Lost { time, dt: length, worst });
+                }
                 Err(_) => {
                     part /= 2;
                     report.halvings += 1;
@@ -231,26 +205,27 @@ impl Touching {
         let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
         world.push(&touches, time, dt)?;
         world.with_impulses(&touches, |group, own| group.set_out(time, dt, own))?;
-        self.list(world, part, expected, WIDE * self.radius)?;
+        self.list(world, part, expected)?;
         let mut case = self.case(world, part)?;
         let mut effort = self.rough(Effort::FIRST);
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
-            self.list(world, part, &[], 0.0)?;
+            self.look_at_end(world, part)?;
             part.work = case.work(world, &part.mean, &bearing);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
             report.depth = deepest;
+            worst_touch = Unresolved::deepest(time, &part.touches);
             if solved && deepest <= self.depth() {
                 part.touches = bearing;
                 // What a way leads through may leave no touch at its end.
                 let through = self.detector.leads_through();
                 if through && !last {
-                    return Err(Cut::Contacts);
+                    return Err(Cut::Contacts(worst_touch));
                 }
                 report.unresolved = usize::from(through);
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
@@ -259,7 +234,6 @@ impl Touching {
                 }
                 return Ok(());
             }
-            worst_touch = Unresolved::deepest(time, &part.touches);
             let gaps = case.gaps(world, &part.mean, dt);
             bearing.iter_mut().zip(gaps).for_each(|(touch, gap)| touch.gap = gap);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
@@ -268,7 +242,7 @@ impl Touching {
         }
         part.report.contact.unresolved = 1;
         part.report.contact.first_unresolved = worst_touch;
-        if last { Ok(()) } else { Err(Cut::Contacts) }
+        if last { Ok(()) } else { Err(Cut::Contacts(worst_touch)) }
     }
 
     /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
@@ -320,14 +294,14 @@ impl Touching {
             (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
             if !reached && longer && !last {
-                return Err(Cut::Contacts);
+                return Err(Cut::Contacts(worst(world, part, case)));
             }
             longer = !reached;
             if longer {
                 effort = effort.again(LONGER);
             }
         }
-        if turn > LOST { Err(Cut::Contacts) } else { Ok(false) }
+        if turn > LOST { Err(Cut::Contacts(worst(world, part, case))) } else { Ok(false) }
     }
 
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
@@ -383,23 +357,39 @@ impl Touching {
         Ok((turn, self.solver.tolerance.error(&one) <= 1.0))
     }
 
-    /// Lists the touches where the step has been solved to, with the impulses expected of them.
+    /// Lists the touches where the step leads, with the impulses expected of them.
     fn list(
         &mut self,
         world: &World,
         part: &mut Part,
         expected: &[Remembered],
-        more: f64,
     ) -> Result<(), CollisionError> {
         part.mean = world.mean_velocities();
         let mut touches = std::mem::take(&mut part.touches);
         let end = part.end(&part.mean);
         let motion = part.motion(world, &self.radii, &end);
-        self.detector.touches(&motion, &world.objects, more, &mut touches)?;
+        self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
         Ok(())
     }
+
+    /// Lists those that overlap where the step has been solved to.
+    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<(), CollisionError> {
+        part.mean = world.mean_velocities();
+        let mut touches = Vec::new();
+        let end = part.end(&part.mean);
+        let motion = part.motion(world, &self.radii, &end);
+        self.detector.overlaps(&motion, &world.objects, &mut touches)?;
+        part.touches = touches;
+        Ok(())
+    }
+}
+
+/// The touch that is farthest from its law.
+fn worst(world: &World, part: &Part, case: &Case) -> Option<Unresolved> {
+    let touch = &part.touches[case.worst(world, &world.mean_velocities())?];
+    Some(Unresolved::new(part.time, touch))
 }
 
 fn largest(turns: Vec<f64>) -> f64 {

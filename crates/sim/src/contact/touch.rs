@@ -122,38 +122,78 @@ impl Rank {
     }
 }
 
-/// Ranks in order, with where they were. Touches are large: they are moved but once.
-fn sorted(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<(Rank, usize)> {
-    let mut ranks: Vec<_> = ranks.enumerate().map(|(i, rank)| (rank, i)).collect();
-    ranks.par_sort_unstable();
-    ranks
-}
-
 /// The order of some ranks; of those that are the same place the first.
 pub(super) fn places(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<usize> {
-    let mut ranks = sorted(ranks);
+    let ranks: Vec<_> = ranks.enumerate().map(|(i, rank)| (rank, i)).collect();
+    let mut ranks = by_first_side(ranks);
+    ranks
+        .par_chunk_by_mut(|(a, _), (b, _)| a.sides[0] == b.sides[0])
+        .for_each(<[_]>::sort_unstable);
     ranks.dedup_by(|(a, _), (b, _)| a.same(b));
     ranks.into_par_iter().map(|(_, i)| i).collect()
 }
 
+/// Some ranks in the order of their first sides: counted, not compared, which leaves short runs to sort.
+fn by_first_side(ranks: Vec<(Rank, usize)>) -> Vec<(Rank, usize)> {
+    let fibers = |rank: &Rank| match rank.sides[0] {
+        Partner::Fiber(fiber) => fiber as usize + 1,
+        Partner::Object(_) => 0,
+    };
+    let objects = ranks.iter().map(|(rank, _)| fibers(rank)).max().unwrap_or(0);
+    let place = |rank: &Rank| match rank.sides[0] {
+        Partner::Fiber(fiber) => fiber as usize,
+        Partner::Object(object) => objects + object as usize,
+    };
+    let mut next = Vec::new();
+    for (rank, _) in &ranks {
+        let after = place(rank) + 1;
+        next.resize(next.len().max(after + 1), 0);
+        next[after] += 1;
+    }
+    for i in 1..next.len() {
+        next[i] += next[i - 1];
+    }
+    let mut ordered = ranks.clone();
+    for one in ranks {
+        let at = &mut next[place(&one.0)];
+        ordered[*at] = one;
+        *at += 1;
+    }
+    ordered
+}
+
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
-/// those that oppose them and, if `replace`, of those near them.
-pub(super) fn merged(list: Vec<Touch>, other: &[Touch], depth: f64, replace: bool) -> Vec<Touch> {
+/// those that oppose them and, if `replace`, of those near them. Both are sorted.
+pub(super) fn merged(
+    mut list: Vec<Touch>,
+    other: &[Touch],
+    depth: f64,
+    replace: bool,
+) -> Vec<Touch> {
     let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
-    let mut merged = Vec::with_capacity(list.len() + new.len());
-    for touch in list {
+    list.retain(|touch| {
         let start = new.partition_point(|deep| deep.sides < touch.sides);
         let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
-        match of_pair.find(|deep| deep.opposes(&touch) || replace && deep.near(&touch)) {
-            Some(deep) => {
-                deep.bonded |= touch.bonded;
-                if deep.impulse == Vector3::zeros() {
-                    deep.impulse = touch.impulse;
-                }
-            }
-            None => merged.push(touch),
+        let deep = of_pair.find(|deep| deep.opposes(touch) || replace && deep.near(touch));
+        let Some(deep) = deep else { return true };
+        deep.bonded |= touch.bonded;
+        if deep.impulse == Vector3::zeros() {
+            deep.impulse = touch.impulse;
+        }
+        false
+    });
+    // From the end on, within the list.
+    let (mut left, mut at) = (list.len(), list.len() + new.len());
+    list.extend_from_slice(&new);
+    while let Some(last) = new.last() {
+        at -= 1;
+        if left > 0 && list[left - 1].rank() > last.rank() {
+            left -= 1;
+            list[at] = list[left];
+        } else {
+            list[at] = *last;
+            new.pop();
         }
     }
-    merged.append(&mut new);
-    sorted(merged.par_iter().map(Touch::rank)).into_iter().map(|(_, i)| merged[i]).collect()
+    list
 }

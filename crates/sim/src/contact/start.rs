@@ -1,0 +1,59 @@
+//! What touches before the first step.
+
+use super::detect::{Detector, Motion};
+use super::touch::{Partner, Touch};
+use crate::{SimError, World};
+use rapunzel_rod_dynamic::{Conditions, End};
+
+/// How deep in each other things may be at the start, in radii: steps push them apart.
+const OVERLAP: f64 = 0.2;
+/// A step in which nothing moves, s.
+const INSTANT: f64 = 1e-12;
+
+/// All touches of a world, with the radii of all its segments, m. It is refused where things are so deep
+/// in each other that no step would part them: ends that are held may be no deeper than `depth`, m, and
+/// all else by a part of the smallest `radius`.
+pub(super) fn touches(
+    world: &World,
+    detector: &mut Detector,
+    radii: &[f64],
+    [radius, depth]: [f64; 2],
+) -> Result<Vec<Touch>, SimError> {
+    let start = world.positions();
+    let motion = Motion {
+        layout: world.assembly().layout(),
+        radii,
+        start: &start,
+        end: &start,
+        time: world.time(),
+        dt: INSTANT,
+    };
+    let mut touches = Vec::new();
+    detector.touches(&motion, &world.objects, &mut touches)?;
+    let too_deep = |touch: &&Touch| {
+        let held = [0, 1].iter().all(|&side| is_held(world, touch, side));
+        -touch.gap > if held { depth } else { OVERLAP * radius }
+    };
+    match touches.iter().filter(too_deep).min_by(|a, b| a.gap.total_cmp(&b.gap)) {
+        Some(touch) => Err(SimError::Overlap {
+            sides: touch.sides,
+            segment: touch.segment(),
+            depth: -touch.gap,
+        }),
+        None => Ok(touches),
+    }
+}
+
+/// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is led.
+fn is_held(world: &World, touch: &Touch, side: usize) -> bool {
+    let fiber = match touch.sides[side] {
+        Partner::Object(object) => return !world.objects[object as usize].is_free(),
+        Partner::Fiber(fiber) => fiber as usize,
+    };
+    let (group, lane) = world.lane(fiber);
+    let now = world.groups[group].lanes[lane].during(world.time()).at(world.time());
+    let segments = world.assembly().fibers()[fiber].segments() as f64;
+    let ends = [(0.0, now.root), (segments, now.tip)];
+    let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
+    ends.iter().any(|(place, end)| touch.at()[side] == *place && fixed(end))
+}
