@@ -110,7 +110,7 @@ impl Candidates {
     /// is wider than half of its margin, a search of what all segments sweep instead, 1 us a segment in a
     /// dense lock.
     /// Asked again for a motion from the same start to nearly the same end, only the travel of what
-    /// was found is looked at.
+    /// was found is looked at, and a search is made for the segments of the few that end elsewhere.
     ///
     /// # Errors
     /// As [`Candidates::update`], for either.
@@ -123,8 +123,10 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
-        if !list.way.leads(start, end) {
-            list.set_out(start, end)?;
+        match list.way.astray(start, end) {
+            None => list.set_out(start, end)?,
+            Some(astray) if astray.nodes.is_empty() => (),
+            Some(astray) => list.way.turn(start, end, &astray, &mut list.tree, self.reach)?,
         }
         list.way.go(start, end, self.reach);
         Ok(&list.way.near)
@@ -222,8 +224,7 @@ impl List {
             self.way.set_out(start, end, &self.pairs, reaches);
         } else {
             self.wide += 1;
-            self.tree.refit_swept(start, end, 0.5 * (self.reach + slack(self)))?;
-            self.way.set_out_among(start, end, &self.tree, reaches);
+            self.way.set_out_among(start, end, &mut self.tree, reaches)?;
         }
         Ok(())
     }

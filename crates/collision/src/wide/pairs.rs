@@ -2,7 +2,7 @@
 
 use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
-use super::{Level, Tree};
+use super::{Level, NONE, Tree};
 use crate::Pair;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -27,15 +27,51 @@ impl Tree {
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
         all: &mut Vec<T>,
     ) {
+        self.sifted(None, sift, all);
+    }
+
+    /// The same of the pairs of which a segment is marked.
+    pub(super) fn sifted_pairs_of<T: Copy + Send>(
+        &self,
+        marked: &[bool],
+        sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
+        all: &mut Vec<T>,
+    ) {
+        let [lowest, second, ..] = &self.levels[..] else { return };
+        let lowest = lowest.with_marked(marked);
+        let blocks = [second.with_marked(&lowest), lowest];
+        let sift = |pairs: &mut Vec<Pair>| {
+            pairs.retain(|pair| pair.iter().any(|&segment| marked[segment as usize]));
+            sift(pairs)
+        };
+        self.sifted(Some(&blocks), sift, all);
+    }
+
+    fn sifted<T: Copy + Send>(
+        &self,
+        marked: Option<&[Vec<bool>; 2]>,
+        sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
+        all: &mut Vec<T>,
+    ) {
         let levels = &self.levels;
         let last = levels[1].blocks.len();
         let part = |pairs: &mut Vec<Pair>, chunk: usize| {
             let firsts = chunk * CHUNK..last.min((chunk + 1) * CHUNK);
-            search(Query { levels, nodes: &self.nodes, firsts }, pairs);
+            search(Query { levels, nodes: &self.nodes, firsts, marked }, pairs);
             sift(pairs)
         };
         let chunks = (0..last.div_ceil(CHUNK)).into_par_iter();
         join(chunks.map_init(Vec::new, part).collect(), all);
+    }
+}
+
+impl Level {
+    /// Which blocks hold something that is marked.
+    fn with_marked(&self, marked: &[bool]) -> Vec<bool> {
+        let holds = |children: &[u32; WIDTH]| {
+            children.iter().any(|&child| child != NONE && marked[child as usize])
+        };
+        self.children.iter().map(holds).collect()
     }
 }
 
@@ -74,6 +110,19 @@ struct Query<'a> {
     levels: &'a [Level],
     nodes: &'a [[u32; WIDTH]],
     firsts: Range<usize>,
+    /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any are.
+    marked: Option<&'a [Vec<bool>; 2]>,
+}
+
+impl Query<'_> {
+    /// Whether pairs between two blocks are asked for: of the second level, or of the lowest.
+    #[inline(always)]
+    fn wants(&self, lowest: bool, a: usize, b: usize) -> bool {
+        self.marked.is_none_or(|marked| {
+            let marked = &marked[usize::from(lowest)];
+            marked[a] || marked[b]
+        })
+    }
 }
 
 fn search(query: Query, pairs: &mut Vec<Pair>) {
@@ -101,7 +150,9 @@ impl<C: Compare> NullaryFnOnce for Search<'_, C> {
             partners.clear();
             partners_of(self.compare, self.query.levels, first, &mut partners);
             for &second in &partners {
-                self.groups(first, second as usize);
+                if self.query.wants(false, first, second as usize) {
+                    self.groups(first, second as usize);
+                }
             }
         }
     }
@@ -118,7 +169,10 @@ impl<C: Compare> Search<'_, C> {
                 theirs &= u16::MAX << lane;
             }
             for other in lanes(theirs) {
-                self.blocks(children[first][lane] as usize, children[second][other] as usize);
+                let (a, b) = (children[first][lane] as usize, children[second][other] as usize);
+                if self.query.wants(true, a, b) {
+                    self.blocks(a, b);
+                }
             }
         }
     }

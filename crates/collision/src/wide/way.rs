@@ -4,24 +4,35 @@ use super::Tree;
 use super::lines::{lines, sift};
 use super::pairs::join;
 use crate::narrow::squared_distances;
-use crate::{Capsules, Pair};
+use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
 const CHUNK: usize = 4096;
 
+/// Where at least one of so many ends is astray, a search for all is hardly more.
+const FEW: usize = 8;
+
 /// Pairs of motions from one start, and how far they were apart there.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Way {
     start: Vec<Point3<f64>>,
     end: Vec<Point3<f64>>,
-    /// By how much an end may be elsewhere, m.
+    /// By how much an end may be elsewhere, m, beside what all have in common.
     aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
     /// Of the last motion.
     pub(super) near: Vec<Pair>,
+}
+
+/// Ends of a motion that are not those that were expected.
+#[derive(Debug)]
+pub(super) struct Astray {
+    pub(super) nodes: Vec<usize>,
+    /// By how much all are elsewhere, m.
+    shift: Vector3<f64>,
 }
 
 impl Way {
@@ -48,9 +59,10 @@ impl Way {
         &mut self,
         start: &Capsules,
         end: &Capsules,
-        tree: &Tree,
+        tree: &mut Tree,
         [reach, slack]: [f64; 2],
-    ) {
+    ) -> Result<(), CollisionError> {
+        tree.refit_swept(start, end, 0.5 * (reach + slack))?;
         let mut pairs = Vec::new();
         let lines = lines(start, end, reach + slack);
         let sifted = |pairs: &mut Vec<Pair>| {
@@ -61,12 +73,54 @@ impl Way {
         // They are large, and no more needed.
         drop(lines);
         self.set_out(start, end, &pairs, [reach, slack]);
+        Ok(())
     }
 
-    /// Whether a motion is one of those that it has set out for.
-    pub(super) fn leads(&self, start: &Capsules, end: &Capsules) -> bool {
-        let near = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm() <= self.aside;
-        self.start == start.positions() && self.end.iter().zip(end.positions()).all(near)
+    /// Turns the ends of a motion that are `astray` to where they are now, with those pairs of their
+    /// segments that a tree finds.
+    pub(super) fn turn(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+        astray: &Astray,
+        tree: &mut Tree,
+        reach: f64,
+    ) -> Result<(), CollisionError> {
+        for &node in &astray.nodes {
+            self.end[node] = end.positions()[node] - astray.shift;
+        }
+        let mut turned = vec![false; start.len()];
+        let layout = start.layout();
+        let mut is_astray = vec![false; layout.nodes()];
+        astray.nodes.iter().for_each(|&node| is_astray[node] = true);
+        for (segment, turned) in turned.iter_mut().enumerate() {
+            *turned = layout.segment_nodes(segment).iter().any(|&node| is_astray[node]);
+        }
+        let reach = reach + 2.0 * self.aside;
+        let end = Capsules::new(layout, &self.end, start.radii())?;
+        tree.refit_swept(start, &end, 0.5 * reach)?;
+        let mut found = Vec::new();
+        let near = sieve(start, &end, reach);
+        tree.sifted_pairs_of(&turned, |pairs| near(pairs), &mut found);
+        self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
+        self.all.append(&mut found);
+        Ok(())
+    }
+
+    /// Which ends of a motion are not those that it has set out for; `None` where all may be others.
+    pub(super) fn astray(&self, start: &Capsules, end: &Capsules) -> Option<Astray> {
+        if self.start != start.positions() {
+            return None;
+        }
+        let ends = || self.end.iter().zip(end.positions());
+        // What all do alike brings none nearer to another.
+        let sum: Vector3<f64> = ends().map(|(a, b)| b - a).sum();
+        let shift = sum / self.end.len().max(1) as f64;
+        let far = |(_, (a, b)): &(usize, (&Point3<f64>, &Point3<f64>))| {
+            (*b - *a - shift).norm() > self.aside
+        };
+        let nodes: Vec<_> = ends().enumerate().filter(far).map(|(node, _)| node).collect();
+        (FEW * nodes.len() <= self.end.len()).then_some(Astray { nodes, shift })
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other until `end`.
