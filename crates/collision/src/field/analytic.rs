@@ -18,6 +18,10 @@ impl DistanceField for HalfSpace {
         let normal = self.normal.into_inner();
         Sample { value: normal.dot(&(point - self.point)), gradient: normal }
     }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        self.value(start).min(self.value(end))
+    }
 }
 
 /// A ball.
@@ -33,6 +37,14 @@ impl DistanceField for Ball {
     fn sample(&self, point: &Point3<f64>) -> Sample {
         around(&(point - self.center), self.radius)
     }
+
+    fn value(&self, point: &Point3<f64>) -> f64 {
+        (point - self.center).norm() - self.radius
+    }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        Capsule { start: *start, end: *end, radius: self.radius }.value(&self.center)
+    }
 }
 
 /// The distance from the axis, less the radius.
@@ -43,6 +55,10 @@ impl DistanceField for Capsule {
         let along = axis.dot(&(point - self.start));
         let fraction = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
         around(&(point - self.at(fraction)), self.radius)
+    }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        self.closest(&Self { start: *start, end: *end, radius: 0.0 }).distance() - self.radius
     }
 }
 
@@ -73,6 +89,14 @@ impl DistanceField for Cuboid {
         gradient[axis] = signs[axis];
         Sample { value: beyond[axis], gradient }
     }
+
+    /// Beyond one of its faces.
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        let (low, high) = start.inf_sup(end);
+        // Of an interval the point nearest to zero.
+        let beyond = |d: usize| low[d].max(-high[d]).max(0.0) - self.half[d];
+        beyond(0).max(beyond(1)).max(beyond(2))
+    }
 }
 
 /// A field that has been moved.
@@ -89,6 +113,11 @@ impl<F: DistanceField> DistanceField for Posed<F> {
         let Sample { value, gradient } =
             self.field.sample(&self.pose.inverse_transform_point(point));
         Sample { value, gradient: self.pose * gradient }
+    }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        let [start, end] = [start, end].map(|point| self.pose.inverse_transform_point(point));
+        self.field.least_between(&start, &end)
     }
 
     fn lipschitz(&self) -> f64 {
@@ -120,6 +149,10 @@ impl<F: DistanceField> DistanceField for Level<F> {
     fn sample(&self, point: &Point3<f64>) -> Sample {
         let Sample { value, gradient } = self.field.sample(point);
         Sample { value: value - self.level, gradient }
+    }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        self.field.least_between(start, end) - self.level
     }
 
     fn lipschitz(&self) -> f64 {
@@ -165,6 +198,17 @@ mod tests {
     }
 
     proptest! {
+        /// What is told of a way holds for all of its points; of round shapes and planes it is the least.
+        #[test]
+        fn no_value_on_a_way_is_less_than_its_bound(p in point(), q in point()) {
+            for (field, exact) in fields().iter().zip([true, true, true, false, false, true]) {
+                let values = (0..=1000).map(|i| field.value(&p.lerp(&q, f64::from(i) / 1000.0)));
+                let (least, bound) = (values.fold(f64::INFINITY, f64::min), field.least_between(&p, &q));
+                prop_assert!(bound <= least + 1e-12);
+                prop_assert!(!exact || bound >= least - 0.5e-3 * (p - q).norm() - 1e-12);
+            }
+        }
+
         /// Going down the gradient by the value leads to the surface, from outside; values are
         /// 1-Lipschitz, and the gradient is a unit vector or zero.
         #[test]

@@ -53,6 +53,12 @@ pub trait DistanceField: Sync {
         self.sample(point).value
     }
 
+    /// A lower bound of the values on the straight way between two points (world), m, where the shape
+    /// knows a better one than what slope and values at both ends tell; minus infinity elsewhere.
+    fn least_between(&self, _start: &Point3<f64>, _end: &Point3<f64>) -> f64 {
+        f64::NEG_INFINITY
+    }
+
     /// Bound of the slope of the value.
     fn lipschitz(&self) -> f64 {
         1.0
@@ -77,6 +83,10 @@ impl<F: DistanceField + ?Sized> DistanceField for &F {
 
     fn value(&self, point: &Point3<f64>) -> f64 {
         (**self).value(point)
+    }
+
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        (**self).least_between(start, end)
     }
 
     fn lipschitz(&self) -> f64 {

@@ -199,7 +199,12 @@ impl Object {
             let (way, nearest) =
                 (ways[s].max(ways[s + 1]), 0.5 * (values[s] + values[s + 1] - slope * length));
             // No point of other segments is near enough, or was on the way.
-            if nearest > slope * way + radius + margin {
+            let reach = slope * way + radius + margin;
+            if nearest > reach {
+                continue;
+            }
+            let nearest = nearest.max(self.field.least_between(&after[s], &after[s + 1]));
+            if nearest > reach {
                 continue;
             }
             contacts.clear();
@@ -207,7 +212,10 @@ impl Object {
                 before: [before[s], before[s + 1]],
                 after: [after[s], after[s + 1]],
             };
-            let clears = |[a, b]: [Point3<f64>; 2]| self.clears(&a, &b, 0.5 * slope * way);
+            let half = 0.5 * slope * way;
+            let clears = |[a, b]: [Point3<f64>; 2]| {
+                self.field.least_between(&a, &b) > half || self.clears(&a, &b, half)
+            };
             let clear = way < radius || clears(moving.before) && clears(moving.after);
             let passed = if clear { None } else { self.passing(&moving, radius) };
             if let Some(contact) = passed {
