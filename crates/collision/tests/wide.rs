@@ -148,13 +148,24 @@ proptest! {
         let mut list = Candidates::new(reach, margin).expect("valid");
         let mut positions = start;
         for (ways, size) in steps {
-            // By more than the margin, or by less; then to nearly the same place, or less nearly.
+            // By more than the margin, or by less; then to nearly the same place, all of that farther on,
+            // one node elsewhere, or less nearly.
             let next = displaced(&positions, &ways, size);
-            let ends = [0.0, 0.2, 1.0].map(|part| displaced(&next, &ways, part * margin));
-            for next in &ends {
+            let near = displaced(&next, &ways, 0.2 * margin);
+            let mut turned = displaced(&near, &[[1.0, -0.5, 0.2]], size);
+            let beyond = turned.clone();
+            let node = turned.len() / 2;
+            turned[node] = positions[0] + 0.5 * (positions[0] - turned[node]);
+            let less = displaced(&next, &ways, margin);
+            for next in &[next.clone(), near, beyond, turned, less] {
                 let [start, end] = [&positions, next].map(|p| Capsules::new(&layout, p, &radii));
-                let found = list.on_the_way(&start.expect("valid"), &end.expect("valid"));
-                let mut found = found.expect("the same segments").to_vec();
+                let [start, end] = [start.expect("valid"), end.expect("valid")];
+                let found = list.on_the_way(&start, &end).expect("the same segments");
+                for ([a, b], squared) in found {
+                    let apart = start.get(*a as usize).closest(&start.get(*b as usize)).distance();
+                    prop_assert!((squared.sqrt() - apart).abs() < 1e-6, "{squared} for {apart}");
+                }
+                let mut found: Vec<_> = found.iter().map(|(pair, _)| *pair).collect();
                 found.sort_unstable();
                 prop_assert!(found.windows(2).all(|two| two[0] != two[1]), "a pair is found twice");
                 for time in [0.0, 0.2, 0.5, 0.9, 1.0] {

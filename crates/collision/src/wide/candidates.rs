@@ -103,8 +103,8 @@ impl Candidates {
     }
 
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
-    /// `end`, each node on a straight line, and some that stay farther apart. The order does not
-    /// depend on the number of threads.
+    /// `end`, each node on a straight line, and some that stay farther apart; each with the squared distance
+    /// of its axes at the start, m². The order does not depend on the number of threads.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
     /// is wider than half of its margin, a search of what all segments sweep instead, 1 us a segment in a
@@ -118,7 +118,7 @@ impl Candidates {
         &mut self,
         start: &Capsules,
         end: &Capsules,
-    ) -> Result<&[Pair], CollisionError> {
+    ) -> Result<&[(Pair, f64)], CollisionError> {
         if self.list.is_none() {
             self.update(start)?;
         }

@@ -23,8 +23,8 @@ pub(super) struct Way {
     aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
-    /// Of the last motion.
-    pub(super) near: Vec<Pair>,
+    /// Those of the last motion.
+    pub(super) near: Vec<(Pair, f64)>,
 }
 
 /// Ends of a motion that are not those that were expected.
@@ -127,8 +127,7 @@ impl Way {
     pub(super) fn go(&mut self, start: &Capsules, end: &Capsules, reach: f64) {
         let near = near(start, end, reach);
         let chunk = |pairs: &[(Pair, f64)]| {
-            let here = pairs.iter().filter(|(pair, squared)| near(pair, *squared));
-            here.map(|(pair, _)| *pair).collect()
+            pairs.iter().filter(|(pair, squared)| near(pair, *squared)).copied().collect()
         };
         join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut self.near);
     }

@@ -205,26 +205,26 @@ fn gap(end: &Capsules, contact: &Contact) -> f64 {
     (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
 }
 
-/// Pairs with gaps up to `margin`, m, at the end, or at `either` end, that cannot have passed through
-/// each other, and contacts of those that would.
+/// Of pairs with their squared distances at the start, m², those with gaps up to `margin`, m, at the end, or
+/// at `either` end, that cannot have passed through each other, and contacts of those that would.
 fn sort(
     start: &Capsules,
     end: &Capsules,
-    pairs: &[Pair],
+    pairs: &[(Pair, f64)],
     margin: f64,
     either: bool,
 ) -> (Vec<Pair>, Vec<Contact>) {
-    let chunk = |pairs: &[Pair]| {
-        let (mut before, mut after) = (Vec::new(), Vec::new());
-        squared_distances(start, pairs, &mut before);
-        squared_distances(end, pairs, &mut after);
+    let chunk = |pairs: &[(Pair, f64)]| {
+        let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
+        let mut after = Vec::new();
+        squared_distances(end, &numbers, &mut after);
         let (mut near, mut fast) = (Vec::new(), Vec::new());
-        for (&pair, squared) in pairs.iter().zip(before.iter().zip(&after)) {
+        for (pair, (before, after)) in numbers.into_iter().zip(before.into_iter().zip(after)) {
             let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
             let (reach, travel) = (r + q, travel(start, end, pair));
             // Axes that were apart by more than the way cannot have crossed.
-            let crosses = travel > 0.25 * reach * reach && travel >= *squared.0;
-            let least = if either { squared.0.min(*squared.1) } else { *squared.1 };
+            let crosses = travel > 0.25 * reach * reach && travel >= before;
+            let least = if either { before.min(after) } else { after };
             // The fast distances may be off by roundings.
             let close = (reach + margin) * (1.0 + 1e-6);
             match crosses.then(|| passing(start, end, pair)).flatten() {

@@ -98,11 +98,15 @@ impl Touch {
     }
 }
 
+/// From this number on, sides are objects.
+const OBJECTS: u32 = 1 << 31;
+
 /// By pair, then by place, then by segments: of two that name one node the same comes first whatever
 /// the order in which they were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Rank {
-    sides: [Partner; 2],
+    /// Fibres before objects.
+    sides: [u32; 2],
     /// In segments; places are not negative, so that their bits are in order.
     at: [u64; 2],
     segments: [u32; 2],
@@ -111,6 +115,10 @@ pub(super) struct Rank {
 impl Rank {
     pub(super) fn new(sides: [Partner; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
         let at = [0, 1].map(|i| (f64::from(segments[i]) + fractions[i]).to_bits());
+        let sides = sides.map(|side| match side {
+            Partner::Fiber(fiber) => fiber,
+            Partner::Object(object) => OBJECTS + object,
+        });
         Self { sides, at, segments }
     }
 
@@ -125,7 +133,7 @@ impl Rank {
 /// The order of some ranks; of those that are the same place the first.
 pub(super) fn places(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<usize> {
     let ranks: Vec<_> = ranks.enumerate().map(|(i, rank)| (rank, i)).collect();
-    let mut ranks = by_first_side(ranks);
+    let mut ranks = by_first_side(&ranks);
     ranks
         .par_chunk_by_mut(|(a, _), (b, _)| a.sides[0] == b.sides[0])
         .for_each(<[_]>::sort_unstable);
@@ -134,29 +142,28 @@ pub(super) fn places(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<us
 }
 
 /// Some ranks in the order of their first sides: counted, not compared, which leaves short runs to sort.
-fn by_first_side(ranks: Vec<(Rank, usize)>) -> Vec<(Rank, usize)> {
-    let fibers = |rank: &Rank| match rank.sides[0] {
-        Partner::Fiber(fiber) => fiber as usize + 1,
-        Partner::Object(_) => 0,
+fn by_first_side(ranks: &[(Rank, usize)]) -> Vec<(Rank, usize)> {
+    let first = |rank: &Rank| match rank.sides[0].checked_sub(OBJECTS) {
+        Some(object) => (0, object as usize),
+        None => (1, rank.sides[0] as usize),
     };
-    let objects = ranks.iter().map(|(rank, _)| fibers(rank)).max().unwrap_or(0);
-    let place = |rank: &Rank| match rank.sides[0] {
-        Partner::Fiber(fiber) => fiber as usize,
-        Partner::Object(object) => objects + object as usize,
-    };
-    let mut next = Vec::new();
-    for (rank, _) in &ranks {
-        let after = place(rank) + 1;
-        next.resize(next.len().max(after + 1), 0);
-        next[after] += 1;
+    let mut counts = [Vec::new(), Vec::new()];
+    for (rank, _) in ranks {
+        let (kind, number) = first(rank);
+        let counts = &mut counts[kind];
+        counts.resize(counts.len().max(number + 1), 0);
+        counts[number] += 1;
     }
-    for i in 1..next.len() {
-        next[i] += next[i - 1];
+    let [objects, fibers] = &mut counts;
+    let mut next = 0;
+    for count in fibers.iter_mut().chain(objects) {
+        (*count, next) = (next, next + *count);
     }
-    let mut ordered = ranks.clone();
+    let mut ordered = ranks.to_vec();
     for one in ranks {
-        let at = &mut next[place(&one.0)];
-        ordered[*at] = one;
+        let (kind, number) = first(&one.0);
+        let at = &mut counts[kind][number];
+        ordered[*at] = *one;
         *at += 1;
     }
     ordered
