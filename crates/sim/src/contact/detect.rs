@@ -106,35 +106,68 @@ impl Detector {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
         let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
-        let near = chosen(&end, near, &fast);
+        let near = by_fibers(end.layout(), &chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
         contacts(&end, &near, most, &mut self.contacts)?;
         let through = |contact: &Contact| {
             !bends(&end, contact) && impact(&start, &end, contact.pair, THROUGH).is_some()
         };
         self.leads_through = fast.iter().any(through);
-        self.contacts.extend(fast);
+        self.put_in_order(end.layout(), fast);
         self.contacts.retain(|contact| !bends(&end, contact));
-        let others = of_objects(motion, objects, margin);
-        let found = &self.contacts;
-        let ranks = (0..found.len() + others.len()).into_par_iter().map(|i| match found.get(i) {
-            Some(contact) => fiber_rank(end.layout(), contact),
-            None => others[i - found.len()].rank(),
-        });
-        let places = touch::places(ranks);
         touches.clear();
-        touches.par_extend(places.into_par_iter().map(|i| match found.get(i) {
-            Some(contact) => fiber_touch(&end, contact),
-            None => others[i - found.len()],
-        }));
+        touches.par_extend(self.contacts.par_iter().map(|contact| fiber_touch(&end, contact)));
+        let mut others = of_objects(motion, objects, margin);
+        others.sort_unstable_by_key(Touch::rank);
+        others.dedup_by(|b, a| a.rank().same(&b.rank()));
+        touch::merge(touches, others, |a, b| a.rank() > b.rank());
         keep_sides(&start, touches);
         Ok(())
     }
+
+    /// Sorts the contacts, which come by pairs of fibres, together with those on the way; of those that are
+    /// one place the first stays.
+    fn put_in_order(&mut self, layout: &Layout, mut fast: Vec<Contact>) {
+        let rank = |contact: &Contact| fiber_rank(layout, contact);
+        let groups = self.contacts.par_chunk_by_mut(|a, b| same_fibers(layout, &a.pair, &b.pair));
+        groups.for_each(|group| group.sort_unstable_by_key(rank));
+        fast.sort_unstable_by_key(rank);
+        touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
+        self.contacts
+            .dedup_by(|b, a| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b)));
+    }
+}
+
+fn fibers(layout: &Layout, pair: &Pair) -> [usize; 2] {
+    pair.map(|segment| layout.segment_fibers()[segment as usize])
+}
+
+fn same_fibers(layout: &Layout, a: &Pair, b: &Pair) -> bool {
+    fibers(layout, a) == fibers(layout, b)
+}
+
+/// Some pairs by their fibres, then by segments: by the first fibre they are counted, not compared.
+fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
+    let first = |pair: &Pair| fibers(layout, pair)[0];
+    let mut next = vec![0; layout.fibers() + 1];
+    pairs.iter().for_each(|pair| next[first(pair) + 1] += 1);
+    for fiber in 0..layout.fibers() {
+        next[fiber + 1] += next[fiber];
+    }
+    let mut ordered = pairs.to_vec();
+    for pair in pairs {
+        let at = &mut next[first(pair)];
+        ordered[*at] = *pair;
+        *at += 1;
+    }
+    let groups = ordered.par_chunk_by_mut(|a, b| first(a) == first(b));
+    groups.for_each(|group| group.sort_unstable_by_key(|pair| (fibers(layout, pair), *pair)));
+    ordered
 }
 
 /// Those of some pairs of segments whose fibres overlap somewhere or have a contact on the way.
 fn of_overlapping(end: &Capsules, mut near: Vec<Pair>, on_the_way: &[Contact]) -> Vec<Pair> {
-    let fibers = |pair: &Pair| pair.map(|segment| end.layout().segment_fibers()[segment as usize]);
+    let fibers = |pair: &Pair| fibers(end.layout(), pair);
     let mut squared = Vec::new();
     squared_distances(end, &near, &mut squared);
     let overlap = |(pair, squared): (&Pair, f64)| {
@@ -278,7 +311,8 @@ fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
 fn bends(end: &Capsules, contact: &Contact) -> bool {
     let layout = end.layout();
     let [first, second] = contact.pair.map(|segment| segment as usize);
-    if layout.segment_fibers()[first] != layout.segment_fibers()[second] {
+    let [fiber, partner] = fibers(layout, &contact.pair);
+    if fiber != partner {
         return false;
     }
     let length = |segment: usize| {
@@ -329,7 +363,7 @@ fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
 
 /// The fibres of a contact, the one with the smaller number first, and the segments in them.
 fn of_fibers(layout: &Layout, contact: &Contact) -> ([Partner; 2], [u32; 2]) {
-    let fibers = contact.pair.map(|segment| layout.segment_fibers()[segment as usize]);
+    let fibers = fibers(layout, &contact.pair);
     let segment =
         |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
     (fibers.map(|fiber| Partner::Fiber(fiber_number(fiber))), [segment(0), segment(1)])

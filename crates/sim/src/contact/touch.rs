@@ -1,5 +1,4 @@
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -123,50 +122,32 @@ impl Rank {
     }
 
     /// Whether two are the same place, named by two segments that share a node.
-    fn same(&self, other: &Self) -> bool {
+    pub(super) fn same(&self, other: &Self) -> bool {
         let near =
             |i: usize| (f64::from_bits(self.at[i]) - f64::from_bits(other.at[i])).abs() < 1e-9;
         self.sides == other.sides && near(0) && near(1)
     }
 }
 
-/// The order of some ranks; of those that are the same place the first.
-pub(super) fn places(ranks: impl IndexedParallelIterator<Item = Rank>) -> Vec<usize> {
-    let ranks: Vec<_> = ranks.enumerate().map(|(i, rank)| (rank, i)).collect();
-    let mut ranks = by_first_side(&ranks);
-    ranks
-        .par_chunk_by_mut(|(a, _), (b, _)| a.sides[0] == b.sides[0])
-        .for_each(<[_]>::sort_unstable);
-    ranks.dedup_by(|(a, _), (b, _)| a.same(b));
-    ranks.into_par_iter().map(|(_, i)| i).collect()
-}
-
-/// Some ranks in the order of their first sides: counted, not compared, which leaves short runs to sort.
-fn by_first_side(ranks: &[(Rank, usize)]) -> Vec<(Rank, usize)> {
-    let first = |rank: &Rank| match rank.sides[0].checked_sub(OBJECTS) {
-        Some(object) => (0, object as usize),
-        None => (1, rank.sides[0] as usize),
-    };
-    let mut counts = [Vec::new(), Vec::new()];
-    for (rank, _) in ranks {
-        let (kind, number) = first(rank);
-        let counts = &mut counts[kind];
-        counts.resize(counts.len().max(number + 1), 0);
-        counts[number] += 1;
+/// Puts some things between those of a list, both in order, where `after` tells whether one of the list
+/// comes after one of the others. Costs no more than what has to move.
+pub(super) fn merge<T: Copy>(
+    list: &mut Vec<T>,
+    mut others: Vec<T>,
+    after: impl Fn(&T, &T) -> bool,
+) {
+    let (mut left, mut at) = (list.len(), list.len() + others.len());
+    list.extend_from_slice(&others);
+    while let Some(last) = others.last() {
+        at -= 1;
+        if left > 0 && after(&list[left - 1], last) {
+            left -= 1;
+            list[at] = list[left];
+        } else {
+            list[at] = *last;
+            others.pop();
+        }
     }
-    let [objects, fibers] = &mut counts;
-    let mut next = 0;
-    for count in fibers.iter_mut().chain(objects) {
-        (*count, next) = (next, next + *count);
-    }
-    let mut ordered = ranks.to_vec();
-    for one in ranks {
-        let (kind, number) = first(&one.0);
-        let at = &mut counts[kind][number];
-        ordered[*at] = *one;
-        *at += 1;
-    }
-    ordered
 }
 
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
@@ -189,18 +170,6 @@ pub(super) fn merged(
         }
         false
     });
-    // From the end on, within the list.
-    let (mut left, mut at) = (list.len(), list.len() + new.len());
-    list.extend_from_slice(&new);
-    while let Some(last) = new.last() {
-        at -= 1;
-        if left > 0 && list[left - 1].rank() > last.rank() {
-            left -= 1;
-            list[at] = list[left];
-        } else {
-            list[at] = *last;
-            new.pop();
-        }
-    }
+    merge(&mut list, new, |touch, deep| touch.rank() > deep.rank());
     list
 }
