@@ -3,6 +3,7 @@
 use super::body::{Fibers, Written};
 use super::law::Laws;
 use super::touch::{Partner, Touch};
+use super::velocities::Velocities;
 use super::work::ContactWork;
 use crate::World;
 use nalgebra::{Matrix3, Vector3};
@@ -18,13 +19,14 @@ const ROUNDING: f64 = 1e-5;
 /// Answers of fibres that turn by less, rad, are used again.
 const CHORD: f64 = 1e-2;
 
-/// All contacts between the points of all groups, in the order of the touches they are made of.
+/// A side of a contact: that one's number, and 0 or 1.
+type Side = (usize, usize);
+
+/// All contacts of a list, in the order of the touches they are made of. As long as it stands these keep
+/// their order; what is asked of it takes them.
 pub(super) struct Case {
+    /// Each as if its sides were points of their own, two a contact.
     contacts: Vec<Contact>,
-    /// By group.
-    points: Vec<Vec<Point>>,
-    /// By object; none on those that are led.
-    levers: Vec<Vec<Vector3<f64>>>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
     /// The gaps at the start of the step over its length, m/s.
@@ -37,8 +39,8 @@ pub(super) struct Case {
     error: Option<f64>,
     /// By group: answers that are written out, as long as the fibres hardly turn.
     written: Vec<Option<Written>>,
-    /// The points that these have.
-    kept: Vec<bool>,
+    /// By group: the points that these have.
+    kept: Vec<Vec<Side>>,
 }
 
 impl Case {
@@ -51,58 +53,22 @@ impl Case {
         dt: f64,
         laws: &Laws,
     ) -> Result<Self, ContactError> {
-        let mut points: Vec<Vec<Point>> = vec![Vec::new(); world.groups.len()];
-        let mut add = |fiber: u32, segment: u32, fraction: f64| {
-            let (group, lane) = world.lane(fiber as usize);
-            #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
-            points[group].push(Point { fiber: lane as u32, segment, fraction });
-            (group, points[group].len() - 1)
-        };
-        let mut levers = vec![Vec::new(); world.objects.len()];
-        let mut place = |touch: &Touch, side: usize| match touch.sides[side] {
-            Partner::Fiber(fiber) => add(fiber, touch.segments[side], touch.fractions[side]),
-            Partner::Object(object) => {
-                let levers = &mut levers[object as usize];
-                levers.push(touch.levers[side]);
-                (world.groups.len() + object as usize, levers.len() - 1)
-            }
-        };
         let is_led = |side: Partner| match side {
             Partner::Object(object) => !world.objects[object as usize].is_free(),
             Partner::Fiber(_) => false,
         };
-        let places: Vec<_> = touches
-            .iter()
-            .map(|touch| {
-                let first = place(touch, 0);
-                (first, (!is_led(touch.sides[1])).then(|| place(touch, 1)))
-            })
-            .collect();
-        let mut starts = vec![0];
-        for body in points.iter().map(Vec::len).chain(levers.iter().map(Vec::len)) {
-            starts.push(starts[starts.len() - 1] + body);
-        }
-        let index = |(group, point): (usize, usize)| starts[group] + point;
-        let mut velocities = world.at_points(&points, mean);
-        velocities.extend(world.at_levers(&levers));
-        let mut before = world.at_points(&points, before);
-        before.extend(world.at_levers_before(&levers));
-        type Place = ((usize, usize), Option<(usize, usize)>);
-        let contact = |(touch, (first, second)): (&Touch, &Place)| {
+        let (before, mean) = (Velocities::before(world, before), Velocities::new(world, mean));
+        let contact = |(i, touch): (usize, &Touch)| {
             let frame = frame(&touch.normal, &touch.axis);
-            let (first, second) = (index(*first), second.map(index));
-            let relative = |velocities: &[Vector3<f64>]| {
-                let other = second.map_or_else(Vector3::zeros, |second| velocities[second]);
-                frame.tr_mul(&(velocities[first] - other))
-            };
+            let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
             let drive = frame.tr_mul(&touch.drive);
             // At the velocities that led to this gap, the gap is what may still close.
-            let gap = touch.gap / dt - relative(&velocities).x;
+            let gap = touch.gap / dt - relative(&mean).x;
             let before = relative(&before) - drive;
             let friction = laws.friction(touch, &before);
             let contact = friction.map(|friction| Contact {
-                first,
-                second,
+                first: 2 * i,
+                second: (!is_led(touch.sides[1])).then_some(2 * i + 1),
                 frame,
                 bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
                 friction,
@@ -112,7 +78,7 @@ impl Case {
             (contact, gap)
         };
         let (mut contacts, mut gaps) = (Vec::new(), Vec::new());
-        let made = touches.par_iter().zip(&places).map(contact);
+        let made = touches.par_iter().enumerate().map(contact);
         made.unzip_into_vecs(&mut contacts, &mut gaps);
         let mut contacts = contacts.into_iter().collect::<Result<Vec<_>, ContactError>>()?;
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
@@ -122,9 +88,9 @@ impl Case {
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = touches.iter().map(|touch| touch.working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        let written = points.iter().map(|_| None).collect();
-        let (error, kept) = (None, Vec::new());
-        Ok(Self { contacts, points, levers, impulses, gaps, working, mass, error, written, kept })
+        let written = world.groups.iter().map(|_| None).collect();
+        let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
+        Ok(Self { contacts, impulses, gaps, working, mass, error, written, kept })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -140,20 +106,15 @@ impl Case {
         self.error = Some(error);
     }
 
-    /// Points that are used no more stay where answers are written out that have all that are used.
-    fn keep(&mut self, used: &mut [bool]) {
-        self.kept.resize(used.len(), false);
-        let mut start = 0;
-        for (points, written) in self.points.iter().zip(&mut self.written) {
-            let range = start..start + points.len();
-            start = range.end;
-            let (used, kept) = (&mut used[range.clone()], &mut self.kept[range]);
-            let known = used.iter().zip(&*kept).all(|(used, kept)| *kept || !used);
-            if written.is_some() && known {
-                used.copy_from_slice(kept);
+    /// Points that are used no more stay where answers are written out that have all that are used, by group.
+    fn keep(&mut self, used: &mut [Vec<Side>]) {
+        for ((used, kept), written) in used.iter_mut().zip(&mut self.kept).zip(&mut self.written) {
+            let known = || used.iter().all(|side| kept.binary_search(side).is_ok());
+            if written.is_some() && known() {
+                used.clone_from(kept);
             } else {
                 *written = None;
-                kept.copy_from_slice(used);
+                kept.clone_from(used);
             }
         }
     }
@@ -179,39 +140,48 @@ impl Case {
     pub(super) fn solve(
         &mut self,
         world: &mut World,
+        touches: &[Touch],
         solver: &mut Admm,
         patient: bool,
     ) -> Result<Report, ContactError> {
-        let velocities = self.at_points(world, &world.linear_velocities());
+        let nodes = world.linear_velocities();
+        let linear = Velocities::new(world, &nodes);
         self.working.par_iter_mut().enumerate().for_each(|(i, working)| {
             *working = patient && *working
                 || self.impulses[i] != Vector3::zeros()
                 || self.contacts[i].adhesion > 0.0
-                || self.contacts[i].relative(&velocities).x < 0.0;
+                || relative(&self.contacts[i], &touches[i], &linear).x < 0.0;
         });
         let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
-        let mut used = vec![false; velocities.len()];
+        let mut used = vec![Vec::new(); world.groups.len()];
+        let mut on_objects = vec![Vec::new(); world.objects.len()];
         for &i in &working {
-            used[self.contacts[i].first] = true;
-            self.contacts[i].second.into_iter().for_each(|second| used[second] = true);
+            let Contact { first, second, .. } = &self.contacts[i];
+            for point in [Some(*first), *second].into_iter().flatten() {
+                let side = (i, point % 2);
+                match touches[i].sides[side.1] {
+                    Partner::Fiber(fiber) => used[world.lane(fiber as usize).0].push(side),
+                    Partner::Object(object) => on_objects[object as usize].push(side),
+                }
+            }
         }
         self.keep(&mut used);
-        let kept = |point: &usize| used[*point];
-        let mut index = vec![0; used.len()];
-        (0..used.len()).filter(kept).enumerate().for_each(|(new, old)| index[old] = new);
-        let velocities: Vec<_> = (0..used.len()).filter(kept).map(|i| velocities[i]).collect();
+        let sides = || used.iter().chain(&on_objects).flatten();
+        let mut index = vec![[0; 2]; touches.len()];
+        sides().enumerate().for_each(|(point, &(i, side))| index[i][side] = point);
+        let velocities: Vec<_> =
+            sides().map(|&(i, side)| linear.of_side(&touches[i], side)).collect();
         let contacts: Vec<_> = working
             .par_iter()
             .map(|&i| {
                 let contact = self.contacts[i].clone();
-                let second = contact.second.map(|second| index[second]);
-                Contact { first: index[contact.first], second, ..contact }
+                let second = contact.second.map(|_| index[i][1]);
+                Contact { first: index[i][0], second, ..contact }
             })
             .collect();
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
-        let mut used = used.into_iter();
-        let points = select(&self.points, &mut used);
-        let levers = select(&self.levers, &mut used);
+        let points = each(&used, |i, side| point(world, &touches[i], side));
+        let levers = each(&on_objects, |i, side| touches[i].levers[side]);
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
@@ -232,16 +202,29 @@ impl Case {
     }
 
     /// How well the law holds where all nodes have the given mean velocities.
-    pub(super) fn certificate(&self, world: &World, mean: &[Vector3<f64>]) -> Report {
-        let velocities = self.relative(world, mean);
+    pub(super) fn certificate(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Report {
+        let mean = Velocities::new(world, mean);
+        let both = self.contacts.par_iter().zip(touches);
+        let velocities: Vec<_> = both.map(|(c, touch)| relative(c, touch, &mean)).collect();
         report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
     }
 
     /// Which contact is farthest from the law where all nodes have the given mean velocities.
-    pub(super) fn worst(&self, world: &World, mean: &[Vector3<f64>]) -> Option<usize> {
-        let velocities = self.relative(world, mean);
+    pub(super) fn worst(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Option<usize> {
+        let mean = Velocities::new(world, mean);
         let wrong = |i: usize| {
-            Violation::new(&self.contacts[i], &velocities[i], &self.impulses[i], self.mass).impulse
+            let velocity = relative(&self.contacts[i], &touches[i], &mean);
+            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.mass).impulse
         };
         (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }
@@ -258,18 +241,20 @@ impl Case {
     pub(super) fn work(
         &self,
         world: &World,
-        mean: &[Vector3<f64>],
         touches: &[Touch],
+        mean: &[Vector3<f64>],
     ) -> ContactWork {
-        let velocities = self.relative(world, mean);
+        let mean = Velocities::new(world, mean);
         let mut work = ContactWork::default();
-        for (i, touch) in touches.iter().enumerate() {
-            let (contact, impulse) = (&self.contacts[i], &self.impulses[i]);
+        let bearing = |i: &usize| self.impulses[*i] != Vector3::zeros();
+        for i in (0..touches.len()).filter(bearing) {
+            let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
+            let velocity = relative(contact, touch, &mean);
             let drive = contact.frame.tr_mul(&touch.drive);
             // The bias along the normal is not that of the drive alone.
-            let opening = velocities[i].x - contact.bias.x - drive.x;
+            let opening = velocity.x - contact.bias.x - drive.x;
             work += ContactWork {
-                friction: impulse.yz().dot(&velocities[i].yz()),
+                friction: impulse.yz().dot(&velocity.yz()),
                 normal: impulse.x * opening,
                 led: impulse.dot(&drive),
             };
@@ -282,50 +267,57 @@ impl Case {
     pub(super) fn tear(
         &self,
         world: &World,
+        touches: &mut [Touch],
         mean: &[Vector3<f64>],
         [strength, tolerance]: [f64; 2],
-        touches: &mut [Touch],
     ) -> Result<(), ContactError> {
-        let velocities = self.relative(world, mean);
+        let mean = Velocities::new(world, mean);
         for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
             let mut bond = Bond::new(strength)?;
-            bond.update(&self.contacts[i], &velocities[i], &self.impulses[i], tolerance);
+            let velocity = relative(&self.contacts[i], touch, &mean);
+            bond.update(&self.contacts[i], &velocity, &self.impulses[i], tolerance);
             touch.bonded = bond.is_intact();
         }
         Ok(())
     }
 
     /// The gaps along the normals, m, where all nodes have the given mean velocities.
-    pub(super) fn gaps(&self, world: &World, mean: &[Vector3<f64>], dt: f64) -> Vec<f64> {
-        let velocities = self.relative(world, mean);
+    pub(super) fn gaps(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) -> Vec<f64> {
+        let mean = Velocities::new(world, mean);
         // The bias may be another than that of the gap.
-        let gap = |i: usize| dt * (velocities[i].x - self.contacts[i].bias.x + self.gaps[i]);
-        (0..self.contacts.len()).map(gap).collect()
-    }
-
-    /// Velocities of all points where all nodes have the given ones.
-    fn at_points(&self, world: &World, nodes: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let mut velocities = world.at_points(&self.points, nodes);
-        velocities.extend(world.at_levers(&self.levers));
-        velocities
-    }
-
-    fn relative(&self, world: &World, mean: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let velocities = self.at_points(world, mean);
-        self.contacts.par_iter().map(|contact| contact.relative(&velocities)).collect()
+        let gap = |i: usize| {
+            let contact = &self.contacts[i];
+            dt * (relative(contact, &touches[i], &mean).x - contact.bias.x + self.gaps[i])
+        };
+        (0..self.contacts.len()).into_par_iter().map(gap).collect()
     }
 }
 
-/// Of the things of each body those that are used, as `used` tells one after another.
-fn select<T: Copy>(all: &[Vec<T>], used: &mut impl Iterator<Item = bool>) -> Vec<Vec<T>> {
-    let of_body = |things: &Vec<T>| {
-        things
-            .iter()
-            .zip(used.by_ref())
-            .filter_map(|(thing, used)| used.then_some(*thing))
-            .collect()
+/// The relative velocity of a contact, in its frame and with its bias, m/s.
+fn relative(contact: &Contact, touch: &Touch, velocities: &Velocities) -> Vector3<f64> {
+    contact.frame.tr_mul(&velocities.between(touch)) + contact.bias
+}
+
+/// A side of a touch that is a fibre, as a point of its group.
+fn point(world: &World, touch: &Touch, side: usize) -> Point {
+    let fiber = match touch.sides[side] {
+        Partner::Fiber(fiber) => world.lane(fiber as usize).1,
+        Partner::Object(_) => 0,
     };
-    all.iter().map(of_body).collect()
+    #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
+    Point { fiber: fiber as u32, segment: touch.segments[side], fraction: touch.fractions[side] }
+}
+
+/// Something of every side, in lists as they are given.
+fn each<T>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T) -> Vec<Vec<T>> {
+    let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
+    sides.iter().map(list).collect()
 }
 
 /// By this, rad, a normal along a fibre is tilted.

@@ -130,7 +130,18 @@ impl Detector {
     fn put_in_order(&mut self, layout: &Layout, mut fast: Vec<Contact>) {
         let rank = |contact: &Contact| fiber_rank(layout, contact);
         let groups = self.contacts.par_chunk_by_mut(|a, b| same_fibers(layout, &a.pair, &b.pair));
-        groups.for_each(|group| group.sort_unstable_by_key(rank));
+        groups.for_each(|group| {
+            // As by rank, with less to look up.
+            let firsts = fibers(layout, &group[0].pair).map(|f| layout.segment_range(f).start);
+            let key = |contact: &Contact| {
+                let at = |i: usize| {
+                    let segment = contact.pair[i] as usize - firsts[i];
+                    (segment as f64 + contact.fractions[i]).to_bits()
+                };
+                ([at(0), at(1)], contact.pair)
+            };
+            group.sort_unstable_by_key(key);
+        });
         fast.sort_unstable_by_key(rank);
         touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
         self.contacts
@@ -146,7 +157,7 @@ fn same_fibers(layout: &Layout, a: &Pair, b: &Pair) -> bool {
     fibers(layout, a) == fibers(layout, b)
 }
 
-/// Some pairs by their fibres, then by segments: by the first fibre they are counted, not compared.
+/// Some pairs by their fibres: by the first they are counted, not compared.
 fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
     let first = |pair: &Pair| fibers(layout, pair)[0];
     let mut next = vec![0; layout.fibers() + 1];
@@ -161,7 +172,8 @@ fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
         *at += 1;
     }
     let groups = ordered.par_chunk_by_mut(|a, b| first(a) == first(b));
-    groups.for_each(|group| group.sort_unstable_by_key(|pair| (fibers(layout, pair), *pair)));
+    // Of one fibre segments are numbered in a row.
+    groups.for_each(|group| group.sort_unstable_by_key(|[a, b]| (*b, *a)));
     ordered
 }
 
@@ -188,20 +200,24 @@ fn of_overlapping(end: &Capsules, mut near: Vec<Pair>, on_the_way: &[Contact]) -
 /// of these; infinitely if one side is an object.
 pub(crate) fn gaps(motion: &Motion, touches: &[Touch]) -> Result<Vec<f64>, CollisionError> {
     let [_, end] = motion.capsules()?;
-    let pair = |(i, touch): (usize, &Touch)| {
-        let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides else { return None };
-        let [s, t] = touch.segments;
-        let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
-        Some((i, [first(fiber) + s, first(partner) + t]))
+    let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
+    let chunk = |(touches, gaps): (&[Touch], &mut [f64])| {
+        let (mut places, mut pairs, mut squared) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, touch) in touches.iter().enumerate() {
+            if let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides {
+                let [s, t] = touch.segments;
+                places.push(i);
+                pairs.push([first(fiber) + s, first(partner) + t]);
+            }
+        }
+        squared_distances(&end, &pairs, &mut squared);
+        for ((place, pair), squared) in places.into_iter().zip(pairs).zip(squared) {
+            let [r, q] = pair.map(|segment| motion.radii[segment as usize]);
+            gaps[place] = squared.sqrt() - r - q;
+        }
     };
-    let (places, pairs): (Vec<_>, Vec<_>) = touches.iter().enumerate().filter_map(pair).unzip();
-    let mut squared = Vec::new();
-    squared_distances(&end, &pairs, &mut squared);
     let mut gaps = vec![f64::INFINITY; touches.len()];
-    for ((place, pair), squared) in places.into_iter().zip(&pairs).zip(squared) {
-        let [r, q] = pair.map(|segment| motion.radii[segment as usize]);
-        gaps[place] = squared.sqrt() - r - q;
-    }
+    touches.par_chunks(CHUNK).zip(gaps.par_chunks_mut(CHUNK)).for_each(chunk);
     Ok(gaps)
 }
 

@@ -35,6 +35,11 @@ impl FreeBody {
         Self { solved: body.clone(), state: body, to_body: Translation3::from(-center) }
     }
 
+    /// At the start of the step and, as solved so far, at its end.
+    pub(super) fn bodies(&self) -> [&RigidBody; 2] {
+        [&self.state, &self.solved]
+    }
+
     /// Poses of the object at the start and, as solved so far, at the end of the step.
     pub(super) fn poses(&self) -> [Isometry3<f64>; 2] {
         [&self.state, &self.solved].map(|body| body.pose * self.to_body)
@@ -160,33 +165,6 @@ impl World {
             }
         }
         sum
-    }
-
-    /// Velocities, as solved so far, at levers on every object; those of led objects have none.
-    pub(super) fn at_levers(&self, levers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
-        self.of_bodies(levers, |body| &body.solved)
-    }
-
-    /// The same at the start of the step.
-    pub(super) fn at_levers_before(&self, levers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
-        self.of_bodies(levers, |body| &body.state)
-    }
-
-    fn of_bodies(
-        &self,
-        levers: &[Vec<Vector3<f64>>],
-        moving: impl Fn(&FreeBody) -> &RigidBody,
-    ) -> Vec<Vector3<f64>> {
-        let mut velocities = Vec::new();
-        for (object, levers) in self.objects.iter().zip(levers) {
-            if let Way::Free(body) = &object.way {
-                // With the inertia at the start of the step, as the solver has it.
-                let velocity = moving(body).velocity;
-                let omega = body.state.inverse_inertia() * moving(body).angular_momentum;
-                velocities.extend(levers.iter().map(|lever| velocity + omega.cross(lever)));
-            }
-        }
-        velocities
     }
 
     /// All free bodies as a solver sees them, touched at levers from their centers of mass.

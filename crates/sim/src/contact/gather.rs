@@ -4,7 +4,7 @@ use super::touch::{Partner, Touch};
 use crate::World;
 use crate::group::Group;
 use nalgebra::{Point3, Vector3};
-use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch, StepError};
+use rapunzel_rod_dynamic::{ImpulseResponse, RodError, StaggeredBatch, StepError};
 use rayon::prelude::*;
 
 impl World {
@@ -66,27 +66,6 @@ impl World {
                 rest = tail;
             }
         }
-        all
-    }
-
-    /// Values at points of the groups, interpolated from those of all nodes.
-    pub(super) fn at_points(
-        &self,
-        points: &[Vec<Point>],
-        nodes: &[Vector3<f64>],
-    ) -> Vec<Vector3<f64>> {
-        let layout = self.assembly().layout();
-        let of_group = |(group, points): (&Group, &Vec<Point>)| {
-            let value = |point: &Point| {
-                let fiber = group.fibers[point.fiber as usize];
-                let node = layout.node_range(fiber).start + point.segment as usize;
-                nodes[node].lerp(&nodes[node + 1], point.fraction)
-            };
-            points.iter().map(value).collect::<Vec<_>>()
-        };
-        let parts: Vec<_> = self.groups.par_iter().zip(points).map(of_group).collect();
-        let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
-        parts.into_iter().for_each(|part| all.extend_from_slice(&part));
         all
     }
 

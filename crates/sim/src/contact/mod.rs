@@ -47,6 +47,7 @@ mod solid;
 mod start;
 mod stepper;
 mod touch;
+mod velocities;
 mod work;
 
 pub use memory::Bearing;

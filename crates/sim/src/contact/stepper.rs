@@ -213,7 +213,7 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             self.look_at_end(world, part)?;
-            part.work = case.work(world, &part.mean, &bearing);
+            part.work = case.work(world, &bearing, &part.mean);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
@@ -230,11 +230,11 @@ impl Touching {
                 report.unresolved = usize::from(through);
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
                     let bounds = [strength, self.settings.slip];
-                    case.tear(world, &part.mean, bounds, &mut part.touches)?;
+                    case.tear(world, &mut part.touches, &part.mean, bounds)?;
                 }
                 return Ok(());
             }
-            let gaps = case.gaps(world, &part.mean, dt);
+            let gaps = case.gaps(world, &bearing, &part.mean, dt);
             bearing.iter_mut().zip(gaps).for_each(|(touch, gap)| touch.gap = gap);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
@@ -310,7 +310,7 @@ impl Touching {
         let mean = world.mean_velocities();
         let end = part.end(&mean);
         let found = detect::gaps(&part.motion(world, &self.radii, &end), &part.touches)?;
-        let told = case.gaps(world, &mean, part.dt);
+        let told = case.gaps(world, &part.touches, &mean, part.dt);
         Ok(told.iter().zip(found).any(|(told, found)| told.min(0.0) - found > self.depth()))
     }
 
@@ -338,13 +338,13 @@ impl Touching {
         patient: bool,
     ) -> Result<(f64, bool), Cut> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
-        let one = case.solve(world, &mut self.solver, patient)?;
+        let one = case.solve(world, &part.touches, &mut self.solver, patient)?;
         case.give_impulses(&mut part.touches);
         let turns = world.with_impulses(&part.touches, |group, own| group.advance(own))?;
         case.turned(&turns);
         let turn = largest(turns);
         world.push(&part.touches, part.time, part.dt)?;
-        let found = case.certificate(world, &world.mean_velocities());
+        let found = case.certificate(world, &part.touches, &world.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
         part.report.iterations += world.assembly().fibers().len();
         part.report.worst_iterations += 1;
@@ -388,7 +388,7 @@ impl Touching {
 
 /// The touch that is farthest from its law.
 fn worst(world: &World, part: &Part, case: &Case) -> Option<Unresolved> {
-    let touch = &part.touches[case.worst(world, &world.mean_velocities())?];
+    let touch = &part.touches[case.worst(world, &part.touches, &world.mean_velocities())?];
     Some(Unresolved::new(part.time, touch))
 }
 

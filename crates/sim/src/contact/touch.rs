@@ -97,6 +97,10 @@ impl Touch {
     }
 }
 
+/// Places that are nearer to each other along both sides, in segments, are one, named by two segments that
+/// share a node.
+pub(super) const SAME: f64 = 1e-9;
+
 /// From this number on, sides are objects.
 const OBJECTS: u32 = 1 << 31;
 
@@ -121,10 +125,10 @@ impl Rank {
         Self { sides, at, segments }
     }
 
-    /// Whether two are the same place, named by two segments that share a node.
+    /// Whether two are the same place.
     pub(super) fn same(&self, other: &Self) -> bool {
         let near =
-            |i: usize| (f64::from_bits(self.at[i]) - f64::from_bits(other.at[i])).abs() < 1e-9;
+            |i: usize| (f64::from_bits(self.at[i]) - f64::from_bits(other.at[i])).abs() < SAME;
         self.sides == other.sides && near(0) && near(1)
     }
 }

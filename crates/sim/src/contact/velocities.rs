@@ -1,0 +1,63 @@
+use super::object::Way;
+use super::touch::{Partner, Touch};
+use crate::World;
+use nalgebra::Vector3;
+use rapunzel_contact::RigidBody;
+use rapunzel_fiber::Layout;
+
+/// How fast all nodes and objects are.
+pub(super) struct Velocities<'a> {
+    layout: &'a Layout,
+    nodes: &'a [Vector3<f64>],
+    /// Of the centers of mass, m/s, and about them, rad/s; zero for what is led.
+    objects: Vec<[Vector3<f64>; 2]>,
+}
+
+impl<'a> Velocities<'a> {
+    /// Those of given nodes, m/s, and of objects as they have been solved so far.
+    pub(super) fn new(world: &'a World, nodes: &'a [Vector3<f64>]) -> Self {
+        Self::of(world, nodes, |[_, solved]| solved)
+    }
+
+    /// Those of given nodes, m/s, and of objects at the start of the step.
+    pub(super) fn before(world: &'a World, nodes: &'a [Vector3<f64>]) -> Self {
+        Self::of(world, nodes, |[state, _]| state)
+    }
+
+    fn of(
+        world: &'a World,
+        nodes: &'a [Vector3<f64>],
+        chosen: impl Fn([&'a RigidBody; 2]) -> &'a RigidBody,
+    ) -> Self {
+        let objects = world.objects.iter().map(|object| match &object.way {
+            Way::Free(body) => {
+                let [state, _] = body.bodies();
+                let moving = chosen(body.bodies());
+                // With the inertia at the start of the step, as the solver has it.
+                [moving.velocity, state.inverse_inertia() * moving.angular_momentum]
+            }
+            Way::Led(_) => [Vector3::zeros(); 2],
+        });
+        Self { layout: world.assembly().layout(), nodes, objects: objects.collect() }
+    }
+
+    /// That of a side of a touch, m/s; zero for an object that is led.
+    pub(super) fn of_side(&self, touch: &Touch, side: usize) -> Vector3<f64> {
+        match touch.sides[side] {
+            Partner::Fiber(fiber) => {
+                let first = self.layout.node_range(fiber as usize).start;
+                let node = first + touch.segments[side] as usize;
+                self.nodes[node].lerp(&self.nodes[node + 1], touch.fractions[side])
+            }
+            Partner::Object(object) => {
+                let [velocity, omega] = self.objects[object as usize];
+                velocity + omega.cross(&touch.levers[side])
+            }
+        }
+    }
+
+    /// That of the first side as seen from the second, m/s.
+    pub(super) fn between(&self, touch: &Touch) -> Vector3<f64> {
+        self.of_side(touch, 0) - self.of_side(touch, 1)
+    }
+}
