@@ -14,7 +14,7 @@ const MOST: usize = 120;
 const OFF: f64 = 2.0;
 const PART: f64 = 3.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
-const SQUARE: f64 = 1e-5;
+const SQUARE: f64 = 1e-4;
 
 /// The error that a solve may leave, in tolerances, and its iterations at most.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -186,8 +186,10 @@ impl Object {
         let poses = self.poses(span);
         let placed = Placed { field: &*self.field, pose: poses[1] };
         let slope = placed.lipschitz();
-        let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| -> Vec<_> {
-            nodes.iter().map(|node| pose.inverse_transform_point(node)).collect()
+        let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| -> Vec<Point3<f64>> {
+            let turn = pose.rotation.to_rotation_matrix();
+            let from = pose.translation.vector;
+            nodes.iter().map(|node| turn.inverse_transform_point(&(node - from))).collect()
         };
         let (before, after) = (own(strand.start, &poses[0]), own(strand.end, &poses[1]));
         let values: Vec<f64> = after.iter().map(|node| self.field.value(node)).collect();

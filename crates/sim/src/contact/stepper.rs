@@ -29,7 +29,7 @@ const LOST: f64 = 0.5;
 const LONGER: usize = 4;
 /// An error below which fibres are so near to where they go, in tolerances, that it is seen which contacts
 /// will not do.
-const CLOSE: f64 = 150.0;
+const CLOSE: f64 = 60.0;
 /// Gaps up to so many radii are listed.
 const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider than the
