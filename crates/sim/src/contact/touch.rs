@@ -155,7 +155,8 @@ pub(super) fn merge<T: Copy>(
 }
 
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
-/// those that oppose them and, if `replace`, of those near them. Both are sorted.
+/// those that oppose them or are near them, unless there is nothing to `replace` any more: then only what is
+/// both goes, as fibres that cross at a small angle may need two with opposite normals. Both are sorted.
 pub(super) fn merged(
     mut list: Vec<Touch>,
     other: &[Touch],
@@ -166,7 +167,10 @@ pub(super) fn merged(
     list.retain(|touch| {
         let start = new.partition_point(|deep| deep.sides < touch.sides);
         let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
-        let deep = of_pair.find(|deep| deep.opposes(touch) || replace && deep.near(touch));
+        let deep = of_pair.find(|deep| {
+            let [opposes, near] = [deep.opposes(touch), deep.near(touch)];
+            if replace { opposes || near } else { opposes && near }
+        });
         let Some(deep) = deep else { return true };
         deep.bonded |= touch.bonded;
         if deep.impulse == Vector3::zeros() {
