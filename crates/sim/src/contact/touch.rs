@@ -181,3 +181,58 @@ pub(super) fn merged(
     merge(&mut list, new, |touch, deep| touch.rank() > deep.rank());
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A touch of two fibres at a place along both, in segments, its normal up or down.
+    fn touch(place: f64, up: f64, gap: f64) -> Touch {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
+        let segment = place as u32;
+        Touch {
+            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+            segments: [segment; 2],
+            fractions: [place.fract(); 2],
+            normal: Vector3::z() * up,
+            axis: Vector3::x(),
+            other_axis: Vector3::x(),
+            gap,
+            drive: Vector3::zeros(),
+            levers: [Vector3::zeros(); 2],
+            impulse: Vector3::zeros(),
+            working: false,
+            bonded: false,
+        }
+    }
+
+    /// Fibres that cross at a small angle touch on opposite sides: one takes the other's place at first, and
+    /// when both have turned up again and again, both stay. At one place there is but one.
+    #[test]
+    fn opposite_touches_stay_both_in_the_end() {
+        let places = |new: &Touch, replace: bool| -> Vec<f64> {
+            let merged = merged(vec![touch(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
+            merged.iter().map(|touch| touch.at()[0]).collect()
+        };
+        let (beside, there) = (touch(2.9, -1.0, -1e-5), touch(3.25, -1.0, -1e-5));
+        assert_eq!((places(&beside, true), places(&beside, false)), (vec![2.9], vec![2.9, 3.2]));
+        assert_eq!((places(&there, true), places(&there, false)), (vec![3.25], vec![3.25]));
+        let alike = touch(3.25, 1.0, -1e-5);
+        assert_eq!((places(&alike, true), places(&alike, false)), (vec![3.25], vec![3.2, 3.25]));
+        let shallow = touch(2.9, -1.0, -1e-7);
+        assert_eq!((places(&shallow, true), places(&shallow, false)), (vec![3.2], vec![3.2]));
+    }
+
+    proptest! {
+        #[test]
+        fn merging_sorts(mut list in prop::collection::vec(0..20, 0..20), mut others in prop::collection::vec(0..20, 0..20)) {
+            list.sort_unstable();
+            others.sort_unstable();
+            let mut all = [list.clone(), others.clone()].concat();
+            all.sort_unstable();
+            merge(&mut list, others, |a, b| a > b);
+            prop_assert_eq!(list, all);
+        }
+    }
+}
