@@ -27,6 +27,8 @@ const SMALL_TURN: f64 = 1e-4;
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
 const LONGER: usize = 4;
+/// What they must leave of the error, or the step leads nowhere.
+const PROGRESS: f64 = 0.3;
 /// An error below which fibres are so near to where they go, in tolerances, that it is seen which contacts
 /// will not do.
 const CLOSE: f64 = 60.0;
@@ -293,7 +295,8 @@ impl Touching {
             let (increment, reached) = self.iterate(world, part, case, effort, patient)?;
             (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
-            if !reached && longer && !last {
+            let left = case.error().unwrap_or(f64::INFINITY);
+            if !reached && longer && !last && left > PROGRESS * error {
                 return Err(Cut::Contacts(worst(world, part, case)));
             }
             longer = !reached;
