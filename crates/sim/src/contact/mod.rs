@@ -4,7 +4,7 @@
 //! method, and every iteration solves all contacts together with the linearised rods:
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
-//! 2. touches are found where that would lead, as well as on the way there (`detect`). A touch that has
+//! 2. touches are found where that would lead, as well as on the way there (`detect`, `passing`). A touch that has
 //!    changed sides beside one of its pair that has not is none;
 //! 3. the rods are linearised where they are, all impulses are solved for (`case`) as well as that
 //!    is of use (`effort`), and the rods take the increment that belongs to them;
@@ -41,6 +41,7 @@ mod law;
 mod memory;
 mod object;
 mod pair;
+mod passing;
 mod report;
 mod skeleton;
 mod solid;
