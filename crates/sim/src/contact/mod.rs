@@ -4,8 +4,8 @@
 //! method, and every iteration solves all contacts together with the linearised rods:
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
-//! 2. touches are found where that would lead, as well as on the way there (`detect`, `passing`). A touch that has
-//!    changed sides beside one of its pair that has not is none;
+//! 2. touches are found where that would lead, as well as on the way there (`detect`, `passing`). A touch
+//!    that has changed sides beside one of its pair that has not is none;
 //! 3. the rods are linearised where they are, all impulses are solved for (`case`) as well as that
 //!    is of use (`effort`), and the rods take the increment that belongs to them;
 //! 4. 3 repeats, with places and normals of the contacts kept, until rods and law agree, or until it is
