@@ -2,6 +2,7 @@
 use crate::{Contact, Report};
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
+use std::borrow::Borrow;
 
 /// Contacts that one task takes.
 const CHUNK: usize = 1024;
@@ -63,10 +64,11 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
 /// are left for the solver to tell.
 ///
-/// Arrays are by contact, as in [`Violation::new`]; of unequal lengths the shortest counts.
+/// Arrays are by contact, or reference to one, as in [`Violation::new`]; of unequal lengths the shortest
+/// counts.
 #[must_use]
-pub fn report(
-    contacts: &[Contact],
+pub fn report<C: Borrow<Contact> + Sync>(
+    contacts: &[C],
     velocities: &[Vector3<f64>],
     impulses: &[Vector3<f64>],
     weights: &[f64],
@@ -76,7 +78,7 @@ pub fn report(
         let mut report = Report::default();
         let (mut residual, mut size) = (0.0, 0.0);
         for i in start..count.min(start + CHUNK) {
-            let (contact, r) = (&contacts[i], &impulses[i]);
+            let (contact, r) = (contacts[i].borrow(), &impulses[i]);
             let violation = Violation::new(contact, &velocities[i], r, weights[i]);
             residual += violation.impulse * violation.impulse;
             size += (r + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();

@@ -2,7 +2,8 @@
 
 use super::body::{Fibers, Written};
 use super::law::Laws;
-use super::touch::{Partner, Touch};
+use super::openings::{ALWAYS, Openings};
+use super::touch::{Partner, Push, Touch};
 use super::velocities::Velocities;
 use super::work::ContactWork;
 use crate::World;
@@ -15,6 +16,9 @@ use rayon::prelude::*;
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
 const ROUNDING: f64 = 1e-5;
+
+/// Openings are found anew where more than one in so many contacts may close.
+const MANY: usize = 8;
 
 /// Answers of fibres that turn by less, rad, are used again.
 const CHORD: f64 = 1e-2;
@@ -31,8 +35,10 @@ pub(super) struct Case {
     impulses: Vec<Vector3<f64>>,
     /// The gaps at the start of the step over its length, m/s.
     gaps: Vec<f64>,
-    /// Those that the solver looks at.
-    working: Vec<bool>,
+    /// Those that the solver looked at last, in their order.
+    working: Vec<usize>,
+    /// Where there are so many that to look at all nodes costs less than to look at all contacts.
+    openings: Option<Openings>,
     /// The mass (kg) with which errors of impulses and of velocities are compared.
     mass: f64,
     /// What the last solve left, in tolerances.
@@ -49,7 +55,7 @@ impl Case {
     pub(super) fn new(
         world: &World,
         touches: &[Touch],
-        [before, mean]: [&[Vector3<f64>]; 2],
+        [before, nodes]: [&[Vector3<f64>]; 2],
         dt: f64,
         laws: &Laws,
     ) -> Result<Self, ContactError> {
@@ -57,7 +63,7 @@ impl Case {
             Partner::Object(object) => !world.objects[object as usize].is_free(),
             Partner::Fiber(_) => false,
         };
-        let (before, mean) = (Velocities::before(world, before), Velocities::new(world, mean));
+        let (before, mean) = (Velocities::before(world, before), Velocities::new(world, nodes));
         let contact = |(i, touch): (usize, &Touch)| {
             let frame = frame(&touch.normal, &touch.axis);
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
@@ -83,14 +89,23 @@ impl Case {
         let mut contacts = contacts.into_iter().collect::<Result<Vec<_>, ContactError>>()?;
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
         contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
-        let impulses =
+        let impulses: Vec<_> =
             touches.par_iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
+        let openings = (touches.len() > nodes.len()).then(|| {
+            let both = touches.par_iter().zip(&contacts).zip(&gaps);
+            let speeds = both.map(|((touch, contact), gap)| {
+                let acts = touch.working || touch.impulse != Vector3::zeros();
+                let always = acts || contact.adhesion > 0.0;
+                if always { ALWAYS } else { touch.gap / dt + contact.bias.x - gap }
+            });
+            Openings::new(world, touches, speeds.collect(), nodes)
+        });
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        let working = touches.iter().map(|touch| touch.working).collect();
+        let working = (0..touches.len()).filter(|&i| touches[i].working).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
         let written = world.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
-        Ok(Self { contacts, impulses, gaps, working, mass, error, written, kept })
+        Ok(Self { contacts, impulses, gaps, working, openings, mass, error, written, kept })
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -128,6 +143,26 @@ impl Case {
         }
     }
 
+    /// The contacts that may close where nodes are so fast, in their order.
+    fn near_where(&self, world: &World, nodes: &[Vector3<f64>]) -> Vec<usize> {
+        let layout = world.assembly().layout();
+        let all = || (0..self.contacts.len()).collect();
+        self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
+    }
+
+    /// The same. If these are many of all, it is found anew how fast contacts open.
+    fn look(&mut self, world: &World, touches: &[Touch], nodes: &Velocities) -> Vec<usize> {
+        let near = self.near_where(world, nodes.nodes());
+        let Some(openings) = self.openings.as_mut().filter(|_| near.len() > touches.len() / MANY)
+        else {
+            return near;
+        };
+        let one = |(touch, contact): (&Touch, &Contact)| relative(contact, touch, nodes).x;
+        let speeds = touches.par_iter().zip(&self.contacts).map(one);
+        openings.renew(speeds, nodes.nodes());
+        openings.near(world.assembly().layout(), nodes.nodes())
+    }
+
     /// Number of contacts that bear something.
     pub(super) fn active(&self) -> usize {
         self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
@@ -146,13 +181,19 @@ impl Case {
     ) -> Result<Report, ContactError> {
         let nodes = world.linear_velocities();
         let linear = Velocities::new(world, &nodes);
-        self.working.par_iter_mut().enumerate().for_each(|(i, working)| {
-            *working = patient && *working
+        let near = self.look(world, touches, &linear);
+        let works = near.par_iter().map(|&i| {
+            patient && self.working.binary_search(&i).is_ok()
                 || self.impulses[i] != Vector3::zeros()
                 || self.contacts[i].adhesion > 0.0
-                || relative(&self.contacts[i], &touches[i], &linear).x < 0.0;
+                || relative(&self.contacts[i], &touches[i], &linear).x < 0.0
         });
-        let working: Vec<usize> = (0..self.working.len()).filter(|&i| self.working[i]).collect();
+        let works: Vec<bool> = works.collect();
+        let working = near.into_iter().zip(works).filter_map(|(i, works)| works.then_some(i));
+        let working: Vec<usize> = working.collect();
+        if let Some(openings) = &mut self.openings {
+            openings.hold(&working);
+        }
         let mut used = vec![Vec::new(); world.groups.len()];
         let mut on_objects = vec![Vec::new(); world.objects.len()];
         for &i in &working {
@@ -167,16 +208,22 @@ impl Case {
         }
         self.keep(&mut used);
         let sides = || used.iter().chain(&on_objects).flatten();
-        let mut index = vec![[0; 2]; touches.len()];
-        sides().enumerate().for_each(|(point, &(i, side))| index[i][side] = point);
+        let mut index = vec![[0; 2]; working.len()];
+        for (point, &(i, side)) in sides().enumerate() {
+            // What is only kept has no contact.
+            if let Ok(k) = working.binary_search(&i) {
+                index[k][side] = point;
+            }
+        }
         let velocities: Vec<_> =
             sides().map(|&(i, side)| linear.of_side(&touches[i], side)).collect();
         let contacts: Vec<_> = working
             .par_iter()
-            .map(|&i| {
+            .zip(&index)
+            .map(|(&i, index)| {
                 let contact = self.contacts[i].clone();
-                let second = contact.second.map(|_| index[i][1]);
-                Contact { first: index[i][0], second, ..contact }
+                let second = contact.second.map(|_| index[1]);
+                Contact { first: index[0], second, ..contact }
             })
             .collect();
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
@@ -195,9 +242,10 @@ impl Case {
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
         let report = solver.solve(&mut bodies, &contacts, &velocities, &mut impulses)?;
-        for (i, impulse) in working.into_iter().zip(impulses) {
+        for (&i, impulse) in working.iter().zip(impulses) {
             self.impulses[i] = impulse;
         }
+        self.working = working;
         Ok(report)
     }
 
@@ -208,10 +256,13 @@ impl Case {
         touches: &[Touch],
         mean: &[Vector3<f64>],
     ) -> Report {
+        let near = self.near_where(world, mean);
         let mean = Velocities::new(world, mean);
-        let both = self.contacts.par_iter().zip(touches);
-        let velocities: Vec<_> = both.map(|(c, touch)| relative(c, touch, &mean)).collect();
-        report(&self.contacts, &velocities, &self.impulses, &vec![self.mass; self.contacts.len()])
+        let contacts: Vec<&Contact> = near.iter().map(|&i| &self.contacts[i]).collect();
+        let velocities: Vec<_> =
+            near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
+        let impulses: Vec<_> = near.iter().map(|&i| self.impulses[i]).collect();
+        report(&contacts, &velocities, &impulses, &vec![self.mass; near.len()])
     }
 
     /// Which contact is farthest from the law where all nodes have the given mean velocities.
@@ -229,12 +280,26 @@ impl Case {
         (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }
 
-    /// Gives the impulses back to the touches, and tells which the solver looks at.
+    /// The touches that the solver looked at last, with their impulses.
+    pub(super) fn pushes<'a>(
+        &'a self,
+        touches: &'a [Touch],
+    ) -> impl Iterator<Item = Push<'a>> + Clone {
+        self.working.iter().map(|&i| (&touches[i], self.impulse(i)))
+    }
+
+    /// Gives the impulses back to the touches, and tells which the solver looked at last.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
         touches.par_iter_mut().enumerate().for_each(|(i, touch)| {
-            touch.impulse = self.contacts[i].frame * self.impulses[i];
-            touch.working = self.working[i];
+            touch.impulse = self.impulse(i);
+            touch.working = false;
         });
+        self.working.iter().for_each(|&i| touches[i].working = true);
+    }
+
+    /// That on the first side of a contact, N s, world.
+    fn impulse(&self, contact: usize) -> Vector3<f64> {
+        self.contacts[contact].frame * self.impulses[contact]
     }
 
     /// What the contacts do where all nodes have the given mean velocities.
@@ -281,21 +346,38 @@ impl Case {
         Ok(())
     }
 
-    /// The gaps along the normals, m, where all nodes have the given mean velocities.
-    pub(super) fn gaps(
+    /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
+    pub(super) fn near(
         &self,
         world: &World,
         touches: &[Touch],
         mean: &[Vector3<f64>],
         dt: f64,
-    ) -> Vec<f64> {
+    ) -> Vec<Touch> {
+        let near = self.near_where(world, mean);
         let mean = Velocities::new(world, mean);
+        let one = |&i: &usize| Touch { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
+        near.par_iter().map(one).collect()
+    }
+
+    /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
+    pub(super) fn set_gaps(
+        &self,
+        world: &World,
+        touches: &mut [Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) {
+        let mean = Velocities::new(world, mean);
+        let all = touches.par_iter_mut().enumerate();
+        all.for_each(|(i, touch)| touch.gap = self.gap(i, touch, &mean, dt));
+    }
+
+    /// The gap along the normal, m, where nodes have the given mean velocities.
+    fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
+        let contact = &self.contacts[i];
         // The bias may be another than that of the gap.
-        let gap = |i: usize| {
-            let contact = &self.contacts[i];
-            dt * (relative(contact, &touches[i], &mean).x - contact.bias.x + self.gaps[i])
-        };
-        (0..self.contacts.len()).into_par_iter().map(gap).collect()
+        dt * (relative(contact, touch, mean).x - contact.bias.x + self.gaps[i])
     }
 }
 

@@ -9,7 +9,7 @@
 //! of both end in the middle of the gap.
 
 use super::object::Way;
-use super::touch::{Partner, Touch};
+use super::touch::{Partner, Push};
 use crate::World;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidBody, RigidPoints};
@@ -131,13 +131,13 @@ impl World {
     /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some touches.
     pub(super) fn push<'a>(
         &mut self,
-        touches: impl IntoIterator<Item = &'a Touch>,
+        pushes: impl Iterator<Item = Push<'a>>,
         time: f64,
         dt: f64,
     ) -> Result<(), ContactError> {
         let mut wrenches = vec![Vector6::zeros(); self.objects.len()];
-        for touch in touches {
-            for (side, impulse) in [touch.impulse, -touch.impulse].into_iter().enumerate() {
+        for (touch, impulse) in pushes {
+            for (side, impulse) in [impulse, -impulse].into_iter().enumerate() {
                 let Partner::Object(object) = touch.sides[side] else { continue };
                 let moment = touch.levers[side].cross(&impulse);
                 let wrench = &mut wrenches[object as usize];

@@ -1,6 +1,6 @@
 //! Arrays over all nodes of a world, and what groups make of their parts of them.
 
-use super::touch::{Partner, Touch};
+use super::touch::{Partner, Push};
 use crate::World;
 use crate::group::Group;
 use nalgebra::{Point3, Vector3};
@@ -69,12 +69,12 @@ impl World {
         all
     }
 
-    /// The impulses of touches on all nodes, N s.
-    fn impulses(&self, touches: &[Touch]) -> Vec<Vector3<f64>> {
+    /// What touches push on all nodes, N s.
+    fn impulses<'a>(&self, pushes: impl Iterator<Item = Push<'a>>) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
         let mut all = vec![Vector3::zeros(); layout.nodes()];
-        for touch in touches.iter().filter(|touch| touch.impulse != Vector3::zeros()) {
-            for (side, impulse) in [touch.impulse, -touch.impulse].into_iter().enumerate() {
+        for (touch, impulse) in pushes {
+            for (side, impulse) in [impulse, -impulse].into_iter().enumerate() {
                 let Partner::Fiber(fiber) = touch.sides[side] else { continue };
                 let (segment, fraction) = (touch.segments[side], touch.fractions[side]);
                 let node = layout.node_range(fiber as usize).start + segment as usize;
@@ -94,13 +94,13 @@ impl World {
         results.into_iter().collect()
     }
 
-    /// The same, each with the impulses of touches on all its nodes.
-    pub(super) fn with_impulses<T: Send>(
+    /// The same, each with what touches push on all its nodes.
+    pub(super) fn with_impulses<'a, T: Send>(
         &mut self,
-        touches: &[Touch],
+        pushes: impl Iterator<Item = Push<'a>>,
         act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
-        let impulses = self.impulses(touches);
+        let impulses = self.impulses(pushes);
         let ranges: Vec<_> = (0..self.assembly().layout().fibers())
             .map(|fiber| self.assembly().layout().node_range(fiber))
             .collect();

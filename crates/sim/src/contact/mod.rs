@@ -40,6 +40,7 @@ mod gather;
 mod law;
 mod memory;
 mod object;
+mod openings;
 mod pair;
 mod passing;
 mod report;

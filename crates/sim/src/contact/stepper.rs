@@ -205,8 +205,9 @@ impl Touching {
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
         let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
-        world.push(&touches, time, dt)?;
-        world.with_impulses(&touches, |group, own| group.set_out(time, dt, own))?;
+        let pushes = touches.iter().map(|touch| (touch, touch.impulse));
+        world.push(pushes.clone(), time, dt)?;
+        world.with_impulses(pushes, |group, own| group.set_out(time, dt, own))?;
         self.list(world, part, expected)?;
         let mut case = self.case(world, part)?;
         let mut effort = self.rough(Effort::FIRST);
@@ -214,6 +215,7 @@ impl Touching {
         for list in 0..MOST_LISTS {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
+            case.give_impulses(&mut bearing);
             self.look_at_end(world, part)?;
             part.work = case.work(world, &bearing, &part.mean);
             let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
@@ -236,8 +238,7 @@ impl Touching {
                 }
                 return Ok(());
             }
-            let gaps = case.gaps(world, &bearing, &part.mean, dt);
-            bearing.iter_mut().zip(gaps).for_each(|(touch, gap)| touch.gap = gap);
+            case.set_gaps(world, &mut bearing, &part.mean, dt);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
@@ -312,9 +313,10 @@ impl Touching {
     fn strays(&self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
         let mean = world.mean_velocities();
         let end = part.end(&mean);
-        let found = detect::gaps(&part.motion(world, &self.radii, &end), &part.touches)?;
-        let told = case.gaps(world, &part.touches, &mean, part.dt);
-        Ok(told.iter().zip(found).any(|(told, found)| told.min(0.0) - found > self.depth()))
+        let near = case.near(world, &part.touches, &mean, part.dt);
+        let found = detect::gaps(&part.motion(world, &self.radii, &end), &near)?;
+        let deeper = |(touch, found): (&Touch, f64)| touch.gap.min(0.0) - found > self.depth();
+        Ok(near.iter().zip(found).any(deeper))
     }
 
     /// The contacts of a part.
@@ -342,11 +344,11 @@ impl Touching {
     ) -> Result<(f64, bool), Cut> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
         let one = case.solve(world, &part.touches, &mut self.solver, patient)?;
-        case.give_impulses(&mut part.touches);
-        let turns = world.with_impulses(&part.touches, |group, own| group.advance(own))?;
+        let pushes = case.pushes(&part.touches);
+        let turns = world.with_impulses(pushes.clone(), |group, own| group.advance(own))?;
+        world.push(pushes, part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(turns);
-        world.push(&part.touches, part.time, part.dt)?;
         let found = case.certificate(world, &part.touches, &world.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
         part.report.iterations += world.assembly().fibers().len();

@@ -62,6 +62,9 @@ pub(crate) struct Touch {
     pub(crate) bonded: bool,
 }
 
+/// A touch and its impulse on the first side, N s, world.
+pub(super) type Push<'a> = (&'a Touch, Vector3<f64>);
+
 impl Touch {
     /// Where it is along both sides, in segments.
     pub(crate) fn at(&self) -> [f64; 2] {

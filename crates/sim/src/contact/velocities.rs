@@ -41,6 +41,11 @@ impl<'a> Velocities<'a> {
         Self { layout: world.assembly().layout(), nodes, objects: objects.collect() }
     }
 
+    /// Of all nodes, m/s.
+    pub(super) fn nodes(&self) -> &'a [Vector3<f64>] {
+        self.nodes
+    }
+
     /// That of a side of a touch, m/s; zero for an object that is led.
     pub(super) fn of_side(&self, touch: &Touch, side: usize) -> Vector3<f64> {
         match touch.sides[side] {
