@@ -134,8 +134,12 @@ impl Detector {
         });
         fast.sort_unstable_by_key(rank);
         touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
-        self.contacts
-            .dedup_by(|b, a| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b)));
+        let same =
+            |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
+        let windows = self.contacts.par_windows(2);
+        let again: Vec<bool> = windows.map(|window| same([&window[0], &window[1]])).collect();
+        let mut again = std::iter::once(false).chain(again);
+        self.contacts.retain(|_| !again.next().unwrap_or_default());
     }
 }
 

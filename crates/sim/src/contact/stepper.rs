@@ -1,18 +1,18 @@
 use super::case::Case;
 use super::cut::{Cut, lost};
-use super::detect::{self, Detector, Motion};
+use super::detect::{self, Detector};
 use super::effort::Effort;
 use super::film::Film;
 use super::law::Laws;
 use super::memory::{Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
+use super::part::Part;
 use super::report::Unresolved;
 use super::start;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
 use crate::{SimError, StepReport, Stepper, World};
-use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Admm, ContactError, Tolerance};
 
@@ -52,39 +52,8 @@ pub(crate) struct Touching {
     radius: f64,
     /// At the start of a run.
     bonds: Vec<Remembered>,
-}
-
-/// The part of a step at hand.
-struct Part {
-    /// Its start and length, s.
-    time: f64,
-    dt: f64,
-    /// Positions of all nodes at its start.
-    start: Vec<Point3<f64>>,
-    /// Their velocities there.
-    before: Vec<Vector3<f64>>,
-    /// Mean velocities of all nodes when the touches were listed.
-    mean: Vec<Vector3<f64>>,
+    /// The touches of the step before, whose room those of the next take.
     touches: Vec<Touch>,
-    work: ContactWork,
-    report: StepReport,
-}
-
-impl Part {
-    /// Positions of all nodes at its end if they have these mean velocities.
-    fn end(&self, mean: &[Vector3<f64>]) -> Vec<Point3<f64>> {
-        self.start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect()
-    }
-
-    fn motion<'a>(
-        &'a self,
-        world: &'a World,
-        radii: &'a [f64],
-        end: &'a [Point3<f64>],
-    ) -> Motion<'a> {
-        let layout = world.assembly().layout();
-        Motion { layout, radii, start: &self.start, end, time: self.time, dt: self.dt }
-    }
 }
 
 impl Touching {
@@ -102,7 +71,8 @@ impl Touching {
         let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         let solver = Admm::new(Tolerance::EXACT);
         let bonds = Vec::new();
-        let mut touching = Self { settings, film, detector, solver, radii, radius, bonds };
+        let mut touching =
+            Self { settings, film, detector, solver, radii, radius, bonds, touches: Vec::new() };
         let depths = [radius, touching.depth()];
         let touches = start::touches(world, &mut touching.detector, &touching.radii, depths)?;
         if let Some(Adhesion::Bonds { range, .. }) = touching.settings.adhesion {
@@ -174,7 +144,7 @@ impl Touching {
             start: world.positions(),
             before: world.velocities(),
             mean: Vec::new(),
-            touches: Vec::new(),
+            touches: std::mem::take(&mut self.touches),
             work: ContactWork::default(),
             report: StepReport::default(),
         };
@@ -193,6 +163,7 @@ impl Touching {
         world.contacts.dt = Some(dt);
         world.contacts.work += part.work;
         part.report.contact.parts = 1;
+        self.touches = part.touches;
         Ok(part.report)
     }
 

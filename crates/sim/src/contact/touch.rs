@@ -1,6 +1,9 @@
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+
+/// By this, rad, a normal along a fibre is tilted.
+const TILT: f64 = 1e-9;
 
 /// One of the two that touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -80,6 +83,24 @@ impl Touch {
     pub(crate) fn turn(&self) -> f64 {
         let across = self.normal.cross(&self.axis);
         self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
+    }
+
+    /// Normal, along the first side from root to tip, across it; without an axis any two directions across the
+    /// normal.
+    pub(super) fn frame(&self) -> Matrix3<f64> {
+        let (normal, axis) = (&self.normal, &self.axis);
+        let along = axis - normal * normal.dot(axis);
+        let end_on = || {
+            let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+            // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
+            let tilt = if *axis == Vector3::zeros() { 0.0 } else { TILT };
+            ((normal + tilt * aside).normalize(), aside)
+        };
+        let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
+        let (normal, along) = oblique.unwrap_or_else(end_on);
+        // Once more, for what rounding left along the normal.
+        let along = (along - normal * normal.dot(&along)).normalize();
+        Matrix3::from_columns(&[normal, along, normal.cross(&along)])
     }
 
     pub(super) fn rank(&self) -> Rank {

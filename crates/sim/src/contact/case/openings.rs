@@ -1,7 +1,7 @@
 //! Which contacts of a long list can close at all.
 
-use super::touch::{Partner, Touch};
 use crate::World;
+use crate::contact::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;

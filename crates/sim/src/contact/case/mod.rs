@@ -1,16 +1,16 @@
 //! The contacts of a step as the solver takes them.
 
+mod measures;
+mod openings;
+
 use super::body::{Fibers, Written};
 use super::law::Laws;
-use super::openings::{ALWAYS, Openings};
 use super::touch::{Partner, Push, Touch};
 use super::velocities::Velocities;
-use super::work::ContactWork;
 use crate::World;
-use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{
-    Admm, Body, Bond, Contact, ContactError, Report, Solver, Tolerance, Violation, report,
-};
+use nalgebra::Vector3;
+use openings::{ALWAYS, Openings};
+use rapunzel_contact::{Admm, Body, Contact, ContactError, Report, Solver, Tolerance};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 
@@ -65,7 +65,7 @@ impl Case {
         };
         let (before, mean) = (Velocities::before(world, before), Velocities::new(world, nodes));
         let contact = |(i, touch): (usize, &Touch)| {
-            let frame = frame(&touch.normal, &touch.axis);
+            let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
             let drive = frame.tr_mul(&touch.drive);
             // At the velocities that led to this gap, the gap is what may still close.
@@ -163,11 +163,6 @@ impl Case {
         openings.near(world.assembly().layout(), nodes.nodes())
     }
 
-    /// Number of contacts that bear something.
-    pub(super) fn active(&self) -> usize {
-        self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
-    }
-
     /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers go, as
     /// they were when these were written out. Only contacts that bear something, pull or would close, or
     /// did so before, are looked at: all others would do nothing but hold back the solver. Those that this
@@ -249,37 +244,6 @@ impl Case {
         Ok(report)
     }
 
-    /// How well the law holds where all nodes have the given mean velocities.
-    pub(super) fn certificate(
-        &self,
-        world: &World,
-        touches: &[Touch],
-        mean: &[Vector3<f64>],
-    ) -> Report {
-        let near = self.near_where(world, mean);
-        let mean = Velocities::new(world, mean);
-        let contacts: Vec<&Contact> = near.iter().map(|&i| &self.contacts[i]).collect();
-        let velocities: Vec<_> =
-            near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
-        let impulses: Vec<_> = near.iter().map(|&i| self.impulses[i]).collect();
-        report(&contacts, &velocities, &impulses, &vec![self.mass; near.len()])
-    }
-
-    /// Which contact is farthest from the law where all nodes have the given mean velocities.
-    pub(super) fn worst(
-        &self,
-        world: &World,
-        touches: &[Touch],
-        mean: &[Vector3<f64>],
-    ) -> Option<usize> {
-        let mean = Velocities::new(world, mean);
-        let wrong = |i: usize| {
-            let velocity = relative(&self.contacts[i], &touches[i], &mean);
-            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.mass).impulse
-        };
-        (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
-    }
-
     /// The touches that the solver looked at last, with their impulses.
     pub(super) fn pushes<'a>(
         &'a self,
@@ -300,84 +264,6 @@ impl Case {
     /// That on the first side of a contact, N s, world.
     fn impulse(&self, contact: usize) -> Vector3<f64> {
         self.contacts[contact].frame * self.impulses[contact]
-    }
-
-    /// What the contacts do where all nodes have the given mean velocities.
-    pub(super) fn work(
-        &self,
-        world: &World,
-        touches: &[Touch],
-        mean: &[Vector3<f64>],
-    ) -> ContactWork {
-        let mean = Velocities::new(world, mean);
-        let mut work = ContactWork::default();
-        let bearing = |i: &usize| self.impulses[*i] != Vector3::zeros();
-        for i in (0..touches.len()).filter(bearing) {
-            let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
-            let velocity = relative(contact, touch, &mean);
-            let drive = contact.frame.tr_mul(&touch.drive);
-            // The bias along the normal is not that of the drive alone.
-            let opening = velocity.x - contact.bias.x - drive.x;
-            work += ContactWork {
-                friction: impulse.yz().dot(&velocity.yz()),
-                normal: impulse.x * opening,
-                led: impulse.dot(&drive),
-            };
-        }
-        work
-    }
-
-    /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
-    /// `tolerance`, m/s, where all nodes have the given mean velocities.
-    pub(super) fn tear(
-        &self,
-        world: &World,
-        touches: &mut [Touch],
-        mean: &[Vector3<f64>],
-        [strength, tolerance]: [f64; 2],
-    ) -> Result<(), ContactError> {
-        let mean = Velocities::new(world, mean);
-        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
-            let mut bond = Bond::new(strength)?;
-            let velocity = relative(&self.contacts[i], touch, &mean);
-            bond.update(&self.contacts[i], &velocity, &self.impulses[i], tolerance);
-            touch.bonded = bond.is_intact();
-        }
-        Ok(())
-    }
-
-    /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
-    pub(super) fn near(
-        &self,
-        world: &World,
-        touches: &[Touch],
-        mean: &[Vector3<f64>],
-        dt: f64,
-    ) -> Vec<Touch> {
-        let near = self.near_where(world, mean);
-        let mean = Velocities::new(world, mean);
-        let one = |&i: &usize| Touch { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
-        near.par_iter().map(one).collect()
-    }
-
-    /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
-    pub(super) fn set_gaps(
-        &self,
-        world: &World,
-        touches: &mut [Touch],
-        mean: &[Vector3<f64>],
-        dt: f64,
-    ) {
-        let mean = Velocities::new(world, mean);
-        let all = touches.par_iter_mut().enumerate();
-        all.for_each(|(i, touch)| touch.gap = self.gap(i, touch, &mean, dt));
-    }
-
-    /// The gap along the normal, m, where nodes have the given mean velocities.
-    fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
-        let contact = &self.contacts[i];
-        // The bias may be another than that of the gap.
-        dt * (relative(contact, touch, mean).x - contact.bias.x + self.gaps[i])
     }
 }
 
@@ -400,24 +286,4 @@ fn point(world: &World, touch: &Touch, side: usize) -> Point {
 fn each<T>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T) -> Vec<Vec<T>> {
     let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
     sides.iter().map(list).collect()
-}
-
-/// By this, rad, a normal along a fibre is tilted.
-const TILT: f64 = 1e-9;
-
-/// The frame of a contact: normal, along the fibre from root to tip, across it; without an axis any
-/// two directions across the normal.
-fn frame(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Matrix3<f64> {
-    let along = axis - normal * normal.dot(axis);
-    let end_on = || {
-        let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
-        // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
-        let tilt = if *axis == Vector3::zeros() { 0.0 } else { TILT };
-        ((normal + tilt * aside).normalize(), aside)
-    };
-    let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
-    let (normal, along) = oblique.unwrap_or_else(end_on);
-    // Once more, for what rounding left along the normal.
-    let along = (along - normal * normal.dot(&along)).normalize();
-    Matrix3::from_columns(&[normal, along, normal.cross(&along)])
 }

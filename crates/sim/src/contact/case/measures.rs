@@ -1,0 +1,126 @@
+//! What the contacts of a step do where all nodes have given velocities.
+
+use super::{Case, relative};
+use crate::World;
+use crate::contact::touch::Touch;
+use crate::contact::velocities::Velocities;
+use crate::contact::work::ContactWork;
+use nalgebra::Vector3;
+use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
+use rayon::prelude::*;
+
+impl Case {
+    /// Number of contacts that bear something.
+    pub(crate) fn active(&self) -> usize {
+        self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
+    }
+
+    /// How well the law holds where all nodes have the given mean velocities.
+    pub(crate) fn certificate(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Report {
+        let near = self.near_where(world, mean);
+        let mean = Velocities::new(world, mean);
+        let contacts: Vec<&Contact> = near.iter().map(|&i| &self.contacts[i]).collect();
+        let velocities: Vec<_> =
+            near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
+        let impulses: Vec<_> = near.iter().map(|&i| self.impulses[i]).collect();
+        report(&contacts, &velocities, &impulses, &vec![self.mass; near.len()])
+    }
+
+    /// Which contact is farthest from the law where all nodes have the given mean velocities.
+    pub(crate) fn worst(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Option<usize> {
+        let mean = Velocities::new(world, mean);
+        let wrong = |i: usize| {
+            let velocity = relative(&self.contacts[i], &touches[i], &mean);
+            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.mass).impulse
+        };
+        (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
+    }
+
+    /// What the contacts do where all nodes have the given mean velocities.
+    pub(crate) fn work(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> ContactWork {
+        let mean = Velocities::new(world, mean);
+        let mut work = ContactWork::default();
+        let bearing = |i: &usize| self.impulses[*i] != Vector3::zeros();
+        for i in (0..touches.len()).filter(bearing) {
+            let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
+            let velocity = relative(contact, touch, &mean);
+            let drive = contact.frame.tr_mul(&touch.drive);
+            // The bias along the normal is not that of the drive alone.
+            let opening = velocity.x - contact.bias.x - drive.x;
+            work += ContactWork {
+                friction: impulse.yz().dot(&velocity.yz()),
+                normal: impulse.x * opening,
+                led: impulse.dot(&drive),
+            };
+        }
+        work
+    }
+
+    /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
+    /// `tolerance`, m/s, where all nodes have the given mean velocities.
+    pub(crate) fn tear(
+        &self,
+        world: &World,
+        touches: &mut [Touch],
+        mean: &[Vector3<f64>],
+        [strength, tolerance]: [f64; 2],
+    ) -> Result<(), ContactError> {
+        let mean = Velocities::new(world, mean);
+        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
+            let mut bond = Bond::new(strength)?;
+            let velocity = relative(&self.contacts[i], touch, &mean);
+            bond.update(&self.contacts[i], &velocity, &self.impulses[i], tolerance);
+            touch.bonded = bond.is_intact();
+        }
+        Ok(())
+    }
+
+    /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
+    pub(crate) fn near(
+        &self,
+        world: &World,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) -> Vec<Touch> {
+        let near = self.near_where(world, mean);
+        let mean = Velocities::new(world, mean);
+        let one = |&i: &usize| Touch { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
+        near.par_iter().map(one).collect()
+    }
+
+    /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
+    pub(crate) fn set_gaps(
+        &self,
+        world: &World,
+        touches: &mut [Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) {
+        let mean = Velocities::new(world, mean);
+        let all = touches.par_iter_mut().enumerate();
+        all.for_each(|(i, touch)| touch.gap = self.gap(i, touch, &mean, dt));
+    }
+
+    /// The gap along the normal, m, where nodes have the given mean velocities.
+    fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
+        let contact = &self.contacts[i];
+        // The bias may be another than that of the gap.
+        dt * (relative(contact, touch, mean).x - contact.bias.x + self.gaps[i])
+    }
+}
