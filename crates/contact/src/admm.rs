@@ -16,8 +16,9 @@
 
 use crate::anderson::Anderson;
 use crate::contact::free_solve;
+use crate::residual::slip_error;
 use crate::solver::check;
-use crate::{Body, Contact, ContactError, Report, Solver, Violation, report};
+use crate::{Body, Contact, ContactError, Report, Solver, report};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -370,7 +371,7 @@ impl Sides {
                     off = Vector3::new(velocity.x.min(0.0), 0.0, 0.0);
                 }
                 let velocity = velocity + r * contact.compliance;
-                let slip = Violation::new(contact, &velocity, r, 1.0 / responses[i]).slip;
+                let slip = slip_error(contact, &velocity, r, 1.0 / responses[i]);
                 wrong += off.norm_squared() / (responses[i] * responses[i]);
                 all += r.norm_squared();
                 found.normal_error = found.normal_error.max(off.x.abs());

@@ -42,17 +42,27 @@ impl Violation {
         let curve = &contact.friction;
         // From the cone's tip.
         let r = impulse + Vector3::new(contact.adhesion, 0.0, 0.0);
-        let slip = velocity.yz();
-        let saxce = Vector3::new(curve.dissipation(&slip), 0.0, 0.0);
+        let saxce = Vector3::new(curve.dissipation(&velocity.yz()), 0.0, 0.0);
         let projected = curve.project_cone(&(r - (velocity + saxce) * weight));
-        let limit = r.x.max(0.0);
-        let friction = curve.project(&(r.yz() - slip * weight), limit);
         Self {
             impulse: (r - projected).norm(),
             normal: velocity.x.min(r.x / weight).abs(),
-            slip: along(&(r.yz() - friction), &slip) / weight,
+            slip: slip_error(contact, velocity, impulse, weight),
         }
     }
+}
+
+/// [`Violation::slip`] alone, at half the cost of all: zero, too, where a contact opens and bears nothing.
+pub(crate) fn slip_error(
+    contact: &Contact,
+    velocity: &Vector3<f64>,
+    impulse: &Vector3<f64>,
+    weight: f64,
+) -> f64 {
+    let (friction, slip) = (impulse.yz(), velocity.yz());
+    let limit = (impulse.x + contact.adhesion).max(0.0);
+    let allowed = contact.friction.project(&(friction - slip * weight), limit);
+    along(&(friction - allowed), &slip) / weight
 }
 
 /// How far `missing` goes along a direction; zero where that is none.

@@ -137,7 +137,7 @@ impl NullaryFnOnce for AddMasses<'_> {
                 below.copy_from_slice(&behind[k..stride]);
             }
             let own = Matrix3::from_fn(|i, j| columns[j][first + i]);
-            let inverse = (own + Matrix3::from_diagonal_element(1.0 / mass)).cholesky()?.inverse();
+            let inverse = inverse(&(own + Matrix3::from_diagonal_element(1.0 / mass)))?;
             let [a, b, c] = &columns;
             for (j, share) in shares.iter_mut().enumerate() {
                 let [x, y, z] = [inverse[(0, j)], inverse[(1, j)], inverse[(2, j)]];
@@ -160,6 +160,20 @@ impl NullaryFnOnce for AddMasses<'_> {
         }
         Some(left)
     }
+}
+
+/// The inverse of a symmetric matrix, by its cofactors; `None` if it is not positive definite.
+#[inline(always)]
+fn inverse(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let cofactor = |a: usize, b: usize| {
+        let [[i, j], [k, l]] = [a, b].map(|x| [(x + 1) % 3, (x + 2) % 3]);
+        m[(i, k)] * m[(j, l)] - m[(i, l)] * m[(j, k)]
+    };
+    let [xx, xy, xz] = [cofactor(0, 0), cofactor(0, 1), cofactor(0, 2)];
+    let [yy, yz, zz] = [cofactor(1, 1), cofactor(1, 2), cofactor(2, 2)];
+    let determinant = m[(0, 0)] * xx + m[(0, 1)] * xy + m[(0, 2)] * xz;
+    let positive = m[(0, 0)] > 0.0 && zz > 0.0 && determinant > 0.0;
+    positive.then(|| Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) / determinant)
 }
 
 /// Takes shares, times their factors, from columns, in rows from `first` on.
@@ -278,5 +292,30 @@ fn multiply(matrix: &[f64], from: &[f64], to: &mut [f64]) {
         }
         let last: f64 = last.iter().zip(rest).map(|(a, x)| a * x).sum();
         *to = sums.iter().sum::<f64>() + last;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn only_positive_definite_matrices_have_an_inverse(
+            entries in prop::array::uniform9(-1.0..1.0),
+            shift in -0.5..0.5,
+        ) {
+            let root: Matrix3<f64> = Matrix3::from_row_slice(&entries);
+            let m: Matrix3<f64> = root * root.transpose() + Matrix3::from_diagonal_element(shift);
+            let least = m.symmetric_eigenvalues().min();
+            prop_assume!(least.abs() > 1e-6);
+            let inverse = inverse(&m);
+            prop_assert_eq!(inverse.is_some(), least > 0.0);
+            if let Some(inverse) = inverse {
+                let error = (m * inverse - Matrix3::identity()).amax();
+                prop_assert!(error < 1e-14 / (least * least), "{}", error);
+            }
+        }
     }
 }
