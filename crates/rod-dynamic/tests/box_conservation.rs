@@ -124,7 +124,6 @@ fn segments_keep_their_length_and_frames_stay_orthonormal() {
 }
 
 #[test]
-#[ignore = "slow: 5 s, 1e5 steps"]
 fn lengths_and_frames_hold_for_a_hundred_thousand_steps() {
     let rod = Rod::new(chain(6, |_| scaled(0.5, 0.4)));
     let mut integrator = BoxIntegrator::new(rod, BoxOptions::default()).expect("valid");

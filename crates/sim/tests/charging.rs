@@ -119,16 +119,17 @@ fn the_tress_has_its_field_and_its_charge_of_lift_off() {
     assert!((lift_off / 89e-12 - 1.0).abs() < 0.1, "{lift_off} C a hair");
 }
 
-/// T23: dealt at once or in `others` the charge brings a small tress to the same equilibrium within 1e-6 m,
-/// also where it bends far.
-fn check_dealings(others: &str) {
+/// T23: dealt at once or in portions, equal or ever smaller, the charge brings a small tress to the same
+/// equilibrium within 1e-6 m, also where it bends far.
+#[test]
+fn the_way_of_dealing_does_not_matter() {
     for (charge, gravity, far) in [(-7.7e-4, 0.0, 1e-3), (-7.7e-3, -9.81, 3e-3)] {
         let mut run = Run::read(&format!(
             "(format: 1, duration: 1, stepper: (dt: 1), environment: (gravity: (0, 0, {gravity})),
               fibers: [(length: 0.3, segments: 40, {HAIR}, shape: Curved(curvature: (0, 4, 0)),
                 arrangement: Ellipse(semi_axes: (0.00126, 0.00063), count: 5),
                 charge: (amount: StatcoulombPerCentimeter({charge})))],
-              charging: (compared: [{others}], tolerance: 1e-5))"
+              charging: (compared: [Equal(4), Equal(8), Falling(64)], tolerance: 1e-5))"
         ));
         let start = run.all_positions();
         let report = settled(&mut run);
@@ -137,17 +138,6 @@ fn check_dealings(others: &str) {
         let moved = apart(&start, &run.all_positions());
         assert!(moved > far, "{moved} m");
     }
-}
-
-#[test]
-fn the_way_of_dealing_does_not_matter() {
-    check_dealings("Equal(4)");
-}
-
-#[test]
-#[ignore = "slow: 50 s, for its 74 equilibria"]
-fn many_ways_of_dealing_do_not_matter() {
-    check_dealings("Equal(8), Falling(64)");
 }
 
 /// A hair beside a charged or earthed ball is where it is beside the same ball by boundary elements: with

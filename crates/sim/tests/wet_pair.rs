@@ -49,7 +49,6 @@ fn dry(adhesion: &str) -> f64 {
 }
 
 #[test]
-#[ignore = "slow: 15 s, the film is stiff and needs steps of 0.1 ms"]
 fn the_dry_length_balances_film_and_stiffness() {
     let bending = 4e9 * PI * RADIUS.powi(4) / 4.0;
     let energy = (2.0 * PI - 4.0) * WATER * RADIUS;

@@ -64,7 +64,6 @@ fn random_motions_of_faces_agree_with_bisection() {
 }
 
 #[test]
-#[ignore = "slow: 5 s, a million motions against bisection"]
 fn a_million_random_motions_of_faces_agree_with_bisection() {
     random_motions(1_000_000, 22);
 }

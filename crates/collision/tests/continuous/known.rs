@@ -82,7 +82,6 @@ fn a_constructed_near_miss_is_none() {
 }
 
 #[test]
-#[ignore = "slow: 3 s, two million motions with a known answer"]
 fn two_million_constructed_motions() {
     first_touches(1_000_000, 5);
     near_misses(1_000_000, 6);
