@@ -16,6 +16,7 @@
 
 use crate::anderson::Anderson;
 use crate::contact::free_solve;
+use crate::metric;
 use crate::residual::slip_error;
 use crate::solver::check;
 use crate::{Body, Contact, ContactError, Report, Solver, report};
@@ -60,8 +61,8 @@ pub struct Admm {
     pub tolerance: Tolerance,
     /// Over-relaxation `alpha`, between 0 and 2.
     pub relaxation: f64,
-    /// Metric of a point in units of its own inertia: larger trusts impulses more, smaller
-    /// velocities.
+    /// Metric of a point in units of its own inertia, unless it is pressed together with many others:
+    /// larger trusts impulses more, smaller velocities.
     pub weight: f64,
     /// How many steps the acceleration remembers; 0 for none.
     pub memory: usize,
@@ -188,22 +189,20 @@ impl Sides {
             let sides = &self.contact[self.starts[point]..self.starts[point + 1]];
             self.given[point] = sides.iter().map(on_side).sum();
         }
-        let mut inertia = vec![0.0; points];
-        let parts = split(&mut inertia, bodies);
+        let mut masses = vec![0.0; points];
+        let parts = split(&mut masses, bodies);
         let ranges = ranges(bodies);
         let starts = &self.starts;
         bodies
             .par_iter_mut()
             .zip(parts)
             .zip(ranges)
-            .map(|((body, inertia), range)| {
-                body.own_traces(inertia);
-                let mut weights = vec![0.0; inertia.len()];
-                for ((inertia, all), point) in inertia.iter_mut().zip(&mut weights).zip(range) {
-                    // A point that nothing moves has no inertia to compare with.
-                    *inertia = weight * if *inertia > 0.0 { 3.0 / *inertia } else { 1.0 };
-                    *all = *inertia * (starts[point + 1] - starts[point]) as f64;
-                }
+            .map(|((body, masses), range)| {
+                let sides: Vec<usize> =
+                    range.map(|point| starts[point + 1] - starts[point]).collect();
+                metric::masses(&mut **body, &sides, weight, masses);
+                let both = masses.iter().zip(&sides);
+                let weights: Vec<f64> = both.map(|(mass, &sides)| mass * sides as f64).collect();
                 body.set_weights(&weights)
             })
             .collect::<Result<(), _>>()?;
@@ -211,8 +210,8 @@ impl Sides {
         self.h.clear();
         for point in 0..points {
             for side in &self.contact[self.starts[point]..self.starts[point + 1]] {
-                self.metric.push(inertia[point]);
-                self.h.push(velocities[point] - on_side(side) / inertia[point]);
+                self.metric.push(masses[point]);
+                self.h.push(velocities[point] - on_side(side) / masses[point]);
             }
         }
         self.step.clear();

@@ -11,6 +11,7 @@ mod gauss_seidel;
 mod impact;
 mod limit_curve;
 mod local;
+mod metric;
 pub mod projection;
 mod residual;
 pub mod rigid;
