@@ -198,3 +198,28 @@ fn collisions_keep_momentum() {
     assert!(smooth[2][1] < 0.2 * smooth[1][1], "{smooth:?}");
     assert!(rough[2][1] < 7e-5 / 0.008, "{rough:?}");
 }
+
+/// Curly hairs fall flat onto a plane and each other, without restitution. Two that lie beside each other
+/// and are pushed past each other once gave more energy than both had.
+#[test]
+fn hairs_that_fall_together_gain_nothing() {
+    let mut run = Run::read(
+        "(format: 1, seed: 1, duration: 1.0, fibers: [(length: 0.15, segments: 50,
+            section: Circle(radius: 3.5e-5), shape: Helix(radius: 0.006, pitch: 0.02),
+            arrangement: Ellipse(semi_axes: (0.0028284271247461905, 0.0028284271247461905), count: 20),
+            root: (position: (0.0, -0.04, 0.0), orientation: Along(direction: (0, 1, 0))),
+            root_joint: Free)],
+        objects: [(shape: Plane(normal: (0.0, 0.0, 1.0)), position: (0.0, 0.0, -0.03))],
+        contact: (friction: Isotropic(0.3)), environment: (viscosity: 1.8e-5),
+        stepper: (dt: 1e-3))",
+    );
+    let (mut most, mut before) = (0.0_f64, f64::INFINITY);
+    for step in 0..120 {
+        run.step();
+        let energy = run.world.energy();
+        most = most.max(energy.kinetic);
+        assert!(energy.total() - before < 1e-6 * most, "step {step}");
+        before = energy.total();
+    }
+    assert!(run.world.energy().kinetic < 0.01 * most, "they have landed");
+}

@@ -199,7 +199,9 @@ impl Touching {
                 part.touches = bearing;
                 // What a way leads through may leave no touch at its end.
                 let through = self.detector.leads_through();
-                if through && !last {
+                // About a bend or each other, two that are fast may turn so far that a step drives them.
+                let drives = || case.drives(world, &part.touches, &part.mean, self.depth() / dt);
+                if (through || drives()) && !last {
                     return Err(Cut::Contacts(worst_touch));
                 }
                 report.unresolved = usize::from(through);
