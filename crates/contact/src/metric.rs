@@ -1,15 +1,15 @@
 //! The metric of points: how heavy each is taken to be while contacts are solved by themselves.
 //!
-//! The best is near the geometric mean of what a set of impulses feels at most and at least. The most
-//! is bounded by the sum of a row of the answers (Gershgorin), which counts where a body is pressed at
-//! many points at once; the least nobody knows, and `weight` stands for it.
+//! The best is near the geometric mean of what a set of impulses feels at most and at least (Giselsson
+//! and Boyd 2017). The most is bounded by the sum of a row of the answers (Gershgorin), which counts
+//! where a body is pressed at many points at once; the least nobody knows, and `weight` stands for it.
 
 use crate::Body;
 use nalgebra::Vector3;
 
 /// So many times its own answer all sides of a body may answer together before a point gets lighter:
-/// found where hair falls, swings and is thrown together, and in packs. Half and twice as much take up
-/// to a third more iterations.
+/// found where hair falls, swings and is thrown together, and in packs. Half and a third more of it
+/// take up to half as many iterations again.
 const CROWD: f64 = 12.0;
 
 /// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them. A

@@ -200,7 +200,7 @@ fn collisions_keep_momentum() {
 }
 
 /// Curly hairs fall flat onto a plane and each other, without restitution. Two that lie beside each other
-/// and are pushed past each other once gave more energy than both had.
+/// slid past each other so fast that the step drove them: energy rose.
 #[test]
 fn hairs_that_fall_together_gain_nothing() {
     let mut run = Run::read(

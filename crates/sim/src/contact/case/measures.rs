@@ -7,7 +7,6 @@ use crate::contact::velocities::Velocities;
 use crate::contact::work::ContactWork;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
-use rapunzel_fiber::Fiber;
 use rayon::prelude::*;
 
 /// The part of the kinetic energy that contacts may give in a step, for want of shorter ones.
@@ -76,7 +75,7 @@ impl Case {
     }
 
     /// Whether contacts that are not led give, beyond what friction takes, a good part of the kinetic energy
-    /// of all fibres, where nodes have the given mean velocities. Those give whose normals turned within the
+    /// that there was before the step, where nodes have the given mean velocities. Those give whose normals turned within the
     /// step so far that along them they were deeper at its start than may be: `repair`, m/s, is how fast
     /// what may be is repaired.
     pub(crate) fn drives(
@@ -94,7 +93,7 @@ impl Case {
         };
         let led = |i: usize| touches[i].drive != Vector3::zeros();
         let gain: f64 = self.working.iter().filter(|i| !led(**i)).map(given).sum();
-        gain > 0.0 && gain > MUCH * kinetic(world, mean)
+        gain > 0.0 && gain > MUCH * world.energy().kinetic
     }
 
     /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
@@ -149,17 +148,4 @@ impl Case {
         // The bias may be another than that of the gap.
         dt * (relative(contact, touch, mean).x - contact.bias.x + self.gaps[i])
     }
-}
-
-/// The kinetic energy of all fibres whose nodes have the given velocities, J.
-fn kinetic(world: &World, nodes: &[Vector3<f64>]) -> f64 {
-    let assembly = world.assembly();
-    let of_fiber = |(i, fiber): (usize, &Fiber)| {
-        let nodes = &nodes[assembly.layout().node_range(i)];
-        let ends = nodes.iter().take(1).chain(nodes.last());
-        let squares: f64 = nodes.iter().map(Vector3::norm_squared).sum();
-        let half: f64 = ends.map(Vector3::norm_squared).sum();
-        0.5 * fiber.mass() / fiber.segments() as f64 * (squares - 0.5 * half)
-    };
-    assembly.fibers().iter().enumerate().map(of_fiber).sum()
 }
