@@ -291,3 +291,38 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
         }
     }
 }
+
+/// Other impulses that are pressed on a step that was set out on count from its next linearisation on.
+#[test]
+fn impulses_may_change_before_anything_moves() {
+    let (mut batch, _) = falling(3, 1e-3);
+    let hold = hold();
+    let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
+    let mut reports = [StepReport::default(); 3];
+    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
+    let change: Vec<_> =
+        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
+    let none = vec![Vector3::zeros(); batch.nodes()];
+    let mut velocities = [none.clone(), none.clone(), none.clone(), none.clone()];
+    batch.correct(&change, &mut reports).expect("converges");
+    batch.mean_velocities(&mut velocities[3]).expect("lengths");
+    batch.abandon();
+    batch.press(&none).expect_err("no step is under way");
+    batch.set_out(1e-3, &conditions, &none, &mut reports).expect("sound");
+    batch.linearize().expect("regular");
+    batch.linear_velocities(&mut velocities[0]).expect("lengths");
+    batch.press(&change).expect("sound");
+    batch.linearize().expect("regular");
+    batch.linear_velocities(&mut velocities[1]).expect("lengths");
+    for _ in 0..6 {
+        batch.linearize().expect("regular");
+        batch.advance(&change).expect("regular");
+    }
+    batch.mean_velocities(&mut velocities[2]).expect("lengths");
+    let [without, with, found, expected] = &velocities;
+    let farthest = |from: &[Vector3<f64>]| {
+        from.iter().zip(expected).map(|(v, e)| (v - e).norm()).fold(0.0, f64::max)
+    };
+    assert!(farthest(with) < 0.2 * farthest(without), "{} {}", farthest(with), farthest(without));
+    assert!(farthest(found) < 1e-10 * 0.3 / 1e-3);
+}

@@ -193,6 +193,12 @@ impl Group {
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
+    /// Puts other impulses (N s) on all nodes in place of those before, without moving anything.
+    pub(crate) fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+        let Some(batch) = self.batch.coupled() else { return Ok(()) };
+        batch.press(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
     /// Solves Newton's equations of the step; returns the largest increment, rad.
     pub(crate) fn linearize(&mut self) -> Result<f64, StepError> {
         let Some(batch) = self.batch.coupled() else { return Ok(0.0) };

@@ -276,3 +276,34 @@ fn a_straight_hair_that_is_pressed_end_on_buckles() {
     // 0.2 % are left of the segments: a twelfth of the squared angle that one spans.
     assert!((found - 1.0).abs() < 4e-3, "{near} and {far} of Euler's load");
 }
+
+/// Hairs that lie in a box, in layers, and rest: what they bore in the step before they bear again, so that a
+/// step takes one solve of all contacts.
+#[test]
+fn what_rests_is_hardly_solved_again() {
+    let (rows, columns) = (5, 6);
+    let spacing = DIAMETER + 1e-6;
+    let fibers: Vec<_> = (0..rows * columns)
+        .map(|k| {
+            let (row, column) = (f64::from(k / columns), f64::from(k % columns));
+            let y = spacing * (column + 0.5 * (row % 2.0));
+            let z = 0.5 * spacing + spacing * row * 0.75_f64.sqrt();
+            let root = format!(
+                "root: (position: (0, {y:?}, {z:?}), orientation: Along(direction: (1, 0, 0)))"
+            );
+            hair(20, &format!("{root}, root_joint: Free"))
+        })
+        .collect();
+    let width = spacing * (f64::from(columns) - 0.5);
+    let planes =
+        [((0, 0, 1), 0.0), ((0, 1, 0), -0.5 * spacing), ((0, -1, 0), width + 0.5 * spacing)];
+    let planes = planes.map(|((x, y, z), at)| {
+        format!("(shape: Plane(normal: ({x}, {y}, {z})), position: (0.0, {at:?}, 0.0))")
+    });
+    let mut run = Run::read(&scene(&fibers, &planes.join(", "), 0.3, -9.81, 1e-3));
+    run.steps(40);
+    let reports: Vec<_> = (0..20).map(|_| run.step().contact).collect();
+    assert!(reports.iter().all(|report| report.active > 1000), "{reports:?}");
+    let solves: usize = reports.iter().map(|report| report.solves).sum();
+    assert!(solves <= 22, "{reports:?}");
+}

@@ -96,6 +96,16 @@ impl StaggeredBatch {
         self.largest(&turns)
     }
 
+    /// Puts other impulses (N s, one a node) in place of those of the step under way. It moves nothing: the
+    /// next [`Self::linearize`] answers them.
+    ///
+    /// # Errors
+    /// As [`Self::correct`] for impulses that make no sense.
+    pub fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+        self.check_under_way()?;
+        self.set_impulses(impulses)
+    }
+
     /// Mean velocities of all nodes over the step if the increments of the last linearisation were
     /// taken, to first order, m/s.
     ///

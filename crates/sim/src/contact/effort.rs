@@ -25,9 +25,15 @@ pub(super) struct Effort {
 
 impl Effort {
     /// As long as the rods are far from where they go, exact answers are wasted.
-    pub(super) const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
+    const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
     /// What is asked for in the end.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
+
+    /// From where a step is expected to lead, which leaves an `error`, in tolerances.
+    pub(super) fn first(error: f64) -> Self {
+        let next = Self::after(error);
+        if next.is_last() { next } else { Self::FIRST }
+    }
 
     /// After an iteration that left an `error`, in tolerances: the next leaves its square times a
     /// constant, however well it is solved.

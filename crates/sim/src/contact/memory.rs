@@ -84,8 +84,8 @@ impl Remembered {
 /// How far a contact may have moved to be the same, in segments.
 const REACH: f64 = 1.0;
 
-/// Gives touches the impulses and bonds of remembered contacts of their pairs, the nearest first; no impulse
-/// is given twice. Both are sorted by pair and place.
+/// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are nearest: what
+/// held something still holds it there. Both are sorted by pair and place.
 pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
     touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
         let sides = group[0].sides;
@@ -97,27 +97,20 @@ pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
 
 /// The same for the contacts of one pair.
 fn recall_pair(known: &[Remembered], group: &mut [Touch]) {
-    let mut matches = Vec::new();
-    for (i, touch) in group.iter_mut().enumerate() {
+    for touch in &mut *group {
         (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
-        let [s, t] = touch.at();
-        for (k, one) in known.iter().enumerate() {
-            let [u, v] = one.touch().at();
-            let distance = (u - s).abs().max((v - t).abs());
-            if distance < REACH {
-                matches.push((distance, i, k));
-            }
-        }
     }
-    if matches.is_empty() {
-        return;
-    }
-    matches.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut given, mut taken) = (vec![false; group.len()], vec![false; known.len()]);
-    for &(_, i, k) in &matches {
-        if !given[i] && !taken[k] {
-            (given[i], taken[k]) = (true, true);
-            (group[i].impulse, group[i].bonded) = (known[k].impulse, known[k].bonded);
+    for one in known {
+        let [u, v] = one.touch().at();
+        let distance = |touch: &Touch| {
+            let [s, t] = touch.at();
+            (u - s).abs().max((v - t).abs())
+        };
+        let both = group.iter_mut().map(|touch| (distance(touch), touch));
+        let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
+            touch.impulse += one.impulse;
+            touch.bonded |= one.bonded;
         }
     }
 }
@@ -145,4 +138,33 @@ pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
             bonded: touch.bonded,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remembered(place: f64, push: f64, bonded: bool) -> Remembered {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
+        let segment = place as u32;
+        Remembered {
+            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+            segments: [segment; 2],
+            fractions: [place.fract(); 2],
+            levers: [Vector3::zeros(); 2],
+            impulse: Vector3::z() * push,
+            bonded,
+        }
+    }
+
+    /// Two of three go to the only touch that is left near them, one is too far from any.
+    #[test]
+    fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
+        let known = [(2.0, 1.0, false), (2.5, 2.0, true), (6.0, 4.0, false)];
+        let known = known.map(|(place, push, bonded)| remembered(place, push, bonded));
+        let mut touches = [remembered(2.1, 7.0, false).touch(), remembered(4.0, 8.0, true).touch()];
+        recall(&known, &mut touches);
+        assert_eq!(touches.map(|touch| touch.impulse.z), [3.0, 0.0]);
+        assert_eq!(touches.map(|touch| touch.bonded), [true, false]);
+    }
 }

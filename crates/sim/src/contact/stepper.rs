@@ -181,7 +181,9 @@ impl Touching {
         world.with_impulses(pushes, |group, own| group.set_out(time, dt, own))?;
         self.list(world, part, expected)?;
         let mut case = self.case(world, part)?;
-        let mut effort = self.rough(Effort::FIRST);
+        self.press(world, part, &case)?;
+        let start = case.certificate(world, &part.touches, &part.mean);
+        let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
@@ -200,7 +202,8 @@ impl Touching {
                 // What a way leads through may leave no touch at its end.
                 let through = self.detector.leads_through();
                 // About a bend or each other, two that are fast may turn so far that a step drives them.
-                let drives = || case.drives(world, &part.touches, &part.mean, self.depth() / dt);
+                let errors = [self.depth() / dt, self.settings.slip];
+                let drives = || case.drives(world, &part.touches, &part.mean, errors);
                 if (through || drives()) && !last {
                     return Err(Cut::Contacts(worst_touch));
                 }
@@ -214,6 +217,7 @@ impl Touching {
             case.set_gaps(world, &mut bearing, &part.mean, dt);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
+            self.press(world, part, &case)?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         part.report.contact.unresolved = 1;
@@ -256,15 +260,13 @@ impl Touching {
                 return Ok(true);
             }
             // The first list is of another end, and soon seen not to do.
-            if list == 0 && !solved && error < CLOSE && self.strays(world, part, case)? {
+            let under_way = list == 0 && turn.is_finite();
+            if under_way && !solved && error < CLOSE && self.strays(world, part, case)? {
                 return Ok(false);
             }
             let own = largest(world.for_groups(|group| group.linearize())?);
             if solved && own < SMALL_TURN {
                 return Ok(true);
-            }
-            if error.is_finite() && !longer {
-                effort = Effort::after(error);
             }
             let (increment, reached) = self.iterate(world, part, case, effort, patient)?;
             (turn, exact) = (increment, effort.is_last());
@@ -274,9 +276,7 @@ impl Touching {
                 return Err(Cut::Contacts(worst(world, part, case)));
             }
             longer = !reached;
-            if longer {
-                effort = effort.again(LONGER);
-            }
+            effort = if longer { effort.again(LONGER) } else { Effort::after(left) };
         }
         if turn > LOST { Err(Cut::Contacts(worst(world, part, case))) } else { Ok(false) }
     }
@@ -297,6 +297,14 @@ impl Touching {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
         Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
+    }
+
+    /// Lets the impulses of a case act, and no others: some may have been expected of touches that are gone.
+    fn press(&self, world: &mut World, part: &Part, case: &Case) -> Result<(), Cut> {
+        let pushes = case.pushes(&part.touches);
+        world.push(pushes.clone(), part.time, part.dt)?;
+        world.with_impulses(pushes, |group, own| group.press(own))?;
+        Ok(())
     }
 
     /// How well the contacts of a step of `dt` seconds must be solved.

@@ -75,21 +75,22 @@ impl Case {
     }
 
     /// Whether contacts that are not led give, beyond what friction takes, a good part of the kinetic energy
-    /// that there was before the step, where nodes have the given mean velocities. Those give whose normals turned within the
-    /// step so far that along them they were deeper at its start than may be: `repair`, m/s, is how fast
-    /// what may be is repaired.
+    /// that there was before the step, where nodes have the given mean velocities. Those give whose normals
+    /// turned within the step so far that along them they were deeper at its start than may be: `repair`, m/s,
+    /// is how fast what may be is repaired. What errors of the slip up to `slip`, m/s, give does not count.
     pub(crate) fn drives(
         &self,
         world: &World,
         touches: &[Touch],
         mean: &[Vector3<f64>],
-        repair: f64,
+        [repair, slip]: [f64; 2],
     ) -> bool {
         let velocities = Velocities::new(world, mean);
         let given = |&i: &usize| {
             let impulse = &self.impulses[i];
-            let slip = relative(&self.contacts[i], &touches[i], &velocities).yz();
-            impulse.x.max(0.0) * (-self.gaps[i] - repair).max(0.0) + impulse.yz().dot(&slip)
+            let slides = relative(&self.contacts[i], &touches[i], &velocities).yz();
+            let friction = impulse.yz().dot(&slides) - impulse.yz().norm() * slip;
+            impulse.x.max(0.0) * (-self.gaps[i] - repair).max(0.0) + friction
         };
         let led = |i: usize| touches[i].drive != Vector3::zeros();
         let gain: f64 = self.working.iter().filter(|i| !led(**i)).map(given).sum();

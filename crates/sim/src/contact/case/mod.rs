@@ -35,7 +35,7 @@ pub(super) struct Case {
     impulses: Vec<Vector3<f64>>,
     /// The gaps at the start of the step over its length, m/s.
     gaps: Vec<f64>,
-    /// Those that the solver looked at last, in their order.
+    /// Those that bear something or that the solver looked at last, in their order.
     working: Vec<usize>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<Openings>,
@@ -91,17 +91,17 @@ impl Case {
         contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
         let impulses: Vec<_> =
             touches.par_iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
+        let acts = |touch: &Touch| touch.working || touch.impulse != Vector3::zeros();
         let openings = (touches.len() > nodes.len()).then(|| {
             let both = touches.par_iter().zip(&contacts).zip(&gaps);
             let speeds = both.map(|((touch, contact), gap)| {
-                let acts = touch.working || touch.impulse != Vector3::zeros();
-                let always = acts || contact.adhesion > 0.0;
+                let always = acts(touch) || contact.adhesion > 0.0;
                 if always { ALWAYS } else { touch.gap / dt + contact.bias.x - gap }
             });
             Openings::new(world, touches, speeds.collect(), nodes)
         });
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        let working = (0..touches.len()).filter(|&i| touches[i].working).collect();
+        let working = (0..touches.len()).filter(|&i| acts(&touches[i])).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
         let written = world.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
@@ -244,7 +244,7 @@ impl Case {
         Ok(report)
     }
 
-    /// The touches that the solver looked at last, with their impulses.
+    /// The touches that bear something or that the solver looked at last, with their impulses.
     pub(super) fn pushes<'a>(
         &'a self,
         touches: &'a [Touch],
