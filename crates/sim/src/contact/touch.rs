@@ -121,9 +121,9 @@ impl Touch {
     }
 }
 
-/// Places that are nearer to each other along both sides, in segments, are one, named by two segments that
-/// share a node.
-pub(super) const SAME: f64 = 1e-9;
+/// Places that are nearer to each other along both sides, in segments, are one: named by two segments that
+/// share a node, or two nodes that face each other where fibres were laid side by side.
+pub(super) const SAME: f64 = 1e-4;
 
 /// From this number on, sides are objects.
 const OBJECTS: u32 = 1 << 31;
