@@ -101,12 +101,8 @@ fn recall_pair(known: &[Remembered], group: &mut [Touch]) {
         (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
     }
     for one in known {
-        let [u, v] = one.touch().at();
-        let distance = |touch: &Touch| {
-            let [s, t] = touch.at();
-            (u - s).abs().max((v - t).abs())
-        };
-        let both = group.iter_mut().map(|touch| (distance(touch), touch));
+        let place = one.touch();
+        let both = group.iter_mut().map(|touch| (touch.apart(&place), touch));
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
             touch.impulse += one.impulse;

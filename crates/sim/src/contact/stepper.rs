@@ -14,7 +14,7 @@ use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
 use crate::{SimError, StepReport, Stepper, World};
 use rapunzel_collision::{CollisionError, segment_radii};
-use rapunzel_contact::{Admm, ContactError, Tolerance};
+use rapunzel_contact::{Admm, Tolerance};
 
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
@@ -181,7 +181,6 @@ impl Touching {
         world.with_impulses(pushes, |group, own| group.set_out(time, dt, own))?;
         self.list(world, part, expected)?;
         let mut case = self.case(world, part)?;
-        self.press(world, part, &case)?;
         let start = case.certificate(world, &part.touches, &part.mean);
         let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
@@ -217,7 +216,6 @@ impl Touching {
             case.set_gaps(world, &mut bearing, &part.mean, dt);
             part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
             case = self.case(world, part)?;
-            self.press(world, part, &case)?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         part.report.contact.unresolved = 1;
@@ -260,8 +258,7 @@ impl Touching {
                 return Ok(true);
             }
             // The first list is of another end, and soon seen not to do.
-            let under_way = list == 0 && turn.is_finite();
-            if under_way && !solved && error < CLOSE && self.strays(world, part, case)? {
+            if list == 0 && !solved && error < CLOSE && self.strays(world, part, case)? {
                 return Ok(false);
             }
             let own = largest(world.for_groups(|group| group.linearize())?);
@@ -292,19 +289,16 @@ impl Touching {
         Ok(near.iter().zip(found).any(deeper))
     }
 
-    /// The contacts of a part.
-    fn case(&self, world: &World, part: &Part) -> Result<Case, ContactError> {
+    /// The contacts of a part, whose impulses act from now on and no others: some may have been expected of
+    /// touches that are gone.
+    fn case(&self, world: &mut World, part: &Part) -> Result<Case, Cut> {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
-        Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)
-    }
-
-    /// Lets the impulses of a case act, and no others: some may have been expected of touches that are gone.
-    fn press(&self, world: &mut World, part: &Part, case: &Case) -> Result<(), Cut> {
+        let case = Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)?;
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
         world.with_impulses(pushes, |group, own| group.press(own))?;
-        Ok(())
+        Ok(case)
     }
 
     /// How well the contacts of a step of `dt` seconds must be solved.

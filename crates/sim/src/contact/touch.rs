@@ -74,6 +74,12 @@ impl Touch {
         [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
     }
 
+    /// How far it is from another of its pair along either side, at most, in segments.
+    pub(crate) fn apart(&self, other: &Self) -> f64 {
+        let ([s, t], [u, v]) = (self.at(), other.at());
+        (s - u).abs().max((t - v).abs())
+    }
+
     /// The segment of the first side if that is a fibre.
     pub(super) fn segment(&self) -> Option<usize> {
         matches!(self.sides[0], Partner::Fiber(_)).then_some(self.segments[0] as usize)
@@ -109,15 +115,13 @@ impl Touch {
 
     /// Whether two are of one pair, and not far from each other.
     pub(crate) fn near(&self, other: &Self) -> bool {
-        let ([s, t], [u, v]) = (self.at(), other.at());
-        self.sides == other.sides && (s - u).abs().max((t - v).abs()) < 0.1
+        self.sides == other.sides && self.apart(other) < 0.1
     }
 
     /// Whether two touches of one pair lie beside each other with normals that face each other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
-        let ([s, t], [u, v]) = (self.at(), other.at());
         let facing = if self.sides.iter().any(Partner::is_object) { 0.0 } else { FACING };
-        (s - u).abs().max((t - v).abs()) < 1.0 && self.normal.dot(&other.normal) < facing
+        self.apart(other) < 1.0 && self.normal.dot(&other.normal) < facing
     }
 }
 
