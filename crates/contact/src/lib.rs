@@ -2,7 +2,6 @@
 
 mod adhesion;
 mod admm;
-mod anderson;
 mod body;
 pub mod chain;
 mod contact;

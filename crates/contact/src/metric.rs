@@ -12,6 +12,12 @@ use nalgebra::Vector3;
 /// take up to half as many iterations again.
 const CROWD: f64 = 12.0;
 
+/// A bound of what all contacts together answer to impulses, in units of what each answers to its own in
+/// the metric of this `weight`.
+pub(crate) fn most(weight: f64) -> f64 {
+    weight * CROWD
+}
+
 /// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them. A
 /// lone one is so many times as heavy as the point itself.
 ///

@@ -85,31 +85,59 @@ pub fn report<C: Borrow<Contact> + Sync>(
 ) -> Report {
     let count = contacts.len().min(velocities.len()).min(impulses.len()).min(weights.len());
     let part = |start: usize| {
-        let mut report = Report::default();
-        let (mut residual, mut size) = (0.0, 0.0);
+        let mut sums = Sums::default();
         for i in start..count.min(start + CHUNK) {
-            let (contact, r) = (contacts[i].borrow(), &impulses[i]);
-            let violation = Violation::new(contact, &velocities[i], r, weights[i]);
-            residual += violation.impulse * violation.impulse;
-            size += (r + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
-            report.normal_error = report.normal_error.max(violation.normal);
-            report.slip_error = report.slip_error.max(violation.slip);
+            sums.add(contacts[i].borrow(), &velocities[i], &impulses[i], weights[i]);
         }
-        (report, residual, size)
+        sums
     };
     let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
-    // Summed in the order of the contacts, whoever computes the parts.
     let parts: Vec<_> = starts.into_par_iter().map(part).collect();
-    let mut report = Report::default();
-    let (mut residual, mut size) = (0.0, 0.0);
-    for (part, wrong, all) in parts {
-        residual += wrong;
-        size += all;
-        report.normal_error = report.normal_error.max(part.normal_error);
-        report.slip_error = report.slip_error.max(part.slip_error);
+    // In the order of the contacts, whoever computes the parts.
+    Sums::together(&parts).report()
+}
+
+/// What a report is made of.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sums {
+    /// Of the squares of what is wrong with impulses, and of the impulses.
+    pub(crate) wrong: f64,
+    pub(crate) all: f64,
+    /// The largest errors of velocities.
+    pub(crate) normal_error: f64,
+    pub(crate) slip_error: f64,
+}
+
+impl Sums {
+    /// Adds a contact, as in [`Violation::new`].
+    pub(crate) fn add(
+        &mut self,
+        contact: &Contact,
+        velocity: &Vector3<f64>,
+        impulse: &Vector3<f64>,
+        weight: f64,
+    ) {
+        let violation = Violation::new(contact, velocity, impulse, weight);
+        self.wrong += violation.impulse * violation.impulse;
+        self.all += (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
+        self.normal_error = self.normal_error.max(violation.normal);
+        self.slip_error = self.slip_error.max(violation.slip);
     }
-    // Without any impulse the map itself is the measure: all wrong, or nothing.
-    let size: f64 = if size > 0.0 { size } else { residual };
-    report.residual = if residual > 0.0 { (residual / size).sqrt() } else { 0.0 };
-    report
+
+    pub(crate) fn together(parts: &[Self]) -> Self {
+        parts.iter().fold(Self::default(), |sum, part| Self {
+            wrong: sum.wrong + part.wrong,
+            all: sum.all + part.all,
+            normal_error: sum.normal_error.max(part.normal_error),
+            slip_error: sum.slip_error.max(part.slip_error),
+        })
+    }
+
+    /// Without any impulse what is wrong is the measure: all, or nothing.
+    pub(crate) fn report(&self) -> Report {
+        let Self { wrong, all, normal_error, slip_error } = *self;
+        let all = if all > 0.0 { all } else { wrong };
+        let residual = if wrong > 0.0 { (wrong / all).sqrt() } else { 0.0 };
+        Report { residual, normal_error, slip_error, ..Report::default() }
+    }
 }

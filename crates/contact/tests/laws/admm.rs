@@ -68,6 +68,40 @@ fn answers_obey_the_law() {
     assert!(solved >= 195, "{solved}");
 }
 
+/// What has hardly changed since it was solved takes a few iterations of descent, not those of splitting,
+/// and obeys the law as well.
+#[test]
+fn small_changes_cost_little() {
+    let mut random = Random(32);
+    let (mut cold, mut warm, mut solved) = (0, 0, 0);
+    for _ in 0..200 {
+        let (mut bodies, contacts) = heap(&mut random, 0.8);
+        let mut impulses = vec![Vector3::zeros(); contacts.len()];
+        let velocity = 1e-5;
+        let tolerance =
+            Tolerance { residual: 1e-5, normal: velocity, slip: velocity, iterations: 5000 };
+        let mut solver = Admm::new(tolerance);
+        let first = resolve(&mut bodies.clone(), &contacts, &mut impulses, &mut solver);
+        bodies.iter_mut().for_each(|body| body.velocity.add_scalar_mut(10.0 * velocity));
+        let second = resolve(&mut bodies, &contacts, &mut impulses, &mut solver);
+        if first.converged && second.converged {
+            (cold, warm) = (cold + first.iterations, warm + second.iterations);
+            solved += 1;
+            let wrong = worst(&bodies, &contacts, &impulses);
+            let size: f64 = impulses.iter().map(Vector3::norm).sum::<f64>() + 1.0;
+            assert!(wrong < 1e-4 * size, "{wrong} {second:?}");
+            for (contact, r) in contacts.iter().zip(&impulses) {
+                let normal = r.x + contact.adhesion;
+                let within = contact.friction.contains(&r.yz(), normal * (1.0 + 1e-9) + 1e-12);
+                assert!(normal >= 0.0 && within, "{r} leaves its cone");
+            }
+        }
+    }
+    println!("{solved} of 200 solved in {cold} iterations, and again in {warm}");
+    assert!(solved >= 195, "{solved}");
+    assert!(3 * warm < cold, "{warm} of {cold}");
+}
+
 /// One contact alone: the same as the exact local solution, which knows of no iteration.
 #[test]
 fn one_contact_is_solved_exactly() {

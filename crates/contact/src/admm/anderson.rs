@@ -2,33 +2,28 @@
 //!
 //! Type II (Walker and Ni 2011): of the last steps it finds the combination whose residual is
 //! least, and steps to the same combination of their images. A step that raises the residual is
-//! taken back. A step is some plain iterations, one after another: between extrapolations they
-//! smooth what these roughen, at a part of the cost (Pratapa, Suryanarayana and Pask 2016).
+//! taken back. A step may be some plain iterations, one after another: between extrapolations
+//! they smooth what these roughen, at a part of the cost (Pratapa, Suryanarayana and Pask 2016).
 //!
 //! Differences of steps are remembered in single precision, which is half of what has to be read:
 //! they only choose the next state, and their roundings shrink with them.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
-/// Vectors that one task takes.
-const CHUNK: usize = 256;
 /// Sums that a product runs side by side.
 const LANES: usize = 32;
 /// Part of the largest entry that keeps the small system regular.
 const RIDGE: f64 = 1e-10;
-/// Iterations that make a step; one of up to so many vectors, of which the memory spans much.
-const ITERATIONS: usize = 3;
-const FEW: usize = 64;
 /// A step is taken back if the residual grows by more than this factor.
 const GROWTH: f64 = 1.0;
 
-/// The last steps of an iteration on many vectors. Residuals are by the roots of their weights.
+/// What is remembered of the last steps of an iteration as a whole.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Anderson {
     depth: usize,
-    parts: Vec<Part>,
+    /// Iterations that make a step.
+    period: usize,
     /// Iterations of the step at hand, and steps that are remembered or were.
     iterations: usize,
     steps: usize,
@@ -37,101 +32,88 @@ pub(crate) struct Anderson {
     gram: DMatrix<f64>,
 }
 
-/// The last steps of some of the vectors.
+/// What is remembered of some of the vectors.
 #[derive(Debug, Clone, Default)]
-struct Part {
+pub(crate) struct Part {
+    /// State at the start of the step.
+    pub(crate) start: Vec<f64>,
     /// Differences of residuals and of images, the oldest overwritten first.
     differences: Vec<[Vec<f32>; 2]>,
-    /// State at the start of the step.
-    start: Vec<f64>,
     /// Residual and image of the step before, and of the next.
     last: [Vec<f64>; 2],
     next: [Vec<f64>; 2],
 }
 
+/// What an iteration is for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Turn {
+    /// A plain one: its image is the next state.
+    Plain,
+    /// The last one of a step: what comes of it is to be looked at.
+    Look(Option<Place>),
+}
+
+/// How the state goes on after a step.
+#[derive(Debug, Clone)]
+pub(crate) enum Onward {
+    /// Where plain iterations led the step before.
+    Back,
+    /// To the image less such shares of the differences of images.
+    Mix(Vec<f64>),
+}
+
 /// Where the newest difference goes, and how many are then remembered.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+pub(crate) struct Place {
     newest: usize,
     count: usize,
 }
 
-impl Part {
-    fn set_out(&mut self, state: &[Vector3<f64>]) {
-        self.start.clear();
-        self.start.extend(state.iter().flatten());
-    }
-}
-
 impl Anderson {
-    /// Forgets everything; remembers `depth` steps from now on.
-    pub(crate) fn reset(&mut self, depth: usize) {
-        self.depth = depth;
-        self.iterations = 0;
-        self.forget();
+    /// Remembers nothing yet, and `depth` steps of `period` iterations from now on.
+    pub(crate) fn new(depth: usize, period: usize) -> Self {
+        Self { depth, period, gram: DMatrix::zeros(depth, depth), ..Self::default() }
     }
 
-    fn forget(&mut self) {
-        self.steps = 0;
-        self.norm = None;
-        self.gram = DMatrix::zeros(self.depth, self.depth);
+    /// Whether the next iteration begins a step: its state is to be noted.
+    pub(crate) fn sets_out(&self) -> bool {
+        self.iterations == 0 && self.depth > 0
     }
 
-    /// Replaces `state` by the next one, where `residual` is what an iteration adds to it; `roots`
-    /// are those of the weights of the norm of what a step adds.
-    pub(crate) fn next(
-        &mut self,
-        roots: &[f64],
-        residual: &[Vector3<f64>],
-        state: &mut [Vector3<f64>],
-    ) {
-        self.parts.resize_with(state.len().div_ceil(CHUNK), Part::default);
-        if self.iterations == 0 {
-            let parts = self.parts.par_iter_mut().zip(state.par_chunks(CHUNK));
-            parts.for_each(|(part, state)| part.set_out(state));
+    /// What the next iteration is for.
+    pub(crate) fn turn(&mut self) -> Turn {
+        if self.depth == 0 {
+            return Turn::Plain;
         }
         self.iterations += 1;
-        if self.iterations < ITERATIONS && state.len() > FEW {
-            let both = state.par_chunks_mut(CHUNK).zip(residual.par_chunks(CHUNK));
-            both.for_each(|(h, step)| h.iter_mut().zip(step).for_each(|(h, step)| *h += step));
-            return;
+        if self.iterations < self.period {
+            return Turn::Plain;
         }
         self.iterations = 0;
-        let place = self.norm.map(|_| Place {
+        Turn::Look(self.norm.map(|_| Place {
             newest: self.steps % self.depth,
             count: (self.steps + 1).min(self.depth),
-        });
-        let given = residual.par_chunks(CHUNK).zip(roots.par_chunks(CHUNK));
-        let parts = self.parts.par_iter_mut().zip(state.par_chunks(CHUNK).zip(given));
-        let products: Vec<Products> = parts
-            .map(|(part, (state, (residual, roots)))| {
-                let vectors = Vectors { state, residual, roots };
-                Arch::new().dispatch(Look { part, place, vectors })
-            })
-            .collect();
-        let products = Products::sum(&products);
+        }))
+    }
+
+    /// How the state goes on, by the products of all vectors at the end of a step.
+    pub(crate) fn onward(&mut self, products: &Products) -> Onward {
         let norm = products.norm.sqrt();
         if let Some(before) = self.norm
             && (norm > GROWTH * before || norm.is_nan())
         {
-            // Back to where plain steps lead.
-            let parts = self.parts.par_iter().zip(state.par_chunks_mut(CHUNK));
-            parts.for_each(|(part, state)| set(state, &part.last[1]));
-            self.forget();
-            return;
+            *self = Self::new(self.depth, self.period);
+            return Onward::Back;
         }
-        if let Some(Place { newest, .. }) = place {
+        if self.norm.is_some() {
+            let newest = self.steps % self.depth;
             self.steps += 1;
             for (i, &[_, entry]) in products.with.iter().enumerate() {
                 (self.gram[(newest, i)], self.gram[(i, newest)]) = (entry, entry);
             }
         }
         self.norm = Some(norm);
-        let shares = self.shares(&products);
-        let parts = self.parts.par_iter_mut().zip(state.par_chunks_mut(CHUNK));
-        parts.for_each(|(part, state)| {
-            Arch::new().dispatch(Mix { part, shares: &shares, state });
-        });
+        Onward::Mix(self.shares(products))
     }
 
     /// The shares of the differences that leave the least residual; none where they cannot be told.
@@ -149,9 +131,33 @@ impl Anderson {
     }
 }
 
+impl Part {
+    /// Room for the image at the end of a step, three numbers a vector.
+    pub(crate) fn image(&mut self) -> &mut Vec<f64> {
+        &mut self.next[1]
+    }
+
+    /// Remembers the step that led to the image, and finds its products; `roots` are those of the
+    /// weights of the norm, by vector.
+    pub(crate) fn look(&mut self, place: Option<Place>, roots: &[f64]) -> Products {
+        Arch::new().dispatch(Look { part: self, place, roots })
+    }
+
+    /// The next state.
+    pub(crate) fn onward(&mut self, onward: &Onward) -> &[f64] {
+        match onward {
+            Onward::Back => &self.last[1],
+            Onward::Mix(shares) => {
+                Arch::new().dispatch(Mix { part: self, shares });
+                &self.next[1]
+            }
+        }
+    }
+}
+
 /// Products of what is remembered.
 #[derive(Debug, Clone, Default)]
-struct Products {
+pub(crate) struct Products {
     /// Of the residual with itself.
     norm: f64,
     /// Of every difference of residuals with the residual and with the newest difference.
@@ -159,26 +165,21 @@ struct Products {
 }
 
 impl Products {
-    /// Those of all parts, in their order.
-    fn sum(parts: &[Self]) -> Self {
-        let count = parts.first().map_or(0, |part| part.with.len());
-        let sum = |i: usize| [0, 1].map(|k| parts.iter().map(|part| part.with[i][k]).sum());
-        Self { norm: parts.iter().map(|part| part.norm).sum(), with: (0..count).map(sum).collect() }
+    /// Adds those of other vectors.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.norm += other.norm;
+        self.with.resize(other.with.len(), [0.0; 2]);
+        for (sum, other) in self.with.iter_mut().zip(&other.with) {
+            *sum = [sum[0] + other[0], sum[1] + other[1]];
+        }
     }
-}
-
-/// Some of the vectors of a step.
-struct Vectors<'a> {
-    state: &'a [Vector3<f64>],
-    residual: &'a [Vector3<f64>],
-    roots: &'a [f64],
 }
 
 /// Remembers a step and finds its products.
 struct Look<'a> {
     part: &'a mut Part,
     place: Option<Place>,
-    vectors: Vectors<'a>,
+    roots: &'a [f64],
 }
 
 impl NullaryFnOnce for Look<'_> {
@@ -186,17 +187,12 @@ impl NullaryFnOnce for Look<'_> {
 
     #[inline(always)]
     fn call(self) -> Products {
-        let Self { part, place, vectors: Vectors { state, residual, roots } } = self;
+        let Self { part, place, roots } = self;
         let [weighted, image] = &mut part.next;
-        weighted.resize(3 * state.len(), 0.0);
-        image.resize(3 * state.len(), 0.0);
-        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(image.as_chunks_mut::<3>().0);
-        let rooms = rooms.zip(part.start.as_chunks::<3>().0);
-        let given = state.iter().zip(residual).zip(roots);
-        for (((weighted, image), start), ((h, f), w)) in rooms.zip(given) {
-            let next = h + f;
-            *weighted = ((next - Vector3::from(*start)) * *w).into();
-            *image = next.into();
+        weighted.resize(image.len(), 0.0);
+        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(part.start.as_chunks::<3>().0);
+        for (((weighted, start), image), w) in rooms.zip(image.as_chunks::<3>().0).zip(roots) {
+            *weighted = [0, 1, 2].map(|k| (image[k] - start[k]) * w);
         }
         let mut products = Products { norm: product(weighted), with: Vec::new() };
         let Some(Place { newest, count }) = place else { return products };
@@ -271,7 +267,6 @@ fn total(mut sums: [f64; LANES]) -> f64 {
 struct Mix<'a> {
     part: &'a mut Part,
     shares: &'a [f64],
-    state: &'a mut [Vector3<f64>],
 }
 
 impl NullaryFnOnce for Mix<'_> {
@@ -287,11 +282,5 @@ impl NullaryFnOnce for Mix<'_> {
         for (share, [_, image]) in self.shares.iter().zip(differences) {
             mixed.iter_mut().zip(&*image).for_each(|(h, d)| *h -= f64::from(*d) * share);
         }
-        set(self.state, mixed);
     }
-}
-
-fn set(state: &mut [Vector3<f64>], numbers: &[f64]) {
-    let vectors = numbers.as_chunks::<3>().0;
-    state.iter_mut().zip(vectors).for_each(|(h, &numbers)| *h = numbers.into());
 }

@@ -1,0 +1,142 @@
+//! The last digits: descent along the gradient, back into the cones, accelerated.
+//!
+//! ```text
+//! r <- the impulses of the cones nearest to r - D (u(r) + de Saxcé's term along the normal)
+//! ```
+//!
+//! where `u(r)` are the velocities that the impulses really cause (Tasora and Anitescu 2011 descend so
+//! without acceleration). What many impulses do together, such as to shift a fibre as a whole, shows
+//! most in `u`: splitting finds it last, descent first. Near the answer, and where things rest from the
+//! start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass for each contact, the
+//! largest with which plain descent cannot diverge.
+
+use super::Tolerance;
+use super::anderson::{Anderson, Onward, Products, Turn};
+use super::crew::Lead;
+use super::part::{Common, Order, Part};
+use crate::residual::Sums;
+use crate::{Contact, Report, metric};
+use nalgebra::Vector3;
+
+/// Steps that the acceleration remembers.
+const MEMORY: usize = 5;
+/// How near twice the bound of what keeps descent from diverging a step is.
+const NEARLY: f64 = 0.95;
+/// By what factor the error may be above the course that leads to the end in time.
+const OFF_COURSE: f64 = 1.5;
+
+/// When descent is tried, and for how long.
+pub(super) struct Attempt {
+    /// From which error on, in tolerances.
+    pub(super) near: f64,
+    /// Iterations. Few contacts are then right to many more digits than asked for, as who starts from the
+    /// answer of the step before wishes: small errors would shake what rests.
+    pub(super) least: usize,
+    pub(super) most: usize,
+}
+
+/// Steps of the method, for all parts.
+pub(super) enum Step {
+    /// Finds where the gradient leads, and what the acceleration needs of it.
+    Descend(Turn),
+    /// Takes the step, back into the cones.
+    Onward(Onward),
+}
+
+/// Descends from impulses whose velocities have been told and leave an `error`, in tolerances. The report
+/// once all are kept; `None` where that is far, or will not be in so many iterations, which are added.
+pub(super) fn descend<'a, 'b, A>(
+    lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>,
+    tolerance: &Tolerance,
+    error: f64,
+    Attempt { near, least, most }: Attempt,
+    iterations: &mut usize,
+) -> Option<Report>
+where
+    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+{
+    if error > near || error.is_nan() {
+        return None;
+    }
+    let mut anderson = Anderson::new(MEMORY, 1);
+    for done in 1..=most {
+        *iterations += 1;
+        lead.order(Order::Descent(Step::Descend(anderson.turn())));
+        let mut products = Products::default();
+        lead.each(|part| products.add(&part.products));
+        lead.order(Order::Descent(Step::Onward(anderson.onward(&products))));
+        lead.order(Order::Tell);
+        let found = judge(lead);
+        let left = tolerance.error(&found);
+        if left <= 1.0 && done >= least {
+            return Some(found);
+        }
+        let course = error.max(1.0).powf(1.0 - done as f64 / most as f64);
+        if left > OFF_COURSE * course || left.is_nan() {
+            return None;
+        }
+    }
+    None
+}
+
+/// How far the velocities that have been told are from the law.
+pub(super) fn judge<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+where
+    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+{
+    lead.order(Order::Judge);
+    together(lead)
+}
+
+/// What all parts have found, together.
+pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+where
+    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+{
+    let mut parts = Vec::new();
+    lead.each(|part| parts.push(part.sums));
+    Sums::together(&parts).report()
+}
+
+impl Part<'_, '_> {
+    pub(super) fn descent(&mut self, common: &Common, step: &Step) {
+        match step {
+            Step::Descend(turn) => self.descend(common, *turn),
+            Step::Onward(onward) => self.step(common, onward),
+        }
+    }
+
+    fn descend(&mut self, common: &Common, turn: Turn) {
+        let Turn::Look(place) = turn else { return };
+        let steps = &mut *self.descents;
+        steps.start.clear();
+        steps.image().clear();
+        for (k, i) in self.contacts.clone().enumerate() {
+            let (contact, r) = (&common.contacts[i], self.impulses[k]);
+            let bound = metric::most(common.weight) * self.responses[k];
+            let mass = 1.0 / (bound / (2.0 * NEARLY) + contact.compliance);
+            let mut u = common.relative(i) + r * contact.compliance;
+            u.x += contact.friction.dissipation(&u.yz());
+            let next = nearest(contact, &(r - u * mass));
+            steps.start.extend_from_slice(r.as_slice());
+            steps.image().extend_from_slice(next.as_slice());
+        }
+        let roots: Vec<f64> = self.responses.iter().map(|response| response.sqrt()).collect();
+        self.products = steps.look(place, &roots);
+    }
+
+    fn step(&mut self, common: &Common, onward: &Onward) {
+        let next = self.descents.onward(onward).as_chunks::<3>().0;
+        for ((k, i), next) in self.contacts.clone().enumerate().zip(next) {
+            let contact = &common.contacts[i];
+            self.impulses[k] = nearest(contact, &(*next).into());
+            common.impulses.set(i, &(contact.frame * self.impulses[k]));
+        }
+    }
+}
+
+/// The impulse of the cone nearest to one.
+fn nearest(contact: &Contact, impulse: &Vector3<f64>) -> Vector3<f64> {
+    let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
+    contact.friction.project_cone(&(impulse + tip)) - tip
+}

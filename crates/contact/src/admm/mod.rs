@@ -1,0 +1,265 @@
+//! The alternating direction method of multipliers, as Douglas-Rachford splitting on the velocities
+//! of the sides of all contacts.
+//!
+//! One half of an iteration solves every contact by itself, the other every body by itself, so both
+//! are parallel and the result does not depend on who computes what. A side `i` has a metric `R_i`,
+//! a multiple of the identity, so that a contact alone is solved in closed form. With `h` the state,
+//!
+//! ```text
+//! z  = the velocities nearest to h, in the metric, that with some impulses r obey the law
+//! v  = the velocities nearest to 2 z - h that the bodies can have
+//! h <- h + alpha (v - z)
+//! ```
+//!
+//! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
+//! difference is the error of either, `R (z - v)` in impulses.
+
+mod anderson;
+mod crew;
+mod descent;
+mod part;
+mod shared;
+mod sides;
+
+use crate::metric;
+use crate::solver::check;
+use crate::{Body, Contact, ContactError, Report, Solver};
+use anderson::{Anderson, Products, Turn};
+use crew::Crew;
+use descent::{Attempt, descend, judge, together};
+use nalgebra::Vector3;
+use part::{Common, Order, Part};
+use rayon::prelude::*;
+use shared::Shared;
+use sides::Sides;
+use std::ops::Range;
+
+/// When a solver stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Largest Coulomb residual, relative to all impulses.
+    pub residual: f64,
+    /// Largest error of a normal velocity, m/s.
+    pub normal: f64,
+    /// Largest slip of a contact that sticks, m/s.
+    pub slip: f64,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+impl Tolerance {
+    /// For single bodies and tests: to a relative residual of 1e-12.
+    pub const EXACT: Self =
+        Self { residual: 1e-12, normal: f64::INFINITY, slip: f64::INFINITY, iterations: 20_000 };
+
+    /// The largest of the errors found, in tolerances: at most one where all are kept.
+    #[must_use]
+    pub fn error(&self, found: &Report) -> f64 {
+        let normal = found.normal_error / self.normal;
+        (found.residual / self.residual).max(normal).max(found.slip_error / self.slip)
+    }
+
+    fn reached(&self, found: &Report) -> bool {
+        self.error(found) <= 1.0
+    }
+}
+
+/// The solver for thousands of contacts: cost linear in points and contacts an iteration.
+#[derive(Debug, Clone)]
+pub struct Admm {
+    /// When to stop.
+    pub tolerance: Tolerance,
+    /// Over-relaxation `alpha`, between 0 and 2.
+    pub relaxation: f64,
+    /// Metric of a point in units of its own inertia, unless it is pressed together with many others:
+    /// larger trusts impulses more, smaller velocities.
+    pub weight: f64,
+    /// How many steps the acceleration remembers; 0 for none.
+    pub memory: usize,
+    /// Room for what is remembered of iterations and of descents.
+    steps: Vec<[anderson::Part; 2]>,
+}
+
+/// Iterations between two looks at the tolerance.
+const LOOK: usize = 5;
+/// Sides, and contacts, that a part has: enough to be worth the taking.
+const SIDES: usize = 96;
+const CONTACTS: usize = 256;
+/// Iterations that make a step of the acceleration, of more than a few sides: of those its memory
+/// spans much.
+const PERIOD: usize = 3;
+const FEW: usize = 64;
+/// Where a solve begins near its end, and where splitting has come near it.
+const AT_START: Attempt = Attempt { near: 30.0, least: 5, most: 30 };
+const AT_END: Attempt = Attempt { near: 3.0, least: 1, most: 8 };
+
+impl Admm {
+    /// The solver with its usual relaxation, weight and memory.
+    #[must_use]
+    pub fn new(tolerance: Tolerance) -> Self {
+        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10, steps: Vec::new() }
+    }
+}
+
+impl Solver for Admm {
+    fn solve(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        contacts: &[Contact],
+        velocities: &[Vector3<f64>],
+        impulses: &mut [Vector3<f64>],
+    ) -> Result<Report, ContactError> {
+        check(bodies, contacts, velocities, impulses)?;
+        if contacts.is_empty() {
+            return Ok(Report { converged: true, ..Report::default() });
+        }
+        let sides = Sides::new(contacts, velocities.len());
+        let masses = prepare(bodies, &sides, velocities.len(), self.weight)?;
+        let first = |(contact, impulse): (&Contact, &Vector3<f64>)| contact.frame * impulse;
+        let common = Common {
+            contacts,
+            sides: &sides,
+            base: velocities,
+            masses: &masses,
+            weight: self.weight,
+            relaxation: self.relaxation,
+            h: Shared::new(std::iter::repeat_n(Vector3::zeros(), sides.len())),
+            impulses: Shared::new(contacts.iter().zip(&*impulses).map(first)),
+            v: Shared::new(velocities.iter().copied()),
+        };
+        let parts = parts(bodies, impulses, &common, &mut self.steps);
+        let crew = Crew::new(parts.into_iter(), |order: &Order, part| part.act(order, &common));
+        let tolerance = self.tolerance;
+        let period = if sides.len() > FEW { PERIOD } else { 1 };
+        let mut anderson = Anderson::new(self.memory, period);
+        Ok(crew.led(|lead| {
+            let mut iterations = 0;
+            let descend = |found: &Report, attempt, iterations: &mut usize| {
+                let found = descend(lead, &tolerance, tolerance.error(found), attempt, iterations);
+                found.map(|found| Report { iterations: *iterations, converged: true, ..found })
+            };
+            if let Some(found) = descend(&judge(lead), AT_START, &mut iterations) {
+                return found;
+            }
+            lead.order(Order::SetOut);
+            loop {
+                iterations += 1;
+                let last = iterations >= tolerance.iterations;
+                let looked_at = last || iterations.is_multiple_of(LOOK);
+                lead.order(Order::Obey { looked_at });
+                let (sets_out, turn) = (anderson.sets_out(), anderson.turn());
+                lead.order(Order::Respond { sets_out, turn, looked_at });
+                if let Turn::Look(_) = turn {
+                    let mut products = Products::default();
+                    lead.each(|part| products.add(&part.products));
+                    lead.order(Order::Onward(anderson.onward(&products)));
+                }
+                if !looked_at {
+                    continue;
+                }
+                lead.order(Order::Compare);
+                if last || tolerance.reached(&together(lead)) {
+                    lead.order(Order::Tell);
+                    let found = judge(lead);
+                    let converged = tolerance.reached(&found);
+                    if converged || last {
+                        return Report { iterations, converged, ..found };
+                    }
+                    if let Some(found) = descend(&found, AT_END, &mut iterations) {
+                        return found;
+                    }
+                }
+            }
+        }))
+    }
+}
+
+/// Chooses the metric, kg, by point, and adds it to the bodies.
+fn prepare(
+    bodies: &mut [&mut dyn Body],
+    sides: &Sides,
+    points: usize,
+    weight: f64,
+) -> Result<Vec<f64>, ContactError> {
+    let mut masses = vec![0.0; points];
+    let ranges = ranges(bodies);
+    let mut rest = &mut masses[..];
+    let parts: Vec<_> = ranges
+        .iter()
+        .map(|range| {
+            let (own, behind) = std::mem::take(&mut rest).split_at_mut(range.len());
+            rest = behind;
+            own
+        })
+        .collect();
+    bodies
+        .par_iter_mut()
+        .zip(parts)
+        .zip(ranges)
+        .map(|((body, masses), range)| {
+            let counts: Vec<usize> = range.map(|point| sides.at(point).len()).collect();
+            metric::masses(&mut **body, &counts, weight, masses);
+            let both = masses.iter().zip(&counts);
+            let weights: Vec<f64> = both.map(|(mass, &count)| mass * count as f64).collect();
+            body.set_weights(&weights)
+        })
+        .collect::<Result<(), _>>()?;
+    Ok(masses)
+}
+
+/// Cuts bodies and contacts into parts, by their number alone.
+fn parts<'a, 'b>(
+    mut bodies: &'a mut [&'b mut dyn Body],
+    mut impulses: &'a mut [Vector3<f64>],
+    common: &Common,
+    steps: &'a mut Vec<[anderson::Part; 2]>,
+) -> Vec<Part<'a, 'b>> {
+    let groups = groups(bodies, common.sides);
+    let contacts = impulses.len();
+    let count = groups.len().max(contacts.div_ceil(CONTACTS));
+    steps.resize_with(steps.len().max(count), Default::default);
+    // Spread evenly where there are fewer groups than parts.
+    let cut = |all: usize, part: usize| all * part / count;
+    let (mut parts, mut points) = (Vec::with_capacity(count), 0..0);
+    for (part, steps) in (0..count).zip(steps) {
+        let of_part = &groups[cut(groups.len(), part)..cut(groups.len(), part + 1)];
+        let own_bodies = of_part.iter().map(|(bodies, _)| bodies).sum();
+        points = points.end..of_part.last().map_or(points.end, |(_, points)| *points);
+        let own_contacts = cut(contacts, part)..cut(contacts, part + 1);
+        let (own, rest) = std::mem::take(&mut bodies).split_at_mut(own_bodies);
+        bodies = rest;
+        let (own_impulses, rest) = std::mem::take(&mut impulses).split_at_mut(own_contacts.len());
+        impulses = rest;
+        let (bodies, contacts) = ((own, points.clone()), (own_impulses, own_contacts));
+        parts.push(Part::new(common, bodies, contacts, steps.each_mut()));
+    }
+    parts
+}
+
+/// How many bodies are taken together, and where their points end.
+fn groups(bodies: &[&mut dyn Body], sides: &Sides) -> Vec<(usize, usize)> {
+    let mut groups = Vec::new();
+    let (mut count, mut start) = (0, 0);
+    for Range { end, .. } in ranges(bodies) {
+        count += 1;
+        if sides.of(&(start..end)).len() >= SIDES {
+            groups.push((count, end));
+            (count, start) = (0, end);
+        }
+    }
+    if count > 0 {
+        groups.push((count, ranges(bodies).last().map_or(0, |range| range.end)));
+    }
+    groups
+}
+
+/// The points of each body.
+fn ranges(bodies: &[&mut dyn Body]) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let range = |body: &&mut dyn Body| {
+        let range = start..start + body.points();
+        start = range.end;
+        range
+    };
+    bodies.iter().map(range).collect()
+}

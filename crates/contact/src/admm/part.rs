@@ -1,0 +1,265 @@
+//! What one thread does at a time: some bodies, and some contacts, which need not be between them.
+
+use super::anderson::{self, Onward, Products, Turn};
+use super::descent::Step;
+use super::shared::Shared;
+use super::sides::Sides;
+use crate::contact::free_solve;
+use crate::residual::{Sums, slip_error};
+use crate::{Body, Contact};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// What all parts see.
+pub(super) struct Common<'a> {
+    pub(super) contacts: &'a [Contact],
+    pub(super) sides: &'a Sides,
+    /// Velocities of the points with the impulses that were given.
+    pub(super) base: &'a [Vector3<f64>],
+    /// Metric of every side at a point, kg.
+    pub(super) masses: &'a [f64],
+    /// By which the metric was chosen.
+    pub(super) weight: f64,
+    pub(super) relaxation: f64,
+    /// State, by side.
+    pub(super) h: Shared,
+    /// Impulses on the first points of contacts, world.
+    pub(super) impulses: Shared,
+    /// Velocities of points, where they are looked at.
+    pub(super) v: Shared,
+}
+
+/// What all parts are to do.
+pub(super) enum Order {
+    /// Begins where the contacts' impulses cause the velocities that have been told.
+    SetOut,
+    /// Solves every contact by itself, and notes the velocities it wants if these are looked at.
+    Obey { looked_at: bool },
+    /// Lets the bodies answer.
+    Respond { sets_out: bool, turn: Turn, looked_at: bool },
+    /// Finds the next state.
+    Onward(Onward),
+    /// Finds how far what the contacts want is from what the bodies do.
+    Compare,
+    /// Finds the velocities that the impulses really cause.
+    Tell,
+    /// Finds how far these are from the law.
+    Judge,
+    /// Does a step of the descent.
+    Descent(Step),
+}
+
+/// Some bodies and some contacts.
+pub(super) struct Part<'a, 'b> {
+    bodies: &'a mut [&'b mut dyn Body],
+    points: Range<usize>,
+    /// Impulses that act in the given velocities, those to answer, and the answers, by point.
+    given: Vec<Vector3<f64>>,
+    asked: Vec<Vector3<f64>>,
+    answer: Vec<Vector3<f64>>,
+    /// Roots of the metric, by side.
+    roots: Vec<f64>,
+    steps: &'a mut anderson::Part,
+    pub(super) descents: &'a mut anderson::Part,
+    pub(super) products: Products,
+    pub(super) contacts: Range<usize>,
+    /// In the frames of the contacts.
+    pub(super) impulses: &'a mut [Vector3<f64>],
+    /// Answers of the contacts to their own impulses in the metric, 1/kg.
+    pub(super) responses: Vec<f64>,
+    /// Relative velocities that the contacts want.
+    wanted: Vec<Vector3<f64>>,
+    pub(super) sums: Sums,
+}
+
+impl<'a, 'b> Part<'a, 'b> {
+    /// The bodies are those of the `points`, the impulses those of the `contacts`.
+    pub(super) fn new(
+        common: &Common,
+        (bodies, points): (&'a mut [&'b mut dyn Body], Range<usize>),
+        (impulses, contacts): (&'a mut [Vector3<f64>], Range<usize>),
+        [steps, descents]: [&'a mut anderson::Part; 2],
+    ) -> Self {
+        let Common { sides, masses, .. } = common;
+        let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
+        let root = |point: usize| std::iter::repeat_n(masses[point].sqrt(), sides.at(point).len());
+        let zeros = vec![Vector3::zeros(); points.len()];
+        Self {
+            given: points.clone().map(given).collect(),
+            asked: zeros.clone(),
+            answer: zeros,
+            roots: points.clone().flat_map(root).collect(),
+            products: Products::default(),
+            responses: contacts.clone().map(|i| common.response(i)).collect(),
+            wanted: vec![Vector3::zeros(); contacts.len()],
+            sums: Sums::default(),
+            bodies,
+            points,
+            steps,
+            descents,
+            contacts,
+            impulses,
+        }
+    }
+
+    pub(super) fn act(&mut self, order: &Order, common: &Common) {
+        match order {
+            Order::SetOut => self.set_out(common),
+            Order::Obey { looked_at } => self.obey(common, *looked_at),
+            Order::Respond { sets_out, turn, looked_at } => {
+                self.respond(common, *sets_out, *turn, *looked_at);
+            }
+            Order::Onward(onward) => self.go_on(common, onward),
+            Order::Compare => self.compare(common),
+            Order::Tell => self.tell(common),
+            Order::Judge => self.judge(common),
+            Order::Descent(step) => self.descent(common, step),
+        }
+    }
+
+    fn set_out(&self, common: &Common) {
+        for point in self.points.clone() {
+            let (v, lightness) = (common.v.get(point), 1.0 / common.masses[point]);
+            for side in common.sides.at(point) {
+                common.h.set(side, &(v - common.impulse(side) * lightness));
+            }
+        }
+    }
+
+    fn obey(&mut self, common: &Common, looked_at: bool) {
+        for (k, i) in self.contacts.clone().enumerate() {
+            let contact = &common.contacts[i];
+            let (first, second) = common.sides.of_contact(i);
+            let second = second.map_or_else(Vector3::zeros, |side| common.h.get(side));
+            let q = contact.frame.tr_mul(&(common.h.get(first) - second)) + contact.bias;
+            let impulse = free_solve(contact, &q, self.responses[k]);
+            self.impulses[k] = impulse;
+            common.impulses.set(i, &(contact.frame * impulse));
+            if looked_at {
+                self.wanted[k] = q + impulse * self.responses[k];
+            }
+        }
+    }
+
+    /// Lets the bodies move as near to `2 z - h` as they can.
+    fn respond(&mut self, common: &Common, sets_out: bool, turn: Turn, looked_at: bool) {
+        let Common { sides, base, masses, h, .. } = common;
+        for ((point, asked), given) in self.points.clone().zip(&mut self.asked).zip(&self.given) {
+            *asked = -given;
+            for side in sides.at(point) {
+                *asked += (h.get(side) - base[point]) * masses[point] + common.impulse(side) * 2.0;
+            }
+        }
+        self.answer(|body, asked, answer| body.weighted_respond(asked, answer));
+        if sets_out {
+            self.steps.start.clear();
+        }
+        let looks = matches!(turn, Turn::Look(_));
+        if looks {
+            self.steps.image().clear();
+        }
+        for (point, answer) in self.points.clone().zip(&self.answer) {
+            let v = base[point] + answer;
+            let lightness = 1.0 / masses[point];
+            for side in sides.at(point) {
+                let before = h.get(side);
+                let z = before + common.impulse(side) * lightness;
+                let next = before + (v - z) * common.relaxation;
+                if sets_out {
+                    self.steps.start.extend_from_slice(before.as_slice());
+                }
+                if looks {
+                    self.steps.image().extend_from_slice(next.as_slice());
+                } else {
+                    h.set(side, &next);
+                }
+            }
+            if looked_at {
+                common.v.set(point, &v);
+            }
+        }
+        if let Turn::Look(place) = turn {
+            self.products = self.steps.look(place, &self.roots);
+        }
+    }
+
+    fn go_on(&mut self, common: &Common, onward: &Onward) {
+        let state = self.steps.onward(onward).as_chunks::<3>().0;
+        for (side, next) in common.sides.of(&self.points).zip(state) {
+            common.h.set(side, &(*next).into());
+        }
+    }
+
+    fn compare(&mut self, common: &Common) {
+        let mut sums = Sums::default();
+        for (k, i) in self.contacts.clone().enumerate() {
+            let (contact, r, response) =
+                (&common.contacts[i], &self.impulses[k], self.responses[k]);
+            let velocity = common.relative(i);
+            let mut off = velocity - self.wanted[k];
+            if r.x <= -contact.adhesion {
+                // Nothing holds it: only what closes the gap is wrong.
+                off = Vector3::new(velocity.x.min(0.0), 0.0, 0.0);
+            }
+            let slip = slip_error(contact, &(velocity + r * contact.compliance), r, 1.0 / response);
+            sums.wrong += off.norm_squared() / (response * response);
+            sums.all += r.norm_squared();
+            sums.normal_error = sums.normal_error.max(off.x.abs());
+            sums.slip_error = sums.slip_error.max(slip);
+        }
+        self.sums = sums;
+    }
+
+    fn tell(&mut self, common: &Common) {
+        for ((point, asked), given) in self.points.clone().zip(&mut self.asked).zip(&self.given) {
+            *asked = -given;
+            common.sides.at(point).for_each(|side| *asked += common.impulse(side));
+        }
+        self.answer(|body, asked, answer| body.respond(asked, answer));
+        for (point, answer) in self.points.clone().zip(&self.answer) {
+            common.v.set(point, &(common.base[point] + answer));
+        }
+    }
+
+    fn judge(&mut self, common: &Common) {
+        self.sums = Sums::default();
+        for (k, i) in self.contacts.clone().enumerate() {
+            let (contact, r) = (&common.contacts[i], &self.impulses[k]);
+            let velocity = common.relative(i) + r * contact.compliance;
+            self.sums.add(contact, &velocity, r, 1.0 / self.responses[k]);
+        }
+    }
+
+    /// Lets all bodies answer what is asked.
+    fn answer(&mut self, how: impl Fn(&mut dyn Body, &[Vector3<f64>], &mut [Vector3<f64>])) {
+        let (mut asked, mut answer) = (&self.asked[..], &mut self.answer[..]);
+        for body in &mut *self.bodies {
+            let points = body.points();
+            let (own, rest) = std::mem::take(&mut answer).split_at_mut(points);
+            how(&mut **body, &asked[..points], own);
+            (asked, answer) = (&asked[points..], rest);
+        }
+    }
+}
+
+impl Common<'_> {
+    /// The impulse of a side on its point.
+    #[inline]
+    fn impulse(&self, side: usize) -> Vector3<f64> {
+        let (contact, sign) = self.sides.contact(side);
+        self.impulses.get(contact) * sign
+    }
+
+    /// The relative velocity of a contact, with its bias, as it has been told.
+    pub(super) fn relative(&self, contact: usize) -> Vector3<f64> {
+        let contact = &self.contacts[contact];
+        let second = contact.second.map_or_else(Vector3::zeros, |point| self.v.get(point));
+        contact.frame.tr_mul(&(self.v.get(contact.first) - second)) + contact.bias
+    }
+
+    /// Answer of a contact to its own impulse in the metric, 1/kg.
+    fn response(&self, contact: usize) -> f64 {
+        let Contact { first, second, .. } = self.contacts[contact];
+        1.0 / self.masses[first] + second.map_or(0.0, |point| 1.0 / self.masses[point])
+    }
+}

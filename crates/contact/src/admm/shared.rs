@@ -1,0 +1,26 @@
+//! Vectors that all parts read and each writes some of.
+use nalgebra::Vector3;
+use std::array::from_fn;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What is written in one phase of a crew may be read in the next. Loads and stores that need no order
+/// cost what plain ones do.
+pub(super) struct Shared(Vec<[AtomicU64; 3]>);
+
+impl Shared {
+    pub(super) fn new(vectors: impl Iterator<Item = Vector3<f64>>) -> Self {
+        Self(vectors.map(|v| from_fn(|k| AtomicU64::new(v[k].to_bits()))).collect())
+    }
+
+    #[inline]
+    pub(super) fn get(&self, i: usize) -> Vector3<f64> {
+        let [x, y, z] = &self.0[i];
+        let number = |x: &AtomicU64| f64::from_bits(x.load(Ordering::Relaxed));
+        Vector3::new(number(x), number(y), number(z))
+    }
+
+    #[inline]
+    pub(super) fn set(&self, i: usize, v: &Vector3<f64>) {
+        self.0[i].iter().zip(v).for_each(|(x, v)| x.store(v.to_bits(), Ordering::Relaxed));
+    }
+}
