@@ -22,8 +22,6 @@ use nalgebra::Vector3;
 const MEMORY: usize = 5;
 /// How near twice the bound of what keeps descent from diverging a step is.
 const NEARLY: f64 = 0.95;
-/// By what factor the error may be above the course that leads to the end in time.
-const OFF_COURSE: f64 = 1.5;
 
 /// When descent is tried, and for how long.
 pub(super) struct Attempt {
@@ -33,6 +31,8 @@ pub(super) struct Attempt {
     /// answer of the step before wishes: small errors would shake what rests.
     pub(super) least: usize,
     pub(super) most: usize,
+    /// By what factor the error may be above the course that leads to the end with the last of them.
+    pub(super) off_course: f64,
 }
 
 /// Steps of the method, for all parts.
@@ -49,17 +49,17 @@ pub(super) fn descend<'a, 'b, A>(
     lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>,
     tolerance: &Tolerance,
     error: f64,
-    Attempt { near, least, most }: Attempt,
+    Attempt { near, least, most, off_course }: &Attempt,
     iterations: &mut usize,
 ) -> Option<Report>
 where
     A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
 {
-    if error > near || error.is_nan() {
+    if error > *near || error.is_nan() {
         return None;
     }
     let mut anderson = Anderson::new(MEMORY, 1);
-    for done in 1..=most {
+    for done in 1..=*most {
         *iterations += 1;
         lead.order(Order::Descent(Step::Descend(anderson.turn())));
         let mut products = Products::default();
@@ -68,11 +68,11 @@ where
         lead.order(Order::Tell);
         let found = judge(lead);
         let left = tolerance.error(&found);
-        if left <= 1.0 && done >= least {
+        if left <= 1.0 && done >= *least {
             return Some(found);
         }
-        let course = error.max(1.0).powf(1.0 - done as f64 / most as f64);
-        if left > OFF_COURSE * course || left.is_nan() {
+        let course = error.max(1.0).powf(1.0 - done as f64 / *most as f64);
+        if left > off_course * course || left.is_nan() {
             return None;
         }
     }

@@ -90,8 +90,10 @@ const CONTACTS: usize = 256;
 const PERIOD: usize = 3;
 const FEW: usize = 64;
 /// Where a solve begins near its end, and where splitting has come near it.
-const AT_START: Attempt = Attempt { near: 30.0, least: 5, most: 30 };
-const AT_END: Attempt = Attempt { near: 3.0, least: 1, most: 8 };
+const AT_START: Attempt = Attempt { near: 30.0, least: 5, most: 30, off_course: 1.5 };
+const AT_END: Attempt = Attempt { near: 3.0, least: 1, most: 8, off_course: 1.5 };
+/// Where most points are in a crowd: what they do together is what splitting is slow to find.
+const IN_CROWD: Attempt = Attempt { near: 30.0, least: 5, most: 200, off_course: 10.0 };
 
 impl Admm {
     /// The solver with its usual relaxation, weight and memory.
@@ -114,7 +116,7 @@ impl Solver for Admm {
             return Ok(Report { converged: true, ..Report::default() });
         }
         let sides = Sides::new(contacts, velocities.len());
-        let masses = prepare(bodies, &sides, velocities.len(), self.weight)?;
+        let (masses, crowded) = prepare(bodies, &sides, velocities.len(), self.weight)?;
         let first = |(contact, impulse): (&Contact, &Vector3<f64>)| contact.frame * impulse;
         let common = Common {
             contacts,
@@ -132,13 +134,15 @@ impl Solver for Admm {
         let tolerance = self.tolerance;
         let period = if sides.len() > FEW { PERIOD } else { 1 };
         let mut anderson = Anderson::new(self.memory, period);
+        let [at_start, at_end] =
+            if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
         Ok(crew.led(|lead| {
             let mut iterations = 0;
             let descend = |found: &Report, attempt, iterations: &mut usize| {
                 let found = descend(lead, &tolerance, tolerance.error(found), attempt, iterations);
                 found.map(|found| Report { iterations: *iterations, converged: true, ..found })
             };
-            if let Some(found) = descend(&judge(lead), AT_START, &mut iterations) {
+            if let Some(found) = descend(&judge(lead), at_start, &mut iterations) {
                 return found;
             }
             lead.order(Order::SetOut);
@@ -165,7 +169,7 @@ impl Solver for Admm {
                     if converged || last {
                         return Report { iterations, converged, ..found };
                     }
-                    if let Some(found) = descend(&found, AT_END, &mut iterations) {
+                    if let Some(found) = descend(&found, at_end, &mut iterations) {
                         return found;
                     }
                 }
@@ -174,13 +178,13 @@ impl Solver for Admm {
     }
 }
 
-/// Chooses the metric, kg, by point, and adds it to the bodies.
+/// Chooses the metric, kg, by point, and adds it to the bodies. Tells whether most points are in a crowd.
 fn prepare(
     bodies: &mut [&mut dyn Body],
     sides: &Sides,
     points: usize,
     weight: f64,
-) -> Result<Vec<f64>, ContactError> {
+) -> Result<(Vec<f64>, bool), ContactError> {
     let mut masses = vec![0.0; points];
     let ranges = ranges(bodies);
     let mut rest = &mut masses[..];
@@ -192,19 +196,19 @@ fn prepare(
             own
         })
         .collect();
-    bodies
+    let crowded = bodies
         .par_iter_mut()
         .zip(parts)
         .zip(ranges)
         .map(|((body, masses), range)| {
             let counts: Vec<usize> = range.map(|point| sides.at(point).len()).collect();
-            metric::masses(&mut **body, &counts, weight, masses);
+            let crowded = metric::masses(&mut **body, &counts, weight, masses);
             let both = masses.iter().zip(&counts);
             let weights: Vec<f64> = both.map(|(mass, &count)| mass * count as f64).collect();
-            body.set_weights(&weights)
+            body.set_weights(&weights).map(|()| crowded)
         })
-        .collect::<Result<(), _>>()?;
-    Ok(masses)
+        .collect::<Result<Vec<usize>, _>>()?;
+    Ok((masses, 2 * crowded.into_iter().sum::<usize>() > points))
 }
 
 /// Cuts bodies and contacts into parts, by their number alone.
