@@ -7,8 +7,8 @@
 //! where `u(r)` are the velocities that the impulses really cause (Tasora and Anitescu 2011 descend so
 //! without acceleration). What many impulses do together, such as to shift a fibre as a whole, shows
 //! most in `u`: splitting finds it last, descent first. Near the answer, and where things rest from the
-//! start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass for each contact, the
-//! largest with which plain descent cannot diverge.
+//! start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass for each contact, about the
+//! largest with which plain descent does not diverge.
 
 use super::Tolerance;
 use super::anderson::{Anderson, Onward, Products, Turn};
@@ -58,8 +58,10 @@ where
     if error > *near || error.is_nan() {
         return None;
     }
+    // Splitting has the last iteration.
+    let allowed = tolerance.iterations.saturating_sub(*iterations + 1);
     let mut anderson = Anderson::new(MEMORY, 1);
-    for done in 1..=*most {
+    for done in 1..=allowed.min(*most) {
         *iterations += 1;
         lead.order(Order::Descent(Step::Descend(anderson.turn())));
         let mut products = Products::default();

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
-//! difference is the error of either, `R (z - v)` in impulses.
+//! difference is the error of either, `R (z - v)` in impulses. Near the answer descent takes over.
 
 mod anderson;
 mod crew;
