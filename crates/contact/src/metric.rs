@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 /// take up to half as many iterations again.
 const CROWD: f64 = 12.0;
 
-/// A bound of what all contacts together answer to impulses, in units of what each answers to its own in
-/// the metric of this `weight`.
+/// About the most that all contacts together answer to impulses, in units of what each answers to its own
+/// in the metric of this `weight`: a bound where what a body's points answer to each other points one way.
 pub(crate) fn most(weight: f64) -> f64 {
     weight * CROWD
 }

@@ -90,10 +90,15 @@ impl Anderson {
             return Turn::Plain;
         }
         self.iterations = 0;
-        Turn::Look(self.norm.map(|_| Place {
+        Turn::Look(self.place())
+    }
+
+    /// Where the difference of the next step goes; none before the second step.
+    pub(crate) fn place(&self) -> Option<Place> {
+        self.norm.map(|_| Place {
             newest: self.steps % self.depth,
             count: (self.steps + 1).min(self.depth),
-        }))
+        })
     }
 
     /// How the state goes on, by the products of all vectors at the end of a step.
@@ -105,8 +110,7 @@ impl Anderson {
             *self = Self::new(self.depth, self.period);
             return Onward::Back;
         }
-        if self.norm.is_some() {
-            let newest = self.steps % self.depth;
+        if let Some(Place { newest, .. }) = self.place() {
             self.steps += 1;
             for (i, &[_, entry]) in products.with.iter().enumerate() {
                 (self.gram[(newest, i)], self.gram[(i, newest)]) = (entry, entry);

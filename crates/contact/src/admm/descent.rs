@@ -11,10 +11,9 @@
 //! largest with which plain descent does not diverge.
 
 use super::Tolerance;
-use super::anderson::{Anderson, Onward, Products, Turn};
+use super::anderson::{Anderson, Onward, Place, Products};
 use super::crew::Lead;
-use super::part::{Common, Order, Part};
-use crate::residual::Sums;
+use super::part::{Common, Order, Part, judge};
 use crate::{Contact, Report, metric};
 use nalgebra::Vector3;
 
@@ -38,7 +37,7 @@ pub(super) struct Attempt {
 /// Steps of the method, for all parts.
 pub(super) enum Step {
     /// Finds where the gradient leads, and what the acceleration needs of it.
-    Descend(Turn),
+    Descend(Option<Place>),
     /// Takes the step, back into the cones.
     Onward(Onward),
 }
@@ -63,7 +62,7 @@ where
     let mut anderson = Anderson::new(MEMORY, 1);
     for done in 1..=allowed.min(*most) {
         *iterations += 1;
-        lead.order(Order::Descent(Step::Descend(anderson.turn())));
+        lead.order(Order::Descent(Step::Descend(anderson.place())));
         let mut products = Products::default();
         lead.each(|part| products.add(&part.products));
         lead.order(Order::Descent(Step::Onward(anderson.onward(&products))));
@@ -81,35 +80,15 @@ where
     None
 }
 
-/// How far the velocities that have been told are from the law.
-pub(super) fn judge<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
-where
-    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
-{
-    lead.order(Order::Judge);
-    together(lead)
-}
-
-/// What all parts have found, together.
-pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
-where
-    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
-{
-    let mut parts = Vec::new();
-    lead.each(|part| parts.push(part.sums));
-    Sums::together(&parts).report()
-}
-
 impl Part<'_, '_> {
     pub(super) fn descent(&mut self, common: &Common, step: &Step) {
         match step {
-            Step::Descend(turn) => self.descend(common, *turn),
+            Step::Descend(place) => self.descend(common, *place),
             Step::Onward(onward) => self.step(common, onward),
         }
     }
 
-    fn descend(&mut self, common: &Common, turn: Turn) {
-        let Turn::Look(place) = turn else { return };
+    fn descend(&mut self, common: &Common, place: Option<Place>) {
         let steps = &mut *self.descents;
         steps.start.clear();
         steps.image().clear();

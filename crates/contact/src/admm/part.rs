@@ -1,12 +1,13 @@
 //! What one thread does at a time: some bodies, and some contacts, which need not be between them.
 
 use super::anderson::{self, Onward, Products, Turn};
+use super::crew::Lead;
 use super::descent::Step;
 use super::shared::Shared;
 use super::sides::Sides;
 use crate::contact::free_solve;
 use crate::residual::{Sums, slip_error};
-use crate::{Body, Contact};
+use crate::{Body, Contact, Report};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -69,7 +70,7 @@ pub(super) struct Part<'a, 'b> {
     pub(super) responses: Vec<f64>,
     /// Relative velocities that the contacts want.
     wanted: Vec<Vector3<f64>>,
-    pub(super) sums: Sums,
+    sums: Sums,
 }
 
 impl<'a, 'b> Part<'a, 'b> {
@@ -240,6 +241,25 @@ impl<'a, 'b> Part<'a, 'b> {
             (asked, answer) = (&asked[points..], rest);
         }
     }
+}
+
+/// How far the velocities that have been told are from the law.
+pub(super) fn judge<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+where
+    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+{
+    lead.order(Order::Judge);
+    together(lead)
+}
+
+/// What all parts have found, together.
+pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+where
+    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+{
+    let mut parts = Vec::new();
+    lead.each(|part| parts.push(part.sums));
+    Sums::together(&parts).report()
 }
 
 impl Common<'_> {
