@@ -4,6 +4,9 @@ use nalgebra::{Vector2, Vector3};
 
 /// What is inside stays, what is in the polar cone goes to the tip.
 pub(super) fn project(curve: &LimitCurve, q: &Vector3<f64>) -> Vector3<f64> {
+    if let LimitCurve::Circle { mu } = curve {
+        return circular(q, *mu);
+    }
     let (normal, tangential) = (q.x, q.yz());
     if normal + curve.dissipation(&-tangential) <= 0.0 {
         return Vector3::zeros();
@@ -11,17 +14,24 @@ pub(super) fn project(curve: &LimitCurve, q: &Vector3<f64>) -> Vector3<f64> {
     if normal >= 0.0 && curve.contains(&tangential, normal) {
         return *q;
     }
-    match curve {
-        LimitCurve::Circle { mu } => {
-            let size = tangential.norm();
-            let s = (normal + mu * size) / (1.0 + mu * mu);
-            let friction = tangential * (mu * s / size);
-            Vector3::new(s, friction.x, friction.y)
-        }
-        LimitCurve::Ellipse { mu } => elliptic(q, *mu),
-        LimitCurve::Quarters { mu } => elliptic(q, quarter(mu, &tangential)),
-        LimitCurve::Polygon(_) => convex(curve, q),
+    match curve.semi_axes() {
+        Some(mu) => elliptic(q, quarter(&mu, &tangential)),
+        None => convex(curve, q),
     }
+}
+
+/// Closed form, which most contacts take in every iteration of a solver.
+fn circular(q: &Vector3<f64>, mu: f64) -> Vector3<f64> {
+    let (normal, size) = (q.x, q.yz().norm());
+    if normal + mu * size <= 0.0 {
+        return Vector3::zeros();
+    }
+    if size <= mu * normal {
+        return *q;
+    }
+    let s = (normal + mu * size) / (1.0 + mu * mu);
+    let share = mu * s / size;
+    Vector3::new(s, q.y * share, q.z * share)
 }
 
 /// With the Lagrange multiplier `tau` the friction is `m_i^2 q_i / (m_i^2 + tau)` and the normal part

@@ -188,9 +188,8 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
-            self.look_at_end(world, part)?;
+            let deepest = self.look_at_end(world, part)?;
             part.work = case.work(world, &bearing, &part.mean);
-            let deepest = part.touches.iter().map(|touch| -touch.gap).fold(0.0, f64::max);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
@@ -204,7 +203,7 @@ impl Touching {
                 let errors = [self.depth() / dt, self.settings.slip];
                 let drives = || case.drives(world, &part.touches, &part.mean, errors);
                 if (through || drives()) && !last {
-                    return Err(Cut::Contacts(worst_touch));
+                    return Err(Cut::Contacts(worst_touch.or_else(|| worst(world, part, &case))));
                 }
                 report.unresolved = usize::from(through);
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
@@ -214,10 +213,11 @@ impl Touching {
                 return Ok(());
             }
             case.set_gaps(world, &mut bearing, &part.mean, dt);
-            part.touches = merged(bearing, &part.touches, 0.5 * self.depth(), list < PATIENCE);
+            part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
             case = self.case(world, part)?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
+        let worst_touch = worst_touch.or_else(|| worst(world, part, &case));
         part.report.contact.unresolved = 1;
         part.report.contact.first_unresolved = worst_touch;
         if last { Ok(()) } else { Err(Cut::Contacts(worst_touch)) }
@@ -234,6 +234,11 @@ impl Touching {
     fn depth(&self) -> f64 {
         let depth = self.settings.depth * 2.0 * self.radius;
         self.film.as_ref().map_or(depth, |film| depth.min(0.1 * film.reach()))
+    }
+
+    /// How deep may be what is not worth a contact of its own, m.
+    fn shallow(&self) -> f64 {
+        0.5 * self.depth()
     }
 
     /// Solves the step with the contacts of a case, of the list of this number, from this effort on. Tells
@@ -354,15 +359,16 @@ impl Touching {
         Ok(())
     }
 
-    /// Lists those that overlap where the step has been solved to.
-    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<(), CollisionError> {
+    /// Lists those that overlap where the step has been solved to, and returns by how much at most, m.
+    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
         part.mean = world.mean_velocities();
         let mut touches = Vec::new();
         let end = part.end(&part.mean);
         let motion = part.motion(world, &self.radii, &end);
-        self.detector.overlaps(&motion, &world.objects, &mut touches)?;
+        let deepest =
+            self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;
-        Ok(())
+        Ok(deepest)
     }
 }
 
