@@ -9,34 +9,34 @@ pub(super) const WIDTH: usize = 16;
 /// Sixteen boxes. A lane that holds none is NaN, which no comparison accepts.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Block {
-    pub(super) low: [[f32; WIDTH]; 3],
-    pub(super) high: [[f32; WIDTH]; 3],
+pub(super) struct Block<const D: usize = 3> {
+    pub(super) low: [[f32; WIDTH]; D],
+    pub(super) high: [[f32; WIDTH]; D],
 }
 
-impl Block {
+impl<const D: usize> Block<D> {
     /// No box at all.
     pub(super) const EMPTY: Self =
-        Self { low: [[f32::NAN; WIDTH]; 3], high: [[f32::NAN; WIDTH]; 3] };
+        Self { low: [[f32::NAN; WIDTH]; D], high: [[f32::NAN; WIDTH]; D] };
 
-    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds) {
-        for d in 0..3 {
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds<D>) {
+        for d in 0..D {
             self.low[d][lane] = bounds.low[d];
             self.high[d][lane] = bounds.high[d];
         }
     }
 
     pub(super) fn clear(&mut self, lane: usize) {
-        for d in 0..3 {
+        for d in 0..D {
             self.low[d][lane] = f32::NAN;
             self.high[d][lane] = f32::NAN;
         }
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> Bounds {
+    pub(super) fn get(&self, lane: usize) -> Bounds<D> {
         let mut bounds = Bounds::EMPTY;
-        for d in 0..3 {
+        for d in 0..D {
             bounds.low[d] = self.low[d][lane];
             bounds.high[d] = self.high[d][lane];
         }
@@ -47,7 +47,7 @@ impl Block {
 /// How sixteen boxes are compared at once.
 pub(super) trait Compare: Copy {
     /// The lanes of `block` whose boxes meet `bounds`, as bits; touching is meeting.
-    fn meet(self, block: &Block, bounds: &Bounds) -> u16;
+    fn meet<const D: usize>(self, block: &Block<D>, bounds: &Bounds<D>) -> u16;
 
     /// The lanes of `nodes` that differ from `node` by at most one, as bits; also those that do
     /// so across the end of the range, where lanes are empty.
@@ -60,9 +60,9 @@ pub(super) struct Portable;
 
 impl Compare for Portable {
     #[inline(always)]
-    fn meet(self, block: &Block, bounds: &Bounds) -> u16 {
+    fn meet<const D: usize>(self, block: &Block<D>, bounds: &Bounds<D>) -> u16 {
         let mut meet = [true; WIDTH];
-        for d in 0..3 {
+        for d in 0..D {
             for lane in 0..WIDTH {
                 meet[lane] &= block.low[d][lane] <= bounds.high[d];
                 meet[lane] &= block.high[d][lane] >= bounds.low[d];
@@ -98,10 +98,10 @@ pub(super) struct Masks(pub(super) pulp::x86::V4);
 #[cfg(target_arch = "x86_64")]
 impl Compare for Masks {
     #[inline(always)]
-    fn meet(self, block: &Block, bounds: &Bounds) -> u16 {
+    fn meet<const D: usize>(self, block: &Block<D>, bounds: &Bounds<D>) -> u16 {
         let Self(simd) = self;
         let mut meet = u16::MAX;
-        for d in 0..3 {
+        for d in 0..D {
             let (low, high) = (pulp::cast(block.low[d]), pulp::cast(block.high[d]));
             meet &= simd.cmp_le_f32x16(low, simd.splat_f32s(bounds.high[d])).0;
             meet &= simd.cmp_ge_f32x16(high, simd.splat_f32s(bounds.low[d])).0;

@@ -1,25 +1,27 @@
 //! Boxes in single precision.
 
-/// An axis-aligned box (world), m.
+/// What lies between planes, two in each of some directions: along the axes a box (world), m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bounds {
-    pub(super) low: [f32; 3],
-    pub(super) high: [f32; 3],
+pub(super) struct Bounds<const D: usize = 3> {
+    pub(super) low: [f32; D],
+    pub(super) high: [f32; D],
 }
 
-impl Bounds {
+impl<const D: usize> Bounds<D> {
     /// The box that holds nothing.
-    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; D], high: [f32::NEG_INFINITY; D] };
 
     /// Grows to hold `other`.
     #[inline(always)]
     pub(super) fn hold(&mut self, other: &Self) {
-        for d in 0..3 {
+        for d in 0..D {
             self.low[d] = self.low[d].min(other.low[d]);
             self.high[d] = self.high[d].max(other.high[d]);
         }
     }
+}
 
+impl Bounds {
     /// Surface, m².
     pub(super) fn area(&self) -> f32 {
         let [x, y, z]: [f32; 3] = std::array::from_fn(|d| self.high[d] - self.low[d]);

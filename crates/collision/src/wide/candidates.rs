@@ -1,7 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::way::Way;
+use super::way::{OneWay, Way, ways};
 use super::{NONE, Tree};
 use crate::capsules::length;
 use crate::narrow::{self, Contact, squared_distances};
@@ -123,12 +123,13 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(&[]) };
+        let ways = ways(start, end);
         match list.way.astray(start, end) {
-            None => list.set_out(start, end)?,
+            None => list.set_out(start, end, &ways)?,
             Some(astray) if astray.nodes.is_empty() => (),
             Some(astray) => list.way.turn(start, end, &astray, &mut list.tree, self.reach)?,
         }
-        list.way.go(start, end, self.reach);
+        list.way.go(&ways, self.reach);
         Ok(&list.way.near)
     }
 
@@ -209,7 +210,12 @@ impl List {
 
     /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or
     /// else with what the tree finds.
-    fn set_out(&mut self, start: &Capsules, end: &Capsules) -> Result<(), CollisionError> {
+    fn set_out(
+        &mut self,
+        start: &Capsules,
+        end: &Capsules,
+        ways: &[OneWay],
+    ) -> Result<(), CollisionError> {
         let try_again = self.wide.is_multiple_of(PATIENCE);
         let slack = |list: &Self| SLACK * list.margin;
         let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
@@ -221,10 +227,10 @@ impl List {
         let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
-            self.way.set_out(start, end, &self.pairs, reaches);
+            self.way.set_out([start, end], ways, &self.pairs, reaches);
         } else {
             self.wide += 1;
-            self.way.set_out_among(start, end, &mut self.tree, reaches)?;
+            self.way.set_out_among([start, end], ways, &mut self.tree, reaches)?;
         }
         Ok(())
     }

@@ -32,6 +32,7 @@ pub struct Tree {
     node_count: usize,
     /// The blocks of every level, those of segments first, one block last.
     levels: Vec<Level>,
+    diagonals: Diagonals,
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
     /// one if these differ by at most one, because fibres share no node.
     nodes: Vec<[u32; WIDTH]>,
@@ -44,6 +45,15 @@ struct Level {
     children: Vec<[u32; WIDTH]>,
     /// Box of every block.
     hulls: Vec<Bounds>,
+}
+
+/// What the blocks of the lowest level hold along the diagonals of the axes' planes. Segments are long and
+/// thin: of pairs whose boxes meet three in four do not meet here.
+#[derive(Debug, Clone)]
+struct Diagonals {
+    blocks: Vec<Block<6>>,
+    /// Around every block.
+    hulls: Vec<Bounds<6>>,
 }
 
 /// A lane without a child.
@@ -64,7 +74,10 @@ impl Tree {
         };
         let first_nodes = |lanes: &[u32; WIDTH]| lanes.each_ref().map(first_node);
         let nodes: Vec<_> = lowest.children.iter().map(first_nodes).collect();
-        lowest.fit_segments(&nodes, [capsules], margin);
+        let count = lowest.blocks.len();
+        let mut diagonals =
+            Diagonals { blocks: vec![Block::EMPTY; count], hulls: vec![Bounds::EMPTY; count] };
+        lowest.fit_segments(&mut diagonals, &nodes, [capsules], margin);
         let mut levels = vec![lowest];
         while levels.len() < 2 || levels[levels.len() - 1].blocks.len() > 1 {
             let hulls = &levels[levels.len() - 1].hulls;
@@ -73,7 +86,7 @@ impl Tree {
             levels.push(level);
         }
         let (segments, node_count) = (layout.segments(), layout.nodes());
-        Ok(Self { segments, node_count, levels, nodes })
+        Ok(Self { segments, node_count, levels, diagonals, nodes })
     }
 
     /// Fits the boxes, grown by `margin`, m, to segments that have moved. Cost: 11 ns a segment.
@@ -106,7 +119,7 @@ impl Tree {
     ) -> Result<(), CollisionError> {
         length("margin", margin)?;
         frames.iter().try_for_each(|frame| self.check(frame))?;
-        self.levels[0].fit_segments(&self.nodes, frames, margin);
+        self.levels[0].fit_segments(&mut self.diagonals, &self.nodes, frames, margin);
         for k in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(k);
             above[0].fit_hulls(&below[k - 1].hulls);

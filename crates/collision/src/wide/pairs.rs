@@ -2,7 +2,7 @@
 
 use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
-use super::{Level, NONE, Tree};
+use super::{Diagonals, Level, NONE, Tree};
 use crate::Pair;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -53,11 +53,11 @@ impl Tree {
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
         all: &mut Vec<T>,
     ) {
-        let levels = &self.levels;
+        let (levels, diagonals) = (&self.levels, &self.diagonals);
         let last = levels[1].blocks.len();
         let part = |pairs: &mut Vec<Pair>, chunk: usize| {
             let firsts = chunk * CHUNK..last.min((chunk + 1) * CHUNK);
-            search(Query { levels, nodes: &self.nodes, firsts, marked }, pairs);
+            search(Query { levels, diagonals, nodes: &self.nodes, firsts, marked }, pairs);
             sift(pairs)
         };
         let chunks = (0..last.div_ceil(CHUNK)).into_par_iter();
@@ -108,6 +108,7 @@ impl Tree {
 /// that come after them.
 struct Query<'a> {
     levels: &'a [Level],
+    diagonals: &'a Diagonals,
     nodes: &'a [[u32; WIDTH]],
     firsts: Range<usize>,
     /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any are.
@@ -180,25 +181,35 @@ impl<C: Compare> Search<'_, C> {
     /// Pairs between the segments of two blocks of the lowest level.
     #[inline(always)]
     fn blocks(&mut self, a: usize, b: usize) {
-        let Level { blocks, children, hulls } = &self.query.levels[0];
-        let (first, second) = (&blocks[a], &blocks[b]);
-        let mine = self.compare.meet(first, &hulls[b]);
-        let theirs = self.compare.meet(second, &hulls[a]);
+        let Self { query, compare, pairs } = self;
+        let Level { blocks, children, hulls } = &query.levels[0];
+        let Diagonals { blocks: oblique, hulls: around } = query.diagonals;
+        let mut theirs = compare.meet(&blocks[b], &hulls[a]);
+        if theirs != 0 {
+            theirs &= compare.meet(&oblique[b], &around[a]);
+        }
         if theirs == 0 {
             return;
         }
+        let mut mine = compare.meet(&blocks[a], &hulls[b]);
+        if mine != 0 {
+            mine &= compare.meet(&oblique[a], &around[b]);
+        }
         let (segments, partners) = (&children[a], &children[b]);
-        let (nodes, other_nodes) = (&self.query.nodes[a], &self.query.nodes[b]);
+        let (nodes, other_nodes) = (&query.nodes[a], &query.nodes[b]);
         for lane in lanes(mine) {
-            let mut meet = self.compare.meet(second, &first.get(lane));
-            meet &= !self.compare.adjacent(other_nodes, nodes[lane]);
+            let mut meet = theirs & compare.meet(&blocks[b], &blocks[a].get(lane));
+            meet &= !compare.adjacent(other_nodes, nodes[lane]);
             if a == b {
                 meet &= u16::MAX << lane;
+            }
+            if meet != 0 {
+                meet &= compare.meet(&oblique[b], &oblique[a].get(lane));
             }
             let s = segments[lane];
             for other in lanes(meet) {
                 let t = partners[other];
-                self.pairs.push([s.min(t), s.max(t)]);
+                pairs.push([s.min(t), s.max(t)]);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::block::{Block, WIDTH};
 use super::bounds::{Bounds, above, below};
-use super::{Level, NONE};
+use super::{Diagonals, Level, NONE};
 use crate::Capsules;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -15,14 +15,17 @@ impl Level {
     /// `nodes` are the first nodes of the segments in the lanes.
     pub(super) fn fit_segments<const N: usize>(
         &mut self,
+        diagonals: &mut Diagonals,
         nodes: &[[u32; WIDTH]],
         frames: [&Capsules; N],
         margin: f64,
     ) {
         let blocks = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
+        let Diagonals { blocks: oblique, hulls: around } = diagonals;
+        let oblique = oblique.par_chunks_mut(CHUNK).zip(around.par_chunks_mut(CHUNK));
         let lanes = self.children.par_chunks(CHUNK).zip(nodes.par_chunks(CHUNK));
-        blocks.zip(lanes).for_each(|((blocks, hulls), (segments, nodes))| {
-            Arch::new().dispatch(Fit { blocks, hulls, segments, nodes, frames, margin });
+        blocks.zip(oblique).zip(lanes).for_each(|((along, oblique), (segments, nodes))| {
+            Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
         });
     }
 
@@ -42,8 +45,8 @@ impl Level {
 }
 
 struct Fit<'a, const N: usize> {
-    blocks: &'a mut [Block],
-    hulls: &'a mut [Bounds],
+    along: (&'a mut [Block], &'a mut [Bounds]),
+    oblique: (&'a mut [Block<6>], &'a mut [Bounds<6>]),
     segments: &'a [[u32; WIDTH]],
     nodes: &'a [[u32; WIDTH]],
     frames: [&'a Capsules<'a>; N],
@@ -55,15 +58,15 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
 
     #[inline(always)]
     fn call(self) {
-        for b in 0..self.blocks.len() {
-            let (segments, nodes) = (&self.segments[b], &self.nodes[b]);
-            let (block, hull) = (&mut self.blocks[b], &mut self.hulls[b]);
+        for (b, (segments, nodes)) in self.segments.iter().zip(self.nodes).enumerate() {
             let ends = Ends::gather(segments, nodes, self.frames, self.margin);
-            ends.fit(block, hull);
-            for lane in 0..WIDTH {
-                if segments[lane] == NONE {
-                    block.clear(lane);
-                }
+            let (block, hull) = (&mut self.along.0[b], &mut self.along.1[b]);
+            ends.fit(1.0, |[x, y, z]| [x, y, z], block, hull);
+            let (oblique, around) = (&mut self.oblique.0[b], &mut self.oblique.1[b]);
+            ends.fit(DIAGONAL, diagonals, oblique, around);
+            for lane in (0..WIDTH).filter(|&lane| segments[lane] == NONE) {
+                block.clear(lane);
+                oblique.clear(lane);
             }
         }
     }
@@ -103,30 +106,48 @@ impl<const N: usize> Ends<N> {
         ends
     }
 
-    /// Encloses and rounds in all lanes at once.
+    /// Encloses and rounds in all lanes at once, by coordinates in which lengths are so many times as large
+    /// at most.
     #[inline(always)]
-    fn fit(&self, block: &mut Block, hull: &mut Bounds) {
-        for d in 0..3 {
+    fn fit<const D: usize>(
+        &self,
+        stretch: f64,
+        coordinates: impl Fn([f64; 3]) -> [f64; D],
+        block: &mut Block<D>,
+        hull: &mut Bounds<D>,
+    ) {
+        let (mut low, mut high) = ([[f64::MAX; WIDTH]; D], [[f64::MIN; WIDTH]; D]);
+        for ends in self.start.iter().chain(&self.end) {
             for lane in 0..WIDTH {
-                let (p, q) = (self.start[0][d][lane], self.end[0][d][lane]);
-                let (mut low, mut high) = (if p < q { p } else { q }, if p > q { p } else { q });
-                for k in 1..N {
-                    for x in [self.start[k][d][lane], self.end[k][d][lane]] {
-                        low = if x < low { x } else { low };
-                        high = if x > high { x } else { high };
-                    }
+                let here = coordinates([ends[0][lane], ends[1][lane], ends[2][lane]]);
+                for d in 0..D {
+                    let (l, h) = (&mut low[d][lane], &mut high[d][lane]);
+                    *l = if here[d] < *l { here[d] } else { *l };
+                    *h = if here[d] > *h { here[d] } else { *h };
                 }
-                block.low[d][lane] = below(low - self.grow[lane]);
-                block.high[d][lane] = above(high + self.grow[lane]);
             }
-            hull.low[d] = least(&block.low[d]);
+        }
+        for d in 0..D {
             let mut negative = [0.0; WIDTH];
             for lane in 0..WIDTH {
+                let grow = stretch * self.grow[lane];
+                block.low[d][lane] = below(low[d][lane] - grow);
+                block.high[d][lane] = above(high[d][lane] + grow);
                 negative[lane] = -block.high[d][lane];
             }
+            hull.low[d] = least(&block.low[d]);
             hull.high[d] = -least(&negative);
         }
     }
+}
+
+/// The length of `(1, 1, 0)`, rounded up.
+const DIAGONAL: f64 = 1.414_213_6;
+
+/// Coordinates along the diagonals of the axes' planes.
+#[inline(always)]
+fn diagonals([x, y, z]: [f64; 3]) -> [f64; 6] {
+    [x + y, x - y, y + z, y - z, z + x, z - x]
 }
 
 /// The least of sixteen numbers, by halves.

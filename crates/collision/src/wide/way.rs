@@ -40,12 +40,12 @@ impl Way {
     /// `end`, or to an end that is elsewhere by half of `slack`, m.
     pub(super) fn set_out(
         &mut self,
-        start: &Capsules,
-        end: &Capsules,
+        [start, end]: [&Capsules; 2],
+        ways: &[OneWay],
         pairs: &[Pair],
         [reach, slack]: [f64; 2],
     ) {
-        let chunk = sieve(start, end, reach + slack);
+        let chunk = sieve(start, ways, reach + slack);
         join(pairs.par_chunks(CHUNK).map(chunk).collect(), &mut self.all);
         self.start.clear();
         self.start.extend_from_slice(start.positions());
@@ -57,8 +57,8 @@ impl Way {
     /// The same with those of all pairs that a tree finds.
     pub(super) fn set_out_among(
         &mut self,
-        start: &Capsules,
-        end: &Capsules,
+        [start, end]: [&Capsules; 2],
+        ways: &[OneWay],
         tree: &mut Tree,
         [reach, slack]: [f64; 2],
     ) -> Result<(), CollisionError> {
@@ -72,7 +72,7 @@ impl Way {
         tree.sifted_pairs(sifted, &mut pairs);
         // They are large, and no more needed.
         drop(lines);
-        self.set_out(start, end, &pairs, [reach, slack]);
+        self.set_out([start, end], ways, &pairs, [reach, slack]);
         Ok(())
     }
 
@@ -100,7 +100,8 @@ impl Way {
         let end = Capsules::new(layout, &self.end, start.radii())?;
         tree.refit_swept(start, &end, 0.5 * reach)?;
         let mut found = Vec::new();
-        let near = sieve(start, &end, reach);
+        let ways = ways(start, &end);
+        let near = sieve(start, &ways, reach);
         tree.sifted_pairs_of(&turned, |pairs| near(pairs), &mut found);
         self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
         self.all.append(&mut found);
@@ -123,51 +124,54 @@ impl Way {
         (FEW * nodes.len() <= self.end.len()).then_some(Astray { nodes, shift })
     }
 
-    /// Finds the pairs that may come within `reach`, m, of each other until `end`.
-    pub(super) fn go(&mut self, start: &Capsules, end: &Capsules, reach: f64) {
-        let near = near(start, end, reach);
+    /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
+    pub(super) fn go(&mut self, ways: &[OneWay], reach: f64) {
         let chunk = |pairs: &[(Pair, f64)]| {
-            pairs.iter().filter(|(pair, squared)| near(pair, *squared)).copied().collect()
+            let near = pairs.iter().filter(|(pair, squared)| near(ways, pair, *squared, reach));
+            near.copied().collect()
         };
         join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut self.near);
     }
 }
 
-/// Those of some pairs that may come within `reach`, m, of each other until `end`, with their squared
+/// Those of some pairs that may come within `reach`, m, of each other on their ways, with their squared
 /// distances at the start, m².
 fn sieve(
     start: &Capsules,
-    end: &Capsules,
+    ways: &[OneWay],
     reach: f64,
 ) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send {
-    let near = near(start, end, reach);
     move |pairs| {
         let mut squared = Vec::new();
         squared_distances(start, pairs, &mut squared);
         let both = pairs.iter().copied().zip(squared);
-        both.filter(|(pair, squared)| near(pair, *squared)).collect()
+        both.filter(|(pair, squared)| near(ways, pair, *squared, reach)).collect()
     }
 }
 
-/// Whether a pair at a squared distance, m², at the start may come within `reach`, m, until the end.
-fn near(start: &Capsules, end: &Capsules, reach: f64) -> impl Fn(&Pair, f64) -> bool + Sync + Send {
-    // The way of the middle of each segment, and how far another of its points may go beyond it and
-    // the reach, its own part.
-    let ways: Vec<[f64; 4]> = (0..start.len())
-        .into_par_iter()
-        .map(|segment| {
-            let nodes = start.layout().segment_nodes(segment);
-            let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
-            let middle = 0.5 * (a + b);
-            let own = 0.5 * (a - b).norm() + start.radii()[segment] + 0.5 * reach;
-            [middle.x, middle.y, middle.z, own]
-        })
-        .collect();
-    move |pair, squared| {
-        let [a, b] = pair.map(|segment| ways[segment as usize]);
-        let apart = Vector3::new(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-        // The fast distances may be off by roundings.
-        let far = (apart.norm() + a[3] + b[3]) * (1.0 + 1e-6);
-        squared <= far * far
-    }
+/// The way of one segment.
+pub(super) struct OneWay {
+    /// Of its middle, m.
+    middle: Vector3<f64>,
+    /// How far another of its points may go beyond that, m, and its radius.
+    own: f64,
+}
+
+/// The ways of all segments.
+pub(super) fn ways(start: &Capsules, end: &Capsules) -> Vec<OneWay> {
+    let way = |segment| {
+        let nodes = start.layout().segment_nodes(segment);
+        let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
+        let own = 0.5 * (a - b).norm() + start.radii()[segment];
+        OneWay { middle: 0.5 * (a + b), own }
+    };
+    (0..start.len()).into_par_iter().map(way).collect()
+}
+
+/// Whether a pair at a squared distance, m², at the start may come within `reach`, m, on its ways.
+fn near(ways: &[OneWay], pair: &Pair, squared: f64, reach: f64) -> bool {
+    let [a, b] = pair.map(|segment| &ways[segment as usize]);
+    // The fast distances may be off by roundings.
+    let far = ((a.middle - b.middle).norm() + a.own + b.own + reach) * (1.0 + 1e-6);
+    squared <= far * far
 }
