@@ -21,9 +21,10 @@ pub use candidates::{Candidates, Update};
 use block::{Block, WIDTH};
 use bounds::{Bounds, nearest};
 
-/// A tree of boxes over all segments, which finds the pairs whose boxes meet.
+/// A tree of boxes over all segments, which finds the pairs whose boxes meet, and whose extents along the
+/// diagonals of the axes' planes do.
 ///
-/// Boxes are in single precision and rounded outward: no pair is missed, and hardly one is found
+/// Bounds are in single precision and rounded outward: no pair is missed, and hardly one is found
 /// in excess.
 #[derive(Debug, Clone)]
 pub struct Tree {

@@ -12,7 +12,7 @@ use std::ops::Range;
 const CHUNK: usize = 16;
 
 impl Tree {
-    /// All pairs of segments, not adjacent, whose boxes meet; `pairs` is emptied first.
+    /// All pairs of segments, not adjacent, whose boxes and extents along diagonals meet; `pairs` is emptied first.
     ///
     /// The order depends on the tree alone, not on the number of threads. Cost: 45 ns a segment
     /// where a segment has one partner.
