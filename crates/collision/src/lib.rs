@@ -5,6 +5,7 @@ pub mod continuous;
 mod error;
 pub mod field;
 pub mod hierarchy;
+mod join;
 mod narrow;
 pub mod packing;
 mod random;

@@ -67,7 +67,8 @@ pub(crate) fn slip_error(
 
 /// How far `missing` goes along a direction; zero where that is none.
 fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
-    direction.try_normalize(0.0).map_or(0.0, |direction| missing.dot(&direction).max(0.0))
+    let product = missing.dot(direction);
+    if product > 0.0 { product / direction.norm() } else { 0.0 }
 }
 
 /// The report on all contacts: the residual is the norm of all natural maps divided by that of all

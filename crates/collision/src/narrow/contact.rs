@@ -2,6 +2,7 @@
 
 use super::squared_distances;
 use crate::capsules::length;
+use crate::join::join;
 use crate::{Capsule, Capsules, CollisionError, Pair};
 use nalgebra::{Unit, Vector3};
 use rapunzel_fiber::Layout;
@@ -84,10 +85,7 @@ pub fn contacts(
         }
         found
     };
-    let found: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
-    contacts.clear();
-    contacts.reserve_exact(found.iter().map(Vec::len).sum());
-    found.into_iter().for_each(|found| contacts.extend_from_slice(&found));
+    join(pairs.par_chunks(CHUNK).map(chunk).collect(), contacts);
     Ok(())
 }
 

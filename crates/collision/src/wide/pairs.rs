@@ -4,6 +4,7 @@ use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
 use super::{Diagonals, Level, NONE, Tree};
 use crate::Pair;
+use crate::join::join;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,7 +23,7 @@ impl Tree {
 
     /// What `sift` makes of parts of all pairs, in their order: of pairs that nobody wants no list is
     /// ever made.
-    pub(super) fn sifted_pairs<T: Copy + Send>(
+    pub(super) fn sifted_pairs<T: Copy + Send + Sync>(
         &self,
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
         all: &mut Vec<T>,
@@ -31,7 +32,7 @@ impl Tree {
     }
 
     /// The same of the pairs of which a segment is marked.
-    pub(super) fn sifted_pairs_of<T: Copy + Send>(
+    pub(super) fn sifted_pairs_of<T: Copy + Send + Sync>(
         &self,
         marked: &[bool],
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
@@ -47,7 +48,7 @@ impl Tree {
         self.sifted(Some(&blocks), sift, all);
     }
 
-    fn sifted<T: Copy + Send>(
+    fn sifted<T: Copy + Send + Sync>(
         &self,
         marked: Option<&[Vec<bool>; 2]>,
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
@@ -73,13 +74,6 @@ impl Level {
         };
         self.children.iter().map(holds).collect()
     }
-}
-
-/// Joins parts to one list, which is emptied first.
-pub(super) fn join<T: Copy>(parts: Vec<Vec<T>>, all: &mut Vec<T>) {
-    all.clear();
-    all.reserve_exact(parts.iter().map(Vec::len).sum());
-    parts.into_iter().for_each(|part| all.extend_from_slice(&part));
 }
 
 impl Tree {

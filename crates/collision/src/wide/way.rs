@@ -2,7 +2,7 @@
 
 use super::Tree;
 use super::lines::{lines, sift};
-use super::pairs::join;
+use crate::join::join;
 use crate::narrow::squared_distances;
 use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};

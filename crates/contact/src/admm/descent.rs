@@ -13,7 +13,7 @@
 use super::Tolerance;
 use super::anderson::{Anderson, Onward, Place, Products};
 use super::crew::Lead;
-use super::part::{Common, Order, Part, judge};
+use super::part::{Common, Order, Part, together};
 use crate::{Contact, Report, metric};
 use nalgebra::Vector3;
 
@@ -36,8 +36,9 @@ pub(super) struct Attempt {
 
 /// Steps of the method, for all parts.
 pub(super) enum Step {
-    /// Finds where the gradient leads, and what the acceleration needs of it.
-    Descend(Option<Place>),
+    /// Finds where the gradient leads, and what the acceleration needs of it; also how far the velocities
+    /// that have been told are from the law if one `judges`.
+    Descend { judges: bool, place: Option<Place> },
     /// Takes the step, back into the cones.
     Onward(Onward),
 }
@@ -48,33 +49,39 @@ pub(super) fn descend<'a, 'b, A>(
     lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>,
     tolerance: &Tolerance,
     error: f64,
-    Attempt { near, least, most, off_course }: &Attempt,
+    attempt: &Attempt,
     iterations: &mut usize,
 ) -> Option<Report>
 where
     A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
 {
-    if error > *near || error.is_nan() {
+    if error > attempt.near || error.is_nan() {
         return None;
     }
     // Splitting has the last iteration.
-    let allowed = tolerance.iterations.saturating_sub(*iterations + 1);
+    let most = tolerance.iterations.saturating_sub(*iterations + 1).min(attempt.most);
     let mut anderson = Anderson::new(MEMORY, 1);
-    for done in 1..=allowed.min(*most) {
-        *iterations += 1;
-        lead.order(Order::Descent(Step::Descend(anderson.place())));
-        let mut products = Products::default();
-        lead.each(|part| products.add(&part.products));
-        lead.order(Order::Descent(Step::Onward(anderson.onward(&products))));
-        lead.order(Order::Tell);
-        let found = judge(lead);
-        let left = tolerance.error(&found);
-        if left <= 1.0 && done >= *least {
-            return Some(found);
+    for done in 0..=most {
+        // What a part reads for the one is at hand for the other.
+        let judges = done > 0;
+        lead.order(Order::Descent(Step::Descend { judges, place: anderson.place() }));
+        if judges {
+            let found = together(lead);
+            let left = tolerance.error(&found);
+            if left <= 1.0 && done >= attempt.least {
+                return Some(found);
+            }
+            let course = error.max(1.0).powf(1.0 - done as f64 / attempt.most as f64);
+            if left > attempt.off_course * course || left.is_nan() {
+                return None;
+            }
         }
-        let course = error.max(1.0).powf(1.0 - done as f64 / *most as f64);
-        if left > off_course * course || left.is_nan() {
-            return None;
+        if done < most {
+            *iterations += 1;
+            let mut products = Products::default();
+            lead.each(|part| products.add(&part.products));
+            lead.order(Order::Descent(Step::Onward(anderson.onward(&products))));
+            lead.order(Order::Tell);
         }
     }
     None
@@ -83,7 +90,12 @@ where
 impl Part<'_, '_> {
     pub(super) fn descent(&mut self, common: &Common, step: &Step) {
         match step {
-            Step::Descend(place) => self.descend(common, *place),
+            Step::Descend { judges, place } => {
+                if *judges {
+                    self.judge(common);
+                }
+                self.descend(common, *place);
+            }
             Step::Onward(onward) => self.step(common, onward),
         }
     }
@@ -102,8 +114,7 @@ impl Part<'_, '_> {
             steps.start.extend_from_slice(r.as_slice());
             steps.image().extend_from_slice(next.as_slice());
         }
-        let roots: Vec<f64> = self.responses.iter().map(|response| response.sqrt()).collect();
-        self.products = steps.look(place, &roots);
+        self.products = steps.look(place, &self.response_roots);
     }
 
     fn step(&mut self, common: &Common, onward: &Onward) {

@@ -68,6 +68,7 @@ pub(super) struct Part<'a, 'b> {
     pub(super) impulses: &'a mut [Vector3<f64>],
     /// Answers of the contacts to their own impulses in the metric, 1/kg.
     pub(super) responses: Vec<f64>,
+    pub(super) response_roots: Vec<f64>,
     /// Relative velocities that the contacts want.
     wanted: Vec<Vector3<f64>>,
     sums: Sums,
@@ -85,13 +86,15 @@ impl<'a, 'b> Part<'a, 'b> {
         let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
         let root = |point: usize| std::iter::repeat_n(masses[point].sqrt(), sides.at(point).len());
         let zeros = vec![Vector3::zeros(); points.len()];
+        let responses: Vec<f64> = contacts.clone().map(|i| common.response(i)).collect();
         Self {
             given: points.clone().map(given).collect(),
             asked: zeros.clone(),
             answer: zeros,
             roots: points.clone().flat_map(root).collect(),
             products: Products::default(),
-            responses: contacts.clone().map(|i| common.response(i)).collect(),
+            response_roots: responses.iter().map(|response| response.sqrt()).collect(),
+            responses,
             wanted: vec![Vector3::zeros(); contacts.len()],
             sums: Sums::default(),
             bodies,
@@ -222,7 +225,7 @@ impl<'a, 'b> Part<'a, 'b> {
         }
     }
 
-    fn judge(&mut self, common: &Common) {
+    pub(super) fn judge(&mut self, common: &Common) {
         self.sums = Sums::default();
         for (k, i) in self.contacts.clone().enumerate() {
             let (contact, r) = (&common.contacts[i], &self.impulses[k]);
