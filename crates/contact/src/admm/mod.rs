@@ -125,9 +125,9 @@ impl Solver for Admm {
             masses: &masses,
             weight: self.weight,
             relaxation: self.relaxation,
-            h: Shared::new(std::iter::repeat_n(Vector3::zeros(), sides.len())),
-            impulses: Shared::new(contacts.iter().zip(&*impulses).map(first)),
-            v: Shared::new(velocities.iter().copied()),
+            h: Shared::new(rayon::iter::repeat_n(Vector3::zeros(), sides.len())),
+            impulses: Shared::new(contacts.par_iter().zip(&*impulses).map(first)),
+            v: Shared::new(velocities.par_iter().copied()),
         };
         let parts = parts(bodies, impulses, &common, &mut self.steps);
         let crew = Crew::new(parts.into_iter(), |order: &Order, part| part.act(order, &common));
@@ -224,20 +224,20 @@ fn parts<'a, 'b>(
     steps.resize_with(steps.len().max(count), Default::default);
     // Spread evenly where there are fewer groups than parts.
     let cut = |all: usize, part: usize| all * part / count;
-    let (mut parts, mut points) = (Vec::with_capacity(count), 0..0);
+    let (mut own, mut points) = (Vec::with_capacity(count), 0..0);
     for (part, steps) in (0..count).zip(steps) {
         let of_part = &groups[cut(groups.len(), part)..cut(groups.len(), part + 1)];
         let own_bodies = of_part.iter().map(|(bodies, _)| bodies).sum();
         points = points.end..of_part.last().map_or(points.end, |(_, points)| *points);
         let own_contacts = cut(contacts, part)..cut(contacts, part + 1);
-        let (own, rest) = std::mem::take(&mut bodies).split_at_mut(own_bodies);
+        let (of_bodies, rest) = std::mem::take(&mut bodies).split_at_mut(own_bodies);
         bodies = rest;
-        let (own_impulses, rest) = std::mem::take(&mut impulses).split_at_mut(own_contacts.len());
+        let (of_contacts, rest) = std::mem::take(&mut impulses).split_at_mut(own_contacts.len());
         impulses = rest;
-        let (bodies, contacts) = ((own, points.clone()), (own_impulses, own_contacts));
-        parts.push(Part::new(common, bodies, contacts, steps.each_mut()));
+        own.push(((of_bodies, points.clone()), (of_contacts, own_contacts), steps.each_mut()));
     }
-    parts
+    let part = |(bodies, contacts, steps)| Part::new(common, bodies, contacts, steps);
+    own.into_par_iter().map(part).collect()
 }
 
 /// How many bodies are taken together, and where their points end.

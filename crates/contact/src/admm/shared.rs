@@ -1,5 +1,6 @@
 //! Vectors that all parts read and each writes some of.
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(super) struct Shared(Vec<[AtomicU64; 3]>);
 
 impl Shared {
-    pub(super) fn new(vectors: impl Iterator<Item = Vector3<f64>>) -> Self {
+    pub(super) fn new(vectors: impl IndexedParallelIterator<Item = Vector3<f64>>) -> Self {
         Self(vectors.map(|v| from_fn(|k| AtomicU64::new(v[k].to_bits()))).collect())
     }
 

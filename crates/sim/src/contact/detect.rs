@@ -3,7 +3,7 @@
 use super::object::{Object, Strand};
 use super::pair;
 use super::passing::{bends, keep_sides, leads_through, passing, travel};
-use super::touch::{self, Partner, Rank, Touch};
+use super::touch::{self, Partner, Rank, Touch, retain_others};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{
     Candidates, Capsules, CollisionError, Contact, Pair, contacts, squared_distances,
@@ -112,8 +112,7 @@ impl Detector {
         let most = if self.holds { f64::MAX } else { margin };
         contacts(&end, &near, most, &mut self.contacts)?;
         self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
-        self.put_in_order(end.layout(), fast);
-        self.contacts.retain(|contact| !bends(&end, contact));
+        self.put_in_order(&end, fast);
         touches.clear();
         touches.par_extend(self.contacts.par_iter().map(|contact| fiber_touch(&end, contact)));
         let mut others = of_objects(motion, objects, margin);
@@ -125,8 +124,9 @@ impl Detector {
     }
 
     /// Sorts the contacts, which come by pairs of fibres, together with those on the way; of those that are
-    /// one place the first stays.
-    fn put_in_order(&mut self, layout: &Layout, mut fast: Vec<Contact>) {
+    /// one place the first stays, and none where a fibre only bends.
+    fn put_in_order(&mut self, end: &Capsules, mut fast: Vec<Contact>) {
+        let layout = end.layout();
         let rank = |contact: &Contact| fiber_rank(layout, contact);
         let groups = self.contacts.par_chunk_by_mut(|a, b| same_fibers(layout, &a.pair, &b.pair));
         groups.for_each(|group| {
@@ -145,10 +145,12 @@ impl Detector {
         touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
         let same =
             |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
-        let windows = self.contacts.par_windows(2);
-        let again: Vec<bool> = windows.map(|window| same([&window[0], &window[1]])).collect();
-        let mut again = std::iter::once(false).chain(again);
-        self.contacts.retain(|_| !again.next().unwrap_or_default());
+        let goes = |i: usize| {
+            let own = &self.contacts[i];
+            i > 0 && same([&self.contacts[i - 1], own]) || bends(end, own)
+        };
+        let goes: Vec<bool> = (0..self.contacts.len()).into_par_iter().map(goes).collect();
+        retain_others(&mut self.contacts, goes);
     }
 }
 
@@ -279,6 +281,10 @@ fn sort(
     margin: f64,
     either: bool,
 ) -> (Vec<Pair>, Vec<Contact>) {
+    let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
+    let ways = start.positions().par_iter().zip(end.positions()).map(way);
+    // How far one can have gone relative to another, squared.
+    let most = 4.0 * ways.reduce(|| 0.0, f64::max);
     let chunk = |pairs: &[(Pair, f64)]| {
         let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
         let mut after = Vec::new();
@@ -286,9 +292,10 @@ fn sort(
         let (mut near, mut fast) = (Vec::new(), Vec::new());
         for (pair, (before, after)) in numbers.into_iter().zip(before.into_iter().zip(after)) {
             let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
-            let (reach, travel) = (r + q, travel(start, end, pair));
+            let reach = r + q;
             // Axes that were apart by more than the way cannot have crossed.
-            let crosses = travel > 0.25 * reach * reach && travel >= before;
+            let far = (0.25 * reach * reach).max(before);
+            let crosses = most >= far && travel(start, end, pair) >= far;
             let least = if either { before.min(after) } else { after };
             // The fast distances may be off by roundings.
             let close = (reach + margin) * (1.0 + 1e-6);

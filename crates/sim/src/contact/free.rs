@@ -8,7 +8,7 @@
 //! that what the body gets of angular momentum is what the fibre loses. Between two bodies the levers
 //! of both end in the middle of the gap.
 
-use super::object::Way;
+use super::object::{Object, Way};
 use super::touch::{Partner, Push};
 use crate::World;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
@@ -129,17 +129,20 @@ fn moved(
 
 impl World {
     /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some touches.
-    pub(super) fn push<'a>(
+    pub(super) fn push(
         &mut self,
-        pushes: impl Iterator<Item = Push<'a>>,
+        pushes: impl Iterator<Item = Push>,
         time: f64,
         dt: f64,
     ) -> Result<(), ContactError> {
+        if !self.objects.iter().any(Object::is_free) {
+            return Ok(());
+        }
         let mut wrenches = vec![Vector6::zeros(); self.objects.len()];
-        for (touch, impulse) in pushes {
-            for (side, impulse) in [impulse, -impulse].into_iter().enumerate() {
-                let Partner::Object(object) = touch.sides[side] else { continue };
-                let moment = touch.levers[side].cross(&impulse);
+        for push in pushes {
+            for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
+                let Partner::Object(object) = push.sides[side] else { continue };
+                let moment = push.levers[side].cross(&impulse);
                 let wrench = &mut wrenches[object as usize];
                 *wrench += Vector6::from_iterator(impulse.iter().chain(&moment).copied());
             }

@@ -70,13 +70,13 @@ impl World {
     }
 
     /// What touches push on all nodes, N s.
-    fn impulses<'a>(&self, pushes: impl Iterator<Item = Push<'a>>) -> Vec<Vector3<f64>> {
+    fn impulses(&self, pushes: impl Iterator<Item = Push>) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
         let mut all = vec![Vector3::zeros(); layout.nodes()];
-        for (touch, impulse) in pushes {
-            for (side, impulse) in [impulse, -impulse].into_iter().enumerate() {
-                let Partner::Fiber(fiber) = touch.sides[side] else { continue };
-                let (segment, fraction) = (touch.segments[side], touch.fractions[side]);
+        for push in pushes {
+            for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
+                let Partner::Fiber(fiber) = push.sides[side] else { continue };
+                let (segment, fraction) = (push.segments[side], push.fractions[side]);
                 let node = layout.node_range(fiber as usize).start + segment as usize;
                 all[node] += impulse * (1.0 - fraction);
                 all[node + 1] += impulse * fraction;
@@ -95,9 +95,9 @@ impl World {
     }
 
     /// The same, each with what touches push on all its nodes.
-    pub(super) fn with_impulses<'a, T: Send>(
+    pub(super) fn with_impulses<T: Send>(
         &mut self,
-        pushes: impl Iterator<Item = Push<'a>>,
+        pushes: impl Iterator<Item = Push>,
         act: impl Fn(&mut Group, &[Vector3<f64>]) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
         let impulses = self.impulses(pushes);

@@ -1,7 +1,7 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::report::ContactReport;
-use super::touch::{Partner, Touch};
+use super::touch::{Partner, Push, Touch};
 use super::work::ContactWork;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -24,13 +24,7 @@ pub(crate) struct Memory {
 /// A contact that bore something or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Remembered {
-    sides: [Partner; 2],
-    segments: [u32; 2],
-    fractions: [f64; 2],
-    /// As in a touch.
-    levers: [Vector3<f64>; 2],
-    /// Impulse on the first side, N s, world.
-    pub(crate) impulse: Vector3<f64>,
+    pub(crate) push: Push,
     bonded: bool,
 }
 
@@ -53,59 +47,54 @@ impl Memory {
     pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
         let dt = self.dt.unwrap_or(1.0);
         self.bearing.iter().map(move |one| Bearing {
-            sides: one.sides,
-            at: one.touch().at(),
-            force: one.impulse / dt,
+            sides: one.push.sides,
+            at: one.push.at(),
+            force: one.push.impulse / dt,
             bonded: one.bonded,
         })
-    }
-}
-
-impl Remembered {
-    /// As a touch of which no more is known.
-    pub(crate) fn touch(&self) -> Touch {
-        Touch {
-            sides: self.sides,
-            segments: self.segments,
-            fractions: self.fractions,
-            normal: Vector3::zeros(),
-            axis: Vector3::zeros(),
-            other_axis: Vector3::zeros(),
-            gap: 0.0,
-            drive: Vector3::zeros(),
-            levers: self.levers,
-            impulse: self.impulse,
-            working: false,
-            bonded: self.bonded,
-        }
     }
 }
 
 /// How far a contact may have moved to be the same, in segments.
 const REACH: f64 = 1.0;
 
+/// What contacts of the step before are expected to do in this one.
+pub(crate) struct Expected<'a> {
+    /// By pair and place.
+    pub(crate) known: &'a [Remembered],
+    /// By how much larger impulses are.
+    pub(crate) scale: f64,
+}
+
+impl Expected<'_> {
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = Push> + Clone {
+        self.known.iter().map(|one| Push { impulse: self.scale * one.push.impulse, ..one.push })
+    }
+}
+
 /// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are nearest: what
 /// held something still holds it there. Both are sorted by pair and place.
-pub(crate) fn recall(remembered: &[Remembered], touches: &mut [Touch]) {
+pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
+    let Expected { known, scale } = *expected;
     touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
         let sides = group[0].sides;
-        let known = &remembered[remembered.partition_point(|r| r.sides < sides)..];
-        let known = &known[..known.partition_point(|r| r.sides == sides)];
-        recall_pair(known, group);
+        let known = &known[known.partition_point(|r| r.push.sides < sides)..];
+        let known = &known[..known.partition_point(|r| r.push.sides == sides)];
+        recall_pair(known, scale, group);
     });
 }
 
 /// The same for the contacts of one pair.
-fn recall_pair(known: &[Remembered], group: &mut [Touch]) {
+fn recall_pair(known: &[Remembered], scale: f64, group: &mut [Touch]) {
     for touch in &mut *group {
         (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
     }
     for one in known {
-        let place = one.touch();
-        let both = group.iter_mut().map(|touch| (touch.apart(&place), touch));
+        let place = one.push.at();
+        let both = group.iter_mut().map(|touch| (touch.apart(place), touch));
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
-            touch.impulse += one.impulse;
+            touch.impulse += scale * one.push.impulse;
             touch.bonded |= one.bonded;
         }
     }
@@ -117,23 +106,18 @@ pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
     let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
     let bonded =
         nearest.filter(|touch| touch.gap <= range).map(|touch| Touch { bonded: true, ..*touch });
-    remember(&bonded.collect::<Vec<_>>())
+    let mut bonds = Vec::new();
+    remember(&bonded.collect::<Vec<_>>(), &mut bonds);
+    bonds
 }
 
-/// What to remember of some touches, in their order.
-pub(crate) fn remember(touches: &[Touch]) -> Vec<Remembered> {
-    touches
-        .iter()
-        .filter(|touch| touch.bonded || touch.impulse != Vector3::zeros())
-        .map(|touch| Remembered {
-            sides: touch.sides,
-            segments: touch.segments,
-            fractions: touch.fractions,
-            levers: touch.levers,
-            impulse: touch.impulse,
-            bonded: touch.bonded,
-        })
-        .collect()
+/// Writes what is to be remembered of some touches, in their order.
+pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
+    remembered.clear();
+    let lasting = touches.iter().filter(|touch| touch.bonded || touch.impulse != Vector3::zeros());
+    remembered.extend(
+        lasting.map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
+    );
 }
 
 #[cfg(test)]
@@ -143,12 +127,33 @@ mod tests {
     fn remembered(place: f64, push: f64, bonded: bool) -> Remembered {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
         let segment = place as u32;
-        Remembered {
+        let push = Push {
             sides: [Partner::Fiber(0), Partner::Fiber(1)],
             segments: [segment; 2],
             fractions: [place.fract(); 2],
             levers: [Vector3::zeros(); 2],
             impulse: Vector3::z() * push,
+        };
+        Remembered { push, bonded }
+    }
+
+    /// As a touch of which no more is known.
+    fn touch(Remembered { push, bonded }: Remembered) -> Touch {
+        let Push { sides, segments, fractions, levers, impulse } = push;
+        let zero = Vector3::zeros();
+        let (normal, axis, other_axis, drive, gap, working) = (zero, zero, zero, zero, 0.0, false);
+        Touch {
+            sides,
+            segments,
+            fractions,
+            normal,
+            axis,
+            other_axis,
+            gap,
+            drive,
+            levers,
+            impulse,
+            working,
             bonded,
         }
     }
@@ -158,9 +163,9 @@ mod tests {
     fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
         let known = [(2.0, 1.0, false), (2.5, 2.0, true), (6.0, 4.0, false)];
         let known = known.map(|(place, push, bonded)| remembered(place, push, bonded));
-        let mut touches = [remembered(2.1, 7.0, false).touch(), remembered(4.0, 8.0, true).touch()];
-        recall(&known, &mut touches);
-        assert_eq!(touches.map(|touch| touch.impulse.z), [3.0, 0.0]);
+        let mut touches = [remembered(2.1, 7.0, false), remembered(4.0, 8.0, true)].map(touch);
+        recall(&Expected { known: &known, scale: 2.0 }, &mut touches);
+        assert_eq!(touches.map(|touch| touch.impulse.z), [6.0, 0.0]);
         assert_eq!(touches.map(|touch| touch.bonded), [true, false]);
     }
 }

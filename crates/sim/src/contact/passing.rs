@@ -2,7 +2,7 @@
 //! sides.
 
 use super::detect::fibers;
-use super::touch::{Partner, Touch};
+use super::touch::{Partner, Touch, retain_others};
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{Capsules, Contact, Pair};
 use rayon::prelude::*;
@@ -104,8 +104,7 @@ pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
         };
         (0..group.len()).map(|i| turned[i] && jams(i)).collect::<Vec<_>>()
     };
-    let groups: Vec<_> =
+    let jammed: Vec<_> =
         touches.par_chunk_by(|a, b| a.sides == b.sides).flat_map_iter(jammed).collect();
-    let mut jammed = groups.into_iter();
-    touches.retain(|_| !jammed.next().unwrap_or_default());
+    retain_others(touches, jammed);
 }

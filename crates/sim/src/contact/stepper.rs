@@ -4,7 +4,7 @@ use super::detect::{self, Detector};
 use super::effort::Effort;
 use super::film::Film;
 use super::law::Laws;
-use super::memory::{Remembered, glue, recall, remember};
+use super::memory::{Expected, Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
@@ -151,15 +151,18 @@ impl Touching {
         // It is forces that last: impulses grow with the step.
         let scale = world.contacts.dt.map_or(0.0, |before| dt / before);
         let first = world.contacts.dt.is_none();
-        let mut expected = if first { &self.bonds } else { &world.contacts.bearing }.clone();
-        expected.iter_mut().for_each(|one| one.impulse *= scale);
-        let solved = self.solve(world, &mut part, &expected, last);
-        if let Err(cut) = solved {
+        let bearing = &mut world.contacts.bearing;
+        let mut known = if first { self.bonds.clone() } else { std::mem::take(bearing) };
+        let solved = self.solve(world, &mut part, &Expected { known: &known, scale }, last);
+        if solved.is_ok() {
+            world.accept(time, dt);
+            remember(&part.touches, &mut known);
+        } else {
             world.abandon();
-            return Err(cut);
+            known.truncate(if first { 0 } else { known.len() });
         }
-        world.accept(time, dt);
-        world.contacts.bearing = remember(&part.touches);
+        world.contacts.bearing = known;
+        solved?;
         world.contacts.dt = Some(dt);
         world.contacts.work += part.work;
         part.report.contact.parts = 1;
@@ -171,14 +174,12 @@ impl Touching {
         &mut self,
         world: &mut World,
         part: &mut Part,
-        expected: &[Remembered],
+        expected: &Expected,
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
-        let touches: Vec<_> = expected.iter().map(Remembered::touch).collect();
-        let pushes = touches.iter().map(|touch| (touch, touch.impulse));
-        world.push(pushes.clone(), time, dt)?;
-        world.with_impulses(pushes, |group, own| group.set_out(time, dt, own))?;
+        world.push(expected.pushes(), time, dt)?;
+        world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
         self.list(world, part, expected)?;
         let mut case = self.case(world, part)?;
         let start = case.certificate(world, &part.touches, &part.mean);
@@ -347,7 +348,7 @@ impl Touching {
         &mut self,
         world: &World,
         part: &mut Part,
-        expected: &[Remembered],
+        expected: &Expected,
     ) -> Result<(), CollisionError> {
         part.mean = world.mean_velocities();
         let mut touches = std::mem::take(&mut part.touches);

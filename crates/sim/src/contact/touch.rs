@@ -65,18 +65,45 @@ pub(crate) struct Touch {
     pub(crate) bonded: bool,
 }
 
-/// A touch and its impulse on the first side, N s, world.
-pub(super) type Push<'a> = (&'a Touch, Vector3<f64>);
+/// What a touch does to its two sides.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Push {
+    /// As in a touch.
+    pub(crate) sides: [Partner; 2],
+    pub(crate) segments: [u32; 2],
+    pub(crate) fractions: [f64; 2],
+    pub(crate) levers: [Vector3<f64>; 2],
+    /// Impulse on the first side, N s, world.
+    pub(crate) impulse: Vector3<f64>,
+}
+
+/// A place along two fibres, in segments.
+fn along(segments: [u32; 2], fractions: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| f64::from(segments[i]) + fractions[i])
+}
+
+impl Push {
+    /// As of a touch.
+    pub(super) fn at(&self) -> [f64; 2] {
+        along(self.segments, self.fractions)
+    }
+}
 
 impl Touch {
-    /// Where it is along both sides, in segments.
-    pub(crate) fn at(&self) -> [f64; 2] {
-        [0, 1].map(|i| f64::from(self.segments[i]) + self.fractions[i])
+    /// What it does with an impulse on the first side, N s, world.
+    pub(super) fn push(&self, impulse: Vector3<f64>) -> Push {
+        let Self { sides, segments, fractions, levers, .. } = *self;
+        Push { sides, segments, fractions, levers, impulse }
     }
 
-    /// How far it is from another of its pair along either side, at most, in segments.
-    pub(crate) fn apart(&self, other: &Self) -> f64 {
-        let ([s, t], [u, v]) = (self.at(), other.at());
+    /// Where it is along both sides, in segments.
+    pub(crate) fn at(&self) -> [f64; 2] {
+        along(self.segments, self.fractions)
+    }
+
+    /// How far it is from another place of its pair along either side, at most, in segments.
+    pub(crate) fn apart(&self, [u, v]: [f64; 2]) -> f64 {
+        let [s, t] = self.at();
         (s - u).abs().max((t - v).abs())
     }
 
@@ -115,13 +142,13 @@ impl Touch {
 
     /// Whether two are of one pair, and not far from each other.
     pub(crate) fn near(&self, other: &Self) -> bool {
-        self.sides == other.sides && self.apart(other) < 0.1
+        self.sides == other.sides && self.apart(other.at()) < 0.1
     }
 
     /// Whether two touches of one pair lie beside each other with normals that face each other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
         let facing = if self.sides.iter().any(Partner::is_object) { 0.0 } else { FACING };
-        self.apart(other) < 1.0 && self.normal.dot(&other.normal) < facing
+        self.apart(other.at()) < 1.0 && self.normal.dot(&other.normal) < facing
     }
 }
 
@@ -145,7 +172,7 @@ pub(super) struct Rank {
 
 impl Rank {
     pub(super) fn new(sides: [Partner; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
-        let at = [0, 1].map(|i| (f64::from(segments[i]) + fractions[i]).to_bits());
+        let at = along(segments, fractions).map(f64::to_bits);
         let sides = sides.map(|side| match side {
             Partner::Fiber(fiber) => fiber,
             Partner::Object(object) => OBJECTS + object,
@@ -179,6 +206,15 @@ pub(super) fn merge<T: Copy>(
             list[at] = *last;
             others.pop();
         }
+    }
+}
+
+/// Keeps what does not go.
+pub(super) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
+    // Of most lists nothing does.
+    if goes.contains(&true) {
+        let mut goes = goes.into_iter();
+        list.retain(|_| !goes.next().unwrap_or_default());
     }
 }
 

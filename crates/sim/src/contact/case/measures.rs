@@ -8,6 +8,10 @@ use crate::contact::work::ContactWork;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
 use rayon::prelude::*;
+use std::ops::AddAssign;
+
+/// Contacts that one task takes.
+const CHUNK: usize = 1024;
 
 /// The part of the kinetic energy that contacts may give in a step, for want of shorter ones.
 const MUCH: f64 = 0.1;
@@ -15,7 +19,11 @@ const MUCH: f64 = 0.1;
 impl Case {
     /// Number of contacts that bear something.
     pub(crate) fn active(&self) -> usize {
-        self.impulses.iter().filter(|impulse| **impulse != Vector3::zeros()).count()
+        self.working.par_iter().filter(|&&i| self.bears(i)).count()
+    }
+
+    fn bears(&self, contact: usize) -> bool {
+        self.impulses[contact] != Vector3::zeros()
     }
 
     /// How well the law holds where all nodes have the given mean velocities.
@@ -27,10 +35,10 @@ impl Case {
     ) -> Report {
         let near = self.near_where(world, mean);
         let mean = Velocities::new(world, mean);
-        let contacts: Vec<&Contact> = near.iter().map(|&i| &self.contacts[i]).collect();
+        let contacts: Vec<&Contact> = near.par_iter().map(|&i| &self.contacts[i]).collect();
         let velocities: Vec<_> =
             near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
-        let impulses: Vec<_> = near.iter().map(|&i| self.impulses[i]).collect();
+        let impulses: Vec<_> = near.par_iter().map(|&i| self.impulses[i]).collect();
         report(&contacts, &velocities, &impulses, &vec![self.mass; near.len()])
     }
 
@@ -57,21 +65,31 @@ impl Case {
         mean: &[Vector3<f64>],
     ) -> ContactWork {
         let mean = Velocities::new(world, mean);
-        let mut work = ContactWork::default();
-        let bearing = |i: &usize| self.impulses[*i] != Vector3::zeros();
-        for i in (0..touches.len()).filter(bearing) {
+        let of_one = |i: usize| {
             let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
             let velocity = relative(contact, touch, &mean);
             let drive = contact.frame.tr_mul(&touch.drive);
             // The bias along the normal is not that of the drive alone.
             let opening = velocity.x - contact.bias.x - drive.x;
-            work += ContactWork {
+            ContactWork {
                 friction: impulse.yz().dot(&velocity.yz()),
                 normal: impulse.x * opening,
                 led: impulse.dot(&drive),
-            };
-        }
-        work
+            }
+        };
+        self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
+    }
+
+    /// The sum of something of all contacts that may bear, in an order that the number of threads does not
+    /// change.
+    fn summed<T: Default + AddAssign + Send>(&self, of_one: impl Fn(usize) -> T + Sync) -> T {
+        let sum = |mut sum: T, one: T| {
+            sum += one;
+            sum
+        };
+        let part = |part: &[usize]| part.iter().map(|&i| of_one(i)).fold(T::default(), sum);
+        let parts: Vec<T> = self.working.par_chunks(CHUNK).map(part).collect();
+        parts.into_iter().fold(T::default(), sum)
     }
 
     /// Whether contacts that are not led give, beyond what friction takes, a good part of the kinetic energy
@@ -86,14 +104,16 @@ impl Case {
         [repair, slip]: [f64; 2],
     ) -> bool {
         let velocities = Velocities::new(world, mean);
-        let given = |&i: &usize| {
+        let given = |i: usize| {
+            if touches[i].drive != Vector3::zeros() {
+                return 0.0;
+            }
             let impulse = &self.impulses[i];
             let slides = relative(&self.contacts[i], &touches[i], &velocities).yz();
             let friction = impulse.yz().dot(&slides) - impulse.yz().norm() * slip;
             impulse.x.max(0.0) * (-self.gaps[i] - repair).max(0.0) + friction
         };
-        let led = |i: usize| touches[i].drive != Vector3::zeros();
-        let gain: f64 = self.working.iter().filter(|i| !led(**i)).map(given).sum();
+        let gain: f64 = self.summed(given);
         gain > 0.0 && gain > MUCH * world.energy().kinetic
     }
 

@@ -23,6 +23,9 @@ const MANY: usize = 8;
 /// Answers of fibres that turn by less, rad, are used again.
 const CHORD: f64 = 1e-2;
 
+/// Where a contact is not among those that are solved.
+const NONE: usize = usize::MAX;
+
 /// A side of a contact: that one's number, and 0 or 1.
 type Side = (usize, usize);
 
@@ -189,29 +192,20 @@ impl Case {
         if let Some(openings) = &mut self.openings {
             openings.hold(&working);
         }
-        let mut used = vec![Vec::new(); world.groups.len()];
-        let mut on_objects = vec![Vec::new(); world.objects.len()];
-        for &i in &working {
-            let Contact { first, second, .. } = &self.contacts[i];
-            for point in [Some(*first), *second].into_iter().flatten() {
-                let side = (i, point % 2);
-                match touches[i].sides[side.1] {
-                    Partner::Fiber(fiber) => used[world.lane(fiber as usize).0].push(side),
-                    Partner::Object(object) => on_objects[object as usize].push(side),
-                }
-            }
-        }
+        let [mut used, on_objects] = self.sides(world, touches, &working);
         self.keep(&mut used);
-        let sides = || used.iter().chain(&on_objects).flatten();
+        let sides: Vec<Side> = used.iter().chain(&on_objects).flatten().copied().collect();
+        let mut place = vec![NONE; self.contacts.len()];
+        working.iter().enumerate().for_each(|(k, &i)| place[i] = k);
         let mut index = vec![[0; 2]; working.len()];
-        for (point, &(i, side)) in sides().enumerate() {
+        for (point, &(i, side)) in sides.iter().enumerate() {
             // What is only kept has no contact.
-            if let Ok(k) = working.binary_search(&i) {
-                index[k][side] = point;
+            if place[i] != NONE {
+                index[place[i]][side] = point;
             }
         }
-        let velocities: Vec<_> =
-            sides().map(|&(i, side)| linear.of_side(&touches[i], side)).collect();
+        let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
+        let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         let contacts: Vec<_> = working
             .par_iter()
             .zip(&index)
@@ -237,19 +231,30 @@ impl Case {
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
         let report = solver.solve(&mut bodies, &contacts, &velocities, &mut impulses)?;
-        for (&i, impulse) in working.iter().zip(impulses) {
-            self.impulses[i] = impulse;
-        }
+        working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
         self.working = working;
         Ok(report)
     }
 
+    /// The sides of some contacts that move, by group of fibres and by object.
+    fn sides(&self, world: &World, touches: &[Touch], contacts: &[usize]) -> [Vec<Vec<Side>>; 2] {
+        let mut used = vec![Vec::new(); world.groups.len()];
+        let mut on_objects = vec![Vec::new(); world.objects.len()];
+        for &i in contacts {
+            let moving = if self.contacts[i].second.is_some() { 2 } else { 1 };
+            for (side, partner) in touches[i].sides.iter().enumerate().take(moving) {
+                match *partner {
+                    Partner::Fiber(fiber) => used[world.lane(fiber as usize).0].push((i, side)),
+                    Partner::Object(object) => on_objects[object as usize].push((i, side)),
+                }
+            }
+        }
+        [used, on_objects]
+    }
+
     /// The touches that bear something or that the solver looked at last, with their impulses.
-    pub(super) fn pushes<'a>(
-        &'a self,
-        touches: &'a [Touch],
-    ) -> impl Iterator<Item = Push<'a>> + Clone {
-        self.working.iter().map(|&i| (&touches[i], self.impulse(i)))
+    pub(super) fn pushes(&self, touches: &[Touch]) -> impl Iterator<Item = Push> + Clone {
+        self.working.iter().map(|&i| touches[i].push(self.impulse(i)))
     }
 
     /// Gives the impulses back to the touches, and tells which the solver looked at last.
@@ -283,7 +288,10 @@ fn point(world: &World, touch: &Touch, side: usize) -> Point {
 }
 
 /// Something of every side, in lists as they are given.
-fn each<T>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T) -> Vec<Vec<T>> {
+fn each<T: Send>(
+    sides: &[Vec<Side>],
+    of_side: impl Fn(usize, usize) -> T + Sync,
+) -> Vec<Vec<T>> {
     let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
-    sides.iter().map(list).collect()
+    sides.par_iter().map(list).collect()
 }
