@@ -288,10 +288,7 @@ fn point(world: &World, touch: &Touch, side: usize) -> Point {
 }
 
 /// Something of every side, in lists as they are given.
-fn each<T: Send>(
-    sides: &[Vec<Side>],
-    of_side: impl Fn(usize, usize) -> T + Sync,
-) -> Vec<Vec<T>> {
+fn each<T: Send>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T + Sync) -> Vec<Vec<T>> {
     let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
     sides.par_iter().map(list).collect()
 }
