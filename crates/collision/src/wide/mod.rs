@@ -49,7 +49,7 @@ struct Level {
 }
 
 /// What the blocks of the lowest level hold along the diagonals of the axes' planes. Segments are long and
-/// thin: of pairs whose boxes meet three in four do not meet here.
+/// thin: of pairs in a lock whose boxes meet two in three do not meet here.
 #[derive(Debug, Clone)]
 struct Diagonals {
     blocks: Vec<Block<6>>,

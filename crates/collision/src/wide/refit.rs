@@ -142,7 +142,7 @@ impl<const N: usize> Ends<N> {
 }
 
 /// The length of `(1, 1, 0)`, rounded up.
-const DIAGONAL: f64 = 1.414_213_6;
+const DIAGONAL: f64 = std::f64::consts::SQRT_2 * (1.0 + f64::EPSILON);
 
 /// Coordinates along the diagonals of the axes' planes.
 #[inline(always)]
