@@ -282,9 +282,9 @@ fn sort(
     either: bool,
 ) -> (Vec<Pair>, Vec<Contact>) {
     let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
-    let ways = start.positions().par_iter().zip(end.positions()).map(way);
+    let ways = start.positions().iter().zip(end.positions()).map(way);
     // How far one can have gone relative to another, squared.
-    let most = 4.0 * ways.reduce(|| 0.0, f64::max);
+    let most = 4.0 * ways.fold(0.0, f64::max);
     let chunk = |pairs: &[(Pair, f64)]| {
         let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
         let mut after = Vec::new();
