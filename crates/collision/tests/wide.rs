@@ -21,19 +21,16 @@ fn pairs(tree: &mut Tree) -> Vec<Pair> {
     sorted(pairs)
 }
 
-/// The rounding of coordinates below 1 m.
-const ROUNDING: f64 = 6e-8;
-
-/// The pairs of the sweep, new and after a step.
+/// Exactly the pairs of the sweep, new and after a step.
 fn agrees(scene: &Arrangement) {
     let moved = scene.advanced(1.0);
     let (start, end) = (scene.capsules().expect("valid"), moved.capsules().expect("valid"));
     let mut tree = Tree::new(&start, 0.0).expect("valid");
-    assert!(common::are_tree_pairs(&pairs(&mut tree), &start, ROUNDING));
+    assert!(pairs(&mut tree) == common::box_pairs(&start));
     tree.refit(&end, 0.0).expect("the same segments");
-    assert!(common::are_tree_pairs(&pairs(&mut tree), &end, ROUNDING));
+    assert!(pairs(&mut tree) == common::box_pairs(&end));
     let mut anew = Tree::new(&end, 0.0).expect("valid");
-    assert!(common::are_tree_pairs(&pairs(&mut anew), &end, ROUNDING));
+    assert!(pairs(&mut anew) == common::box_pairs(&end));
 }
 
 #[test]
@@ -105,13 +102,19 @@ proptest! {
         let capsules = Capsules::new(&layout, &start, &radii).expect("valid");
         let end = displaced(&start, &step, 0.5);
         let moved = Capsules::new(&layout, &end, &radii).expect("valid");
+        // Coordinates and radii are below 8, so that boxes are rounded by less than this.
+        let mut wide: Vec<f64> = radii.clone();
+        wide.iter_mut().for_each(|r| *r += 1e-6);
         let mut tree = Tree::new(&capsules, 0.0).expect("valid");
         for capsules in [capsules, moved] {
             tree.refit(&capsules, 0.0).expect("the same segments");
             let found = pairs(&mut tree);
             prop_assert!(found.windows(2).all(|two| two[0] != two[1]), "a pair is found twice");
-            // Coordinates, also along diagonals, are below 16.
-            prop_assert!(common::are_tree_pairs(&found, &capsules, 16.0 * ROUNDING));
+            let needed = common::box_pairs(&capsules);
+            prop_assert!(needed.iter().all(|pair| found.binary_search(pair).is_ok()));
+            let wide = Capsules::new(&layout, capsules.positions(), &wide).expect("valid");
+            let allowed = common::box_pairs(&wide);
+            prop_assert!(found.iter().all(|pair| allowed.binary_search(pair).is_ok()));
         }
     }
 
@@ -282,7 +285,7 @@ proptest! {
         let mut tree = Tree::new(&start, 0.0).expect("valid");
         tree.refit_swept(&start, &end, 1e-12).expect("the same segments");
         let found = pairs(&mut tree);
-        let needed = common::tree_pairs(&between);
+        let needed = common::box_pairs(&between);
         prop_assert!(needed.iter().all(|pair| found.binary_search(pair).is_ok()));
     }
 }
@@ -337,7 +340,7 @@ proptest! {
             let capsules = Capsules::new(&layout, &positions, &radii).expect("valid");
             let (mut found, mut expected) = (Vec::new(), Vec::new());
             list.contacts(&capsules, &mut found).expect("the same segments");
-            contacts(&capsules, &common::tree_pairs(&capsules), 0.0, &mut expected).expect("valid");
+            contacts(&capsules, &common::box_pairs(&capsules), 0.0, &mut expected).expect("valid");
             found.sort_by_key(|contact| contact.pair);
             prop_assert!(found == expected);
         }

@@ -162,7 +162,7 @@ impl List {
     /// does not make it long.
     fn new(capsules: &Capsules, reach: f64, most: f64) -> Result<Self, CollisionError> {
         let margin = LEAST * most;
-        let tree = Tree::new(capsules, 0.5 * (reach + margin))?;
+        let tree = Tree::with_diagonals(capsules, 0.5 * (reach + margin))?;
         let mut regions = vec![0; capsules.len()];
         for (region, blocks) in (0..).zip(&tree.levels[1].children) {
             for &block in blocks.iter().filter(|&&block| block != NONE) {

@@ -13,7 +13,7 @@ use std::ops::Range;
 const CHUNK: usize = 16;
 
 impl Tree {
-    /// All pairs of segments, not adjacent, whose boxes and extents along diagonals meet; `pairs` is emptied first.
+    /// All pairs of segments, not adjacent, whose boxes meet; `pairs` is emptied first.
     ///
     /// The order depends on the tree alone, not on the number of threads. Cost: 45 ns a segment
     /// where a segment has one partner.
@@ -54,7 +54,7 @@ impl Tree {
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
         all: &mut Vec<T>,
     ) {
-        let (levels, diagonals) = (&self.levels, &self.diagonals);
+        let (levels, diagonals) = (&self.levels, self.diagonals.as_ref());
         let last = levels[1].blocks.len();
         let part = |pairs: &mut Vec<Pair>, chunk: usize| {
             let firsts = chunk * CHUNK..last.min((chunk + 1) * CHUNK);
@@ -102,7 +102,7 @@ impl Tree {
 /// that come after them.
 struct Query<'a> {
     levels: &'a [Level],
-    diagonals: &'a Diagonals,
+    diagonals: Option<&'a Diagonals>,
     nodes: &'a [[u32; WIDTH]],
     firsts: Range<usize>,
     /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any are.
@@ -177,17 +177,20 @@ impl<C: Compare> Search<'_, C> {
     fn blocks(&mut self, a: usize, b: usize) {
         let Self { query, compare, pairs } = self;
         let Level { blocks, children, hulls } = &query.levels[0];
-        let Diagonals { blocks: oblique, hulls: around } = query.diagonals;
         let mut theirs = compare.meet(&blocks[b], &hulls[a]);
-        if theirs != 0 {
-            theirs &= compare.meet(&oblique[b], &around[a]);
+        if theirs != 0
+            && let Some(Diagonals { blocks, hulls }) = query.diagonals
+        {
+            theirs &= compare.meet(&blocks[b], &hulls[a]);
         }
         if theirs == 0 {
             return;
         }
         let mut mine = compare.meet(&blocks[a], &hulls[b]);
-        if mine != 0 {
-            mine &= compare.meet(&oblique[a], &around[b]);
+        if mine != 0
+            && let Some(Diagonals { blocks, hulls }) = query.diagonals
+        {
+            mine &= compare.meet(&blocks[a], &hulls[b]);
         }
         let (segments, partners) = (&children[a], &children[b]);
         let (nodes, other_nodes) = (&query.nodes[a], &query.nodes[b]);
@@ -197,8 +200,10 @@ impl<C: Compare> Search<'_, C> {
             if a == b {
                 meet &= u16::MAX << lane;
             }
-            if meet != 0 {
-                meet &= compare.meet(&oblique[b], &oblique[a].get(lane));
+            if meet != 0
+                && let Some(Diagonals { blocks, .. }) = query.diagonals
+            {
+                meet &= compare.meet(&blocks[b], &blocks[a].get(lane));
             }
             let s = segments[lane];
             for other in lanes(meet) {

@@ -15,16 +15,22 @@ impl Level {
     /// `nodes` are the first nodes of the segments in the lanes.
     pub(super) fn fit_segments<const N: usize>(
         &mut self,
-        diagonals: &mut Diagonals,
+        diagonals: Option<&mut Diagonals>,
         nodes: &[[u32; WIDTH]],
         frames: [&Capsules; N],
         margin: f64,
     ) {
-        let blocks = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
-        let Diagonals { blocks: oblique, hulls: around } = diagonals;
-        let oblique = oblique.par_chunks_mut(CHUNK).zip(around.par_chunks_mut(CHUNK));
+        let boxes = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
         let lanes = self.children.par_chunks(CHUNK).zip(nodes.par_chunks(CHUNK));
-        blocks.zip(oblique).zip(lanes).for_each(|((along, oblique), (segments, nodes))| {
+        let Some(Diagonals { blocks, hulls }) = diagonals else {
+            return boxes.zip(lanes).for_each(|(along, (segments, nodes))| {
+                let oblique = None;
+                Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
+            });
+        };
+        let oblique = blocks.par_chunks_mut(CHUNK).zip(hulls.par_chunks_mut(CHUNK));
+        boxes.zip(oblique).zip(lanes).for_each(|((along, oblique), (segments, nodes))| {
+            let oblique = Some(oblique);
             Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
         });
     }
@@ -46,7 +52,7 @@ impl Level {
 
 struct Fit<'a, const N: usize> {
     along: (&'a mut [Block], &'a mut [Bounds]),
-    oblique: (&'a mut [Block<6>], &'a mut [Bounds<6>]),
+    oblique: Option<(&'a mut [Block<6>], &'a mut [Bounds<6>])>,
     segments: &'a [[u32; WIDTH]],
     nodes: &'a [[u32; WIDTH]],
     frames: [&'a Capsules<'a>; N],
@@ -58,15 +64,12 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
 
     #[inline(always)]
     fn call(self) {
+        let Self { along, mut oblique, .. } = self;
         for (b, (segments, nodes)) in self.segments.iter().zip(self.nodes).enumerate() {
             let ends = Ends::gather(segments, nodes, self.frames, self.margin);
-            let (block, hull) = (&mut self.along.0[b], &mut self.along.1[b]);
-            ends.fit(1.0, |[x, y, z]| [x, y, z], block, hull);
-            let (oblique, around) = (&mut self.oblique.0[b], &mut self.oblique.1[b]);
-            ends.fit(DIAGONAL, diagonals, oblique, around);
-            for lane in (0..WIDTH).filter(|&lane| segments[lane] == NONE) {
-                block.clear(lane);
-                oblique.clear(lane);
+            ends.fit(segments, &mut along.0[b], &mut along.1[b]);
+            if let Some((blocks, hulls)) = &mut oblique {
+                ends.along_diagonals().fit(segments, &mut blocks[b], &mut hulls[b]);
             }
         }
     }
@@ -74,9 +77,9 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
 
 /// Ends of the segments in the lanes of a block in every frame, and by how much boxes are larger
 /// than axes, m.
-struct Ends<const N: usize> {
-    start: [[[f64; WIDTH]; 3]; N],
-    end: [[[f64; WIDTH]; 3]; N],
+struct Ends<const N: usize, const D: usize = 3> {
+    start: [Lanes<D>; N],
+    end: [Lanes<D>; N],
     grow: [f64; WIDTH],
 }
 
@@ -106,48 +109,70 @@ impl<const N: usize> Ends<N> {
         ends
     }
 
-    /// Encloses and rounds in all lanes at once, by coordinates in which lengths are so many times as large
-    /// at most.
+    /// The same along the diagonals of the axes' planes, as sums and differences of coordinates.
     #[inline(always)]
-    fn fit<const D: usize>(
-        &self,
-        stretch: f64,
-        coordinates: impl Fn([f64; 3]) -> [f64; D],
-        block: &mut Block<D>,
-        hull: &mut Bounds<D>,
-    ) {
-        let (mut low, mut high) = ([[f64::MAX; WIDTH]; D], [[f64::MIN; WIDTH]; D]);
-        for ends in self.start.iter().chain(&self.end) {
-            for lane in 0..WIDTH {
-                let here = coordinates([ends[0][lane], ends[1][lane], ends[2][lane]]);
-                for d in 0..D {
-                    let (l, h) = (&mut low[d][lane], &mut high[d][lane]);
-                    *l = if here[d] < *l { here[d] } else { *l };
-                    *h = if here[d] > *h { here[d] } else { *h };
-                }
-            }
+    fn along_diagonals(&self) -> Ends<N, 6> {
+        let zero = [[[0.0; WIDTH]; 6]; N];
+        let mut along = Ends { start: zero, end: zero, grow: self.grow };
+        for k in 0..N {
+            along.start[k] = diagonals(&self.start[k]);
+            along.end[k] = diagonals(&self.end[k]);
         }
+        for lane in 0..WIDTH {
+            along.grow[lane] *= DIAGONAL;
+        }
+        along
+    }
+}
+
+/// Coordinates in all lanes.
+type Lanes<const D: usize> = [[f64; WIDTH]; D];
+
+/// The length of `(1, 1, 0)`, rounded up.
+const DIAGONAL: f64 = std::f64::consts::SQRT_2 * (1.0 + f64::EPSILON);
+
+#[inline(always)]
+fn diagonals([x, y, z]: &Lanes<3>) -> Lanes<6> {
+    let mut along = [[0.0; WIDTH]; 6];
+    for lane in 0..WIDTH {
+        along[0][lane] = x[lane] + y[lane];
+        along[1][lane] = x[lane] - y[lane];
+        along[2][lane] = y[lane] + z[lane];
+        along[3][lane] = y[lane] - z[lane];
+        along[4][lane] = z[lane] + x[lane];
+        along[5][lane] = z[lane] - x[lane];
+    }
+    along
+}
+
+impl<const N: usize, const D: usize> Ends<N, D> {
+    /// Encloses and rounds in all lanes at once.
+    #[inline(always)]
+    fn fit(&self, segments: &[u32; WIDTH], block: &mut Block<D>, hull: &mut Bounds<D>) {
         for d in 0..D {
             let mut negative = [0.0; WIDTH];
             for lane in 0..WIDTH {
-                let grow = stretch * self.grow[lane];
-                block.low[d][lane] = below(low[d][lane] - grow);
-                block.high[d][lane] = above(high[d][lane] + grow);
+                let (p, q) = (self.start[0][d][lane], self.end[0][d][lane]);
+                let (mut low, mut high) = (if p < q { p } else { q }, if p > q { p } else { q });
+                for k in 1..N {
+                    for x in [self.start[k][d][lane], self.end[k][d][lane]] {
+                        low = if x < low { x } else { low };
+                        high = if x > high { x } else { high };
+                    }
+                }
+                block.low[d][lane] = below(low - self.grow[lane]);
+                block.high[d][lane] = above(high + self.grow[lane]);
                 negative[lane] = -block.high[d][lane];
             }
             hull.low[d] = least(&block.low[d]);
             hull.high[d] = -least(&negative);
         }
+        for lane in 0..WIDTH {
+            if segments[lane] == NONE {
+                block.clear(lane);
+            }
+        }
     }
-}
-
-/// The length of `(1, 1, 0)`, rounded up.
-const DIAGONAL: f64 = std::f64::consts::SQRT_2 * (1.0 + f64::EPSILON);
-
-/// Coordinates along the diagonals of the axes' planes.
-#[inline(always)]
-fn diagonals([x, y, z]: [f64; 3]) -> [f64; 6] {
-    [x + y, x - y, y + z, y - z, z + x, z - x]
 }
 
 /// The least of sixteen numbers, by halves.

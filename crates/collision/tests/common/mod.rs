@@ -30,37 +30,6 @@ pub(crate) fn box_pairs(capsules: &Capsules) -> Vec<Pair> {
     pairs
 }
 
-/// Whether sorted pairs are those that a tree finds: all that must be, and none that would not be with radii
-/// larger by its `rounding`, m.
-pub(crate) fn are_tree_pairs(found: &[Pair], capsules: &Capsules, rounding: f64) -> bool {
-    let radii: Vec<_> = capsules.radii().iter().map(|r| r + rounding).collect();
-    let wide = Capsules::new(capsules.layout(), capsules.positions(), &radii).expect("valid");
-    let allowed = tree_pairs(&wide);
-    tree_pairs(capsules).iter().all(|pair| found.binary_search(pair).is_ok())
-        && found.iter().all(|pair| allowed.binary_search(pair).is_ok())
-}
-
-/// Of the pairs whose boxes overlap those that also do along the diagonals of the axes' planes.
-pub(crate) fn tree_pairs(capsules: &Capsules) -> Vec<Pair> {
-    let diagonals = [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]].map(Vector3::from);
-    let others = [[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [-1.0, 0.0, 1.0]].map(Vector3::from);
-    let extent = |segment: u32, along: &Vector3<f64>| {
-        let Capsule { start, end, radius } = capsules.get(segment as usize);
-        let (a, b) = (along.dot(&start.coords), along.dot(&end.coords));
-        let radius = 2.0_f64.sqrt() * radius;
-        [a.min(b) - radius, a.max(b) + radius]
-    };
-    let overlap = |pair: &Pair| {
-        diagonals.iter().chain(&others).all(|along| {
-            let [[low, high], [other_low, other_high]] = pair.map(|s| extent(s, along));
-            low <= other_high && other_low <= high
-        })
-    };
-    let mut pairs = box_pairs(capsules);
-    pairs.retain(overlap);
-    pairs
-}
-
 /// Two segments as a pair.
 pub(crate) fn pair(i: usize, j: usize) -> Pair {
     [i, j].map(|s| u32::try_from(s).expect("few segments"))
