@@ -138,13 +138,22 @@ impl Polygon {
         if direction.amax() <= 0.0 {
             return Vector2::zeros();
         }
-        let mut best = self.vertices[0];
-        for vertex in &self.vertices[1..] {
-            if direction.dot(vertex) > direction.dot(&best) {
-                best = *vertex;
-            }
+        let along = |i: usize| direction.dot(&self.vertices[i]);
+        let count = self.vertices.len();
+        if self.half == 0 {
+            let higher = |best, i| if along(i) > along(best) { i } else { best };
+            return self.vertices[(1..count).fold(0, higher)];
         }
-        best
+        // From where the ray along the direction leaves it rises to one vertex, or to two that are alike.
+        let mut best = self.sector(direction);
+        loop {
+            let beside = [(best + 1) % count, (best + count - 1) % count];
+            let Some(higher) = beside.into_iter().find(|&i| along(i) > along(best)) else {
+                let alike = beside.into_iter().filter(|&i| along(i) >= along(best));
+                return self.vertices[alike.fold(best, usize::min)];
+            };
+            best = higher;
+        }
     }
 
     pub(super) fn gauge(&self, p: &Vector2<f64>) -> f64 {
@@ -229,4 +238,28 @@ fn hull(points: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let start = (0..ring.len()).min_by_key(|&k| ring[k]).unwrap_or(0);
     ring.rotate_left(start);
     ring.into_iter().map(|i| points[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Also where vertices are alike along the direction.
+        #[test]
+        fn the_support_is_the_first_of_the_farthest_vertices(
+            points in prop::collection::vec(prop::array::uniform2(-3..=3_i8), 3..40),
+            direction in prop::array::uniform2(prop_oneof![(-2..=2_i8).prop_map(f64::from), -1.0..1.0_f64]),
+        ) {
+            let points: Vec<_> = points.into_iter().map(|p| Vector2::from(p.map(f64::from))).collect();
+            let Ok(polygon) = Polygon::new(&points) else { return Ok(()) };
+            let direction = Vector2::from(direction);
+            let far = |v: &Vector2<f64>| direction.dot(v);
+            let most = polygon.vertices().iter().map(far).fold(f64::NEG_INFINITY, f64::max);
+            let first = polygon.vertices().iter().find(|v| far(v) >= most);
+            let expected = if direction.amax() > 0.0 { first.copied() } else { Some(Vector2::zeros()) };
+            prop_assert_eq!(Some(polygon.support(&direction)), expected);
+        }
+    }
 }
