@@ -107,7 +107,7 @@ impl Candidates {
     /// of its axes at the start, m². The order does not depend on the number of threads.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
-    /// is wider than half of its margin, a search of what all segments sweep instead, 1 us a segment in a
+    /// is wider than half of its margin, a search of what all segments sweep instead, 0.4 us a segment in a
     /// dense lock.
     /// Asked again for a motion from the same start to nearly the same end, only the travel of what
     /// was found is looked at, and a search is made for the segments of the few that end elsewhere.

@@ -215,7 +215,7 @@ fn of_overlapping(
     let deepest = parts.iter().map(|(_, deepest)| *deepest).fold(0.0, f64::max);
     let mut chosen: Vec<_> = parts.into_iter().flat_map(|(chosen, _)| chosen).collect();
     chosen.extend(on_the_way.iter().map(|contact| fibers(&contact.pair)));
-    chosen.sort_unstable();
+    chosen.par_sort_unstable();
     chosen.dedup();
     near.retain(|pair| chosen.binary_search(&fibers(pair)).is_ok());
     (near, deepest)

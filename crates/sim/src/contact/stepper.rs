@@ -159,7 +159,9 @@ impl Touching {
             remember(&part.touches, &mut known);
         } else {
             world.abandon();
-            known.truncate(if first { 0 } else { known.len() });
+            if first {
+                known.clear();
+            }
         }
         world.contacts.bearing = known;
         solved?;
