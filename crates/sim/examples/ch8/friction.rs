@@ -85,7 +85,7 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
             none / isotropic,
             "",
             Criterion::Told,
-            "0.915; ours slips off the ball, which its box shows more than how close hairs lie",
+            "0.915; but hair without friction leaves a ball (Fig. 8.8), and its box grows with it",
         ),
         check(
             "none over anisotropic",

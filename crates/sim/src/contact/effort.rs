@@ -3,7 +3,7 @@
 use rapunzel_contact::Tolerance;
 
 /// The least and the largest of the errors, in tolerances, that solves of contacts leave.
-const TIGHT: f64 = 0.8;
+const TIGHT: f64 = 0.9;
 const LOOSE: f64 = 15.0;
 /// What the first of a step leaves.
 const FIRST: f64 = 40.0;
