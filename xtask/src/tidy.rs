@@ -6,15 +6,16 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("fiber", &[]),
+    ("lanes", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
     ("keratin", &["fiber", "rod-static", "rod-dynamic"]),
     ("rod-static", &["fiber"]),
-    ("rod-dynamic", &["fiber"]),
+    ("rod-dynamic", &["fiber", "lanes"]),
     ("render", &["fiber"]),
     ("collision", &["fiber"]),
-    ("contact", &["fiber", "collision"]),
+    ("contact", &["fiber", "lanes", "collision"]),
     ("electrostatics", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "collision"]),
     ("hairgen", &["fiber", "collision", "rod-static"]),

@@ -1,5 +1,5 @@
 use crate::{ContactError, LimitCurve};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// A contact between two points, or between a point and something whose motion is given.
 ///
@@ -72,14 +72,4 @@ impl Contact {
         };
         Err(ContactError::Contact { contact: index, why })
     }
-}
-
-/// The impulse that obeys the law where the relative velocity is `q + (w + compliance) r`: with a
-/// response that is a multiple of the identity, normal and friction part one after another.
-pub(crate) fn free_solve(contact: &Contact, q: &Vector3<f64>, w: f64) -> Vector3<f64> {
-    let answer = 1.0 / (w + contact.compliance);
-    let normal = (-q.x * answer).max(-contact.adhesion);
-    let wanted = Vector2::new(-q.y * answer, -q.z * answer);
-    let friction = contact.friction.project(&wanted, normal + contact.adhesion);
-    Vector3::new(normal, friction.x, friction.y)
 }

@@ -52,8 +52,8 @@ impl Violation {
     }
 }
 
-/// [`Violation::slip`] alone, at half the cost of all: zero, too, where a contact opens and bears nothing.
-pub(crate) fn slip_error(
+/// [`Violation::slip`]: zero, too, where a contact opens and bears nothing.
+fn slip_error(
     contact: &Contact,
     velocity: &Vector3<f64>,
     impulse: &Vector3<f64>,
@@ -111,7 +111,7 @@ pub(crate) struct Sums {
 
 impl Sums {
     /// Adds a contact, as in [`Violation::new`].
-    pub(crate) fn add(
+    fn add(
         &mut self,
         contact: &Contact,
         velocity: &Vector3<f64>,

@@ -141,6 +141,15 @@ impl Part {
         &mut self.next[1]
     }
 
+    /// Room for so many numbers of the state at the start of a step and of the image at its end.
+    pub(crate) fn rooms(&mut self, numbers: usize) -> [&mut [f64]; 2] {
+        let rooms = [&mut self.start, &mut self.next[1]];
+        rooms.map(|room| {
+            room.resize(numbers, 0.0);
+            &mut room[..]
+        })
+    }
+
     /// Remembers the step that led to the image, and finds its products; `roots` are those of the
     /// weights of the norm, by vector.
     pub(crate) fn look(&mut self, place: Option<Place>, roots: &[f64]) -> Products {

@@ -11,17 +11,14 @@
 //! largest with which plain descent does not diverge.
 
 use super::Tolerance;
+use super::alone::Act;
 use super::anderson::{Anderson, Onward, Place, Products};
 use super::crew::Lead;
 use super::part::{Common, Order, Part, together};
-use crate::{Contact, Report, metric};
-use nalgebra::Vector3;
+use crate::Report;
 
 /// Steps that the acceleration remembers.
 const MEMORY: usize = 5;
-/// How near twice the bound of what keeps descent from diverging a step is.
-const NEARLY: f64 = 0.95;
-
 /// When descent is tried, and for how long.
 pub(super) struct Attempt {
     /// From which error on, in tolerances.
@@ -92,43 +89,16 @@ impl Part<'_, '_> {
         match step {
             Step::Descend { judges, place } => {
                 if *judges {
-                    self.judge(common);
+                    self.alone(common, Act::Judge);
                 }
                 self.descend(common, *place);
             }
-            Step::Onward(onward) => self.step(common, onward),
+            Step::Onward(onward) => self.alone(common, Act::Step(onward)),
         }
     }
 
     fn descend(&mut self, common: &Common, place: Option<Place>) {
-        let steps = &mut *self.descents;
-        steps.start.clear();
-        steps.image().clear();
-        for (k, i) in self.contacts.clone().enumerate() {
-            let (contact, r) = (&common.contacts[i], self.impulses[k]);
-            let bound = metric::most(common.weight) * self.responses[k];
-            let mass = 1.0 / (bound / (2.0 * NEARLY) + contact.compliance);
-            let mut u = common.relative(i) + r * contact.compliance;
-            u.x += contact.friction.dissipation(&u.yz());
-            let next = nearest(contact, &(r - u * mass));
-            steps.start.extend_from_slice(r.as_slice());
-            steps.image().extend_from_slice(next.as_slice());
-        }
-        self.products = steps.look(place, &self.response_roots);
+        self.alone(common, Act::Descend);
+        self.products = self.descents.look(place, &self.response_roots);
     }
-
-    fn step(&mut self, common: &Common, onward: &Onward) {
-        let next = self.descents.onward(onward).as_chunks::<3>().0;
-        for ((k, i), next) in self.contacts.clone().enumerate().zip(next) {
-            let contact = &common.contacts[i];
-            self.impulses[k] = nearest(contact, &(*next).into());
-            common.impulses.set(i, &(contact.frame * self.impulses[k]));
-        }
-    }
-}
-
-/// The impulse of the cone nearest to one.
-fn nearest(contact: &Contact, impulse: &Vector3<f64>) -> Vector3<f64> {
-    let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
-    contact.friction.project_cone(&(impulse + tip)) - tip
 }

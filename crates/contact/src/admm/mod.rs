@@ -14,12 +14,14 @@
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
 //! difference is the error of either, `R (z - v)` in impulses. Near the answer descent takes over.
 
+mod alone;
 mod anderson;
 mod crew;
 mod descent;
 mod part;
 mod shared;
 mod sides;
+mod wide;
 
 use crate::metric;
 use crate::solver::check;

@@ -1,14 +1,16 @@
 //! What one thread does at a time: some bodies, and some contacts, which need not be between them.
 
+use super::alone::{Act, Alone};
 use super::anderson::{self, Onward, Products, Turn};
 use super::crew::Lead;
 use super::descent::Step;
 use super::shared::Shared;
 use super::sides::Sides;
-use crate::contact::free_solve;
-use crate::residual::{Sums, slip_error};
+use super::wide::{Group, WIDTH};
+use crate::residual::Sums;
 use crate::{Body, Contact, Report};
 use nalgebra::Vector3;
+use pulp::Arch;
 use std::ops::Range;
 
 /// What all parts see.
@@ -66,12 +68,12 @@ pub(super) struct Part<'a, 'b> {
     pub(super) contacts: Range<usize>,
     /// In the frames of the contacts.
     pub(super) impulses: &'a mut [Vector3<f64>],
-    /// Answers of the contacts to their own impulses in the metric, 1/kg.
-    pub(super) responses: Vec<f64>,
+    pub(super) groups: Vec<Group>,
+    /// Roots of the answers of the contacts to their own impulses in the metric, 1/kg.
     pub(super) response_roots: Vec<f64>,
     /// Relative velocities that the contacts want.
-    wanted: Vec<Vector3<f64>>,
-    sums: Sums,
+    pub(super) wanted: Vec<Vector3<f64>>,
+    pub(super) sums: Sums,
 }
 
 impl<'a, 'b> Part<'a, 'b> {
@@ -87,14 +89,28 @@ impl<'a, 'b> Part<'a, 'b> {
         let root = |point: usize| std::iter::repeat_n(masses[point].sqrt(), sides.at(point).len());
         let zeros = vec![Vector3::zeros(); points.len()];
         let responses: Vec<f64> = contacts.clone().map(|i| common.response(i)).collect();
+        let group = |start: usize| {
+            let part = start..contacts.end.min(start + WIDTH);
+            let own = &common.contacts[part.clone()];
+            let (mut at_points, mut at_sides) = ([[0; WIDTH]; 2], [[0; WIDTH]; 2]);
+            for (lane, (contact, sides)) in own.iter().zip(sides.of_contacts(&part)).enumerate() {
+                let points = [contact.first, contact.second.unwrap_or(masses.len())];
+                for side in 0..2 {
+                    at_points[side][lane] = index(points[side]);
+                    at_sides[side][lane] = sides[side];
+                }
+            }
+            let responses = &responses[start - contacts.start..];
+            Group::new(own, responses, [at_points, at_sides])
+        };
         Self {
+            groups: contacts.clone().step_by(WIDTH).map(group).collect(),
             given: points.clone().map(given).collect(),
             asked: zeros.clone(),
             answer: zeros,
             roots: points.clone().flat_map(root).collect(),
             products: Products::default(),
             response_roots: responses.iter().map(|response| response.sqrt()).collect(),
-            responses,
             wanted: vec![Vector3::zeros(); contacts.len()],
             sums: Sums::default(),
             bodies,
@@ -109,14 +125,14 @@ impl<'a, 'b> Part<'a, 'b> {
     pub(super) fn act(&mut self, order: &Order, common: &Common) {
         match order {
             Order::SetOut => self.set_out(common),
-            Order::Obey { looked_at } => self.obey(common, *looked_at),
+            Order::Obey { looked_at } => self.alone(common, Act::Obey { looked_at: *looked_at }),
             Order::Respond { sets_out, turn, looked_at } => {
                 self.respond(common, *sets_out, *turn, *looked_at);
             }
             Order::Onward(onward) => self.go_on(common, onward),
-            Order::Compare => self.compare(common),
+            Order::Compare => self.alone(common, Act::Compare),
             Order::Tell => self.tell(common),
-            Order::Judge => self.judge(common),
+            Order::Judge => self.alone(common, Act::Judge),
             Order::Descent(step) => self.descent(common, step),
         }
     }
@@ -126,21 +142,6 @@ impl<'a, 'b> Part<'a, 'b> {
             let (v, lightness) = (common.v.get(point), 1.0 / common.masses[point]);
             for side in common.sides.at(point) {
                 common.h.set(side, &(v - common.impulse(side) * lightness));
-            }
-        }
-    }
-
-    fn obey(&mut self, common: &Common, looked_at: bool) {
-        for (k, i) in self.contacts.clone().enumerate() {
-            let contact = &common.contacts[i];
-            let (first, second) = common.sides.of_contact(i);
-            let second = second.map_or_else(Vector3::zeros, |side| common.h.get(side));
-            let q = contact.frame.tr_mul(&(common.h.get(first) - second)) + contact.bias;
-            let impulse = free_solve(contact, &q, self.responses[k]);
-            self.impulses[k] = impulse;
-            common.impulses.set(i, &(contact.frame * impulse));
-            if looked_at {
-                self.wanted[k] = q + impulse * self.responses[k];
             }
         }
     }
@@ -194,26 +195,6 @@ impl<'a, 'b> Part<'a, 'b> {
         }
     }
 
-    fn compare(&mut self, common: &Common) {
-        let mut sums = Sums::default();
-        for (k, i) in self.contacts.clone().enumerate() {
-            let (contact, r, response) =
-                (&common.contacts[i], &self.impulses[k], self.responses[k]);
-            let velocity = common.relative(i);
-            let mut off = velocity - self.wanted[k];
-            if r.x <= -contact.adhesion {
-                // Nothing holds it: only what closes the gap is wrong.
-                off = Vector3::new(velocity.x.min(0.0), 0.0, 0.0);
-            }
-            let slip = slip_error(contact, &(velocity + r * contact.compliance), r, 1.0 / response);
-            sums.wrong += off.norm_squared() / (response * response);
-            sums.all += r.norm_squared();
-            sums.normal_error = sums.normal_error.max(off.x.abs());
-            sums.slip_error = sums.slip_error.max(slip);
-        }
-        self.sums = sums;
-    }
-
     fn tell(&mut self, common: &Common) {
         for ((point, asked), given) in self.points.clone().zip(&mut self.asked).zip(&self.given) {
             *asked = -given;
@@ -225,13 +206,9 @@ impl<'a, 'b> Part<'a, 'b> {
         }
     }
 
-    pub(super) fn judge(&mut self, common: &Common) {
-        self.sums = Sums::default();
-        for (k, i) in self.contacts.clone().enumerate() {
-            let (contact, r) = (&common.contacts[i], &self.impulses[k]);
-            let velocity = common.relative(i) + r * contact.compliance;
-            self.sums.add(contact, &velocity, r, 1.0 / self.responses[k]);
-        }
+    /// Has every contact do something by itself.
+    pub(super) fn alone(&mut self, common: &Common, act: Act) {
+        Arch::new().dispatch(Alone { part: self, common, act });
     }
 
     /// Lets all bodies answer what is asked.
@@ -255,6 +232,11 @@ where
     together(lead)
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "so many points fit nowhere")]
+fn index(point: usize) -> u32 {
+    point as u32
+}
+
 /// What all parts have found, together.
 pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
 where
@@ -271,13 +253,6 @@ impl Common<'_> {
     fn impulse(&self, side: usize) -> Vector3<f64> {
         let (contact, sign) = self.sides.contact(side);
         self.impulses.get(contact) * sign
-    }
-
-    /// The relative velocity of a contact, with its bias, as it has been told.
-    pub(super) fn relative(&self, contact: usize) -> Vector3<f64> {
-        let contact = &self.contacts[contact];
-        let second = contact.second.map_or_else(Vector3::zeros, |point| self.v.get(point));
-        contact.frame.tr_mul(&(self.v.get(contact.first) - second)) + contact.bias
     }
 
     /// Answer of a contact to its own impulse in the metric, 1/kg.

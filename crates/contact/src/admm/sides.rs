@@ -9,12 +9,9 @@ pub(super) struct Sides {
     starts: Vec<usize>,
     /// Contact of each, and the sign of its impulse there.
     all: Vec<(u32, f32)>,
-    /// Those of each contact.
+    /// Those of each contact; behind the last where it has no second.
     of_contact: Vec<[u32; 2]>,
 }
-
-/// Where a contact has no second side.
-const NONE: u32 = u32::MAX;
 
 impl Sides {
     #[expect(clippy::cast_possible_truncation, reason = "so many contacts fit nowhere")]
@@ -28,10 +25,11 @@ impl Sides {
             starts[point + 1] += starts[point];
         }
         let mut next = starts.clone();
+        let none = starts[points] as u32;
         let mut all = vec![(0, 0.0); starts[points]];
         let mut sort = |(i, contact): (usize, &Contact)| {
             sides(contact).map(|side| {
-                let Some((point, sign)) = side else { return NONE };
+                let Some((point, sign)) = side else { return none };
                 let at = next[point];
                 all[at] = (i as u32, sign);
                 next[point] += 1;
@@ -62,9 +60,8 @@ impl Sides {
         (contact as usize, f64::from(sign))
     }
 
-    /// The sides of a contact, the second unless there is none.
-    pub(super) fn of_contact(&self, contact: usize) -> (usize, Option<usize>) {
-        let [first, second] = self.of_contact[contact];
-        (first as usize, (second != NONE).then_some(second as usize))
+    /// The sides of some contacts; behind the last of all where one has no second.
+    pub(super) fn of_contacts(&self, contacts: &Range<usize>) -> &[[u32; 2]] {
+        &self.of_contact[contacts.clone()]
     }
 }

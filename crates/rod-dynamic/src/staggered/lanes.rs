@@ -1,12 +1,13 @@
 //! Small vectors and matrices whose entries are SIMD lanes, one fibre in each.
 //!
-//! One source serves one fibre and eight: [`Lane`] wraps whatever register `pulp` chose. Every
-//! function is `inline(always)`, because only then does it take on the caller's target features.
+//! One source serves one fibre and eight. Every function is `inline(always)`, because only then does it
+//! take on the caller's target features.
 
 use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
-use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+pub(super) use rapunzel_lanes::Lane;
+use std::ops::{Add, AddAssign, Sub, SubAssign};
 
 /// An array of registers that begins at a cache line: a register that crosses one costs twice.
 pub(super) type Array<S> = AVec<<S as Simd>::f64s, ConstAlign<64>>;
@@ -14,103 +15,6 @@ pub(super) type Array<S> = AVec<<S as Simd>::f64s, ConstAlign<64>>;
 /// An array of `count` zeros.
 pub(super) fn zeros<S: Simd>(count: usize) -> Array<S> {
     avec![[64]| S::f64s::zeroed(); count]
-}
-
-/// One number for each fibre of a pack.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-pub(super) struct Lane<S: Simd> {
-    simd: S,
-    pub(super) value: S::f64s,
-}
-
-impl<S: Simd> Lane<S> {
-    #[inline(always)]
-    pub(super) fn new(simd: S, value: S::f64s) -> Self {
-        Self { simd, value }
-    }
-    #[inline(always)]
-    pub(super) fn splat(simd: S, x: f64) -> Self {
-        Self { simd, value: simd.splat_f64s(x) }
-    }
-    #[inline(always)]
-    pub(super) fn simd(self) -> S {
-        self.simd
-    }
-    /// The constant `x` in all lanes.
-    #[inline(always)]
-    pub(super) fn lift(self, x: f64) -> Self {
-        Self::splat(self.simd, x)
-    }
-    /// `self * b + c` with one rounding where the machine has it.
-    #[inline(always)]
-    pub(super) fn fma(self, b: Self, c: Self) -> Self {
-        Self::new(self.simd, self.simd.mul_add_e_f64s(self.value, b.value, c.value))
-    }
-    /// `c - self * b`.
-    #[inline(always)]
-    pub(super) fn nma(self, b: Self, c: Self) -> Self {
-        (-self).fma(b, c)
-    }
-    #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
-        Self::new(self.simd, self.simd.sqrt_f64s(self.value))
-    }
-    #[inline(always)]
-    pub(super) fn recip(self) -> Self {
-        Self::new(self.simd, self.simd.div_f64s(self.simd.splat_f64s(1.0), self.value))
-    }
-    #[inline(always)]
-    pub(super) fn abs(self) -> Self {
-        Self::new(self.simd, self.simd.abs_f64s(self.value))
-    }
-    #[inline(always)]
-    pub(super) fn max(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.max_f64s(self.value, b.value))
-    }
-    /// 1 where `self > 0`, else -1 (also for NaN).
-    #[inline(always)]
-    pub(super) fn sign(self) -> Self {
-        self.positive_or(self.lift(1.0), self.lift(-1.0))
-    }
-    /// `yes` where `self > 0`, else `no` (also for NaN).
-    #[inline(always)]
-    pub(super) fn positive_or(self, yes: Self, no: Self) -> Self {
-        let mask = self.simd.greater_than_f64s(self.value, self.simd.splat_f64s(0.0));
-        Self::new(self.simd, self.simd.select_f64s(mask, yes.value, no.value))
-    }
-}
-
-impl<S: Simd> Add for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.add_f64s(self.value, b.value))
-    }
-}
-
-impl<S: Simd> Sub for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.sub_f64s(self.value, b.value))
-    }
-}
-
-impl<S: Simd> Mul for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.mul_f64s(self.value, b.value))
-    }
-}
-
-impl<S: Simd> Neg for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::new(self.simd, self.simd.neg_f64s(self.value))
-    }
 }
 
 /// A vector in each lane.
@@ -422,7 +326,7 @@ impl<S: Simd> Quat<S> {
     #[inline(always)]
     pub(super) fn inverse_times(self, b: Self) -> Self {
         Self {
-            v: b.v.fma(self.w, V3::splat(b.w.simd, 0.0) - self.v.scale(b.w)) - self.v.cross(b.v),
+            v: b.v.fma(self.w, V3::splat(b.w.simd(), 0.0) - self.v.scale(b.w)) - self.v.cross(b.v),
             w: self.w.fma(b.w, self.v.dot(b.v)),
         }
     }

@@ -1,0 +1,239 @@
+//! What every contact does by itself.
+
+use super::anderson::Onward;
+use super::part::{Common, Part};
+use super::wide::{Vectors, WIDTH, Wide, norm};
+use crate::metric;
+use crate::residual::Sums;
+use nalgebra::Vector3;
+use pulp::{Simd, WithSimd};
+use rapunzel_lanes::Lane;
+
+/// How near twice the bound of what keeps descent from diverging a step is.
+const NEARLY: f64 = 0.95;
+
+/// What the contacts of a part are to do.
+pub(super) struct Alone<'p, 'a, 'b> {
+    pub(super) part: &'p mut Part<'a, 'b>,
+    pub(super) common: &'p Common<'p>,
+    pub(super) act: Act<'p>,
+}
+
+pub(super) enum Act<'p> {
+    /// Finds the impulse that obeys the law as the metric answers it, and notes the velocity wanted if
+    /// these are looked at.
+    Obey { looked_at: bool },
+    /// Finds how far what is wanted is from what the bodies do.
+    Compare,
+    /// Finds how far the velocities that have been told are from the law.
+    Judge,
+    /// Finds where the gradient leads, back into the cone.
+    Descend,
+    /// Goes on, back into the cone.
+    Step(&'p Onward),
+}
+
+impl WithSimd for Alone<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { part, common, act } = self;
+        match act {
+            Act::Obey { looked_at } => obey(simd, part, common, looked_at),
+            Act::Compare => compare(simd, part, common),
+            Act::Judge => judge(simd, part, common),
+            Act::Descend => descend(simd, part, common),
+            Act::Step(onward) => step(simd, part, common, onward),
+        }
+    }
+}
+
+/// With a response that is a multiple of the identity, normal and friction part one after another.
+#[inline(always)]
+fn obey<S: Simd>(simd: S, part: &mut Part, common: &Common, looked_at: bool) {
+    let contacts = &common.contacts[part.contacts.clone()];
+    for register in 0..Wide::<S>::registers(contacts.len()) {
+        let wide = Wide::new(simd, &part.groups, contacts, register);
+        let q = wide.relative(&common.h, &wide.group.sides);
+        let (response, adhesion) = (wide.responses(), wide.adhesion());
+        let answer = (response + wide.compliance()).recip();
+        let normal = (-q[0] * answer).max(-adhesion);
+        let [s, t] = wide.project([-q[1] * answer, -q[2] * answer], normal + adhesion);
+        let r = [normal, s, t];
+        put(&wide, r, part.impulses, common, part.contacts.start);
+        if looked_at {
+            let wanted = &mut part.wanted[wide.range()];
+            wide.unpack(sum(q, times(r, response)), wanted);
+        }
+    }
+}
+
+#[inline(always)]
+fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
+    let contacts = &common.contacts[part.contacts.clone()];
+    let mut sums = WideSums::zero(simd);
+    for register in 0..Wide::<S>::registers(contacts.len()) {
+        let wide = Wide::new(simd, &part.groups, contacts, register);
+        let r = wide.pack(&part.impulses[wide.range()]);
+        let wanted = wide.pack(&part.wanted[wide.range()]);
+        let v = wide.relative(&common.v, &wide.group.points);
+        let (zero, response) = (wide.splat(0.0), wide.responses());
+        // Where nothing holds it, only what closes the gap is wrong.
+        let loose = -wide.adhesion();
+        let off = [
+            r[0].at_most(loose, v[0].min(zero), v[0] - wanted[0]),
+            r[0].at_most(loose, zero, v[1] - wanted[1]),
+            r[0].at_most(loose, zero, v[2] - wanted[2]),
+        ];
+        let u = sum(v, times(r, wide.compliance()));
+        sums.wrong = sums.wrong + squared(off) / (response * response);
+        sums.all = sums.all + squared(r);
+        sums.normal_error = sums.normal_error.max(off[0].abs());
+        sums.slip_error = sums.slip_error.max(slip_error(&wide, u, r, response.recip()));
+    }
+    part.sums = sums.of_all();
+}
+
+/// As [`crate::Violation`] does it.
+#[inline(always)]
+fn judge<S: Simd>(simd: S, part: &mut Part, common: &Common) {
+    let contacts = &common.contacts[part.contacts.clone()];
+    let mut sums = WideSums::zero(simd);
+    for register in 0..Wide::<S>::registers(contacts.len()) {
+        let wide = Wide::new(simd, &part.groups, contacts, register);
+        let impulse = wide.pack(&part.impulses[wide.range()]);
+        let v = wide.relative(&common.v, &wide.group.points);
+        let u = sum(v, times(impulse, wide.compliance()));
+        let weight = wide.responses().recip();
+        // From the cone's tip.
+        let r = [impulse[0] + wide.adhesion(), impulse[1], impulse[2]];
+        let saxce = [u[0] + wide.dissipation([u[1], u[2]]), u[1], u[2]];
+        let projected = wide.project_cone(less(r, times(saxce, weight)));
+        let normal_error = u[0].min(r[0] / weight).abs();
+        sums.wrong = sums.wrong + squared(less(r, projected));
+        sums.all = sums.all + squared(r);
+        sums.normal_error = sums.normal_error.max(normal_error);
+        sums.slip_error = sums.slip_error.max(slip_error(&wide, u, impulse, weight));
+    }
+    part.sums = sums.of_all();
+}
+
+#[inline(always)]
+fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common) {
+    let contacts = &common.contacts[part.contacts.clone()];
+    let [start, image] = part.descents.rooms(3 * contacts.len());
+    let (starts, images) = (start.as_chunks_mut::<3>().0, image.as_chunks_mut::<3>().0);
+    for (start, r) in starts.iter_mut().zip(&*part.impulses) {
+        *start = (*r).into();
+    }
+    for register in 0..Wide::<S>::registers(contacts.len()) {
+        let wide = Wide::new(simd, &part.groups, contacts, register);
+        let r = wide.pack(&part.impulses[wide.range()]);
+        let bound = wide.splat(metric::most(common.weight)) * wide.responses();
+        let mass = (bound / wide.splat(2.0 * NEARLY) + wide.compliance()).recip();
+        let v = wide.relative(&common.v, &wide.group.points);
+        let mut u = sum(v, times(r, wide.compliance()));
+        u[0] = u[0] + wide.dissipation([u[1], u[2]]);
+        let next = nearest(&wide, less(r, times(u, mass)));
+        wide.unpack(next, &mut images[wide.range()]);
+    }
+}
+
+#[inline(always)]
+fn step<S: Simd>(simd: S, part: &mut Part, common: &Common, onward: &Onward) {
+    let contacts = &common.contacts[part.contacts.clone()];
+    let next = part.descents.onward(onward).as_chunks::<3>().0;
+    for register in 0..Wide::<S>::registers(contacts.len()) {
+        let wide = Wide::new(simd, &part.groups, contacts, register);
+        let r = nearest(&wide, wide.pack(&next[wide.range()]));
+        put(&wide, r, part.impulses, common, part.contacts.start);
+    }
+}
+
+/// Notes impulses, of contacts that come after `start` others, in their frames and in the world.
+#[inline(always)]
+fn put<S: Simd>(
+    wide: &Wide<S>,
+    r: Vectors<S>,
+    impulses: &mut [Vector3<f64>],
+    common: &Common,
+    start: usize,
+) {
+    wide.unpack(r, &mut impulses[wide.range()]);
+    let mut world = [Vector3::zeros(); WIDTH];
+    wide.unpack(wide.world(r), &mut world);
+    for (i, impulse) in wide.range().zip(&world) {
+        common.impulses.set(start + i, impulse);
+    }
+}
+
+/// The impulses of the cones nearest to some.
+#[inline(always)]
+fn nearest<S: Simd>(wide: &Wide<S>, [n, s, t]: Vectors<S>) -> Vectors<S> {
+    let tip = wide.adhesion();
+    let [n, s, t] = wide.project_cone([n + tip, s, t]);
+    [n - tip, s, t]
+}
+
+/// As the slip of [`crate::Violation`].
+#[inline(always)]
+fn slip_error<S: Simd>(
+    wide: &Wide<S>,
+    u: Vectors<S>,
+    impulse: Vectors<S>,
+    weight: Lane<S>,
+) -> Lane<S> {
+    let zero = wide.splat(0.0);
+    let limit = (impulse[0] + wide.adhesion()).max(zero);
+    let [_, s, t] = less(impulse, times(u, weight));
+    let [s, t] = wide.project([s, t], limit);
+    let along = (impulse[1] - s) * u[1] + (impulse[2] - t) * u[2];
+    along.at_most(zero, zero, along / norm([u[1], u[2]])) / weight
+}
+
+#[inline(always)]
+fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn times<S: Simd>(a: Vectors<S>, b: Lane<S>) -> Vectors<S> {
+    [a[0] * b, a[1] * b, a[2] * b]
+}
+
+#[inline(always)]
+fn squared<S: Simd>([x, y, z]: Vectors<S>) -> Lane<S> {
+    x * x + y * y + z * z
+}
+
+/// [`Sums`] by lane.
+struct WideSums<S: Simd> {
+    wrong: Lane<S>,
+    all: Lane<S>,
+    normal_error: Lane<S>,
+    slip_error: Lane<S>,
+}
+
+impl<S: Simd> WideSums<S> {
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self { wrong: zero, all: zero, normal_error: zero, slip_error: zero }
+    }
+
+    #[inline(always)]
+    fn of_all(self) -> Sums {
+        Sums {
+            wrong: self.wrong.sum(),
+            all: self.all.sum(),
+            normal_error: self.normal_error.largest(),
+            slip_error: self.slip_error.largest(),
+        }
+    }
+}

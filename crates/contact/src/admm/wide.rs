@@ -1,0 +1,352 @@
+//! As many contacts at once as a register holds.
+//!
+//! A projection onto a circle or its cone is a root, a quotient and a choice; one after another these wait
+//! for each other. Other curves are projected onto one by one.
+
+use super::shared::Shared;
+use crate::{Contact, LimitCurve};
+use nalgebra::Vector3;
+use pulp::Simd;
+use rapunzel_lanes::Lane;
+use std::ops::{Index, IndexMut, Range};
+
+/// Contacts of a group: what the widest register holds.
+pub(super) const WIDTH: usize = 8;
+
+type Numbers = [f64; WIDTH];
+
+/// A vector of each contact.
+pub(super) type Vectors<S> = [Lane<S>; 3];
+
+/// What it takes to solve eight contacts. Lanes that are left are of contacts that bear nothing and stay so.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(super) struct Group {
+    /// By column, then component.
+    frames: [[Numbers; 3]; 3],
+    bias: [Numbers; 3],
+    adhesion: Numbers,
+    compliance: Numbers,
+    /// Answers to their own impulses in the metric, 1/kg.
+    responses: Numbers,
+    /// Coefficients of friction, if for all of them they are the same in all directions.
+    circles: Option<Numbers>,
+    pub(super) points: Places,
+    pub(super) sides: Places,
+}
+
+/// Where something of the first side of each contact is, and of the second.
+pub(super) type Places = [[u32; WIDTH]; 2];
+
+impl Group {
+    /// At most eight contacts with their responses, 1/kg.
+    pub(super) fn new(
+        contacts: &[Contact],
+        responses: &[f64],
+        [points, sides]: [Places; 2],
+    ) -> Self {
+        let mut group = Self {
+            frames: Default::default(),
+            bias: Default::default(),
+            adhesion: Default::default(),
+            compliance: Default::default(),
+            responses: [1.0; WIDTH],
+            circles: Some(Default::default()),
+            points,
+            sides,
+        };
+        for (lane, (contact, response)) in contacts.iter().zip(responses).enumerate() {
+            for i in 0..3 {
+                for k in 0..3 {
+                    group.frames[i][k][lane] = contact.frame[(k, i)];
+                }
+                group.bias[i][lane] = contact.bias[i];
+            }
+            group.adhesion[lane] = contact.adhesion;
+            group.compliance[lane] = contact.compliance;
+            group.responses[lane] = *response;
+            match (&mut group.circles, &contact.friction) {
+                (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
+                (circles, _) => *circles = None,
+            }
+        }
+        group
+    }
+}
+
+/// Those of a group that share a register.
+#[derive(Clone, Copy)]
+pub(super) struct Wide<'a, S: Simd> {
+    simd: S,
+    pub(super) group: &'a Group,
+    contacts: &'a [Contact],
+    /// Which register of the group.
+    register: usize,
+    /// The first, and how many there are.
+    first: usize,
+    count: usize,
+}
+
+impl<'a, S: Simd> Wide<'a, S> {
+    /// How many registers so many contacts fill.
+    #[inline(always)]
+    pub(super) fn registers(contacts: usize) -> usize {
+        contacts.div_ceil(S::F64_LANES)
+    }
+
+    /// Those of some contacts and their groups that share this register of all.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        groups: &'a [Group],
+        contacts: &'a [Contact],
+        register: usize,
+    ) -> Self {
+        let in_group = WIDTH / S::F64_LANES;
+        let (group, first) = (&groups[register / in_group], register * S::F64_LANES);
+        let count = (contacts.len() - first).min(S::F64_LANES);
+        Self { simd, group, contacts, register: register % in_group, first, count }
+    }
+
+    /// Which contacts these are.
+    #[inline(always)]
+    pub(super) fn range(&self) -> Range<usize> {
+        self.first..self.first + self.count
+    }
+
+    #[inline(always)]
+    fn lane(&self, numbers: &Numbers) -> Lane<S> {
+        Lane::load(self.simd, numbers, self.register)
+    }
+
+    #[inline(always)]
+    pub(super) fn splat(&self, x: f64) -> Lane<S> {
+        Lane::splat(self.simd, x)
+    }
+
+    #[inline(always)]
+    pub(super) fn adhesion(&self) -> Lane<S> {
+        self.lane(&self.group.adhesion)
+    }
+
+    #[inline(always)]
+    pub(super) fn compliance(&self) -> Lane<S> {
+        self.lane(&self.group.compliance)
+    }
+
+    #[inline(always)]
+    pub(super) fn responses(&self) -> Lane<S> {
+        self.lane(&self.group.responses)
+    }
+
+    /// Vectors of contacts, one after another, side by side.
+    #[inline(always)]
+    pub(super) fn pack<V: Index<usize, Output = f64>>(&self, vectors: &[V]) -> Vectors<S> {
+        let mut numbers = [[0.0; WIDTH]; 3];
+        for (lane, vector) in vectors.iter().enumerate() {
+            for k in 0..3 {
+                numbers[k][lane] = vector[k];
+            }
+        }
+        let [x, y, z] = &numbers;
+        [Lane::load(self.simd, x, 0), Lane::load(self.simd, y, 0), Lane::load(self.simd, z, 0)]
+    }
+
+    /// Vectors of contacts, side by side, one after another.
+    #[inline(always)]
+    pub(super) fn unpack<V: IndexMut<usize, Output = f64>>(
+        &self,
+        vectors: Vectors<S>,
+        into: &mut [V],
+    ) {
+        let mut numbers = [[0.0; WIDTH]; 3];
+        for k in 0..3 {
+            vectors[k].store(&mut numbers[k], 0);
+        }
+        for (lane, vector) in into.iter_mut().enumerate() {
+            for k in 0..3 {
+                vector[k] = numbers[k][lane];
+            }
+        }
+    }
+
+    /// By how much velocities at the first places exceed those at the second, in the frames, with the bias.
+    #[inline(always)]
+    pub(super) fn relative(&self, velocities: &Shared, places: &Places) -> Vectors<S> {
+        let mut between = [Vector3::zeros(); WIDTH];
+        let from = self.register * S::F64_LANES;
+        for lane in 0..S::F64_LANES {
+            let [first, second] = [places[0][from + lane], places[1][from + lane]];
+            between[lane] = velocities.get(first as usize) - velocities.get(second as usize);
+        }
+        let [x, y, z] = self.pack(&between[..S::F64_LANES]);
+        let mut relative = [self.splat(0.0); 3];
+        for i in 0..3 {
+            let [a, b, c] = &self.group.frames[i];
+            let along = self.lane(a) * x + self.lane(b) * y + self.lane(c) * z;
+            relative[i] = along + self.lane(&self.group.bias[i]);
+        }
+        relative
+    }
+
+    /// Out of the frames.
+    #[inline(always)]
+    pub(super) fn world(&self, [n, s, t]: Vectors<S>) -> Vectors<S> {
+        let [a, b, c] = &self.group.frames;
+        let mut world = [self.splat(0.0); 3];
+        for k in 0..3 {
+            world[k] = self.lane(&a[k]) * n + self.lane(&b[k]) * s + self.lane(&c[k]) * t;
+        }
+        world
+    }
+
+    /// [`LimitCurve::dissipation`].
+    #[inline(always)]
+    pub(super) fn dissipation(&self, [s, t]: [Lane<S>; 2]) -> Lane<S> {
+        if let Some(circles) = &self.group.circles {
+            return self.lane(circles) * norm([s, t]);
+        }
+        let mut all = [Vector3::zeros(); WIDTH];
+        self.unpack([s, t, s], &mut all);
+        for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
+            found.z = contact.friction.dissipation(&found.xy());
+        }
+        let [_, _, power] = self.pack(&all[..self.count]);
+        power
+    }
+
+    /// [`LimitCurve::project`].
+    #[inline(always)]
+    pub(super) fn project(&self, [s, t]: [Lane<S>; 2], scale: Lane<S>) -> [Lane<S>; 2] {
+        if let Some(circles) = &self.group.circles {
+            let (zero, one) = (self.splat(0.0), self.splat(1.0));
+            let (radius, size) = (self.lane(circles) * scale, norm([s, t]));
+            let share = size.at_most(radius, one, radius / size);
+            let share = scale.at_most(zero, zero, share);
+            return [s * share, t * share];
+        }
+        let mut all = [Vector3::zeros(); WIDTH];
+        self.unpack([s, t, scale], &mut all);
+        for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
+            let nearest = contact.friction.project(&found.xy(), found.z);
+            (found.x, found.y) = (nearest.x, nearest.y);
+        }
+        let [s, t, _] = self.pack(&all[..self.count]);
+        [s, t]
+    }
+
+    /// [`LimitCurve::project_cone`].
+    #[inline(always)]
+    pub(super) fn project_cone(&self, [n, s, t]: Vectors<S>) -> Vectors<S> {
+        if let Some(circles) = &self.group.circles {
+            let (zero, one, mu) = (self.splat(0.0), self.splat(1.0), self.lane(circles));
+            let size = norm([s, t]);
+            let (inside, outer) = (mu * n, n + mu * size);
+            let normal = outer / (one + mu * mu);
+            let share = size.at_most(inside, one, mu * normal / size);
+            let normal = size.at_most(inside, n, normal);
+            return [
+                outer.at_most(zero, zero, normal),
+                outer.at_most(zero, zero, s * share),
+                outer.at_most(zero, zero, t * share),
+            ];
+        }
+        let mut all = [Vector3::zeros(); WIDTH];
+        self.unpack([n, s, t], &mut all);
+        for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
+            *found = contact.friction.project_cone(found);
+        }
+        self.pack(&all[..self.count])
+    }
+}
+
+#[inline(always)]
+pub(super) fn norm<S: Simd>([s, t]: [Lane<S>; 2]) -> Lane<S> {
+    (s * s + t * t).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Polygon;
+    use proptest::prelude::*;
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// What eight vectors become: projected onto cones, onto curves as large as the first number, and what
+    /// is dissipated.
+    struct All<'a>(&'a [Group], &'a [Contact], &'a [Vector3<f64>]);
+
+    impl WithSimd for All<'_> {
+        type Output = [Vec<Vector3<f64>>; 2];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let Self(groups, contacts, q) = self;
+            let mut found = [q.to_vec(), q.to_vec()];
+            for register in 0..Wide::<S>::registers(contacts.len()) {
+                let wide = Wide::new(simd, groups, contacts, register);
+                let [n, s, t] = wide.pack(&q[wide.range()]);
+                wide.unpack(wide.project_cone([n, s, t]), &mut found[0][wide.range()]);
+                let power = wide.dissipation([s, t]);
+                let [s, t] = wide.project([s, t], n);
+                wide.unpack([power, s, t], &mut found[1][wide.range()]);
+            }
+            found
+        }
+    }
+
+    fn curve() -> impl Strategy<Value = LimitCurve> {
+        let mu = || 0.0..2.0;
+        let circle = mu().prop_map(|mu| LimitCurve::Circle { mu });
+        let square =
+            Polygon::new(&[[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(Into::into));
+        let square = LimitCurve::Polygon(square.expect("convex"));
+        prop_oneof![
+            6 => circle,
+            1 => prop::array::uniform2(mu()).prop_map(|mu| LimitCurve::Ellipse { mu }),
+            1 => prop::array::uniform4(mu()).prop_map(|mu| LimitCurve::Quarters { mu }),
+            1 => Just(square),
+        ]
+    }
+
+    fn vector() -> impl Strategy<Value = Vector3<f64>> {
+        let number = || prop_oneof![4 => -1.0..1.0, 1 => Just(0.0), 1 => Just(1.0)];
+        [number(), number(), number()].prop_map(Vector3::from)
+    }
+
+    proptest! {
+        /// Whatever the curves, and one by one or in registers, contacts are projected as each would be.
+        #[test]
+        fn contacts_side_by_side_are_projected_as_each_is(
+            all in prop::collection::vec((curve(), vector()), 1..20),
+        ) {
+            let contact = |(friction, _): &(LimitCurve, _)| Contact {
+                first: 0,
+                second: None,
+                frame: nalgebra::Matrix3::identity(),
+                bias: Vector3::zeros(),
+                friction: friction.clone(),
+                adhesion: 0.0,
+                compliance: 0.0,
+            };
+            let contacts: Vec<_> = all.iter().map(contact).collect();
+            let q: Vec<_> = all.iter().map(|(_, q)| *q).collect();
+            let groups: Vec<_> = contacts
+                .chunks(WIDTH)
+                .map(|some| Group::new(some, &[1.0; WIDTH], Default::default()))
+                .collect();
+            let both = [
+                Arch::new().dispatch(All(&groups, &contacts, &q)),
+                Scalar::new().vectorize(All(&groups, &contacts, &q)),
+            ];
+            for [cones, others] in both {
+                for (i, (curve, q)) in all.iter().enumerate() {
+                    prop_assert!((cones[i] - curve.project_cone(q)).norm() < 1e-14, "{}", cones[i]);
+                    let nearest = curve.project(&q.yz(), q.x);
+                    prop_assert!((others[i].yz() - nearest).norm() < 1e-14, "{}", others[i]);
+                    prop_assert!((others[i].x - curve.dissipation(&q.yz())).abs() < 1e-14);
+                }
+            }
+        }
+    }
+}
