@@ -72,21 +72,70 @@ pub fn contacts(
 ) -> Result<(), CollisionError> {
     length("reach", reach)?;
     let chunk = |pairs: &[Pair]| {
-        let (mut squared, mut found) = (Vec::new(), Vec::new());
-        squared_distances(capsules, pairs, &mut squared);
-        for (&pair, squared) in pairs.iter().zip(squared) {
-            // The fast distances may be off by roundings; the exact gap decides.
-            let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
-            let touch = (r + q + reach) * (1.0 + 1e-6);
-            if squared <= touch * touch {
-                let [a, b] = pair.map(|s| capsules.get(s as usize));
-                touching(pair, &a, &b, reach, &mut found);
-            }
-        }
+        let mut found = Vec::new();
+        find(capsules, pairs, reach, &mut found);
         found
     };
     join(pairs.par_chunks(CHUNK).map(chunk).collect(), contacts);
     Ok(())
+}
+
+/// As [`contacts`], of pairs that come in groups, those in a row that are of the `same`: what has been found of
+/// each is given to `chosen`, which puts those behind a list that stay, while they are at hand.
+///
+/// # Errors
+/// [`CollisionError::Length`] if the reach is negative or not finite.
+///
+/// # Panics
+/// If a pair names a segment that does not exist, as indexing does.
+pub fn contacts_of_groups(
+    capsules: &Capsules,
+    pairs: &[Pair],
+    reach: f64,
+    same: impl Fn(&Pair, &Pair) -> bool + Sync,
+    chosen: impl Fn(&[Contact], &mut Vec<Contact>) + Sync,
+    contacts: &mut Vec<Contact>,
+) -> Result<(), CollisionError> {
+    length("reach", reach)?;
+    // Some groups together, of as many pairs as one thread takes.
+    let behind = |end: usize| {
+        let in_group = pairs[end - 1..].windows(2).take_while(|two| same(&two[0], &two[1]));
+        end + in_group.count()
+    };
+    let mut parts = Vec::new();
+    let mut rest = pairs;
+    while !rest.is_empty() {
+        let start = pairs.len() - rest.len();
+        let end = behind(pairs.len().min(start + CHUNK));
+        parts.push(&pairs[start..end]);
+        rest = &pairs[end..];
+    }
+    let part = |pairs: &[Pair]| {
+        let (mut found, mut stay) = (Vec::new(), Vec::new());
+        for group in pairs.chunk_by(&same) {
+            found.clear();
+            find(capsules, group, reach, &mut found);
+            chosen(&found, &mut stay);
+        }
+        stay
+    };
+    join(parts.into_par_iter().map(part).collect(), contacts);
+    Ok(())
+}
+
+/// Puts the contacts of some pairs behind those found before.
+fn find(capsules: &Capsules, pairs: &[Pair], reach: f64, found: &mut Vec<Contact>) {
+    let mut squared = Vec::new();
+    squared_distances(capsules, pairs, &mut squared);
+    for (&pair, squared) in pairs.iter().zip(squared) {
+        // The fast distances may be off by roundings; the exact gap decides.
+        let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
+        let touch = (r + q + reach) * (1.0 + 1e-6);
+        if squared <= touch * touch {
+            let [a, b] = pair.map(|s| capsules.get(s as usize));
+            touching(pair, &a, &b, reach, found);
+        }
+    }
 }
 
 fn touching(pair: Pair, a: &Capsule, b: &Capsule, reach: f64, found: &mut Vec<Contact>) {

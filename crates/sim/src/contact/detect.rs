@@ -6,13 +6,16 @@ use super::passing::{bends, keep_sides, leads_through, passing, travel};
 use super::touch::{self, Partner, Rank, Touch, retain_others};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{
-    Candidates, Capsules, CollisionError, Contact, Pair, contacts, squared_distances,
+    Candidates, Capsules, CollisionError, Contact, Pair, contacts_of_groups, squared_distances,
 };
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
 const CHUNK: usize = 2048;
+
+/// Fibres that one task looks for at objects.
+const FIBERS: usize = 8;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
 const RESERVE: f64 = 16.0;
@@ -110,9 +113,11 @@ impl Detector {
         let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
         let near = by_fibers(end.layout(), &chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
-        contacts(&end, &near, most, &mut self.contacts)?;
+        let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
+        let chosen = |found: &[Contact], stay: &mut Vec<Contact>| places(&end, found, stay);
+        contacts_of_groups(&end, &near, most, same, chosen, &mut self.contacts)?;
         self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
-        self.put_in_order(&end, fast);
+        self.add(&end, fast);
         touches.clear();
         touches.par_extend(self.contacts.par_iter().map(|contact| fiber_touch(&end, contact)));
         let mut others = of_objects(motion, objects, margin);
@@ -123,24 +128,14 @@ impl Detector {
         Ok(())
     }
 
-    /// Sorts the contacts, which come by pairs of fibres, together with those on the way; of those that are
-    /// one place the first stays, and none where a fibre only bends.
-    fn put_in_order(&mut self, end: &Capsules, mut fast: Vec<Contact>) {
+    /// Puts contacts on the way between the others, but those that are one place with another, or where a
+    /// fibre only bends.
+    fn add(&mut self, end: &Capsules, mut fast: Vec<Contact>) {
+        if fast.is_empty() {
+            return;
+        }
         let layout = end.layout();
         let rank = |contact: &Contact| fiber_rank(layout, contact);
-        let groups = self.contacts.par_chunk_by_mut(|a, b| same_fibers(layout, &a.pair, &b.pair));
-        groups.for_each(|group| {
-            // As by rank, with less to look up.
-            let firsts = fibers(layout, &group[0].pair).map(|f| layout.segment_range(f).start);
-            let key = |contact: &Contact| {
-                let at = |i: usize| {
-                    let segment = contact.pair[i] as usize - firsts[i];
-                    (segment as f64 + contact.fractions[i]).to_bits()
-                };
-                ([at(0), at(1)], contact.pair)
-            };
-            group.sort_unstable_by_key(key);
-        });
         fast.sort_unstable_by_key(rank);
         touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
         let same =
@@ -151,6 +146,31 @@ impl Detector {
         };
         let goes: Vec<bool> = (0..self.contacts.len()).into_par_iter().map(goes).collect();
         retain_others(&mut self.contacts, goes);
+    }
+}
+
+/// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the
+/// first stays, and none where a fibre only bends.
+fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
+    let Some(first) = found.first() else { return };
+    let layout = end.layout();
+    // As by rank, with less to look up, and less to move.
+    let firsts = fibers(layout, &first.pair).map(|f| layout.segment_range(f).start);
+    let key = |(i, contact): (usize, &Contact)| {
+        let at = |side: usize| {
+            let segment = contact.pair[side] as usize - firsts[side];
+            (segment as f64 + contact.fractions[side]).to_bits()
+        };
+        ([at(0), at(1)], contact.pair, i)
+    };
+    let mut ordered: Vec<_> = found.iter().enumerate().map(key).collect();
+    ordered.sort_unstable();
+    let mut before = None;
+    for (at, _, i) in ordered {
+        if !before.is_some_and(|before| touch::same_place(before, at)) && !bends(end, &found[i]) {
+            stay.push(found[i]);
+        }
+        before = Some(at);
     }
 }
 
@@ -261,7 +281,9 @@ fn of_objects(motion: &Motion, objects: &[Object], margin: f64) -> Vec<Touch> {
         }
         found
     };
-    let found: Vec<_> = (0..motion.layout.fibers()).into_par_iter().map(strand).collect();
+    // Few of many may be near any.
+    let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
+    let found: Vec<_> = fibers.map(strand).collect();
     let mut found = found.concat();
     found.extend(pair::touches(objects, [motion.time, motion.dt], margin));
     found

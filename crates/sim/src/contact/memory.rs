@@ -79,19 +79,27 @@ pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
     touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
         let sides = group[0].sides;
         let known = &known[known.partition_point(|r| r.push.sides < sides)..];
-        let known = &known[..known.partition_point(|r| r.push.sides == sides)];
-        recall_pair(known, scale, group);
+        let of_pair = known.iter().take_while(|r| r.push.sides == sides);
+        recall_pair(of_pair, scale, group);
     });
 }
 
 /// The same for the contacts of one pair.
-fn recall_pair(known: &[Remembered], scale: f64, group: &mut [Touch]) {
+fn recall_pair<'a>(
+    known: impl Iterator<Item = &'a Remembered>,
+    scale: f64,
+    mut group: &mut [Touch],
+) {
     for touch in &mut *group {
         (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
     }
     for one in known {
         let place = one.push.at();
-        let both = group.iter_mut().map(|touch| (touch.apart(place), touch));
+        // Those that come before are out of reach of all that follow.
+        let before = group.iter().take_while(|touch| touch.at()[0] <= place[0] - REACH).count();
+        group = &mut group[before..];
+        let ahead = group.iter_mut().take_while(|touch| touch.at()[0] < place[0] + REACH);
+        let both = ahead.map(|touch| (touch.apart(place), touch));
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
             touch.impulse += scale * one.push.impulse;

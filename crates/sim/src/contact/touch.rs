@@ -154,7 +154,7 @@ impl Touch {
 
 /// Places that are nearer to each other along both sides, in segments, are one: named by two segments that
 /// share a node, or two nodes that face each other where fibres were laid side by side.
-pub(super) const SAME: f64 = 1e-4;
+const SAME: f64 = 1e-4;
 
 /// From this number on, sides are objects.
 const OBJECTS: u32 = 1 << 31;
@@ -182,10 +182,14 @@ impl Rank {
 
     /// Whether two are the same place.
     pub(super) fn same(&self, other: &Self) -> bool {
-        let near =
-            |i: usize| (f64::from_bits(self.at[i]) - f64::from_bits(other.at[i])).abs() < SAME;
-        self.sides == other.sides && near(0) && near(1)
+        self.sides == other.sides && same_place(self.at, other.at)
     }
+}
+
+/// Whether two are the same place of a pair, in the bits of segments along both.
+pub(super) fn same_place(a: [u64; 2], b: [u64; 2]) -> bool {
+    let near = |i: usize| (f64::from_bits(a[i]) - f64::from_bits(b[i])).abs() < SAME;
+    near(0) && near(1)
 }
 
 /// Puts some things between those of a list, both in order, where `after` tells whether one of the list
