@@ -16,7 +16,7 @@ const SLACK: f64 = 0.5;
 /// Pairs a segment above which a list is too long, and its margin is halved; where there are not even a
 /// quarter of them, it is doubled.
 const CROWD: usize = 8;
-/// The least part of the margin that was asked for.
+/// The least part of the margin that was asked for; where a list has twice as many pairs even so, half of it.
 const LEAST: f64 = 0.125;
 /// Motions in a row whose pairs are searched for one by one before a list is tried again.
 const PATIENCE: usize = 16;
@@ -190,6 +190,11 @@ impl List {
             list.tree.refit(capsules, list.grow())?;
             list.search(capsules);
         }
+        while list.is_long() {
+            list.margin *= 0.5;
+            list.tree.refit(capsules, list.grow())?;
+            list.search(capsules);
+        }
         list.cost = list.tree.cost();
         Ok(list)
     }
@@ -205,7 +210,10 @@ impl List {
     }
 
     fn is_long(&self) -> bool {
-        self.margin > LEAST * self.most && self.pairs.len() > CROWD * self.regions.len()
+        let least = LEAST * self.most;
+        let [crowd, least] =
+            if self.margin > least { [CROWD as f64, least] } else { [2.0 * CROWD as f64, 0.5 * least] };
+        self.margin > least && self.pairs.len() as f64 > crowd * self.regions.len() as f64
     }
 
     /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or
