@@ -211,8 +211,11 @@ impl List {
 
     fn is_long(&self) -> bool {
         let least = LEAST * self.most;
-        let [crowd, least] =
-            if self.margin > least { [CROWD as f64, least] } else { [2.0 * CROWD as f64, 0.5 * least] };
+        let [crowd, least] = if self.margin > least {
+            [CROWD as f64, least]
+        } else {
+            [2.0 * CROWD as f64, 0.5 * least]
+        };
         self.margin > least && self.pairs.len() as f64 > crowd * self.regions.len() as f64
     }
 

@@ -118,7 +118,7 @@ impl Solver for Admm {
             return Ok(Report { converged: true, ..Report::default() });
         }
         let sides = Sides::new(contacts, velocities.len());
-        let (masses, crowded) = prepare(bodies, &sides, velocities.len(), self.weight)?;
+        let (masses, crowded) = metric_of(bodies, &sides, velocities.len(), self.weight);
         let first = |(contact, impulse): (&Contact, &Vector3<f64>)| contact.frame * impulse;
         let common = Common {
             contacts,
@@ -138,16 +138,21 @@ impl Solver for Admm {
         let mut anderson = Anderson::new(self.memory, period);
         let [at_start, at_end] =
             if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
-        Ok(crew.led(|lead| {
+        crew.led(|lead| {
             let mut iterations = 0;
             let descend = |found: &Report, attempt, iterations: &mut usize| {
                 let found = descend(lead, &tolerance, tolerance.error(found), attempt, iterations);
                 found.map(|found| Report { iterations: *iterations, converged: true, ..found })
             };
             if let Some(found) = descend(&judge(lead), at_start, &mut iterations) {
-                return found;
+                return Ok(found);
             }
             lead.order(Order::SetOut);
+            let mut refused = None;
+            lead.each(|part| refused = refused.take().or(part.refused.take()));
+            if let Some(error) = refused {
+                return Err(error);
+            }
             loop {
                 iterations += 1;
                 let last = iterations >= tolerance.iterations;
@@ -169,24 +174,24 @@ impl Solver for Admm {
                     let found = judge(lead);
                     let converged = tolerance.reached(&found);
                     if converged || last {
-                        return Report { iterations, converged, ..found };
+                        return Ok(Report { iterations, converged, ..found });
                     }
                     if let Some(found) = descend(&found, at_end, &mut iterations) {
-                        return found;
+                        return Ok(found);
                     }
                 }
             }
-        }))
+        })
     }
 }
 
-/// Chooses the metric, kg, by point, and adds it to the bodies. Tells whether most points are in a crowd.
-fn prepare(
+/// Chooses the metric, kg, by point. Tells whether most points are in a crowd.
+fn metric_of(
     bodies: &mut [&mut dyn Body],
     sides: &Sides,
     points: usize,
     weight: f64,
-) -> Result<(Vec<f64>, bool), ContactError> {
+) -> (Vec<f64>, bool) {
     let mut masses = vec![0.0; points];
     let ranges = ranges(bodies);
     let mut rest = &mut masses[..];
@@ -204,13 +209,10 @@ fn prepare(
         .zip(ranges)
         .map(|((body, masses), range)| {
             let counts: Vec<usize> = range.map(|point| sides.at(point).len()).collect();
-            let crowded = metric::masses(&mut **body, &counts, weight, masses);
-            let both = masses.iter().zip(&counts);
-            let weights: Vec<f64> = both.map(|(mass, &count)| mass * count as f64).collect();
-            body.set_weights(&weights).map(|()| crowded)
+            metric::masses(&mut **body, &counts, weight, masses)
         })
-        .collect::<Result<Vec<usize>, _>>()?;
-    Ok((masses, 2 * crowded.into_iter().sum::<usize>() > points))
+        .sum::<usize>();
+    (masses, 2 * crowded > points)
 }
 
 /// Cuts bodies and contacts into parts, by their number alone.

@@ -8,7 +8,7 @@ use super::shared::Shared;
 use super::sides::Sides;
 use super::wide::{Group, WIDTH};
 use crate::residual::Sums;
-use crate::{Body, Contact, Report};
+use crate::{Body, Contact, ContactError, Report};
 use nalgebra::Vector3;
 use pulp::Arch;
 use std::ops::Range;
@@ -34,7 +34,7 @@ pub(super) struct Common<'a> {
 
 /// What all parts are to do.
 pub(super) enum Order {
-    /// Begins where the contacts' impulses cause the velocities that have been told.
+    /// Adds the metric to the bodies, and begins where the contacts' impulses cause the velocities that have been told.
     SetOut,
     /// Solves every contact by itself, and notes the velocities it wants if these are looked at.
     Obey { looked_at: bool },
@@ -74,6 +74,8 @@ pub(super) struct Part<'a, 'b> {
     /// Relative velocities that the contacts want.
     pub(super) wanted: Vec<Vector3<f64>>,
     pub(super) sums: Sums,
+    /// Why a body does not take the metric.
+    pub(super) refused: Option<ContactError>,
 }
 
 impl<'a, 'b> Part<'a, 'b> {
@@ -113,6 +115,7 @@ impl<'a, 'b> Part<'a, 'b> {
             response_roots: responses.iter().map(|response| response.sqrt()).collect(),
             wanted: vec![Vector3::zeros(); contacts.len()],
             sums: Sums::default(),
+            refused: None,
             bodies,
             points,
             steps,
@@ -137,7 +140,17 @@ impl<'a, 'b> Part<'a, 'b> {
         }
     }
 
-    fn set_out(&self, common: &Common) {
+    fn set_out(&mut self, common: &Common) {
+        let weight = |point: usize| common.masses[point] * common.sides.at(point).len() as f64;
+        let weights: Vec<f64> = self.points.clone().map(weight).collect();
+        let mut rest = &weights[..];
+        for body in &mut *self.bodies {
+            let (own, behind) = rest.split_at(body.points());
+            rest = behind;
+            if let Err(error) = body.set_weights(own) {
+                self.refused.get_or_insert(error);
+            }
+        }
         for point in self.points.clone() {
             let (v, lightness) = (common.v.get(point), 1.0 / common.masses[point]);
             for side in common.sides.at(point) {

@@ -1,4 +1,4 @@
-use super::case::Case;
+use super::case::{Case, Room};
 use super::cut::{Cut, lost};
 use super::detect::{self, Detector};
 use super::effort::Effort;
@@ -54,6 +54,8 @@ pub(crate) struct Touching {
     bonds: Vec<Remembered>,
     /// The touches of the step before, whose room those of the next take.
     touches: Vec<Touch>,
+    /// That of its last case.
+    room: Room,
 }
 
 impl Touching {
@@ -70,9 +72,17 @@ impl Touching {
         };
         let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         let solver = Admm::new(Tolerance::EXACT);
-        let bonds = Vec::new();
-        let mut touching =
-            Self { settings, film, detector, solver, radii, radius, bonds, touches: Vec::new() };
+        let mut touching = Self {
+            settings,
+            film,
+            detector,
+            solver,
+            radii,
+            radius,
+            bonds: Vec::new(),
+            touches: Vec::new(),
+            room: Room::default(),
+        };
         let depths = [radius, touching.depth()];
         let touches = start::touches(world, &mut touching.detector, &touching.radii, depths)?;
         if let Some(Adhesion::Bonds { range, .. }) = touching.settings.adhesion {
@@ -183,7 +193,8 @@ impl Touching {
         world.push(expected.pushes(), time, dt)?;
         world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
         self.list(world, part, expected)?;
-        let mut case = self.case(world, part)?;
+        let room = std::mem::take(&mut self.room);
+        let mut case = self.case(world, part, room)?;
         let start = case.certificate(world, &part.touches, &part.mean);
         let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
@@ -213,11 +224,12 @@ impl Touching {
                     let bounds = [strength, self.settings.slip];
                     case.tear(world, &mut part.touches, &part.mean, bounds)?;
                 }
+                self.room = case.into_room();
                 return Ok(());
             }
             case.set_gaps(world, &mut bearing, &part.mean, dt);
             part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
-            case = self.case(world, part)?;
+            case = self.case(world, part, case.into_room())?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| worst(world, part, &case));
@@ -299,10 +311,11 @@ impl Touching {
 
     /// The contacts of a part, whose impulses act from now on and no others: some may have been expected of
     /// touches that are gone.
-    fn case(&self, world: &mut World, part: &Part) -> Result<Case, Cut> {
+    fn case(&self, world: &mut World, part: &Part, room: Room) -> Result<Case, Cut> {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
-        let case = Case::new(world, &part.touches, [&part.before, &part.mean], part.dt, &laws)?;
+        let velocities = [&part.before[..], &part.mean];
+        let case = Case::new(world, &part.touches, velocities, part.dt, &laws, room)?;
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
         world.with_impulses(pushes, |group, own| group.press(own))?;

@@ -10,9 +10,10 @@ use super::velocities::Velocities;
 use crate::World;
 use nalgebra::Vector3;
 use openings::{ALWAYS, Openings};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, Report, Solver, Tolerance};
+use rapunzel_contact::{Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
 const ROUNDING: f64 = 1e-5;
@@ -50,6 +51,16 @@ pub(super) struct Case {
     written: Vec<Option<Written>>,
     /// By group: the points that these have.
     kept: Vec<Vec<Side>>,
+    /// What the solver got last.
+    solved: Vec<Contact>,
+}
+
+/// What takes most room in a case, for that of the next step.
+#[derive(Default)]
+pub(super) struct Room {
+    contacts: Vec<Contact>,
+    solved: Vec<Contact>,
+    gaps: Vec<f64>,
 }
 
 impl Case {
@@ -61,7 +72,10 @@ impl Case {
         [before, nodes]: [&[Vector3<f64>]; 2],
         dt: f64,
         laws: &Laws,
+        room: Room,
     ) -> Result<Self, ContactError> {
+        let Room { mut contacts, solved, mut gaps } = room;
+        let refused = Mutex::new(None::<(usize, ContactError)>);
         let is_led = |side: Partner| match side {
             Partner::Object(object) => !world.objects[object as usize].is_free(),
             Partner::Fiber(_) => false,
@@ -74,8 +88,14 @@ impl Case {
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = touch.gap / dt - relative(&mean).x;
             let before = relative(&before) - drive;
-            let friction = laws.friction(touch, &before);
-            let contact = friction.map(|friction| Contact {
+            let friction = laws.friction(touch, &before).unwrap_or_else(|error| {
+                let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
+                if refused.as_ref().is_none_or(|(first, _)| i < *first) {
+                    *refused = Some((i, error));
+                }
+                LimitCurve::Circle { mu: 0.0 }
+            });
+            let contact = Contact {
                 first: 2 * i,
                 second: (!is_led(touch.sides[1])).then_some(2 * i + 1),
                 frame,
@@ -83,13 +103,14 @@ impl Case {
                 friction,
                 adhesion: 0.0,
                 compliance: 0.0,
-            });
+            };
             (contact, gap)
         };
-        let (mut contacts, mut gaps) = (Vec::new(), Vec::new());
         let made = touches.par_iter().enumerate().map(contact);
         made.unzip_into_vecs(&mut contacts, &mut gaps);
-        let mut contacts = contacts.into_iter().collect::<Result<Vec<_>, ContactError>>()?;
+        if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(error);
+        }
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
         contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
         let impulses: Vec<_> =
@@ -108,7 +129,12 @@ impl Case {
         let mass = masses.fold(f64::INFINITY, f64::min);
         let written = world.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
-        Ok(Self { contacts, impulses, gaps, working, openings, mass, error, written, kept })
+        Ok(Self { contacts, impulses, gaps, working, openings, mass, error, written, kept, solved })
+    }
+
+    /// Leaves its room for the next.
+    pub(super) fn into_room(self) -> Room {
+        Room { contacts: self.contacts, solved: self.solved, gaps: self.gaps }
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -206,15 +232,12 @@ impl Case {
         }
         let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
-        let contacts: Vec<_> = working
-            .par_iter()
-            .zip(&index)
-            .map(|(&i, index)| {
-                let contact = self.contacts[i].clone();
-                let second = contact.second.map(|_| index[1]);
-                Contact { first: index[0], second, ..contact }
-            })
-            .collect();
+        let solved = working.par_iter().zip(&index).map(|(&i, index)| {
+            let contact = self.contacts[i].clone();
+            let second = contact.second.map(|_| index[1]);
+            Contact { first: index[0], second, ..contact }
+        });
+        solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
         let points = each(&used, |i, side| point(world, &touches[i], side));
         let levers = each(&on_objects, |i, side| touches[i].levers[side]);
@@ -230,7 +253,7 @@ impl Case {
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
-        let report = solver.solve(&mut bodies, &contacts, &velocities, &mut impulses)?;
+        let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
         self.working = working;
         Ok(report)
