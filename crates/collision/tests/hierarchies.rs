@@ -77,6 +77,23 @@ fn arrangement() -> impl Strategy<Value = Arrangement> {
     })
 }
 
+/// Two segments that touch in their ends to a rounding, which depends on which is the first.
+#[test]
+fn touching_to_a_rounding_is_told_alike() {
+    let one = [[0.0, 0.0, 1.4336539042937948], [-0.5, -1.5, 1.0]];
+    let other = [[0.0, 0.0, -1.6567371324610318], [-0.5, -1.5, 0.0]];
+    for (a, b) in [(one, other), (other, one)] {
+        let positions: Vec<Point3<f64>> = [a, b].concat().into_iter().map(Point3::from).collect();
+        let scene = Arrangement {
+            layout: Layout::new([1, 1]),
+            displacements: vec![Vector3::zeros(); positions.len()],
+            positions,
+            radii: vec![0.5; 2],
+        };
+        all_variants_find(&scene, &scene, pairs);
+    }
+}
+
 proptest! {
     #[test]
     fn trees_find_what_brute_force_does(scene in arrangement(), steps in 0.0..1.0_f64) {

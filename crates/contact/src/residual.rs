@@ -134,11 +134,16 @@ impl Sums {
         })
     }
 
-    /// Without any impulse what is wrong is the measure: all, or nothing.
+    /// Without any impulse what is wrong is the measure: all, or nothing. What is not a number is as wrong
+    /// as can be.
     pub(crate) fn report(&self) -> Report {
         let Self { wrong, all, normal_error, slip_error } = *self;
         let all = if all > 0.0 { all } else { wrong };
-        let residual = if wrong > 0.0 { (wrong / all).sqrt() } else { 0.0 };
+        let residual = match wrong {
+            0.0 => 0.0,
+            _ if wrong.is_finite() && all.is_finite() => (wrong / all).sqrt(),
+            _ => f64::INFINITY,
+        };
         Report { residual, normal_error, slip_error, ..Report::default() }
     }
 }

@@ -38,7 +38,7 @@ impl<V: BoundingVolume> Hierarchy for Tree<V> {
         other.check(others)?;
         let mut search = Search::new([self, other], [capsules, others], false);
         // It never breaks off.
-        let _ = search.descend([0, 0], |_| false);
+        let _ = search.descend([0, 0], Some);
         Ok(search.found)
     }
 
@@ -72,14 +72,14 @@ impl<V: BoundingVolume> Tree<V> {
     fn itself(&self, capsules: &Capsules, only_first: bool) -> Result<Found, CollisionError> {
         self.check(capsules)?;
         let mut search = Search::new([self, self], [capsules, capsules], only_first);
-        let adjacent = |[i, j]: Pair| capsules.adjacent(i as usize, j as usize);
+        // In one order whatever the tree, as roundings depend on it.
+        let pair = |[i, j]: Pair| {
+            (!capsules.adjacent(i as usize, j as usize)).then_some([i.min(j), i.max(j)])
+        };
         for u in (0..self.nodes.len()).filter(|&u| !self.is_leaf(u)) {
-            if search.descend(self.children(u), adjacent).is_break() {
+            if search.descend(self.children(u), pair).is_break() {
                 break;
             }
-        }
-        for pair in &mut search.found.pairs {
-            pair.sort_unstable();
         }
         Ok(search.found)
     }
@@ -99,9 +99,13 @@ impl<'a, V: BoundingVolume> Search<'a, V> {
         Self { trees, capsules, only_first, pending: Vec::new(), found: Found::default() }
     }
 
-    /// Finds the segments under two nodes that touch, apart from those that `exclude` names;
-    /// breaks off after the first if that is enough.
-    fn descend(&mut self, start: [usize; 2], exclude: impl Fn(Pair) -> bool) -> ControlFlow<()> {
+    /// Finds the segments under two nodes that touch, of those pairs that `chosen` leaves; breaks off after
+    /// the first if that is enough.
+    fn descend(
+        &mut self,
+        start: [usize; 2],
+        chosen: impl Fn(Pair) -> Option<Pair>,
+    ) -> ControlFlow<()> {
         let [first, second] = self.trees;
         self.pending.push(start);
         while let Some([u, v]) = self.pending.pop() {
@@ -112,8 +116,7 @@ impl<'a, V: BoundingVolume> Search<'a, V> {
             self.found.counts.overlaps += 1;
             let divide_first = match (first.is_leaf(u), second.is_leaf(v)) {
                 (true, true) => {
-                    let pair = [first.segment(u), second.segment(v)];
-                    if !exclude(pair) {
+                    if let Some(pair) = chosen([first.segment(u), second.segment(v)]) {
                         self.meet(pair)?;
                     }
                     continue;

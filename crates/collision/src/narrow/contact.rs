@@ -236,6 +236,34 @@ mod tests {
         }
     }
 
+    /// Of two groups that no part of the work holds whole the first contact of each stays, and of all that
+    /// stay the order is that of the pairs.
+    #[test]
+    fn groups_are_chosen_from_whole() {
+        let layout = Layout::new([1, 1, 1]);
+        let z = |x: f64, z: f64| point![x, 0.0, z];
+        let across = |x: f64| [point![x, -1.0, 0.15], point![x, 1.0, 0.15]];
+        let points = [[z(-1.0, 0.0), z(1.0, 0.0)], across(0.5), across(-0.5)].concat();
+        let capsules = Capsules::new(&layout, &points, &[RADIUS; 3]).expect("valid");
+        let sizes = [3 * CHUNK / 2, 1, 2 * CHUNK];
+        let pairs: Vec<Pair> = [[0, 1], [0, 2], [0, 1]]
+            .into_iter()
+            .zip(sizes)
+            .flat_map(|(pair, size)| std::iter::repeat_n(pair, size))
+            .collect();
+        let mut found = Vec::new();
+        let first = |group: &[Contact], stay: &mut Vec<Contact>| {
+            assert!(sizes.contains(&group.len()), "{}", group.len());
+            stay.push(group[0]);
+        };
+        contacts_of_groups(&capsules, &pairs, 0.0, |a, b| a == b, first, &mut found)
+            .expect("a reach");
+        let pairs: Vec<_> = found.iter().map(|contact| contact.pair).collect();
+        assert_eq!(pairs, [[0, 1], [0, 2], [0, 1]]);
+        contacts_of_groups(&capsules, &[], 0.0, |a, b| a == b, first, &mut found).expect("none");
+        assert_eq!(found, []);
+    }
+
     #[test]
     fn arc_lengths_run_from_the_root() {
         let layout = Layout::new([2, 1]);

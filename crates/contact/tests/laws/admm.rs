@@ -1,7 +1,7 @@
 //! The solver for many contacts against the law itself and against the reference.
 use crate::common::{Dense, Random, circle, contact, resolve};
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Contact, Solver, Tolerance, Violation};
+use rapunzel_contact::{Admm, Body, Contact, ContactError, Solver, Tolerance, Violation};
 
 /// Rigid bodies that touch each other and the ground at random points, with all kinds of curves.
 /// Several contacts may be at one point.
@@ -150,4 +150,55 @@ fn starts_and_settings_do_not_matter() {
     let none: [Contact; 0] = [];
     let found = resolve(&mut [ball.clone()], &none, &mut [], &mut Admm::new(Tolerance::EXACT));
     assert!(found.converged && found.iterations == 0);
+}
+
+/// A particle that does not take masses, or whose answers are no numbers.
+enum Faulty {
+    Refuses,
+    Fails,
+}
+
+impl Body for Faulty {
+    fn points(&self) -> usize {
+        1
+    }
+
+    fn set_weights(&mut self, _: &[f64]) -> Result<(), ContactError> {
+        match self {
+            Self::Refuses => Err(ContactError::Body { body: 0, why: "it is faulty".into() }),
+            Self::Fails => Ok(()),
+        }
+    }
+
+    fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
+        velocities[0] = match self {
+            Self::Refuses => impulses[0],
+            Self::Fails => Vector3::repeat(f64::NAN),
+        };
+    }
+
+    fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
+        self.respond(impulses, velocities);
+    }
+
+    fn own_traces(&mut self, traces: &mut [f64]) {
+        traces.fill(3.0);
+    }
+}
+
+/// A body that cannot be weighed is told, and what it answers is not taken for solved.
+#[test]
+fn faulty_bodies_are_told() {
+    let solve = |mut body: Faulty| {
+        let ground = contact(0, None, &Vector3::z(), circle(0.5));
+        let falls = [Vector3::new(1.0, 0.0, -1.0)];
+        let tolerance = Tolerance { iterations: 50, ..Tolerance::EXACT };
+        let mut impulses = [Vector3::zeros()];
+        Admm::new(tolerance).solve(&mut [&mut body], &[ground], &falls, &mut impulses)
+    };
+    let error = solve(Faulty::Refuses).expect_err("it cannot be weighed");
+    assert!(matches!(error, ContactError::Body { body: 0, .. }), "{error}");
+    let report = solve(Faulty::Fails).expect("a report");
+    assert!(!report.converged, "{report:?}");
+    assert!(report.residual == f64::INFINITY, "{report:?}");
 }

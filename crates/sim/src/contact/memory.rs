@@ -131,6 +131,7 @@ pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn remembered(place: f64, push: f64, bonded: bool) -> Remembered {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
@@ -163,6 +164,37 @@ mod tests {
             impulse,
             working,
             bonded,
+        }
+    }
+
+    proptest! {
+        /// Of all touches of a pair the nearest gets an impulse, as if every one had been looked at.
+        #[test]
+        fn impulses_go_to_the_nearest(
+            mut known in prop::collection::vec((0..40_u32, 0..40_u32), 0..20),
+            mut places in prop::collection::vec((0..40_u32, 0..40_u32), 1..20),
+        ) {
+            known.sort_unstable();
+            places.sort_unstable();
+            let at = |&(s, t): &(u32, u32)| {
+                let mut one = remembered(0.0, 1.0, false);
+                one.push.segments = [s / 4, t / 4];
+                one.push.fractions = [s, t].map(|x| f64::from(x % 4) / 4.0);
+                one
+            };
+            let known: Vec<_> = known.iter().map(at).collect();
+            let mut touches: Vec<_> = places.iter().map(|place| touch(at(place))).collect();
+            let mut expected = vec![0.0; touches.len()];
+            for one in &known {
+                let apart = |i: &usize| touches[*i].apart(one.push.at());
+                let nearest = (0..touches.len()).min_by(|i, j| apart(i).total_cmp(&apart(j)));
+                if let Some(i) = nearest.filter(|i| apart(i) < REACH) {
+                    expected[i] += 1.0;
+                }
+            }
+            recall(&Expected { known: &known, scale: 1.0 }, &mut touches);
+            let found: Vec<f64> = touches.iter().map(|touch| touch.impulse.z).collect();
+            prop_assert_eq!(found, expected);
         }
     }
 
