@@ -74,7 +74,7 @@ pub enum Update {
 
 impl Candidates {
     /// Will list all pairs with gaps of at most `reach`, m, and as a reserve up to `margin`, m,
-    /// more, or an eighth of it where many are near.
+    /// more, or down to a sixteenth of it where many are near.
     ///
     /// # Errors
     /// [`CollisionError::Length`] if either is negative or not finite.
@@ -209,14 +209,11 @@ impl List {
         self.margin < self.most && 4 * self.pairs.len() < CROWD * self.regions.len()
     }
 
+    /// Whether a smaller margin would be worth it.
     fn is_long(&self) -> bool {
         let least = LEAST * self.most;
-        let [crowd, least] = if self.margin > least {
-            [CROWD as f64, least]
-        } else {
-            [2.0 * CROWD as f64, 0.5 * least]
-        };
-        self.margin > least && self.pairs.len() as f64 > crowd * self.regions.len() as f64
+        let crowd = if self.margin > least { CROWD } else { 2 * CROWD };
+        self.margin > 0.5 * least && self.pairs.len() > crowd * self.regions.len()
     }
 
     /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or

@@ -211,8 +211,8 @@ fn metric_of(
             let counts: Vec<usize> = range.map(|point| sides.at(point).len()).collect();
             metric::masses(&mut **body, &counts, weight, masses)
         })
-        .sum::<usize>();
-    (masses, 2 * crowded > points)
+        .collect::<Vec<usize>>();
+    (masses, 2 * crowded.into_iter().sum::<usize>() > points)
 }
 
 /// Cuts bodies and contacts into parts, by their number alone.
