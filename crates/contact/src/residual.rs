@@ -73,7 +73,7 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 
 /// The report on all contacts: the residual is the norm of all natural maps divided by that of all
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
-/// are left for the solver to tell.
+/// are left for the solver to tell. Where an impulse or a velocity is not finite all three are infinite.
 ///
 /// Arrays are by contact, or reference to one, as in [`Violation::new`]; of unequal lengths the shortest
 /// counts.
@@ -134,16 +134,15 @@ impl Sums {
         })
     }
 
-    /// Without any impulse what is wrong is the measure: all, or nothing. What is not a number is as wrong
-    /// as can be.
+    /// Without any impulse what is wrong is the measure: all, or nothing.
     pub(crate) fn report(&self) -> Report {
         let Self { wrong, all, normal_error, slip_error } = *self;
         let all = if all > 0.0 { all } else { wrong };
-        let residual = match wrong {
-            0.0 => 0.0,
-            _ if wrong.is_finite() && all.is_finite() => (wrong / all).sqrt(),
-            _ => f64::INFINITY,
-        };
+        if !(wrong.is_finite() && all.is_finite()) {
+            let [residual, normal_error, slip_error] = [f64::INFINITY; 3];
+            return Report { residual, normal_error, slip_error, ..Report::default() };
+        }
+        let residual = if wrong > 0.0 { (wrong / all).sqrt() } else { 0.0 };
         Report { residual, normal_error, slip_error, ..Report::default() }
     }
 }

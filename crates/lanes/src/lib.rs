@@ -141,37 +141,22 @@ impl<S: Simd> Lane<S> {
     }
 }
 
-impl<S: Simd> Add for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.add_f64s(self.value, b.value))
-    }
+macro_rules! operator {
+    ($operator:ident, $function:ident, $of_registers:ident) => {
+        impl<S: Simd> $operator for Lane<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, b: Self) -> Self {
+                Self::new(self.simd, self.simd.$of_registers(self.value, b.value))
+            }
+        }
+    };
 }
 
-impl<S: Simd> Sub for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.sub_f64s(self.value, b.value))
-    }
-}
-
-impl<S: Simd> Mul for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.mul_f64s(self.value, b.value))
-    }
-}
-
-impl<S: Simd> Div for Lane<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, b: Self) -> Self {
-        Self::new(self.simd, self.simd.div_f64s(self.value, b.value))
-    }
-}
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
 
 impl<S: Simd> Neg for Lane<S> {
     type Output = Self;

@@ -19,6 +19,7 @@ use crate::Report;
 
 /// Steps that the acceleration remembers.
 const MEMORY: usize = 5;
+
 /// When descent is tried, and for how long.
 pub(super) struct Attempt {
     /// From which error on, in tolerances.
@@ -52,7 +53,7 @@ pub(super) fn descend<'a, 'b, A>(
 where
     A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
 {
-    if error > attempt.near || error.is_nan() {
+    if error > attempt.near {
         return None;
     }
     // Splitting has the last iteration.
@@ -69,7 +70,7 @@ where
                 return Some(found);
             }
             let course = error.max(1.0).powf(1.0 - done as f64 / attempt.most as f64);
-            if left > attempt.off_course * course || left.is_nan() {
+            if left > attempt.off_course * course {
                 return None;
             }
         }

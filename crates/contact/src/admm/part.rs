@@ -245,11 +245,6 @@ where
     together(lead)
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "so many points fit nowhere")]
-fn index(point: usize) -> u32 {
-    point as u32
-}
-
 /// What all parts have found, together.
 pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
 where
@@ -273,4 +268,9 @@ impl Common<'_> {
         let Contact { first, second, .. } = self.contacts[contact];
         1.0 / self.masses[first] + second.map_or(0.0, |point| 1.0 / self.masses[point])
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "so many points fit nowhere")]
+fn index(point: usize) -> u32 {
+    point as u32
 }
