@@ -17,7 +17,7 @@ pub mod rigid;
 mod solver;
 
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
-pub use admm::{Admm, Tolerance};
+pub use admm::Admm;
 pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;
@@ -27,4 +27,4 @@ pub use limit_curve::{Friction, LimitCurve, Polygon};
 pub use local::solve_contact;
 pub use residual::{Violation, report};
 pub use rigid::{RigidBody, RigidPoints};
-pub use solver::{Report, Solver};
+pub use solver::{Report, Solver, Tolerance};

@@ -53,7 +53,7 @@ impl Violation {
 }
 
 /// [`Violation::slip`]: zero, too, where a contact opens and bears nothing.
-fn slip_error(
+pub(crate) fn slip_error(
     contact: &Contact,
     velocity: &Vector3<f64>,
     impulse: &Vector3<f64>,

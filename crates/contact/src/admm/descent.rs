@@ -10,12 +10,11 @@
 //! start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass for each contact, about the
 //! largest with which plain descent does not diverge.
 
-use super::Tolerance;
 use super::alone::Act;
 use super::anderson::{Anderson, Onward, Place, Products};
 use super::crew::Lead;
 use super::part::{Common, Order, Part, together};
-use crate::Report;
+use crate::{Report, Tolerance};
 
 /// Steps that the acceleration remembers.
 const MEMORY: usize = 5;

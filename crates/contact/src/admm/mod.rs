@@ -25,7 +25,7 @@ mod wide;
 
 use crate::metric;
 use crate::solver::check;
-use crate::{Body, Contact, ContactError, Report, Solver};
+use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
 use anderson::{Anderson, Products, Turn};
 use crew::Crew;
 use descent::{Attempt, descend};
@@ -35,36 +35,6 @@ use rayon::prelude::*;
 use shared::Shared;
 use sides::Sides;
 use std::ops::Range;
-
-/// When a solver stops.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// Largest Coulomb residual, relative to all impulses.
-    pub residual: f64,
-    /// Largest error of a normal velocity, m/s.
-    pub normal: f64,
-    /// Largest slip of a contact that sticks, m/s.
-    pub slip: f64,
-    /// Most iterations.
-    pub iterations: usize,
-}
-
-impl Tolerance {
-    /// For single bodies and tests: to a relative residual of 1e-12.
-    pub const EXACT: Self =
-        Self { residual: 1e-12, normal: f64::INFINITY, slip: f64::INFINITY, iterations: 20_000 };
-
-    /// The largest of the errors found, in tolerances: at most one where all are kept.
-    #[must_use]
-    pub fn error(&self, found: &Report) -> f64 {
-        let normal = found.normal_error / self.normal;
-        (found.residual / self.residual).max(normal).max(found.slip_error / self.slip)
-    }
-
-    fn reached(&self, found: &Report) -> bool {
-        self.error(found) <= 1.0
-    }
-}
 
 /// The solver for thousands of contacts: cost linear in points and contacts an iteration.
 #[derive(Debug, Clone)]

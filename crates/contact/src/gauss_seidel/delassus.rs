@@ -1,30 +1,47 @@
 use crate::{Body, Contact, ContactError};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::borrow::Cow;
+use std::ops::Range;
 
-/// What all contacts of some bodies do to each other: every body's dense answer of its touched
-/// points to impulses on them, and the velocities of these points.
+/// What all contacts of some bodies do to each other: how points answer impulses on each other, and their
+/// velocities.
 #[derive(Debug)]
-pub(crate) struct Delassus {
-    patches: Vec<Patch>,
-    /// By point of all bodies: its patch and its place there, where it is touched.
-    places: Vec<Option<(usize, usize)>>,
+pub(crate) struct Delassus<'a> {
+    patches: Vec<Patch<'a>>,
+    /// Velocities of points, patch by patch, and behind them one that is zero.
+    velocities: Vec<[f64; 3]>,
+    /// By how much each number of these has changed, all ways together, since a contact there was looked at;
+    /// [`WAITS`] while one is to be.
+    changes: Vec<[f64; 3]>,
+    /// By point of all bodies, if it is touched.
+    places: Vec<Option<Place>>,
 }
+
+/// Less than any change.
+const WAITS: f64 = f64::NEG_INFINITY;
 
 /// What is left of the answers of two points less than this, relative to them, is rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The touched points of one body.
+/// Points that answer each other and no others.
 #[derive(Debug)]
-struct Patch {
-    velocities: Vec<Vector3<f64>>,
-    /// Answer of point `i` to point `j` at `i + j * points`.
-    responses: Vec<Matrix3<f64>>,
+struct Patch<'a> {
+    /// Which points.
+    own: Range<usize>,
+    matrix: Cow<'a, DMatrix<f64>>,
 }
 
-impl Delassus {
-    /// Asks every body for three columns per touched point. Takes away weights.
+/// A point: its patch, and which of all points it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) patch: usize,
+    pub(crate) point: usize,
+}
+
+impl<'a> Delassus<'a> {
+    /// Asks every body for three columns per touched point, unless it has them at hand.
     pub(crate) fn new(
-        bodies: &mut [&mut dyn Body],
+        bodies: &'a mut [&mut dyn Body],
         contacts: &[Contact],
         velocities: &[Vector3<f64>],
     ) -> Result<Self, ContactError> {
@@ -45,37 +62,97 @@ impl Delassus {
                 touched[second] = true;
             }
         }
-        let mut delassus = Self { patches: Vec::new(), places: vec![None; points] };
-        let mut offset = 0;
-        for (index, body) in bodies.iter_mut().enumerate() {
-            let count = body.points();
-            let of_body = offset..offset + count;
-            let local: Vec<usize> = (0..count).filter(|&i| touched[offset + i]).collect();
-            for (place, &i) in local.iter().enumerate() {
-                delassus.places[offset + i] = Some((index, place));
-            }
-            let patch = Patch::new(*body, &local, &velocities[of_body])?;
-            if !patch.responses.iter().all(|block| block.iter().all(|x| x.is_finite())) {
-                return Err(ContactError::Body {
-                    body: index,
-                    why: "its answer is not finite".into(),
-                });
-            }
-            delassus.patches.push(patch);
-            offset += count;
+        let mut rest = &touched[..];
+        let mut asked = Vec::with_capacity(bodies.len());
+        for body in &mut *bodies {
+            let (own, behind) = rest.split_at(body.points());
+            rest = behind;
+            let unknown = body.written_out().is_none();
+            let touched = || (0..own.len()).filter(|&i| own[i]).collect();
+            asked.push(unknown.then(|| ask(&mut **body, touched())));
         }
+        let mut delassus = Self {
+            patches: Vec::new(),
+            velocities: Vec::new(),
+            changes: Vec::new(),
+            places: vec![None; points],
+        };
+        let bodies: &'a [&mut dyn Body] = bodies;
+        let mut start = 0;
+        for (index, (body, asked)) in bodies.iter().zip(asked).enumerate() {
+            let before = delassus.patches.len();
+            if let Some((points, matrix)) = asked {
+                delassus.add(start, &points, Cow::Owned(matrix), velocities);
+            } else {
+                for (points, matrix) in body.written_out().into_iter().flatten() {
+                    delassus.add(start, points, Cow::Borrowed(matrix), velocities);
+                }
+            }
+            let finite = |patch: &Patch| patch.matrix.iter().all(|x| x.is_finite());
+            if !delassus.patches[before..].iter().all(finite) {
+                let why = "its answer is not finite".into();
+                return Err(ContactError::Body { body: index, why });
+            }
+            start += body.points();
+        }
+        delassus.velocities.push([0.0; 3]);
+        delassus.changes = vec![[WAITS; 3]; delassus.velocities.len()];
         Ok(delassus)
+    }
+
+    /// Adds a patch of points of the body whose points begin at `start`.
+    fn add(
+        &mut self,
+        start: usize,
+        points: &[usize],
+        matrix: Cow<'a, DMatrix<f64>>,
+        velocities: &[Vector3<f64>],
+    ) {
+        let own = self.velocities.len()..self.velocities.len() + points.len();
+        for (i, point) in points.iter().zip(own.clone()) {
+            self.places[start + i] = Some(Place { patch: self.patches.len(), point });
+            self.velocities.push(velocities[start + i].into());
+        }
+        self.patches.push(Patch { own, matrix });
+    }
+
+    /// Where the points of a contact are.
+    pub(crate) fn places(&self, contact: &Contact) -> [Option<Place>; 2] {
+        [Some(contact.first), contact.second].map(|point| point.and_then(|i| self.places[i]))
+    }
+
+    /// Which points a contact has; that behind the last, which rests, where it has none.
+    pub(crate) fn points(&self, places: [Option<Place>; 2]) -> [u32; 2] {
+        let point = |place: Option<Place>| place.map_or(self.velocities.len() - 1, |at| at.point);
+        #[expect(clippy::cast_possible_truncation, reason = "so many points fit nowhere")]
+        places.map(|place| point(place) as u32)
+    }
+
+    /// How many points there are.
+    pub(crate) fn len(&self) -> usize {
+        self.velocities.len() - 1
+    }
+
+    /// Velocity of one point relative to another.
+    #[inline(always)]
+    pub(crate) fn between(&self, [first, second]: [u32; 2]) -> [f64; 3] {
+        let [first, second] = [&self.velocities[first as usize], &self.velocities[second as usize]];
+        [first[0] - second[0], first[1] - second[1], first[2] - second[2]]
     }
 
     /// The contact's own answer, in its frame; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
-        let block = |of: usize, to: usize| match (self.places[of], self.places[to]) {
-            (Some((a, i)), Some((b, j))) if a == b => self.patches[a].response(i, j),
+        let block = |of: Option<Place>, to: Option<Place>| match (of, to) {
+            (Some(of), Some(to)) if of.patch == to.patch => {
+                let Patch { own, matrix } = &self.patches[of.patch];
+                let [row, column] = [of, to].map(|place| 3 * (place.point - own.start));
+                matrix.fixed_view::<3, 3>(row, column).into_owned()
+            }
             _ => Matrix3::zeros(),
         };
-        let first = contact.first;
+        let [first, second] = self.places(contact);
         let mut world = block(first, first);
-        if let Some(second) = contact.second {
+        if second.is_some() {
             let apart = world + block(second, second);
             world = apart - block(first, second) - block(second, first);
             if world.trace() <= ROUNDING * apart.trace() {
@@ -88,62 +165,86 @@ impl Delassus {
 
     /// Velocity of the first point relative to the second, in the contact's frame, and its bias.
     pub(crate) fn relative_velocity(&self, contact: &Contact) -> Vector3<f64> {
-        let second = contact.second.map_or_else(Vector3::zeros, |second| self.velocity(second));
-        contact.frame.tr_mul(&(self.velocity(contact.first) - second)) + contact.bias
+        let between = self.between(self.points(self.places(contact)));
+        contact.frame.tr_mul(&Vector3::from(between)) + contact.bias
     }
 
     /// Lets `impulse`, in the contact's frame, act.
     pub(crate) fn apply(&mut self, contact: &Contact, impulse: &Vector3<f64>) {
+        let [first, second] = self.places(contact);
         let world = contact.frame * impulse;
-        self.push(contact.first, &world);
-        if let Some(second) = contact.second {
-            self.push(second, &-world);
+        first.inspect(|place| self.push(*place, &world));
+        second.inspect(|place| self.push(*place, &-world));
+    }
+
+    /// Lets an impulse act on a point.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
+        let Patch { own, matrix } = &self.patches[patch];
+        let size = 3 * own.len();
+        let columns = &matrix.as_slice()[3 * (point - own.start) * size..][..3 * size];
+        let (a, rest) = columns.split_at(size);
+        let (b, c) = rest.split_at(size);
+        let velocities = self.velocities[own.clone()].as_flattened_mut();
+        let changes = self.changes[own.clone()].as_flattened_mut();
+        let (x, y, z) = (impulse.x, impulse.y, impulse.z);
+        let (velocities, changes) = (&mut velocities[..size], &mut changes[..size]);
+        for i in 0..size {
+            let change = a[i] * x + b[i] * y + c[i] * z;
+            velocities[i] += change;
+            changes[i] += change.abs();
         }
     }
 
-    fn velocity(&self, point: usize) -> Vector3<f64> {
-        self.places[point]
-            .map_or_else(Vector3::zeros, |(patch, place)| self.patches[patch].velocities[place])
+    /// Tells which points of a patch have changed by more than a bound, and says that they wait to be looked at.
+    #[inline(always)]
+    pub(crate) fn changed(&mut self, patch: usize, bound: f64, mut tell: impl FnMut(usize)) {
+        let own = self.patches[patch].own.clone();
+        let mut point = own.start;
+        let (some, rest) = self.changes[own].as_chunks_mut::<8>();
+        for some in some.iter_mut().map(|some| &mut some[..]).chain([rest]) {
+            // Without a branch for each, as most have not.
+            let mut any = false;
+            for change in some.as_flattened() {
+                any |= *change > bound;
+            }
+            if any {
+                for (point, change) in (point..).zip(&mut *some) {
+                    if change[0] > bound || change[1] > bound || change[2] > bound {
+                        *change = [WAITS; 3];
+                        tell(point);
+                    }
+                }
+            }
+            point += some.len();
+        }
     }
 
-    fn push(&mut self, point: usize, impulse: &Vector3<f64>) {
-        if let Some((patch, place)) = self.places[point] {
-            let Patch { velocities, responses } = &mut self.patches[patch];
-            let count = velocities.len();
-            let column = &responses[place * count..(place + 1) * count];
-            for (velocity, response) in velocities.iter_mut().zip(column) {
-                *velocity += response * impulse;
-            }
+    /// Says that points have been looked at.
+    #[inline(always)]
+    pub(crate) fn look_at(&mut self, points: [u32; 2]) {
+        for point in points {
+            self.changes[point as usize] = [0.0; 3];
         }
     }
 }
 
-impl Patch {
-    fn new(
-        body: &mut dyn Body,
-        local: &[usize],
-        velocities: &[Vector3<f64>],
-    ) -> Result<Self, ContactError> {
-        let (points, count) = (body.points(), local.len());
-        let mut impulses = vec![Vector3::zeros(); points];
-        let mut answer = vec![Vector3::zeros(); points];
-        let mut responses = vec![Matrix3::zeros(); count * count];
-        for (column, &j) in local.iter().enumerate() {
-            for axis in 0..3 {
-                impulses[j][axis] = 1.0;
-                body.respond(&impulses, &mut answer);
-                impulses[j][axis] = 0.0;
-                for (row, &i) in local.iter().enumerate() {
-                    responses[row + column * count].set_column(axis, &answer[i]);
-                }
+/// Asks a body how some of its points answer each other.
+fn ask(body: &mut dyn Body, points: Vec<usize>) -> (Vec<usize>, DMatrix<f64>) {
+    let mut impulses = vec![Vector3::zeros(); body.points()];
+    let mut answer = impulses.clone();
+    let mut matrix = DMatrix::zeros(3 * points.len(), 3 * points.len());
+    for (place, &point) in points.iter().enumerate() {
+        for axis in 0..3 {
+            impulses[point][axis] = 1.0;
+            body.respond(&impulses, &mut answer);
+            impulses[point][axis] = 0.0;
+            for (row, &i) in points.iter().enumerate() {
+                matrix.fixed_view_mut::<3, 1>(3 * row, 3 * place + axis).copy_from(&answer[i]);
             }
         }
-        Ok(Self { velocities: local.iter().map(|&i| velocities[i]).collect(), responses })
     }
-
-    fn response(&self, of: usize, to: usize) -> Matrix3<f64> {
-        self.responses[of + to * self.velocities.len()]
-    }
+    (points, matrix)
 }
 
 /// # Errors

@@ -2,7 +2,9 @@
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
-use rapunzel_contact::{Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver};
+use rapunzel_contact::{
+    Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,
+};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -180,7 +182,12 @@ pub fn circle(mu: f64) -> LimitCurve {
 
 /// A solver that only stops at what rounding leaves.
 pub fn exact() -> GaussSeidel {
-    GaussSeidel { sweeps: 20_000, residual: 1e-12, velocity: 1e-12, relaxation: 1.0 }
+    to(1e-12, 1e-12, 20_000)
+}
+
+/// A solver that stops at a residual and an error of velocities, m/s, or after so many iterations.
+pub fn to(residual: f64, velocity: f64, iterations: usize) -> GaussSeidel {
+    GaussSeidel::new(Tolerance { residual, normal: velocity, slip: velocity, iterations })
 }
 
 /// Solves the contacts from `impulses` and lets the impulses act on the bodies.

@@ -1,5 +1,5 @@
 //! Restitution: contact.md's tests 11 to 14 and, for rigid rods, 16.
-use crate::common::{Dense, G, Random, act, circle, contact, exact, resolve};
+use crate::common::{Dense, G, Random, act, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::{
     Body, Contact, GaussSeidel, Impact, Violation, impact, impact_in_turn, solve_contact,
@@ -143,7 +143,7 @@ fn impacts_never_gain_energy() {
         let (mut bodies, contacts, restitution) = random_set(&mut random);
         let before: f64 = bodies.iter().map(Dense::kinetic_energy).sum();
         let law = if set % 4 == 0 { Law::InTurn } else { Law::Together };
-        let solver = GaussSeidel { sweeps: 200, residual: 1e-9, velocity: 1e-9, ..exact() };
+        let solver = to(1e-9, 1e-9, 200);
         let hit = collide(&mut bodies, &contacts, &restitution, law, solver);
         let after: f64 = bodies.iter().map(Dense::kinetic_energy).sum();
         // Rounding of impulses that jam, which are far larger than momenta.

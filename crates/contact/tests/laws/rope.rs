@@ -1,7 +1,7 @@
 //! A rope without weight and bending stiffness, inextensible, on corners that lie on a circle.
-use crate::common::{Dense, circle, contact, exact, resolve};
+use crate::common::{Dense, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Vector3};
-use rapunzel_contact::{Contact, GaussSeidel};
+use rapunzel_contact::Contact;
 
 const RADIUS: f64 = 0.01;
 
@@ -82,8 +82,7 @@ pub(crate) fn slipping_ratio(mu: f64, angle: f64, n: usize, low: f64) -> f64 {
     }
     rope.pull(low, 0.0, dt);
     let mut impulses = vec![Vector3::zeros(); n];
-    let mut solver =
-        GaussSeidel { sweeps: 100_000, residual: 1e-9, velocity: 1e-6, relaxation: 1.0 };
+    let mut solver = to(1e-9, 1e-6, 100_000);
     let mut bodies = [rope.body.clone()];
     let report = resolve(&mut bodies, &rope.contacts, &mut impulses, &mut solver);
     println!("{n} corners: {report:?}");

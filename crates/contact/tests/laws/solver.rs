@@ -1,6 +1,6 @@
 //! Block Gauss-Seidel on many contacts, its report, and what it refuses.
-use crate::common::{Dense, Random, circle, contact, exact, resolve};
-use nalgebra::{Matrix3, Vector3};
+use crate::common::{Dense, Random, circle, contact, exact, resolve, to};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::{
     Body, Contact, ContactError, GaussSeidel, Report, Solver, Violation, report,
 };
@@ -37,7 +37,7 @@ fn reports_are_what_the_law_says() {
     for _ in 0..100 {
         let (mut bodies, contacts) = net(&mut random);
         let mut impulses = vec![Vector3::zeros(); contacts.len()];
-        let mut solver = GaussSeidel { residual: 1e-10, velocity: 1e-10, ..exact() };
+        let mut solver = to(1e-10, 1e-10, 20_000);
         let found = resolve(&mut bodies, &contacts, &mut impulses, &mut solver);
         assert!(found.converged, "{found:?}");
         sweeps = sweeps.max(found.iterations);
@@ -58,7 +58,7 @@ fn relaxation_and_warm_starts_find_the_same() {
     let (bodies, contacts) = net(&mut random);
     let solve = |relaxation: f64, start: Vec<Vector3<f64>>| {
         let mut impulses = start;
-        let mut solver = GaussSeidel { relaxation, residual: 1e-11, velocity: 1e-11, sweeps: 5000 };
+        let mut solver = GaussSeidel { relaxation, ..to(1e-11, 1e-11, 5000) };
         let report = resolve(&mut bodies.clone(), &contacts, &mut impulses, &mut solver);
         assert!(report.converged, "{relaxation} {report:?}");
         (impulses, report)
@@ -74,12 +74,90 @@ fn relaxation_and_warm_starts_find_the_same() {
     assert_eq!((again, report.iterations), (plain, 0));
 }
 
+/// Particles that know how they answer, in another order than that of their points.
+struct WrittenOut(Vec<(Vec<usize>, DMatrix<f64>)>);
+
+impl WrittenOut {
+    fn new(particles: &[Dense]) -> Self {
+        let one = |(i, particle): (usize, &Dense)| (vec![i], particle.mobility.clone());
+        Self(particles.iter().enumerate().map(one).rev().collect())
+    }
+}
+
+impl Body for WrittenOut {
+    fn points(&self) -> usize {
+        self.0.len()
+    }
+
+    fn set_weights(&mut self, _: &[f64]) -> Result<(), ContactError> {
+        unreachable!("nobody asks")
+    }
+
+    fn respond(&mut self, _: &[Vector3<f64>], _: &mut [Vector3<f64>]) {
+        unreachable!("it is written out")
+    }
+
+    fn weighted_respond(&mut self, _: &[Vector3<f64>], _: &mut [Vector3<f64>]) {
+        unreachable!("nobody asks")
+    }
+
+    fn own_traces(&mut self, _: &mut [f64]) {
+        unreachable!("nobody asks")
+    }
+
+    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
+        Some(self.0.iter().map(|(points, matrix)| (&points[..], matrix)).collect())
+    }
+}
+
+#[test]
+fn answers_that_are_written_out_are_not_asked_for() {
+    let mut random = Random(23);
+    for _ in 0..20 {
+        let (mut particles, contacts) = net(&mut random);
+        let velocities: Vec<_> = particles.iter().flat_map(Dense::velocities).collect();
+        let mut written = WrittenOut::new(&particles);
+        let mut of_asked = vec![Vector3::zeros(); contacts.len()];
+        let mut of_written = of_asked.clone();
+        let asked = resolve(&mut particles, &contacts, &mut of_asked, &mut exact());
+        let mut bodies: [&mut dyn Body; 1] = [&mut written];
+        let found = exact().solve(&mut bodies, &contacts, &velocities, &mut of_written);
+        let found = found.expect("valid");
+        assert!(asked.converged && found.converged, "{found:?}");
+        for (a, b) in of_asked.iter().zip(&of_written) {
+            assert!((a - b).norm() < 1e-9, "{a} {b}");
+        }
+    }
+}
+
+/// What is wrong in one place costs nothing in others, and changes nothing there.
+#[test]
+fn contacts_that_are_right_are_passed_over() {
+    let count = 50;
+    let mut bodies = vec![Dense::particle(2.0); count];
+    bodies.iter_mut().for_each(|body| body.velocity[2] = -1.0);
+    let contacts: Vec<_> =
+        (0..count).map(|i| contact(i, None, &Vector3::z(), circle(0.3))).collect();
+    let pressed = |wrong: usize| {
+        let mut impulses = vec![Vector3::new(2.0, 0.0, 0.0); count];
+        impulses[..wrong].fill(Vector3::zeros());
+        impulses
+    };
+    // As many solves as there are contacts are an iteration, and a part of one counts as one.
+    for (wrong, iterations) in [(0, 0), (1, 1), (count, 1)] {
+        let mut impulses = pressed(wrong);
+        let found = resolve(&mut bodies.clone(), &contacts, &mut impulses, &mut exact());
+        assert!(found.converged && found.iterations == iterations, "{wrong}: {found:?}");
+        assert_eq!(impulses, pressed(0));
+    }
+}
+
 #[test]
 fn a_search_that_ends_early_says_so() {
     let mut random = Random(22);
     let (mut bodies, contacts) = net(&mut random);
     let mut impulses = vec![Vector3::zeros(); contacts.len()];
-    let mut solver = GaussSeidel { sweeps: 2, ..exact() };
+    let mut solver = to(1e-12, 1e-12, 2);
     let found = resolve(&mut bodies, &contacts, &mut impulses, &mut solver);
     assert!(!found.converged && found.iterations == 2 && found.residual > 1e-12);
 }
@@ -128,7 +206,7 @@ fn a_body_may_touch_itself() {
 
     // A gap that cannot be closed is told of.
     let overlapping = [Contact { bias: -Vector3::x(), ..contacts[0].clone() }];
-    let mut solver = GaussSeidel { sweeps: 10, ..exact() };
+    let mut solver = to(1e-12, 1e-12, 10);
     let report = resolve(&mut rigid, &overlapping, &mut impulses, &mut solver);
     assert!(!report.converged && report.normal_error == 1.0, "{report:?}");
     assert_eq!(impulses[0], Vector3::zeros());

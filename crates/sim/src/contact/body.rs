@@ -1,7 +1,7 @@
 //! Fibres as bodies of the contact solver.
 
 use super::explicit::{Answer, Explicit, Inertia};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use pulp::Arch;
 use rapunzel_contact::{Body, ContactError};
 use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
@@ -117,6 +117,11 @@ impl Body for Fibers<'_> {
             let [before, behind] = [first, first + 1].map(|i| blocks[i].trace());
             *trace = before + point.fraction * (behind - before);
         }
+    }
+
+    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
+        let Written { answers, .. } = self.written.as_ref()?;
+        Some(answers.iter().map(Explicit::own).collect())
     }
 }
 

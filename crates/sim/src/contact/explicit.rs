@@ -1,6 +1,6 @@
 //! How the points of one fibre answer impulses, written out.
 
-use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
+use nalgebra::{DMatrix, Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
@@ -42,6 +42,11 @@ impl Explicit {
             Weighted::Single(Strips::new(&lower, stride(size), size))
         };
         true
+    }
+
+    /// The points and their answers without masses.
+    pub(super) fn own(&self) -> (&[usize], &DMatrix<f64>) {
+        (&self.own.points, &self.own.matrix)
     }
 
     /// The traces of the blocks of each point with itself, by point.

@@ -47,6 +47,7 @@ mod passing;
 mod report;
 mod skeleton;
 mod solid;
+mod solver;
 mod start;
 mod stepper;
 mod touch;

@@ -8,13 +8,14 @@ use super::memory::{Expected, Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
+use super::solver::ContactSolver;
 use super::start;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactSettings};
 use crate::{SimError, StepReport, Stepper, World};
 use rapunzel_collision::{CollisionError, segment_radii};
-use rapunzel_contact::{Admm, Tolerance};
+use rapunzel_contact::Tolerance;
 
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
@@ -45,7 +46,7 @@ pub(crate) struct Touching {
     settings: ContactSettings,
     film: Option<Film>,
     detector: Detector,
-    solver: Admm,
+    solver: ContactSolver,
     /// Of all segments, m.
     radii: Vec<f64>,
     /// The smallest, m.
@@ -71,7 +72,7 @@ impl Touching {
             _ => film.as_ref().map_or(0.0, Film::reach),
         };
         let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
-        let solver = Admm::new(Tolerance::EXACT);
+        let solver = ContactSolver::new(settings.solver);
         let mut touching = Self {
             settings,
             film,

@@ -23,7 +23,7 @@ pub use arrangement::Arrangement;
 pub(crate) use arrangement::scalp;
 pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
-pub use contact::{Adhesion, ContactSettings, Friction, Surface};
+pub use contact::{Adhesion, ContactMethod, ContactSettings, Friction, Surface};
 pub use fibers::{Bundle, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,

@@ -39,7 +39,8 @@ impl Case {
         let velocities: Vec<_> =
             near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
         let impulses: Vec<_> = near.par_iter().map(|&i| self.impulses[i]).collect();
-        report(&contacts, &velocities, &impulses, &vec![self.mass; near.len()])
+        let weights: Vec<_> = near.par_iter().map(|&i| self.weights[i]).collect();
+        report(&contacts, &velocities, &impulses, &weights)
     }
 
     /// Which contact is farthest from the law where all nodes have the given mean velocities.
@@ -52,7 +53,7 @@ impl Case {
         let mean = Velocities::new(world, mean);
         let wrong = |i: usize| {
             let velocity = relative(&self.contacts[i], &touches[i], &mean);
-            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.mass).impulse
+            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.weights[i]).impulse
         };
         (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }

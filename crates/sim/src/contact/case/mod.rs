@@ -5,12 +5,13 @@ mod openings;
 
 use super::body::{Fibers, Written};
 use super::law::Laws;
+use super::solver::ContactSolver;
 use super::touch::{Partner, Push, Touch};
 use super::velocities::Velocities;
 use crate::World;
 use nalgebra::Vector3;
 use openings::{ALWAYS, Openings};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance};
+use rapunzel_contact::{Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -43,8 +44,9 @@ pub(super) struct Case {
     working: Vec<usize>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<Openings>,
-    /// The mass (kg) with which errors of impulses and of velocities are compared.
-    mass: f64,
+    /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of those that
+    /// have not been solved that of a segment.
+    weights: Vec<f64>,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
     /// By group: answers that are written out, as long as the fibres hardly turn.
@@ -127,9 +129,21 @@ impl Case {
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = (0..touches.len()).filter(|&i| acts(&touches[i])).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
+        let weights = vec![mass; contacts.len()];
         let written = world.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
-        Ok(Self { contacts, impulses, gaps, working, openings, mass, error, written, kept, solved })
+        Ok(Self {
+            contacts,
+            impulses,
+            gaps,
+            working,
+            openings,
+            weights,
+            error,
+            written,
+            kept,
+            solved,
+        })
     }
 
     /// Leaves its room for the next.
@@ -200,7 +214,7 @@ impl Case {
         &mut self,
         world: &mut World,
         touches: &[Touch],
-        solver: &mut Admm,
+        solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
         let nodes = world.linear_velocities();
@@ -253,10 +267,27 @@ impl Case {
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
+        let traces = traces(&mut bodies);
         let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
+        self.weigh(world, touches, &working, &traces);
         self.working = working;
         Ok(report)
+    }
+
+    /// Notes the masses that solved contacts compare errors with, by the traces of how their points answer
+    /// themselves. Free bodies may be far heavier than what presses them: with these it stays that of a segment.
+    fn weigh(&mut self, world: &World, touches: &[Touch], working: &[usize], traces: &[f64]) {
+        let is_free = |side: &Partner| match *side {
+            Partner::Object(object) => world.objects[object as usize].is_free(),
+            Partner::Fiber(_) => false,
+        };
+        for (&i, Contact { first, second, .. }) in working.iter().zip(&self.solved) {
+            let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
+            if trace > 0.0 && !touches[i].sides.iter().any(is_free) {
+                self.weights[i] = 3.0 / trace;
+            }
+        }
     }
 
     /// The sides of some contacts that move, by group of fibres and by object.
@@ -293,6 +324,16 @@ impl Case {
     fn impulse(&self, contact: usize) -> Vector3<f64> {
         self.contacts[contact].frame * self.impulses[contact]
     }
+}
+
+/// How all points of some bodies answer themselves, 1/kg.
+fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
+    let of_body = |body: &mut &mut dyn Body| {
+        let mut traces = vec![0.0; body.points()];
+        body.own_traces(&mut traces);
+        traces
+    };
+    bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
 }
 
 /// The relative velocity of a contact, in its frame and with its bias, m/s.
