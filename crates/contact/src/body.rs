@@ -27,9 +27,9 @@ pub trait Body: Send {
     /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
     fn own_traces(&mut self, traces: &mut [f64]);
 
-    /// How its points answer each other, where that is at hand: in groups that do not answer each other, the
-    /// points of each and their symmetric matrix, 1/kg, three rows and columns a point. `None` where it
-    /// would have to be asked for.
+    /// How all its points answer each other, without added masses, where that is at hand: in groups that do
+    /// not answer each other, the points of each and their symmetric matrix, 1/kg, three rows and columns a
+    /// point. `None` where it would have to be asked for.
     fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
         None
     }

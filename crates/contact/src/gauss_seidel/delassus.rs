@@ -8,7 +8,7 @@ use std::ops::Range;
 #[derive(Debug)]
 pub(crate) struct Delassus<'a> {
     patches: Vec<Patch<'a>>,
-    /// Velocities of points, patch by patch, and behind them one that is zero.
+    /// Velocities of points, patch by patch.
     velocities: Vec<[f64; 3]>,
     /// By how much each number of these has changed, all ways together, since a contact there was looked at;
     /// [`WAITS`] while one is to be.
@@ -84,7 +84,12 @@ impl<'a> Delassus<'a> {
             if let Some((points, matrix)) = asked {
                 delassus.add(start, &points, Cow::Owned(matrix), velocities);
             } else {
-                for (points, matrix) in body.written_out().into_iter().flatten() {
+                let groups = body.written_out().unwrap_or_default();
+                if !each_once(body.points(), &groups) {
+                    let why = "what it writes out is not of each of its points once".into();
+                    return Err(ContactError::Body { body: index, why });
+                }
+                for (points, matrix) in groups {
                     delassus.add(start, points, Cow::Borrowed(matrix), velocities);
                 }
             }
@@ -95,7 +100,6 @@ impl<'a> Delassus<'a> {
             }
             start += body.points();
         }
-        delassus.velocities.push([0.0; 3]);
         delassus.changes = vec![[WAITS; 3]; delassus.velocities.len()];
         Ok(delassus)
     }
@@ -121,23 +125,9 @@ impl<'a> Delassus<'a> {
         [Some(contact.first), contact.second].map(|point| point.and_then(|i| self.places[i]))
     }
 
-    /// Which points a contact has; that behind the last, which rests, where it has none.
-    pub(crate) fn points(&self, places: [Option<Place>; 2]) -> [u32; 2] {
-        let point = |place: Option<Place>| place.map_or(self.velocities.len() - 1, |at| at.point);
-        #[expect(clippy::cast_possible_truncation, reason = "so many points fit nowhere")]
-        places.map(|place| point(place) as u32)
-    }
-
     /// How many points there are.
     pub(crate) fn len(&self) -> usize {
-        self.velocities.len() - 1
-    }
-
-    /// Velocity of one point relative to another.
-    #[inline(always)]
-    pub(crate) fn between(&self, [first, second]: [u32; 2]) -> [f64; 3] {
-        let [first, second] = [&self.velocities[first as usize], &self.velocities[second as usize]];
-        [first[0] - second[0], first[1] - second[1], first[2] - second[2]]
+        self.velocities.len()
     }
 
     /// The contact's own answer, in its frame; zero where both points can only move together.
@@ -165,32 +155,49 @@ impl<'a> Delassus<'a> {
 
     /// Velocity of the first point relative to the second, in the contact's frame, and its bias.
     pub(crate) fn relative_velocity(&self, contact: &Contact) -> Vector3<f64> {
-        let between = self.between(self.points(self.places(contact)));
-        contact.frame.tr_mul(&Vector3::from(between)) + contact.bias
+        self.relative(contact, self.places(contact))
+    }
+
+    /// The same, by where the points of the contact are.
+    #[inline(always)]
+    pub(crate) fn relative(
+        &self,
+        contact: &Contact,
+        [first, second]: [Option<Place>; 2],
+    ) -> Vector3<f64> {
+        let velocity = |place: Option<Place>| {
+            place.map_or_else(Vector3::zeros, |place| self.velocities[place.point].into())
+        };
+        contact.frame.tr_mul(&(velocity(first) - velocity(second))) + contact.bias
     }
 
     /// Lets `impulse`, in the contact's frame, act.
     pub(crate) fn apply(&mut self, contact: &Contact, impulse: &Vector3<f64>) {
-        let [first, second] = self.places(contact);
-        let world = contact.frame * impulse;
-        first.inspect(|place| self.push(*place, &world));
-        second.inspect(|place| self.push(*place, &-world));
+        self.push(self.places(contact), &(contact.frame * impulse));
     }
 
-    /// Lets an impulse act on a point.
+    /// Lets an impulse act on the first of two points, and against it on the second.
     #[inline(always)]
-    pub(crate) fn push(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
+    pub(crate) fn push(&mut self, [first, second]: [Option<Place>; 2], impulse: &Vector3<f64>) {
+        if let Some(place) = first {
+            self.push_one(place, impulse);
+        }
+        if let Some(place) = second {
+            self.push_one(place, &-impulse);
+        }
+    }
+
+    #[inline(always)]
+    fn push_one(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
         let Patch { own, matrix } = &self.patches[patch];
         let size = 3 * own.len();
         let columns = &matrix.as_slice()[3 * (point - own.start) * size..][..3 * size];
         let (a, rest) = columns.split_at(size);
         let (b, c) = rest.split_at(size);
-        let velocities = self.velocities[own.clone()].as_flattened_mut();
-        let changes = self.changes[own.clone()].as_flattened_mut();
-        let (x, y, z) = (impulse.x, impulse.y, impulse.z);
-        let (velocities, changes) = (&mut velocities[..size], &mut changes[..size]);
+        let velocities = &mut self.velocities[own.clone()].as_flattened_mut()[..size];
+        let changes = &mut self.changes[own.clone()].as_flattened_mut()[..size];
         for i in 0..size {
-            let change = a[i] * x + b[i] * y + c[i] * z;
+            let change = a[i] * impulse.x + b[i] * impulse.y + c[i] * impulse.z;
             velocities[i] += change;
             changes[i] += change.abs();
         }
@@ -222,11 +229,20 @@ impl<'a> Delassus<'a> {
 
     /// Says that points have been looked at.
     #[inline(always)]
-    pub(crate) fn look_at(&mut self, points: [u32; 2]) {
-        for point in points {
-            self.changes[point as usize] = [0.0; 3];
+    pub(crate) fn look_at(&mut self, places: [Option<Place>; 2]) {
+        for place in places.into_iter().flatten() {
+            self.changes[place.point] = [0.0; 3];
         }
     }
+}
+
+/// Whether groups have each of so many points once, and three rows and columns for it.
+fn each_once(count: usize, groups: &[(&[usize], &DMatrix<f64>)]) -> bool {
+    let mut points: Vec<usize> = groups.iter().flat_map(|(points, _)| *points).copied().collect();
+    points.sort_unstable();
+    let square = |size: usize| (3 * size, 3 * size);
+    points.into_iter().eq(0..count)
+        && groups.iter().all(|(points, matrix)| matrix.shape() == square(points.len()))
 }
 
 /// Asks a body how some of its points answer each other.

@@ -6,7 +6,6 @@
 //! place costs nothing in others: so Southwell (1940) relaxed by hand, with more care for the order.
 
 mod delassus;
-mod row;
 mod search;
 
 use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
@@ -76,6 +75,6 @@ impl Solver for GaussSeidel {
         }
         finite("component of a starting impulse", impulses)?;
         let delassus = Delassus::new(bodies, contacts, velocities)?;
-        Ok(Search::new(self, delassus, contacts, impulses).run(impulses))
+        Ok(Search::new(self, delassus, contacts, impulses).run())
     }
 }

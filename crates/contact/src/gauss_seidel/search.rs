@@ -1,7 +1,6 @@
 use super::GaussSeidel;
 use super::delassus::{Delassus, Place};
-use super::row::Row;
-use crate::residual::report;
+use crate::residual::{report, slip_error};
 use crate::{Contact, Report, Tolerance, Violation, solve_contact};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
@@ -19,11 +18,11 @@ pub(super) struct Search<'a> {
     solver: &'a GaussSeidel,
     delassus: Delassus<'a>,
     contacts: &'a [Contact],
-    /// What is read of each contact, with its impulse, and its points.
-    rows: Vec<Row>,
+    impulses: &'a mut [Vector3<f64>],
+    /// By contact: its points, how it answers itself, and the mass that compares its impulse and its velocity.
     places: Vec<[Option<Place>; 2]>,
-    /// How each contact answers itself.
     responses: Vec<Matrix3<f64>>,
+    weights: Vec<f64>,
     /// By point: the contacts there, from a start to the next.
     starts: Vec<u32>,
     at_points: Vec<u32>,
@@ -65,17 +64,16 @@ impl<'a> Search<'a> {
         solver: &'a GaussSeidel,
         delassus: Delassus<'a>,
         contacts: &'a [Contact],
-        impulses: &[Vector3<f64>],
+        impulses: &'a mut [Vector3<f64>],
     ) -> Self {
         let responses: Vec<_> = contacts.iter().map(|c| delassus.own_response(c)).collect();
         let places: Vec<_> = contacts.iter().map(|contact| delassus.places(contact)).collect();
-        let row = |i: usize| {
-            let trace = responses[i].trace() + 3.0 * contacts[i].compliance;
+        let weight = |(contact, response): (&Contact, &Matrix3<f64>)| {
+            let trace = response.trace() + 3.0 * contact.compliance;
             // What cannot move has no weight of its own: any will do.
-            let weight = if trace > 0.0 { 3.0 / trace } else { 1.0 };
-            Row::new(&contacts[i], &impulses[i], weight, delassus.points(places[i]))
+            if trace > 0.0 { 3.0 / trace } else { 1.0 }
         };
-        let rows: Vec<Row> = (0..contacts.len()).map(row).collect();
+        let weights = contacts.iter().zip(&responses).map(weight).collect();
         let mut starts = vec![0; delassus.len() + 1];
         for place in places.iter().flatten().flatten() {
             starts[place.point + 1] += 1;
@@ -92,15 +90,16 @@ impl<'a> Search<'a> {
                 *next += 1;
             }
         }
-        let squares = rows.iter().map(Row::square).sum();
+        let squares = contacts.iter().zip(&*impulses).map(|(c, r)| square(c, r)).sum();
         let (queue, waits) = (VecDeque::new(), vec![false; contacts.len()]);
         Self {
             solver,
             delassus,
             contacts,
-            rows,
+            impulses,
             places,
             responses,
+            weights,
             starts,
             at_points,
             squares,
@@ -109,19 +108,16 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Replaces the impulses by those that are found.
-    pub(super) fn run(mut self, impulses: &mut [Vector3<f64>]) -> Report {
+    pub(super) fn run(mut self) -> Report {
         let tolerance = self.solver.tolerance;
         let count = self.contacts.len();
         let mut order: Vec<u32> = (0..).take(count).collect();
         order.sort_by_key(|&i| self.contacts[i as usize].first);
-        let weights: Vec<_> = self.rows.iter().map(|row| row.weight).collect();
         let most = tolerance.iterations.saturating_mul(count);
         let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
         loop {
             let velocities: Vec<_> = (0..count).map(|i| self.velocity(i)).collect();
-            impulses.iter_mut().zip(&self.rows).for_each(|(to, row)| *to = row.impulse);
-            let found = report(self.contacts, &velocities, impulses, &weights);
+            let found = report(self.contacts, &velocities, self.impulses, &self.weights);
             let converged = tolerance.reached(&found);
             let stuck = before == Some(solved) && pass.share < 1.0;
             if converged || stuck || solved == most {
@@ -141,23 +137,24 @@ impl<'a> Search<'a> {
     /// The relative velocity of a contact, with what its impulse compresses.
     #[inline(always)]
     fn velocity(&self, i: usize) -> Vector3<f64> {
-        let row = &self.rows[i];
-        row.relative(&self.delassus) + row.impulse * row.compliance
+        let contact = &self.contacts[i];
+        let compressed = self.impulses[i] * contact.compliance;
+        self.delassus.relative(contact, self.places[i]) + compressed
     }
 
     /// Whether a contact is farther from the law than a pass lets it be.
     #[inline(always)]
     fn is_wrong(&self, i: usize, pass: &Pass) -> bool {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
-        let (row, velocity) = (&self.rows[i], self.velocity(i));
-        let load = row.impulse.x + row.adhesion;
+        let (contact, impulse, weight) = (&self.contacts[i], &self.impulses[i], self.weights[i]);
+        let (velocity, load) = (self.velocity(i), impulse.x + contact.adhesion);
         if load <= 0.0 && velocity.x >= 0.0 {
             return false;
         }
-        velocity.x.min(load / row.weight).abs() > pass.part() * normal
-            || row.slips(&self.contacts[i], &velocity, pass.part() * slip)
+        velocity.x.min(load / weight).abs() > pass.part() * normal
+            || slip_error(contact, &velocity, impulse, weight) > pass.part() * slip
             || pass.share.is_finite()
-                && Violation::new(&self.contacts[i], &velocity, &row.impulse, row.weight).impulse
+                && Violation::new(contact, &velocity, impulse, weight).impulse
                     > pass.share * residual * self.mean()
     }
 
@@ -169,7 +166,7 @@ impl<'a> Search<'a> {
     /// By how much the velocity of a point may change before its contacts are looked at again.
     fn bound(&self, pass: &Pass) -> f64 {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
-        let heaviest = self.rows.iter().map(|row| row.weight).fold(0.0, f64::max);
+        let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
         let by_impulse = pass.share * residual * self.mean() / heaviest;
         let by_velocity = pass.part() * normal.min(slip);
         CHANGE * if pass.share.is_finite() { by_velocity.min(by_impulse) } else { by_velocity }
@@ -178,22 +175,14 @@ impl<'a> Search<'a> {
     /// Solves a contact by itself. Tells whether that changes anything.
     #[inline(always)]
     fn solve(&mut self, i: usize) -> bool {
-        let (contact, response, row) = (&self.contacts[i], &self.responses[i], &mut self.rows[i]);
-        let old = row.impulse;
-        let free = row.relative(&self.delassus) - response * old;
+        let (contact, response, old) = (&self.contacts[i], &self.responses[i], self.impulses[i]);
+        let free = self.delassus.relative(contact, self.places[i]) - response * old;
         let exact = solve_contact(contact, response, &free);
-        let before = row.square();
-        row.impulse = relaxed(contact, self.solver.relaxation, &old, &exact);
-        let change = row.impulse - old;
-        self.squares += row.square() - before;
-        let world = row.world(&change);
-        let [first, second] = self.places[i];
-        if let Some(place) = first {
-            self.delassus.push(place, &world);
-        }
-        if let Some(place) = second {
-            self.delassus.push(place, &-world);
-        }
+        let new = relaxed(contact, self.solver.relaxation, &old, &exact);
+        let change = new - old;
+        self.impulses[i] = new;
+        self.squares += square(contact, &new) - square(contact, &old);
+        self.delassus.push(self.places[i], &(contact.frame * change));
         change != Vector3::zeros()
     }
 
@@ -246,7 +235,7 @@ impl NullaryFnOnce for Relax<'_, '_> {
         while let Some(i) = search.queue.pop_front() {
             let i = i as usize;
             search.waits[i] = false;
-            search.delassus.look_at(search.rows[i].points);
+            search.delassus.look_at(search.places[i]);
             if !search.is_wrong(i, &pass) {
                 continue;
             }
@@ -266,4 +255,9 @@ impl NullaryFnOnce for Relax<'_, '_> {
         }
         solved
     }
+}
+
+/// The square of an impulse from the tip of its cone.
+fn square(contact: &Contact, impulse: &Vector3<f64>) -> f64 {
+    (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared()
 }

@@ -130,6 +130,23 @@ fn answers_that_are_written_out_are_not_asked_for() {
     }
 }
 
+#[test]
+fn answers_that_do_not_fit_are_refused() {
+    let contacts = [contact(0, None, &Vector3::z(), circle(0.3))];
+    let answer = DMatrix::identity(3, 3);
+    let wrong = [
+        vec![(vec![1], answer.clone())],
+        vec![(vec![0], DMatrix::identity(2, 3))],
+        vec![(vec![0, 0], DMatrix::identity(6, 6))],
+    ];
+    for groups in wrong {
+        let mut body = WrittenOut(groups);
+        let (v, mut r) = ([Vector3::zeros()], [Vector3::zeros()]);
+        let error = exact().solve(&mut [&mut body], &contacts, &v, &mut r).expect_err("refused");
+        assert!(matches!(error, ContactError::Body { body: 0, .. }), "{error}");
+    }
+}
+
 /// What is wrong in one place costs nothing in others, and changes nothing there.
 #[test]
 fn contacts_that_are_right_are_passed_over() {

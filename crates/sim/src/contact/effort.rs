@@ -4,7 +4,9 @@ use rapunzel_contact::Tolerance;
 
 /// The least and the largest of the errors, in tolerances, that solves of contacts leave.
 const TIGHT: f64 = 0.9;
-const LOOSE: f64 = 3.0;
+const LOOSE: f64 = 15.0;
+/// What the first of a step leaves.
+const FIRST: f64 = 40.0;
 /// Iterations, at most, of a solve that is not the last.
 const MOST: usize = 120;
 /// How much deeper than they may be fibres are left by a list that is not solved exactly the next time
@@ -23,7 +25,7 @@ pub(super) struct Effort {
 
 impl Effort {
     /// As long as the rods are far from where they go, exact answers are wasted.
-    const FIRST: Self = Self { slack: LOOSE, most: MOST / 2 };
+    const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
     /// What is asked for in the end.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
 

@@ -43,7 +43,7 @@ pub enum ContactMethod {
     /// All at once, body by body and contact by contact in turn: the method of multipliers, on all threads.
     #[default]
     Splitting,
-    /// One after the other, those alone that are wrong, each exactly: Gauss-Seidel, on one thread. A fourth of
+    /// One after the other, those alone that are wrong, each exactly: Gauss-Seidel, on one thread. A third of
     /// the iterations, each several times as long. Where a fibre has too many contacts to write out how they
     /// answer each other, where rigid bodies move freely, and where it gets nowhere, as `Splitting`.
     OneByOne,
