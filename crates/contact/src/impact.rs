@@ -1,4 +1,5 @@
 use crate::gauss_seidel::Delassus;
+use crate::solver::respond;
 use crate::{Body, Contact, ContactError, Report, Solver, solve_contact};
 use nalgebra::Vector3;
 
@@ -58,7 +59,7 @@ pub fn impact(
     }
     let mut impulses = vec![Vector3::zeros(); contacts.len()];
     let report = solver.solve(bodies, &returning, velocities, &mut impulses)?;
-    let struck = strike(bodies, contacts, velocities, &impulses)?;
+    let struck = respond(bodies, contacts, velocities, &impulses);
     let after = relative(contacts, &struck);
     let energy = work(&impulses, &before, &after);
     if energy <= ROUNDING * -dot(&impulses, &before) {
@@ -66,7 +67,7 @@ pub fn impact(
     }
     let mut plastic = impulses.clone();
     let report = solver.solve(bodies, contacts, &struck, &mut plastic)?;
-    let settled = strike(bodies, contacts, velocities, &plastic)?;
+    let settled = respond(bodies, contacts, velocities, &plastic);
     let rest = relative(contacts, &settled);
     let loss = work(&plastic, &before, &rest);
     if loss > 0.0 {
@@ -144,7 +145,7 @@ pub fn impact_in_turn(
         energy += change;
         report.iterations += 1;
     }
-    let velocities = strike(bodies, contacts, velocities, &impulses)?;
+    let velocities = respond(bodies, contacts, velocities, &impulses);
     Ok(Impact { impulses, velocities, energy, share: least, report })
 }
 
@@ -180,35 +181,6 @@ fn relative(contacts: &[Contact], velocities: &[Vector3<f64>]) -> Vec<Vector3<f6
         contact.frame.tr_mul(&(velocities[contact.first] - second)) + contact.bias
     };
     contacts.iter().map(of).collect()
-}
-
-/// Velocities of the points after impulses on the contacts.
-fn strike(
-    bodies: &mut [&mut dyn Body],
-    contacts: &[Contact],
-    velocities: &[Vector3<f64>],
-    impulses: &[Vector3<f64>],
-) -> Result<Vec<Vector3<f64>>, ContactError> {
-    let mut on_points = vec![Vector3::zeros(); velocities.len()];
-    for (contact, impulse) in contacts.iter().zip(impulses) {
-        let world = contact.frame * impulse;
-        on_points[contact.first] += world;
-        if let Some(second) = contact.second {
-            on_points[second] -= world;
-        }
-    }
-    let mut after = velocities.to_vec();
-    let mut start = 0;
-    for body in bodies {
-        let count = body.points();
-        let mut answer = vec![Vector3::zeros(); count];
-        body.respond(&on_points[start..start + count], &mut answer);
-        for (velocity, change) in after[start..].iter_mut().zip(answer) {
-            *velocity += change;
-        }
-        start += count;
-    }
-    Ok(after)
 }
 
 /// Work of impulses that change the contacts' velocities from `before` to `after`.

@@ -66,6 +66,35 @@ pub trait Solver: Send {
     ) -> Result<Report, ContactError>;
 }
 
+/// Velocities of the points after changes of the contacts' impulses, all of which fit.
+pub(crate) fn respond(
+    bodies: &mut [&mut dyn Body],
+    contacts: &[Contact],
+    velocities: &[Vector3<f64>],
+    changes: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
+    let mut on_points = vec![Vector3::zeros(); velocities.len()];
+    for (contact, change) in contacts.iter().zip(changes) {
+        let world = contact.frame * change;
+        on_points[contact.first] += world;
+        if let Some(second) = contact.second {
+            on_points[second] -= world;
+        }
+    }
+    let mut after = velocities.to_vec();
+    let mut start = 0;
+    for body in bodies {
+        let count = body.points();
+        let mut answer = vec![Vector3::zeros(); count];
+        body.respond(&on_points[start..start + count], &mut answer);
+        for (velocity, change) in after[start..].iter_mut().zip(answer) {
+            *velocity += change;
+        }
+        start += count;
+    }
+    after
+}
+
 /// Refuses arrays that do not fit and contacts that make no sense.
 pub(crate) fn check(
     bodies: &[&mut dyn Body],

@@ -29,13 +29,16 @@ pub struct GaussSeidel {
     /// By how much of its change an impulse is replaced, more than zero and less than two; above
     /// one where many contacts support each other.
     pub relaxation: f64,
+    /// It gives up where so many iterations leave no fewer contacts wrong than were before;
+    /// [`usize::MAX`] for never. Contacts that hold each other may be solved round and round.
+    pub patience: usize,
 }
 
 impl GaussSeidel {
-    /// The solver without relaxation.
+    /// The solver without relaxation, which does not give up before its last iteration.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.0 }
+        Self { tolerance, relaxation: 1.0, patience: usize::MAX }
     }
 
     fn validate(&self) -> Result<(), ContactError> {

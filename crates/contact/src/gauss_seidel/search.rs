@@ -13,6 +13,9 @@ const MUCH: f64 = 4.0;
 /// By what part of that the velocity of a point may change before its contacts are looked at again.
 const CHANGE: f64 = 0.05;
 
+/// Looks in a row at which no fewer contacts are wrong than were ever before, after which it gives up.
+const LOOKS: usize = 2;
+
 /// A search, with the velocities while the impulses found so far act.
 pub(super) struct Search<'a> {
     solver: &'a GaussSeidel,
@@ -114,13 +117,15 @@ impl<'a> Search<'a> {
         let mut order: Vec<u32> = (0..).take(count).collect();
         order.sort_by_key(|&i| self.contacts[i as usize].first);
         let most = tolerance.iterations.saturating_mul(count);
+        let stride = (self.solver.patience / LOOKS).max(1).saturating_mul(count);
         let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
+        let (mut wrong, mut misses) = (usize::MAX, 0);
         loop {
             let velocities: Vec<_> = (0..count).map(|i| self.velocity(i)).collect();
             let found = report(self.contacts, &velocities, self.impulses, &self.weights);
             let converged = tolerance.reached(&found);
             let stuck = before == Some(solved) && pass.share < 1.0;
-            if converged || stuck || solved == most {
+            if converged || stuck || misses == LOOKS || solved == most {
                 let iterations = solved.div_ceil(count.max(1));
                 return Report { iterations, converged, ..found };
             }
@@ -128,9 +133,16 @@ impl<'a> Search<'a> {
             self.queue.clear();
             self.queue.extend(&order);
             self.waits.fill(true);
-            pass.most = most - solved;
-            solved += Arch::new().dispatch(Relax { search: &mut self, pass });
-            pass = pass.next();
+            pass.most = stride.min(most - solved);
+            let solves = Arch::new().dispatch(Relax { search: &mut self, pass });
+            solved += solves;
+            if solves < pass.most {
+                (pass, wrong, misses) = (pass.next(), usize::MAX, 0);
+            } else {
+                let still = (0..count).filter(|&i| self.is_wrong(i, &pass)).count();
+                misses = if still < wrong { 0 } else { misses + 1 };
+                wrong = wrong.min(still);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rapunzel_contact::{
-    Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,
+    Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance, Violation,
 };
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -294,4 +294,47 @@ pub fn polygon(mu: &[f64]) -> LimitCurve {
         .chain([Vector2::zeros()])
         .collect();
     LimitCurve::Polygon(rapunzel_contact::Polygon::new(&points).expect("around the origin"))
+}
+
+/// Rigid bodies that touch each other and the ground at random points, with all kinds of curves.
+/// Several contacts may be at one point.
+pub fn heap(random: &mut Random, most: f64) -> (Vec<Dense>, Vec<Contact>) {
+    let (count, per_body) = (8, 3);
+    let bodies: Vec<_> = (0..count)
+        .map(|_| {
+            let offsets: Vec<_> = (0..per_body).map(|_| random.vector()).collect();
+            let inertia = Matrix3::from_diagonal(&Vector3::new(0.4, 0.7, 0.5));
+            let mut body = Dense::rigid(0.5 + random.unit(), &inertia, &offsets);
+            let velocity = [random.vector(), random.vector()];
+            for (i, x) in velocity.iter().flatten().enumerate() {
+                body.velocity[i] = *x;
+            }
+            body
+        })
+        .collect();
+    let contacts = (0..14)
+        .map(|k| {
+            let first = random.below(count * per_body);
+            let other = random.below(count * per_body + 6);
+            let apart = other < count * per_body && other / per_body != first / per_body;
+            let curve = random.curve(k, most);
+            let mut c = contact(first, apart.then_some(other), &random.direction(), curve);
+            c.adhesion = if k % 4 == 0 { 0.1 * random.unit() } else { 0.0 };
+            c.compliance = if k % 3 == 0 { 0.01 } else { 0.0 };
+            c.bias = 0.1 * random.vector();
+            c
+        })
+        .collect();
+    (bodies, contacts)
+}
+
+/// The largest error of a velocity, m/s.
+pub fn worst(bodies: &[Dense], contacts: &[Contact], impulses: &[Vector3<f64>]) -> f64 {
+    let velocities: Vec<_> = bodies.iter().flat_map(Dense::velocities).collect();
+    let violation = |(c, r): (&Contact, &Vector3<f64>)| {
+        let u = c.relative(&velocities) + r * c.compliance;
+        let found = Violation::new(c, &u, r, 1.0);
+        found.normal.max(found.slip)
+    };
+    contacts.iter().zip(impulses).map(violation).fold(0.0, f64::max)
 }

@@ -1,49 +1,7 @@
 //! The solver for many contacts against the law itself and against the reference.
-use crate::common::{Dense, Random, circle, contact, resolve};
-use nalgebra::{Matrix3, Vector3};
-use rapunzel_contact::{Admm, Body, Contact, ContactError, Solver, Tolerance, Violation};
-
-/// Rigid bodies that touch each other and the ground at random points, with all kinds of curves.
-/// Several contacts may be at one point.
-fn heap(random: &mut Random, most: f64) -> (Vec<Dense>, Vec<Contact>) {
-    let (count, per_body) = (8, 3);
-    let bodies: Vec<_> = (0..count)
-        .map(|_| {
-            let offsets: Vec<_> = (0..per_body).map(|_| random.vector()).collect();
-            let inertia = Matrix3::from_diagonal(&Vector3::new(0.4, 0.7, 0.5));
-            let mut body = Dense::rigid(0.5 + random.unit(), &inertia, &offsets);
-            let velocity = [random.vector(), random.vector()];
-            for (i, x) in velocity.iter().flatten().enumerate() {
-                body.velocity[i] = *x;
-            }
-            body
-        })
-        .collect();
-    let contacts = (0..14)
-        .map(|k| {
-            let first = random.below(count * per_body);
-            let other = random.below(count * per_body + 6);
-            let apart = other < count * per_body && other / per_body != first / per_body;
-            let curve = random.curve(k, most);
-            let mut c = contact(first, apart.then_some(other), &random.direction(), curve);
-            c.adhesion = if k % 4 == 0 { 0.1 * random.unit() } else { 0.0 };
-            c.compliance = if k % 3 == 0 { 0.01 } else { 0.0 };
-            c.bias = 0.1 * random.vector();
-            c
-        })
-        .collect();
-    (bodies, contacts)
-}
-
-fn worst(bodies: &[Dense], contacts: &[Contact], impulses: &[Vector3<f64>]) -> f64 {
-    let velocities: Vec<_> = bodies.iter().flat_map(Dense::velocities).collect();
-    let violation = |(c, r): (&Contact, &Vector3<f64>)| {
-        let u = c.relative(&velocities) + r * c.compliance;
-        let found = Violation::new(c, &u, r, 1.0);
-        found.normal.max(found.slip)
-    };
-    contacts.iter().zip(impulses).map(violation).fold(0.0, f64::max)
-}
+use crate::common::{Dense, Random, circle, contact, heap, resolve, worst};
+use nalgebra::Vector3;
+use rapunzel_contact::{Admm, Body, Contact, ContactError, Solver, Tolerance};
 
 /// What it calls solved obeys the law, as found with the bodies' velocities afterwards; and it
 /// solves nearly all.

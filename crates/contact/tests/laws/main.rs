@@ -13,6 +13,7 @@ mod impacts;
 mod local;
 mod oracles;
 mod piles;
+mod polished;
 mod rope;
 mod slopes;
 mod solver;

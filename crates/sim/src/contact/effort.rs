@@ -7,6 +7,8 @@ const TIGHT: f64 = 0.9;
 const LOOSE: f64 = 15.0;
 /// What the first of a step leaves.
 const FIRST: f64 = 40.0;
+/// The largest where contacts are polished: then most of them have errors as large as they may be.
+const POLISHED: f64 = 3.0;
 /// Iterations, at most, of a solve that is not the last.
 const MOST: usize = 120;
 /// How much deeper than they may be fibres are left by a list that is not solved exactly the next time
@@ -51,6 +53,11 @@ impl Effort {
     /// After a solve that did not come so far: one that need not, with so many times its iterations.
     pub(super) fn again(self, times: usize) -> Self {
         Self { slack: self.slack.max(LOOSE), most: self.most.saturating_mul(times) }
+    }
+
+    /// One that leaves what is of use where contacts are polished.
+    pub(super) fn polished(self) -> Self {
+        Self { slack: self.slack.min(POLISHED), ..self }
     }
 
     pub(super) fn is_last(self) -> bool {

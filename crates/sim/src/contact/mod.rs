@@ -47,7 +47,6 @@ mod passing;
 mod report;
 mod skeleton;
 mod solid;
-mod solver;
 mod start;
 mod stepper;
 mod touch;

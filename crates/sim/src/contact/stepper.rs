@@ -8,14 +8,13 @@ use super::memory::{Expected, Remembered, glue, recall, remember};
 use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
-use super::solver::ContactSolver;
 use super::start;
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
-use crate::scene::{Adhesion, ContactSettings};
+use crate::scene::{Adhesion, ContactMethod, ContactSettings};
 use crate::{SimError, StepReport, Stepper, World};
 use rapunzel_collision::{CollisionError, segment_radii};
-use rapunzel_contact::Tolerance;
+use rapunzel_contact::{Polished, Tolerance};
 
 /// Most iterations of Newton's method with one list of contacts, and most lists.
 const MOST_ITERATIONS: usize = 8;
@@ -46,7 +45,7 @@ pub(crate) struct Touching {
     settings: ContactSettings,
     film: Option<Film>,
     detector: Detector,
-    solver: ContactSolver,
+    solver: Polished,
     /// Of all segments, m.
     radii: Vec<f64>,
     /// The smallest, m.
@@ -72,7 +71,10 @@ impl Touching {
             _ => film.as_ref().map_or(0.0, Film::reach),
         };
         let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
-        let solver = ContactSolver::new(settings.solver);
+        let mut solver = Polished::new(Tolerance::EXACT);
+        if settings.solver == ContactMethod::Splitting {
+            solver.splits = usize::MAX;
+        }
         let mut touching = Self {
             settings,
             film,
@@ -149,6 +151,7 @@ impl Touching {
         dt: f64,
         last: bool,
     ) -> Result<StepReport, Cut> {
+        self.solver.forget();
         let mut part = Part {
             time,
             dt,
@@ -242,7 +245,13 @@ impl Touching {
     /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
     /// answers would fling them apart.
     fn rough(&self, effort: Effort) -> Effort {
-        if self.film.is_some() { Effort::LAST } else { effort }
+        if self.film.is_some() { Effort::LAST } else { self.of_use(effort) }
+    }
+
+    /// An effort as far as that is of use.
+    fn of_use(&self, effort: Effort) -> Effort {
+        let polished = self.settings.solver == ContactMethod::Polished;
+        if polished { effort.polished() } else { effort }
     }
 
     /// How deep in each other things may be after a step, m: so little that a film does not tear by an
@@ -294,7 +303,7 @@ impl Touching {
                 return Err(Cut::Contacts(worst(world, part, case)));
             }
             longer = !reached;
-            effort = if longer { effort.again(LONGER) } else { Effort::after(left) };
+            effort = if longer { effort.again(LONGER) } else { self.of_use(Effort::after(left)) };
         }
         if turn > LOST { Err(Cut::Contacts(worst(world, part, case))) } else { Ok(false) }
     }

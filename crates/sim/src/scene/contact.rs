@@ -43,10 +43,11 @@ pub enum ContactMethod {
     /// All at once, body by body and contact by contact in turn: the method of multipliers, on all threads.
     #[default]
     Splitting,
-    /// One after the other, those alone that are wrong, each exactly: Gauss-Seidel, on one thread. A third of
-    /// the iterations, each several times as long. Where a fibre has too many contacts to write out how they
-    /// answer each other, where rigid bodies move freely, and where it gets nowhere, as `Splitting`.
-    OneByOne,
+    /// So for ten iterations, and then one after the other, those alone that are wrong, each exactly:
+    /// Gauss-Seidel, on one thread. A third of the iterations where hair falls and lies, longer ones, so that it
+    /// takes somewhat more time. Where a fibre has too many contacts to write out how they answer each other,
+    /// where rigid bodies move freely, and for the rest of a step in which it led nowhere, as `Splitting`.
+    Polished,
 }
 
 fn residual() -> f64 {

@@ -5,13 +5,14 @@ mod openings;
 
 use super::body::{Fibers, Written};
 use super::law::Laws;
-use super::solver::ContactSolver;
 use super::touch::{Partner, Push, Touch};
 use super::velocities::Velocities;
 use crate::World;
 use nalgebra::Vector3;
 use openings::{ALWAYS, Openings};
-use rapunzel_contact::{Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance};
+use rapunzel_contact::{
+    Body, Contact, ContactError, LimitCurve, Polished, Report, Solver, Tolerance,
+};
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -214,7 +215,7 @@ impl Case {
         &mut self,
         world: &mut World,
         touches: &[Touch],
-        solver: &mut ContactSolver,
+        solver: &mut Polished,
         patient: bool,
     ) -> Result<Report, ContactError> {
         let nodes = world.linear_velocities();
