@@ -5,7 +5,7 @@
 //! below the tolerance, wrong together when the next problem is a little different. A few iterations of the
 //! first make the second short, whose every solve begins with contacts made even.
 
-use crate::solver::{check, respond};
+use crate::solver::respond;
 use crate::{Admm, Body, Contact, ContactError, GaussSeidel, Report, Solver, Tolerance};
 use nalgebra::Vector3;
 
@@ -63,7 +63,6 @@ impl Solver for Polished {
         velocities: &[Vector3<f64>],
         impulses: &mut [Vector3<f64>],
     ) -> Result<Report, ContactError> {
-        check(bodies, contacts, velocities, impulses)?;
         let most = self.tolerance.iterations;
         let unpolished = self.stalled || self.splits >= most;
         if unpolished || bodies.iter().any(|body| body.written_out().is_none()) {
@@ -72,7 +71,7 @@ impl Solver for Polished {
         let given = impulses.to_vec();
         let found = self.split(self.splits, bodies, contacts, velocities, impulses)?;
         let mut spent = found.iterations;
-        if found.converged {
+        if found.converged || spent >= most {
             return Ok(found);
         }
         let changes: Vec<_> = impulses.iter().zip(&given).map(|(new, old)| new - old).collect();
