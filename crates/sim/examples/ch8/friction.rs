@@ -56,33 +56,42 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
     })
 }
 
+/// Of a thousand nodes, those left out at each side of a box that single hairs are not to decide.
+const OUTERMOST: usize = 5;
+
 /// Figure 8.19: the box around a lock on a ball after 0.7 s, with three kinds of friction.
+///
+/// A box is as wide as its outermost hairs, and where these come to lie is chance: of runs that differ by
+/// the solver or a little by the air the whole box differs by 4 %, the one around 99 % along each axis by 1 %.
 pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     let mut pictures = Vec::new();
     let mut volumes = Vec::new();
     for name in ["isotropic", "anisotropic", "none"] {
         let scene = size.scene(&format!("friction-{name}"), 40, 60)?;
-        let mut volume = 0.0;
+        let mut boxes = [0.0; 2];
         let film = filmed(&scene, &[scene.duration], |world| {
-            volume = 1e6 * extents(world).product();
+            boxes = [0, OUTERMOST].map(|outermost| 1e6 * extents(world, outermost).product());
         })?;
-        pictures.extend(captioned(&format!("{name}, {volume:.0} cm^3"), film));
-        volumes.push(volume);
+        pictures.extend(captioned(&format!("{name}, {:.0} cm^3", boxes[0]), film));
+        volumes.push(boxes);
     }
-    let [isotropic, anisotropic, none] = [volumes[0], volumes[1], volumes[2]];
+    let ratio = |of: usize, to: usize| [0, 1].map(|i| volumes[of][i] / volumes[to][i]);
+    let [anisotropic, none] = [1, 2].map(|of| ratio(of, 0));
     let checks = vec![
-        check("volume, isotropic", isotropic, "cm^3", Criterion::Told, "1022.39, other sizes"),
+        check("volume, isotropic", volumes[0][0], "cm^3", Criterion::Told, "1022.39, other sizes"),
         check(
             "anisotropic over isotropic",
-            anisotropic / isotropic,
+            anisotropic[0],
             "",
-            Criterion::AtLeast(1.0),
+            Criterion::Told,
             "1.01 in the table, less than 1 in the text: the table is right",
         ),
-        check("none over isotropic", none / isotropic, "", Criterion::Within(0.86, 0.96), "0.915"),
+        check("the same, boxes around 99 %", anisotropic[1], "", Criterion::AtLeast(1.0), "1.01"),
+        check("none over isotropic", none[0], "", Criterion::Told, "0.915"),
+        check("the same, boxes around 99 %", none[1], "", Criterion::Within(0.86, 0.96), "0.915"),
         check(
             "none over anisotropic",
-            none / anisotropic,
+            ratio(2, 1)[0],
             "",
             Criterion::Told,
             "0.906, which the table gives as its ratio to isotropic",
