@@ -42,16 +42,10 @@ impl Polished {
         self.stalled = false;
     }
 
-    fn split(
-        &mut self,
-        iterations: usize,
-        bodies: &mut [&mut dyn Body],
-        contacts: &[Contact],
-        velocities: &[Vector3<f64>],
-        impulses: &mut [Vector3<f64>],
-    ) -> Result<Report, ContactError> {
+    /// Splitting with so many iterations at most.
+    fn split(&mut self, iterations: usize) -> &mut Admm {
         self.splitting.tolerance = Tolerance { iterations, ..self.tolerance };
-        self.splitting.solve(bodies, contacts, velocities, impulses)
+        &mut self.splitting
     }
 }
 
@@ -66,10 +60,10 @@ impl Solver for Polished {
         let most = self.tolerance.iterations;
         let unpolished = self.stalled || self.splits >= most;
         if unpolished || bodies.iter().any(|body| body.written_out().is_none()) {
-            return self.split(most, bodies, contacts, velocities, impulses);
+            return self.split(most).solve(bodies, contacts, velocities, impulses);
         }
         let given = impulses.to_vec();
-        let found = self.split(self.splits, bodies, contacts, velocities, impulses)?;
+        let found = self.split(self.splits).solve(bodies, contacts, velocities, impulses)?;
         let mut spent = found.iterations;
         if found.converged || spent >= most {
             return Ok(found);
@@ -88,7 +82,7 @@ impl Solver for Polished {
         self.stalled = true;
         // Where that has led has few errors, but large ones.
         impulses.copy_from_slice(&split);
-        let found = self.split(most - spent, bodies, contacts, &velocities, impulses)?;
+        let found = self.split(most - spent).solve(bodies, contacts, &velocities, impulses)?;
         Ok(Report { iterations: spent + found.iterations, ..found })
     }
 }

@@ -33,13 +33,20 @@ pub struct Dense {
     bare: DMatrix<f64>,
     /// The same with weights.
     response: DMatrix<f64>,
+    /// Its points, if it writes out how they answer.
+    written: Option<Vec<usize>>,
 }
 
 impl Dense {
     pub fn new(mobility: DMatrix<f64>, jacobian: DMatrix<f64>) -> Self {
         let bare = &jacobian * &mobility * jacobian.transpose();
         let velocity = DVector::zeros(mobility.nrows());
-        Self { mobility, jacobian, velocity, response: bare.clone(), bare }
+        Self { mobility, jacobian, velocity, response: bare.clone(), bare, written: None }
+    }
+
+    /// The same, with its answers written out.
+    pub fn written(self) -> Self {
+        Self { written: Some((0..self.points()).collect()), ..self }
     }
 
     pub fn particle(mass: f64) -> Self {
@@ -133,6 +140,10 @@ impl Body for Dense {
         for (i, trace) in traces.iter_mut().enumerate() {
             *trace = self.bare.fixed_view::<3, 3>(3 * i, 3 * i).trace();
         }
+    }
+
+    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
+        self.written.as_ref().map(|points| vec![(&points[..], &self.bare)])
     }
 }
 

@@ -1,63 +1,18 @@
 //! Splitting and then one by one: the law, and what becomes of problems that one of them cannot solve.
-use crate::common::{Dense, Random, act, heap, resolve, to, worst};
-use nalgebra::{DMatrix, Vector3};
-use rapunzel_contact::{
-    Admm, Body, Contact, ContactError, GaussSeidel, Polished, Report, Solver, Tolerance,
-};
+use crate::common::{Dense, Random, heap, resolve, to, worst};
+use nalgebra::Vector3;
+use rapunzel_contact::{Admm, Contact, GaussSeidel, Polished, Report, Solver, Tolerance};
 
-/// A body whose answers are written out.
-struct WrittenOut {
-    body: Dense,
-    points: Vec<usize>,
-    answer: DMatrix<f64>,
-}
-
-impl WrittenOut {
-    fn new(body: &Dense) -> Self {
-        let answer = &body.jacobian * &body.mobility * body.jacobian.transpose();
-        Self { points: (0..body.points()).collect(), answer, body: body.clone() }
-    }
-}
-
-impl Body for WrittenOut {
-    fn points(&self) -> usize {
-        self.body.points()
-    }
-
-    fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError> {
-        self.body.set_weights(weights)
-    }
-
-    fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        self.body.respond(impulses, velocities);
-    }
-
-    fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        self.body.weighted_respond(impulses, velocities);
-    }
-
-    fn own_traces(&mut self, traces: &mut [f64]) {
-        self.body.own_traces(traces);
-    }
-
-    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
-        Some(vec![(&self.points, &self.answer)])
-    }
-}
-
-/// Solves from no impulses; returns these and what an independent evaluation of the law finds wrong as well.
+/// Solves from no impulses, with answers that are written out; returns these and what an independent
+/// evaluation of the law finds wrong as well.
 fn solve(
     bodies: &[Dense],
     contacts: &[Contact],
     solver: &mut dyn Solver,
 ) -> (Report, Vec<Vector3<f64>>, f64) {
-    let velocities: Vec<_> = bodies.iter().flat_map(Dense::velocities).collect();
     let mut impulses = vec![Vector3::zeros(); contacts.len()];
-    let mut written: Vec<_> = bodies.iter().map(WrittenOut::new).collect();
-    let mut written: Vec<_> = written.iter_mut().map(|body| body as &mut dyn Body).collect();
-    let found = solver.solve(&mut written, contacts, &velocities, &mut impulses).expect("valid");
-    let mut bodies = bodies.to_vec();
-    act(&mut bodies, contacts, &impulses);
+    let mut bodies: Vec<_> = bodies.iter().cloned().map(Dense::written).collect();
+    let found = resolve(&mut bodies, contacts, &mut impulses, solver);
     let worst = worst(&bodies, contacts, &impulses);
     (found, impulses, worst)
 }
@@ -65,7 +20,7 @@ fn solve(
 const TOLERANCE: Tolerance =
     Tolerance { residual: 1e-8, normal: 1e-8, slip: 1e-8, iterations: 5000 };
 
-/// Whatever friction is, what it calls solved obeys the law; and it solves what either of its methods does.
+/// Whatever friction is, what it calls solved obeys the law; and it solves what splitting does.
 #[test]
 fn answers_obey_the_law() {
     let mut random = Random(40);
