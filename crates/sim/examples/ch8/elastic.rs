@@ -62,7 +62,7 @@ pub(crate) fn stiffness(size: Size) -> Fallible<Figure> {
     for (name, scene) in [("stiff", "partly-elastic"), ("limp", "partly-elastic-limp")] {
         let scene = size.scene(scene, 10, 50)?;
         let mut height = 0.0;
-        let film = filmed(&scene, &TIMES, |world| height = extents(world, 0).z)?;
+        let film = filmed(&scene, &TIMES, |world| height = extents(world).z)?;
         pictures.extend(captioned(name, film));
         heights.push(1e3 * height);
     }

@@ -53,16 +53,11 @@ pub(crate) fn captioned(name: &str, film: Film) -> impl Iterator<Item = Picture>
     film.pictures.into_iter().map(move |p| Picture { caption: under(p.caption), ..p })
 }
 
-/// Extents along x, y and z of the box around all nodes but the outermost at each side, m: so many
-/// of a thousand.
-pub(crate) fn extents(world: &World, outermost: usize) -> nalgebra::Vector3<f64> {
+/// Extents of the axis-parallel box around all fibers, m.
+pub(crate) fn extents(world: &World) -> nalgebra::Vector3<f64> {
     let states = (0..world.assembly().fibers().len()).map(|fiber| world.state(fiber));
     let nodes: Vec<_> = states.flat_map(|state| state.positions).collect();
-    let left_out = nodes.len() * outermost / 1000;
-    nalgebra::Vector3::from_fn(|axis, _| {
-        let mut along: Vec<f64> = nodes.iter().map(|node| node[axis]).collect();
-        along.sort_by(f64::total_cmp);
-        let kept = along.get(left_out..along.len() - left_out).unwrap_or_default();
-        kept.last().zip(kept.first()).map_or(0.0, |(high, low)| high - low)
-    })
+    let Some(&first) = nodes.first() else { return nalgebra::Vector3::zeros() };
+    let [low, high] = nodes.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    high - low
 }
