@@ -92,7 +92,7 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
             1,
             0,
             larger,
-            "1.01 in the table, less than 1 in the text: the table is right",
+            "1.01 in the table, less than 1 in the text: of these scenes the table is right",
         ),
     ];
     let (volume, _) = mean_and_error(&volumes[0]);
