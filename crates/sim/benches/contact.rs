@@ -76,7 +76,6 @@ fn after(scene: &Scene, steps: usize) -> (World, Box<dyn Stepper>) {
 fn pack(across: usize, layers: usize) -> Scene {
     const RADIUS: f64 = 3.5e-5;
     let spacing = 2.0 * RADIUS * 1.001;
-    let width = (across as f64 - 0.5) * spacing;
     let mut scene = Scene::from_ron(&format!(
         "(format: 1, name: \"A pack\", duration: 1.0, fibers: [(length: 0.3, segments: 100, \
          section: Circle(radius: {RADIUS}), root: (orientation: Along(direction: (1, 0, 0))), \
@@ -85,7 +84,7 @@ fn pack(across: usize, layers: usize) -> Scene {
          (shape: Plane(normal: (0, -1, 0)), position: (0, {wall}, 0))], \
          contact: (friction: Isotropic(0.5)), stepper: (dt: 1e-3))",
         floor = -RADIUS,
-        wall = width + RADIUS,
+        wall = (across as f64 - 0.5) * spacing + RADIUS,
     ))
     .expect("a scene");
     let hair = scene.fibers[0].clone();

@@ -56,7 +56,7 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
     })
 }
 
-/// Locks of every kind of friction: by their seeds their hairs are rooted in other places.
+/// Locks of every kind of friction, whose hairs their seeds root in other places.
 const LOCKS: u64 = 5;
 
 /// Figure 8.19: the box around a lock on a ball after 0.7 s, with three kinds of friction.
@@ -108,7 +108,7 @@ pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     Ok(Figure {
         scene: "scenes/contact/friction-isotropic.ron, -anisotropic, -none",
         parameters: "0.7 s, means of five locks; helix, stiffness, damping and ball, which the thesis does \
-                     not tell, are fitted to its boxes",
+                     not tell, are fitted to its ratios",
         drawings: vec![Drawing::Pictures(Pictures {
             title: "8.19 A lock on a ball with three kinds of friction".into(),
             view: "seen along y",
