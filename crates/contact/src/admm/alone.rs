@@ -78,7 +78,7 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
         let r = wide.pack(&part.impulses[wide.range()]);
         let wanted = wide.pack(&part.wanted[wide.range()]);
         let v = wide.relative(&common.v, &wide.group.points);
-        let (zero, response) = (wide.splat(0.0), wide.responses());
+        let (zero, weight) = (wide.splat(0.0), wide.weights());
         // Where nothing holds it, only what closes the gap is wrong.
         let loose = -wide.adhesion();
         let off = [
@@ -87,10 +87,10 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
             r[0].at_most(loose, zero, v[2] - wanted[2]),
         ];
         let u = sum(v, times(r, wide.compliance()));
-        sums.wrong = sums.wrong + squared(off) / (response * response);
+        sums.wrong = sums.wrong + squared(off) * (weight * weight);
         sums.all = sums.all + squared(r);
         sums.normal_error = sums.normal_error.max(off[0].abs());
-        sums.slip_error = sums.slip_error.max(slip_error(&wide, u, r, response.recip()));
+        sums.slip_error = sums.slip_error.max(slip_error(&wide, u, r, weight));
     }
     part.sums = sums.of_all();
 }
@@ -105,7 +105,7 @@ fn judge<S: Simd>(simd: S, part: &mut Part, common: &Common) {
         let impulse = wide.pack(&part.impulses[wide.range()]);
         let v = wide.relative(&common.v, &wide.group.points);
         let u = sum(v, times(impulse, wide.compliance()));
-        let weight = wide.responses().recip();
+        let weight = wide.weights();
         // From the cone's tip.
         let r = [impulse[0] + wide.adhesion(), impulse[1], impulse[2]];
         let saxce = [u[0] + wide.dissipation([u[1], u[2]]), u[1], u[2]];

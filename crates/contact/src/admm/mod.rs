@@ -88,13 +88,14 @@ impl Solver for Admm {
             return Ok(Report { converged: true, ..Report::default() });
         }
         let sides = Sides::new(contacts, velocities.len());
-        let (masses, crowded) = metric_of(bodies, &sides, velocities.len(), self.weight);
+        let ([masses, traces], crowded) = metric_of(bodies, &sides, velocities.len(), self.weight);
         let first = |(contact, impulse): (&Contact, &Vector3<f64>)| contact.frame * impulse;
         let common = Common {
             contacts,
             sides: &sides,
             base: velocities,
             masses: &masses,
+            traces: &traces,
             weight: self.weight,
             relaxation: self.relaxation,
             h: Shared::new(rayon::iter::repeat_n(Vector3::zeros(), sides.len())),
@@ -155,34 +156,37 @@ impl Solver for Admm {
     }
 }
 
-/// Chooses the metric, kg, by point. Tells whether most points are in a crowd.
+/// Chooses the metric, kg, and finds the traces of own answers, 1/kg, by point. Tells whether most points are
+/// in a crowd.
 fn metric_of(
     bodies: &mut [&mut dyn Body],
     sides: &Sides,
     points: usize,
     weight: f64,
-) -> (Vec<f64>, bool) {
-    let mut masses = vec![0.0; points];
+) -> ([Vec<f64>; 2], bool) {
+    let mut all = [vec![0.0; points], vec![0.0; points]];
     let ranges = ranges(bodies);
-    let mut rest = &mut masses[..];
+    let mut rest = all.each_mut().map(|all| &mut all[..]);
     let parts: Vec<_> = ranges
         .iter()
         .map(|range| {
-            let (own, behind) = std::mem::take(&mut rest).split_at_mut(range.len());
-            rest = behind;
-            own
+            rest.each_mut().map(|rest| {
+                let (own, behind) = std::mem::take(rest).split_at_mut(range.len());
+                *rest = behind;
+                own
+            })
         })
         .collect();
     let crowded = bodies
         .par_iter_mut()
         .zip(parts)
         .zip(ranges)
-        .map(|((body, masses), range)| {
+        .map(|((body, own), range)| {
             let counts: Vec<usize> = range.map(|point| sides.at(point).len()).collect();
-            metric::masses(&mut **body, &counts, weight, masses)
+            metric::masses(&mut **body, &counts, weight, own)
         })
         .collect::<Vec<usize>>();
-    (masses, 2 * crowded.into_iter().sum::<usize>() > points)
+    (all, 2 * crowded.into_iter().sum::<usize>() > points)
 }
 
 /// Cuts bodies and contacts into parts, by their number alone.

@@ -21,6 +21,8 @@ pub(super) struct Common<'a> {
     pub(super) base: &'a [Vector3<f64>],
     /// Metric of every side at a point, kg.
     pub(super) masses: &'a [f64],
+    /// Traces of the points' answers to impulses on themselves, 1/kg.
+    pub(super) traces: &'a [f64],
     /// By which the metric was chosen.
     pub(super) weight: f64,
     pub(super) relaxation: f64,
@@ -103,7 +105,8 @@ impl<'a, 'b> Part<'a, 'b> {
                 }
             }
             let responses = &responses[start - contacts.start..];
-            Group::new(own, responses, [at_points, at_sides])
+            let weights = own.iter().map(|contact| common.weight_of(contact));
+            Group::new(own, responses, weights, [at_points, at_sides])
         };
         Self {
             groups: contacts.clone().step_by(WIDTH).map(group).collect(),
@@ -261,6 +264,16 @@ impl Common<'_> {
     fn impulse(&self, side: usize) -> Vector3<f64> {
         let (contact, sign) = self.sides.contact(side);
         self.impulses.get(contact) * sign
+    }
+
+    /// The mass, kg, with which a report compares what is wrong with impulses and with velocities. That is the
+    /// contact's own, as for [`crate::Violation`]: in the metric, which may be ten times as heavy, small errors of
+    /// velocities would be large ones of impulses, and a tolerance out of reach.
+    fn weight_of(&self, contact: &Contact) -> f64 {
+        let of = |point: usize| self.traces[point];
+        let trace = of(contact.first) + contact.second.map_or(0.0, of);
+        // What nothing moves has no inertia to compare with.
+        if trace > 0.0 { 3.0 / trace } else { 1.0 }
     }
 
     /// Answer of a contact to its own impulse in the metric, 1/kg.

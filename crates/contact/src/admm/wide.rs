@@ -29,6 +29,8 @@ pub(super) struct Group {
     compliance: Numbers,
     /// Answers to their own impulses in the metric, 1/kg.
     responses: Numbers,
+    /// Of what is wrong with velocities in reports, kg.
+    weights: Numbers,
     /// Coefficients of friction, if for all of them they are the same in all directions.
     circles: Option<Numbers>,
     pub(super) points: Places,
@@ -39,10 +41,11 @@ pub(super) struct Group {
 pub(super) type Places = [[u32; WIDTH]; 2];
 
 impl Group {
-    /// At most eight contacts with their responses, 1/kg.
+    /// At most eight contacts with their responses, 1/kg, and weights, kg.
     pub(super) fn new(
         contacts: &[Contact],
         responses: &[f64],
+        weights: impl Iterator<Item = f64>,
         [points, sides]: [Places; 2],
     ) -> Self {
         let mut group = Self {
@@ -51,11 +54,13 @@ impl Group {
             adhesion: Default::default(),
             compliance: Default::default(),
             responses: [1.0; WIDTH],
+            weights: [1.0; WIDTH],
             circles: Some(Default::default()),
             points,
             sides,
         };
-        for (lane, (contact, response)) in contacts.iter().zip(responses).enumerate() {
+        let both = contacts.iter().zip(responses);
+        for (lane, ((contact, response), weight)) in both.zip(weights).enumerate() {
             for i in 0..3 {
                 for k in 0..3 {
                     group.frames[i][k][lane] = contact.frame[(k, i)];
@@ -64,7 +69,7 @@ impl Group {
             }
             group.adhesion[lane] = contact.adhesion;
             group.compliance[lane] = contact.compliance;
-            group.responses[lane] = *response;
+            (group.responses[lane], group.weights[lane]) = (*response, weight);
             match (&mut group.circles, &contact.friction) {
                 (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
                 (circles, _) => *circles = None,
@@ -132,6 +137,11 @@ impl<'a, S: Simd> Wide<'a, S> {
     #[inline(always)]
     pub(super) fn compliance(&self) -> Lane<S> {
         self.lane(&self.group.compliance)
+    }
+
+    #[inline(always)]
+    pub(super) fn weights(&self) -> Lane<S> {
+        self.lane(&self.group.weights)
     }
 
     #[inline(always)]
@@ -271,6 +281,7 @@ mod tests {
     use crate::Polygon;
     use proptest::prelude::*;
     use pulp::{Arch, Scalar, WithSimd};
+    use std::iter::repeat;
 
     /// What eight vectors become: projected onto cones, onto curves as large as the first number, and what
     /// is dissipated.
@@ -333,7 +344,7 @@ mod tests {
             let q: Vec<_> = all.iter().map(|(_, q)| *q).collect();
             let groups: Vec<_> = contacts
                 .chunks(WIDTH)
-                .map(|some| Group::new(some, &[1.0; WIDTH], Default::default()))
+                .map(|some| Group::new(some, &[1.0; WIDTH], repeat(1.0), Default::default()))
                 .collect();
             let both = [
                 Arch::new().dispatch(All(&groups, &contacts, &q)),
