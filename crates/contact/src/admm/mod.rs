@@ -64,8 +64,9 @@ const FEW: usize = 64;
 /// Where a solve begins near its end, and where splitting has come near it.
 const AT_START: Attempt = Attempt { near: 30.0, least: 5, most: 30, off_course: 1.5 };
 const AT_END: Attempt = Attempt { near: 3.0, least: 1, most: 8, off_course: 1.5 };
-/// Where most points are in a crowd: what they do together is what splitting is slow to find.
-const IN_CROWD: Attempt = Attempt { near: 30.0, least: 5, most: 200, off_course: 10.0 };
+/// Where most points are in a crowd: what they do together is what splitting is slow to find. Where that is
+/// not what is wrong, descent creeps, and must not be long about it.
+const IN_CROWD: Attempt = Attempt { near: 30.0, least: 5, most: 40, off_course: 3.0 };
 
 impl Admm {
     /// The solver with its usual relaxation, weight and memory.
