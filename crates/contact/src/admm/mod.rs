@@ -97,6 +97,7 @@ impl Solver for Admm {
             base: velocities,
             masses: &masses,
             traces: &traces,
+            crowded,
             weight: self.weight,
             relaxation: self.relaxation,
             h: Shared::new(rayon::iter::repeat_n(Vector3::zeros(), sides.len())),

@@ -23,6 +23,8 @@ pub(super) struct Common<'a> {
     pub(super) masses: &'a [f64],
     /// Traces of the points' answers to impulses on themselves, 1/kg.
     pub(super) traces: &'a [f64],
+    /// Whether most points are in a crowd.
+    pub(super) crowded: bool,
     /// By which the metric was chosen.
     pub(super) weight: f64,
     pub(super) relaxation: f64,
@@ -92,7 +94,8 @@ impl<'a, 'b> Part<'a, 'b> {
         let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
         let root = |point: usize| std::iter::repeat_n(masses[point].sqrt(), sides.at(point).len());
         let zeros = vec![Vector3::zeros(); points.len()];
-        let responses: Vec<f64> = contacts.clone().map(|i| common.response(i)).collect();
+        let responses: Vec<f64> =
+            common.contacts[contacts.clone()].iter().map(|c| common.response(c)).collect();
         let group = |start: usize| {
             let part = start..contacts.end.min(start + WIDTH);
             let own = &common.contacts[part.clone()];
@@ -266,10 +269,14 @@ impl Common<'_> {
         self.impulses.get(contact) * sign
     }
 
-    /// The mass, kg, with which a report compares what is wrong with impulses and with velocities. That is the
-    /// contact's own, as for [`crate::Violation`]: in the metric, which may be ten times as heavy, small errors of
-    /// velocities would be large ones of impulses, and a tolerance out of reach.
+    /// The mass, kg, with which a report compares what is wrong with impulses and with velocities. In a crowd that
+    /// is the contact's own, as for [`crate::Violation`]: in the metric, which may be ten times as heavy, small
+    /// errors of velocities would be large ones of impulses, and a tolerance out of reach. Elsewhere it is that of
+    /// the metric, and contacts are right to some digits more, by which the energies of rods close.
     fn weight_of(&self, contact: &Contact) -> f64 {
+        if !self.crowded {
+            return 1.0 / self.response(contact);
+        }
         let of = |point: usize| self.traces[point];
         let trace = of(contact.first) + contact.second.map_or(0.0, of);
         // What nothing moves has no inertia to compare with.
@@ -277,8 +284,8 @@ impl Common<'_> {
     }
 
     /// Answer of a contact to its own impulse in the metric, 1/kg.
-    fn response(&self, contact: usize) -> f64 {
-        let Contact { first, second, .. } = self.contacts[contact];
+    fn response(&self, contact: &Contact) -> f64 {
+        let &Contact { first, second, .. } = contact;
         1.0 / self.masses[first] + second.map_or(0.0, |point| 1.0 / self.masses[point])
     }
 }
