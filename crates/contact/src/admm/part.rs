@@ -270,7 +270,7 @@ impl Common<'_> {
     }
 
     /// The mass, kg, with which a report compares what is wrong with impulses and with velocities. In a crowd that
-    /// is the contact's own, as for [`crate::Violation`]: in the metric, which may be ten times as heavy, small
+    /// is the contact's own, as for [`crate::Violation`]: in the metric, which is up to eight times as heavy, small
     /// errors of velocities would be large ones of impulses, and a tolerance out of reach. Elsewhere it is that of
     /// the metric, and contacts are right to some digits more, by which the energies of rods close.
     fn weight_of(&self, contact: &Contact) -> f64 {
