@@ -1,6 +1,10 @@
 //! The sides of contacts, sorted by the points they are at.
 use crate::Contact;
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// In place of the second point of a contact that has none.
+const NONE: u32 = u32::MAX;
 
 /// In the order of the points: what is asked of a body is read in one go.
 #[derive(Debug, Clone)]
@@ -16,10 +20,13 @@ pub(super) struct Sides {
 impl Sides {
     #[expect(clippy::cast_possible_truncation, reason = "so many contacts fit nowhere")]
     pub(super) fn new(contacts: &[Contact], points: usize) -> Self {
-        let sides = |c: &Contact| [Some((c.first, 1.0)), c.second.map(|point| (point, -1.0))];
+        // Of all that contacts are this is little, and it is read twice.
+        let of_contact =
+            |c: &Contact| [c.first as u32, c.second.map_or(NONE, |point| point as u32)];
+        let of_contacts: Vec<[u32; 2]> = contacts.par_iter().map(of_contact).collect();
         let mut starts = vec![0; points + 1];
-        for (point, _) in contacts.iter().flat_map(sides).flatten() {
-            starts[point + 1] += 1;
+        for &point in of_contacts.as_flattened().iter().filter(|&&point| point != NONE) {
+            starts[point as usize + 1] += 1;
         }
         for point in 0..points {
             starts[point + 1] += starts[point];
@@ -27,16 +34,19 @@ impl Sides {
         let mut next = starts.clone();
         let none = starts[points] as u32;
         let mut all = vec![(0, 0.0); starts[points]];
-        let mut sort = |(i, contact): (usize, &Contact)| {
-            sides(contact).map(|side| {
-                let Some((point, sign)) = side else { return none };
-                let at = next[point];
-                all[at] = (i as u32, sign);
-                next[point] += 1;
-                at as u32
-            })
+        let mut sort = |contact: u32, point: u32, sign: f32| {
+            if point == NONE {
+                return none;
+            }
+            let next = &mut next[point as usize];
+            all[*next] = (contact, sign);
+            *next += 1;
+            *next as u32 - 1
         };
-        let of_contact = contacts.iter().enumerate().map(&mut sort).collect();
+        let mut of_contact = of_contacts;
+        for (i, [first, second]) in (0..).zip(&mut of_contact) {
+            (*first, *second) = (sort(i, *first, 1.0), sort(i, *second, -1.0));
+        }
         Self { starts, all, of_contact }
     }
 

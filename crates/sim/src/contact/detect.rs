@@ -1,10 +1,11 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
+use super::fiber_touch::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::object::{Object, Strand};
 use super::pair;
 use super::passing::{bends, keep_sides, leads_through, passing, travel};
-use super::touch::{self, Partner, Rank, Touch, retain_others};
-use nalgebra::{Point3, Vector3};
+use super::touch::{self, Partner, Touch, retain_others};
+use nalgebra::Point3;
 use rapunzel_collision::{
     Candidates, Capsules, CollisionError, Contact, Pair, contacts_of_groups, squared_distances,
 };
@@ -118,12 +119,10 @@ impl Detector {
         contacts_of_groups(&end, &near, most, same, chosen, &mut self.contacts)?;
         self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
         self.add(&end, fast);
-        touches.clear();
-        touches.par_extend(self.contacts.par_iter().map(|contact| fiber_touch(&end, contact)));
         let mut others = of_objects(motion, objects, margin);
         others.sort_unstable_by_key(Touch::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
-        touch::merge(touches, others, |a, b| a.rank() > b.rank());
+        put_together(&end, &self.contacts, &others, touches);
         keep_sides(&start, touches);
         Ok(())
     }
@@ -174,33 +173,21 @@ fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
     }
 }
 
-/// The fibres of two segments.
-pub(super) fn fibers(layout: &Layout, pair: &Pair) -> [usize; 2] {
-    pair.map(|segment| layout.segment_fibers()[segment as usize])
-}
-
-fn same_fibers(layout: &Layout, a: &Pair, b: &Pair) -> bool {
-    fibers(layout, a) == fibers(layout, b)
-}
-
-/// Some pairs by their fibres: by the first they are counted, not compared.
+/// Some pairs by their fibres. Each task looks for those of its own first fibres, which are segments in a row.
 fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
-    let first = |pair: &Pair| fibers(layout, pair)[0];
-    let mut next = vec![0; layout.fibers() + 1];
-    pairs.iter().for_each(|pair| next[first(pair) + 1] += 1);
-    for fiber in 0..layout.fibers() {
-        next[fiber + 1] += next[fiber];
-    }
-    let mut ordered = pairs.to_vec();
-    for pair in pairs {
-        let at = &mut next[first(pair)];
-        ordered[*at] = *pair;
-        *at += 1;
-    }
-    let groups = ordered.par_chunk_by_mut(|a, b| first(a) == first(b));
-    // Of one fibre segments are numbered in a row.
-    groups.for_each(|group| group.sort_unstable_by_key(|[a, b]| (*b, *a)));
-    ordered
+    let parts = 4 * rayon::current_num_threads();
+    let start = |part: usize| match part * layout.fibers() / parts {
+        0 => 0,
+        fiber => layout.segment_range(fiber - 1).end,
+    };
+    let of_part = |part: usize| {
+        let own = fiber_number(start(part))..fiber_number(start(part + 1));
+        let mut own: Vec<_> = pairs.iter().filter(|pair| own.contains(&pair[0])).copied().collect();
+        own.sort_unstable_by_key(|pair| (fibers(layout, pair)[0], pair[1], pair[0]));
+        own
+    };
+    let parts: Vec<_> = (0..parts).into_par_iter().map(of_part).collect();
+    parts.concat()
 }
 
 /// Those of some pairs of segments whose fibres are somewhere deeper than `depth`, m, in each other, or in
@@ -289,11 +276,6 @@ fn of_objects(motion: &Motion, objects: &[Object], margin: f64) -> Vec<Touch> {
     found
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
-fn fiber_number(fiber: usize) -> u32 {
-    fiber as u32
-}
-
 /// Of pairs with their squared distances at the start, m², those with gaps up to `margin`, m, at the end, or
 /// at `either` end, that cannot have passed through each other, and contacts of those that would.
 fn sort(
@@ -336,41 +318,6 @@ fn sort(
         fast.extend(f);
     }
     (near, fast)
-}
-
-/// The fibres of a contact, the one with the smaller number first, and the segments in them.
-fn of_fibers(layout: &Layout, contact: &Contact) -> ([Partner; 2], [u32; 2]) {
-    let fibers = fibers(layout, &contact.pair);
-    let segment =
-        |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
-    (fibers.map(|fiber| Partner::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
-}
-
-fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
-    let (sides, segments) = of_fibers(layout, contact);
-    Rank::new(sides, segments, contact.fractions)
-}
-
-fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
-    let (sides, segments) = of_fibers(here.layout(), contact);
-    let [axis, other_axis] = contact.pair.map(|segment| {
-        let capsule = here.get(segment as usize);
-        capsule.end - capsule.start
-    });
-    Touch {
-        sides,
-        segments,
-        fractions: contact.fractions,
-        normal: -*contact.normal,
-        axis,
-        other_axis,
-        gap: contact.gap,
-        drive: Vector3::zeros(),
-        levers: [Vector3::zeros(); 2],
-        impulse: Vector3::zeros(),
-        working: false,
-        bonded: false,
-    }
 }
 
 #[cfg(test)]

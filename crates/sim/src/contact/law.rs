@@ -63,7 +63,7 @@ impl<'a> Laws<'a> {
     }
 
     /// Tensile impulses that touches bear, N s; `gaps` are those at the start, as in
-    /// [`Self::closing`]. Sorted by pair and place.
+    /// [`Self::closing`]. Sorted by pair and place; none where nothing pulls.
     pub(super) fn adhesion(
         &self,
         assembly: &Assembly,
@@ -74,7 +74,7 @@ impl<'a> Laws<'a> {
             let bears = Bond::new(strength)?.adhesion(self.dt);
             return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
         }
-        let Some(film) = self.film else { return Ok(vec![0.0; touches.len()]) };
+        let Some(film) = self.film else { return Ok(Vec::new()) };
         let gaps: Vec<_> = gaps.iter().map(|gap| gap * self.dt).collect();
         let forces = film.forces(assembly, touches, &gaps);
         Ok(forces.into_iter().map(|force| force * self.dt).collect())

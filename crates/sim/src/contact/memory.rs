@@ -122,8 +122,9 @@ pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
 /// Writes what is to be remembered of some touches, in their order.
 pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
     remembered.clear();
-    let lasting = touches.iter().filter(|touch| touch.bonded || touch.impulse != Vector3::zeros());
-    remembered.extend(
+    let lasting = |touch: &&Touch| touch.bonded || touch.impulse != Vector3::zeros();
+    let lasting = touches.par_iter().filter(lasting);
+    remembered.par_extend(
         lasting.map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
     );
 }

@@ -35,6 +35,7 @@ mod cut;
 mod detect;
 mod effort;
 mod explicit;
+mod fiber_touch;
 mod film;
 mod free;
 mod gather;

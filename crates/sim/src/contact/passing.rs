@@ -1,7 +1,7 @@
 //! What fibres do on their way through a step: which would pass through each other, and which have changed
 //! sides.
 
-use super::detect::fibers;
+use super::fiber_touch::fibers;
 use super::touch::{Partner, Touch, retain_others};
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{Capsules, Contact, Pair};

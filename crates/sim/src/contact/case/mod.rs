@@ -128,7 +128,7 @@ impl Case {
             Openings::new(world, touches, speeds.collect(), nodes)
         });
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        let working = (0..touches.len()).filter(|&i| acts(&touches[i])).collect();
+        let working = (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
         let weights = vec![mass; contacts.len()];
         let written = world.groups.iter().map(|_| None).collect();
@@ -283,11 +283,14 @@ impl Case {
             Partner::Object(object) => world.objects[object as usize].is_free(),
             Partner::Fiber(_) => false,
         };
-        for (&i, Contact { first, second, .. }) in working.iter().zip(&self.solved) {
+        let both = working.par_iter().zip(&self.solved);
+        let mass = both.map(|(&i, Contact { first, second, .. })| {
             let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
-            if trace > 0.0 && !touches[i].sides.iter().any(is_free) {
-                self.weights[i] = 3.0 / trace;
-            }
+            (trace > 0.0 && !touches[i].sides.iter().any(is_free)).then(|| 3.0 / trace)
+        });
+        let masses: Vec<Option<f64>> = mass.collect();
+        for (&i, mass) in working.iter().zip(masses) {
+            self.weights[i] = mass.unwrap_or(self.weights[i]);
         }
     }
 
@@ -295,10 +298,14 @@ impl Case {
     fn sides(&self, world: &World, touches: &[Touch], contacts: &[usize]) -> [Vec<Vec<Side>>; 2] {
         let mut used = vec![Vec::new(); world.groups.len()];
         let mut on_objects = vec![Vec::new(); world.objects.len()];
-        for &i in contacts {
-            let moving = if self.contacts[i].second.is_some() { 2 } else { 1 };
-            for (side, partner) in touches[i].sides.iter().enumerate().take(moving) {
-                match *partner {
+        let moving = |&i: &usize| {
+            let [first, second] = touches[i].sides;
+            [Some(first), self.contacts[i].second.map(|_| second)]
+        };
+        let moving: Vec<_> = contacts.par_iter().map(moving).collect();
+        for (&i, sides) in contacts.iter().zip(moving) {
+            for (side, partner) in sides.into_iter().flatten().enumerate() {
+                match partner {
                     Partner::Fiber(fiber) => used[world.lane(fiber as usize).0].push((i, side)),
                     Partner::Object(object) => on_objects[object as usize].push((i, side)),
                 }
@@ -314,11 +321,11 @@ impl Case {
 
     /// Gives the impulses back to the touches, and tells which the solver looked at last.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
-        touches.par_iter_mut().enumerate().for_each(|(i, touch)| {
-            touch.impulse = self.impulse(i);
-            touch.working = false;
+        let mut works = vec![false; touches.len()];
+        self.working.iter().for_each(|&i| works[i] = true);
+        touches.par_iter_mut().zip(works).enumerate().for_each(|(i, (touch, works))| {
+            (touch.impulse, touch.working) = (self.impulse(i), works);
         });
-        self.working.iter().for_each(|&i| touches[i].working = true);
     }
 
     /// That on the first side of a contact, N s, world.

@@ -40,8 +40,10 @@ impl Openings {
             Partner::Object(object) => world.objects[*object as usize].is_free(),
             Partner::Fiber(_) => false,
         };
-        let of_free: Vec<usize> =
-            (0..touches.len()).filter(|&i| touches[i].sides.iter().any(free)).collect();
+        let of_free: Vec<usize> = (0..touches.len())
+            .into_par_iter()
+            .filter(|&i| touches[i].sides.iter().any(free))
+            .collect();
         openings.hold(&of_free);
         openings
     }
