@@ -20,12 +20,11 @@ pub(super) struct Sides {
 impl Sides {
     #[expect(clippy::cast_possible_truncation, reason = "so many contacts fit nowhere")]
     pub(super) fn new(contacts: &[Contact], points: usize) -> Self {
-        // Of all that contacts are this is little, and it is read twice.
-        let of_contact =
-            |c: &Contact| [c.first as u32, c.second.map_or(NONE, |point| point as u32)];
-        let of_contacts: Vec<[u32; 2]> = contacts.par_iter().map(of_contact).collect();
+        // At first its points: little of all that a contact is, and read twice.
+        let points_of = |c: &Contact| [c.first as u32, c.second.map_or(NONE, |point| point as u32)];
+        let mut of_contact: Vec<[u32; 2]> = contacts.par_iter().map(points_of).collect();
         let mut starts = vec![0; points + 1];
-        for &point in of_contacts.as_flattened().iter().filter(|&&point| point != NONE) {
+        for &point in of_contact.as_flattened().iter().filter(|&&point| point != NONE) {
             starts[point as usize + 1] += 1;
         }
         for point in 0..points {
@@ -43,7 +42,6 @@ impl Sides {
             *next += 1;
             *next as u32 - 1
         };
-        let mut of_contact = of_contacts;
         for (i, [first, second]) in (0..).zip(&mut of_contact) {
             (*first, *second) = (sort(i, *first, 1.0), sort(i, *second, -1.0));
         }

@@ -101,9 +101,9 @@ mod tests {
         let positions = lines.as_flattened().iter().copied().map(Point3::from).collect::<Vec<_>>();
         let end = Capsules::new(&layout, &positions, &[0.5; 3]).expect("one layout");
         let mut contacts = Vec::new();
-        let list = |_: &Pair, _: &Pair| false;
+        let same = |_: &Pair, _: &Pair| false;
         let all = |found: &[Contact], stay: &mut Vec<Contact>| stay.extend_from_slice(found);
-        contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, list, all, &mut contacts)
+        contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, same, all, &mut contacts)
             .expect("lengths");
         let of_object = |fiber: u32| Touch {
             sides: [Partner::Fiber(fiber), Partner::Object(0)],
