@@ -65,6 +65,22 @@ pub(crate) fn slip_error(
     along(&(friction - allowed), &slip) / weight
 }
 
+/// Whether [`slip_error`] is more than a bound: without a root or a quotient.
+#[inline(always)]
+pub(crate) fn slips(
+    contact: &Contact,
+    velocity: &Vector3<f64>,
+    impulse: &Vector3<f64>,
+    weight: f64,
+    bound: f64,
+) -> bool {
+    let (friction, slip) = (impulse.yz(), velocity.yz());
+    let limit = (impulse.x + contact.adhesion).max(0.0);
+    let allowed = contact.friction.project(&(friction - slip * weight), limit);
+    let (product, bound) = ((friction - allowed).dot(&slip), bound * weight);
+    product > 0.0 && product * product > bound * bound * slip.norm_squared()
+}
+
 /// How far `missing` goes along a direction; zero where that is none.
 fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
     let product = missing.dot(direction);

@@ -1,18 +1,26 @@
 use crate::{Body, Contact, ContactError};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use std::borrow::Cow;
 use std::ops::Range;
+
+/// Points whose numbers lie side by side, for which a column is as many registers as coordinates.
+const LANES: usize = 8;
+
+/// A number for each of these, and three.
+type Lanes = [f64; LANES];
+type Vectors = [Lanes; 3];
 
 /// What all contacts of some bodies do to each other: how points answer impulses on each other, and their
 /// velocities.
 #[derive(Debug)]
-pub(crate) struct Delassus<'a> {
-    patches: Vec<Patch<'a>>,
-    /// Velocities of points, patch by patch.
-    velocities: Vec<[f64; 3]>,
-    /// By how much each number of these has changed, all ways together, since a contact there was looked at;
-    /// [`WAITS`] while one is to be.
-    changes: Vec<[f64; 3]>,
+pub(crate) struct Delassus {
+    patches: Vec<Patch>,
+    /// Answers, patch by patch and column by column.
+    answers: Vec<Vectors>,
+    /// Velocities of points, patch by patch; the last of them are those of what is not moved.
+    velocities: Vec<Vectors>,
+    /// By how much each of these has changed, all ways together, since a contact there was looked at;
+    /// [`WAITS`] while one is to be, and where there is no point.
+    changes: Vec<Lanes>,
     /// By point of all bodies, if it is touched.
     places: Vec<Option<Place>>,
 }
@@ -24,11 +32,11 @@ const WAITS: f64 = f64::NEG_INFINITY;
 const ROUNDING: f64 = 1e-13;
 
 /// Points that answer each other and no others.
-#[derive(Debug)]
-struct Patch<'a> {
-    /// Which points.
+#[derive(Debug, Clone)]
+struct Patch {
+    /// Where their velocities are, and the first of their columns.
     own: Range<usize>,
-    matrix: Cow<'a, DMatrix<f64>>,
+    first: usize,
 }
 
 /// A point: its patch, and which of all points it is.
@@ -38,10 +46,17 @@ pub(crate) struct Place {
     pub(crate) point: usize,
 }
 
-impl<'a> Delassus<'a> {
+impl Place {
+    /// The register of its patch and its place there.
+    fn lane(self) -> (usize, usize) {
+        (self.point / LANES, self.point % LANES)
+    }
+}
+
+impl Delassus {
     /// Asks every body for three columns per touched point, unless it has them at hand.
     pub(crate) fn new(
-        bodies: &'a mut [&mut dyn Body],
+        bodies: &mut [&mut dyn Body],
         contacts: &[Contact],
         velocities: &[Vector3<f64>],
     ) -> Result<Self, ContactError> {
@@ -73,16 +88,16 @@ impl<'a> Delassus<'a> {
         }
         let mut delassus = Self {
             patches: Vec::new(),
+            answers: Vec::new(),
             velocities: Vec::new(),
             changes: Vec::new(),
             places: vec![None; points],
         };
-        let bodies: &'a [&mut dyn Body] = bodies;
         let mut start = 0;
         for (index, (body, asked)) in bodies.iter().zip(asked).enumerate() {
-            let before = delassus.patches.len();
+            let before = delassus.answers.len();
             if let Some((points, matrix)) = asked {
-                delassus.add(start, &points, Cow::Owned(matrix), velocities);
+                delassus.add(start, &points, &matrix, velocities);
             } else {
                 let groups = body.written_out().unwrap_or_default();
                 if !each_once(body.points(), &groups) {
@@ -90,17 +105,23 @@ impl<'a> Delassus<'a> {
                     return Err(ContactError::Body { body: index, why });
                 }
                 for (points, matrix) in groups {
-                    delassus.add(start, points, Cow::Borrowed(matrix), velocities);
+                    delassus.add(start, points, matrix, velocities);
                 }
             }
-            let finite = |patch: &Patch| patch.matrix.iter().all(|x| x.is_finite());
-            if !delassus.patches[before..].iter().all(finite) {
+            if !delassus.answers[before..]
+                .as_flattened()
+                .as_flattened()
+                .iter()
+                .all(|x| x.is_finite())
+            {
                 let why = "its answer is not finite".into();
                 return Err(ContactError::Body { body: index, why });
             }
             start += body.points();
         }
-        delassus.changes = vec![[WAITS; 3]; delassus.velocities.len()];
+        delassus.add(0, &[], &DMatrix::zeros(0, 0), &[]);
+        delassus.velocities.push([[0.0; LANES]; 3]);
+        delassus.changes.push([WAITS; LANES]);
         Ok(delassus)
     }
 
@@ -109,40 +130,66 @@ impl<'a> Delassus<'a> {
         &mut self,
         start: usize,
         points: &[usize],
-        matrix: Cow<'a, DMatrix<f64>>,
+        matrix: &DMatrix<f64>,
         velocities: &[Vector3<f64>],
     ) {
-        let own = self.velocities.len()..self.velocities.len() + points.len();
-        for (i, point) in points.iter().zip(own.clone()) {
-            self.places[start + i] = Some(Place { patch: self.patches.len(), point });
-            self.velocities.push(velocities[start + i].into());
+        let count = points.len().div_ceil(LANES);
+        let own = self.velocities.len()..self.velocities.len() + count;
+        let patch = Patch { own: own.clone(), first: self.answers.len() };
+        self.velocities.resize(own.end, [[0.0; LANES]; 3]);
+        self.changes.resize(own.end, [WAITS; LANES]);
+        for (i, point) in points.iter().zip((LANES * own.start)..) {
+            let place = Place { patch: self.patches.len(), point };
+            self.places[start + i] = Some(place);
+            let (register, lane) = place.lane();
+            for axis in 0..3 {
+                self.velocities[register][axis][lane] = velocities[start + i][axis];
+            }
         }
-        self.patches.push(Patch { own, matrix });
+        for column in matrix.column_iter() {
+            let first = self.answers.len();
+            self.answers.resize(first + count, [[0.0; LANES]; 3]);
+            let registers = column.as_slice().as_chunks::<3>().0.chunks(LANES);
+            for (of, points) in self.answers[first..].iter_mut().zip(registers) {
+                for (lane, point) in points.iter().enumerate() {
+                    for axis in 0..3 {
+                        of[axis][lane] = point[axis];
+                    }
+                }
+            }
+        }
+        self.patches.push(patch);
     }
 
     /// Where the points of a contact are.
-    pub(crate) fn places(&self, contact: &Contact) -> [Option<Place>; 2] {
-        [Some(contact.first), contact.second].map(|point| point.and_then(|i| self.places[i]))
+    pub(crate) fn places(&self, contact: &Contact) -> [Place; 2] {
+        let still =
+            Place { patch: self.patches.len() - 1, point: LANES * (self.velocities.len() - 1) };
+        [Some(contact.first), contact.second]
+            .map(|point| point.and_then(|i| self.places[i]).unwrap_or(still))
     }
 
-    /// How many points there are.
+    /// How many points there is room for.
     pub(crate) fn len(&self) -> usize {
-        self.velocities.len()
+        LANES * self.velocities.len()
     }
 
     /// The contact's own answer, in its frame; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
-        let block = |of: Option<Place>, to: Option<Place>| match (of, to) {
-            (Some(of), Some(to)) if of.patch == to.patch => {
-                let Patch { own, matrix } = &self.patches[of.patch];
-                let [row, column] = [of, to].map(|place| 3 * (place.point - own.start));
-                matrix.fixed_view::<3, 3>(row, column).into_owned()
+        let block = |of: Place, to: Place| {
+            let Patch { own, first } = &self.patches[to.patch];
+            if of.patch != to.patch || own.is_empty() {
+                return Matrix3::zeros();
             }
-            _ => Matrix3::zeros(),
+            let (register, lane) = of.lane();
+            let column = 3 * (to.point - LANES * own.start);
+            Matrix3::from_fn(|row, i| {
+                self.answers[first + (column + i) * own.len() + register - own.start][row][lane]
+            })
         };
         let [first, second] = self.places(contact);
         let mut world = block(first, first);
-        if second.is_some() {
+        if contact.second.is_some() {
             let apart = world + block(second, second);
             world = apart - block(first, second) - block(second, first);
             if world.trace() <= ROUNDING * apart.trace() {
@@ -160,15 +207,13 @@ impl<'a> Delassus<'a> {
 
     /// The same, by where the points of the contact are.
     #[inline(always)]
-    pub(crate) fn relative(
-        &self,
-        contact: &Contact,
-        [first, second]: [Option<Place>; 2],
-    ) -> Vector3<f64> {
-        let velocity = |place: Option<Place>| {
-            place.map_or_else(Vector3::zeros, |place| self.velocities[place.point].into())
-        };
-        contact.frame.tr_mul(&(velocity(first) - velocity(second))) + contact.bias
+    pub(crate) fn relative(&self, contact: &Contact, places: [Place; 2]) -> Vector3<f64> {
+        let [first, second] = places.map(|place| {
+            let (register, lane) = place.lane();
+            let of = &self.velocities[register];
+            Vector3::new(of[0][lane], of[1][lane], of[2][lane])
+        });
+        contact.frame.tr_mul(&(first - second)) + contact.bias
     }
 
     /// Lets `impulse`, in the contact's frame, act.
@@ -178,60 +223,71 @@ impl<'a> Delassus<'a> {
 
     /// Lets an impulse act on the first of two points, and against it on the second.
     #[inline(always)]
-    pub(crate) fn push(&mut self, [first, second]: [Option<Place>; 2], impulse: &Vector3<f64>) {
-        if let Some(place) = first {
-            self.push_one(place, impulse);
-        }
-        if let Some(place) = second {
-            self.push_one(place, &-impulse);
-        }
+    pub(crate) fn push(&mut self, [first, second]: [Place; 2], impulse: &Vector3<f64>) {
+        self.push_one(first, impulse);
+        self.push_one(second, &-impulse);
     }
 
     #[inline(always)]
     fn push_one(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
-        let Patch { own, matrix } = &self.patches[patch];
-        let size = 3 * own.len();
-        let columns = &matrix.as_slice()[3 * (point - own.start) * size..][..3 * size];
+        let Patch { own, first } = &self.patches[patch];
+        let size = own.len();
+        if size == 0 {
+            return;
+        }
+        let column = 3 * (point - LANES * own.start);
+        let columns = &self.answers[first + column * size..][..3 * size];
         let (a, rest) = columns.split_at(size);
         let (b, c) = rest.split_at(size);
-        let velocities = &mut self.velocities[own.clone()].as_flattened_mut()[..size];
-        let changes = &mut self.changes[own.clone()].as_flattened_mut()[..size];
+        let velocities = &mut self.velocities[own.clone()][..size];
+        let changes = &mut self.changes[own.clone()][..size];
         for i in 0..size {
-            let change = a[i] * impulse.x + b[i] * impulse.y + c[i] * impulse.z;
-            velocities[i] += change;
-            changes[i] += change.abs();
+            let (a, b, c) = (a[i], b[i], c[i]);
+            let (mut v, mut most) = (velocities[i], [0.0; LANES]);
+            for axis in 0..3 {
+                let (a, b, c) = (a[axis], b[axis], c[axis]);
+                let change: Lanes = std::array::from_fn(|lane| {
+                    a[lane] * impulse.x + b[lane] * impulse.y + c[lane] * impulse.z
+                });
+                v[axis] = std::array::from_fn(|lane| v[axis][lane] + change[lane]);
+                let size = change.map(f64::abs);
+                most = std::array::from_fn(|lane| {
+                    if size[lane] > most[lane] { size[lane] } else { most[lane] }
+                });
+            }
+            velocities[i] = v;
+            let old = changes[i];
+            changes[i] = std::array::from_fn(|lane| old[lane] + most[lane]);
         }
     }
 
-    /// Tells which points of a patch have changed by more than a bound, and says that they wait to be looked at.
+    /// Adds to `told` which points of a patch have changed by more than a bound, and says that they wait to be
+    /// looked at. There must be room for all.
     #[inline(always)]
-    pub(crate) fn changed(&mut self, patch: usize, bound: f64, mut tell: impl FnMut(usize)) {
+    pub(crate) fn changed(&mut self, patch: usize, bound: f64, told: &mut [usize]) -> usize {
         let own = self.patches[patch].own.clone();
-        let mut point = own.start;
-        let (some, rest) = self.changes[own].as_chunks_mut::<8>();
-        for some in some.iter_mut().map(|some| &mut some[..]).chain([rest]) {
-            // Without a branch for each, as most have not.
-            let mut any = false;
-            for change in some.as_flattened() {
-                any |= *change > bound;
+        let mut count = 0;
+        for (register, changes) in own.clone().zip(&mut self.changes[own]) {
+            let told = &mut told[count..][..LANES];
+            let mut some = 0;
+            for lane in 0..LANES {
+                // Without a branch, as none could be foreseen.
+                let far = changes[lane] > bound;
+                told[some & (LANES - 1)] = LANES * register + lane;
+                some += usize::from(far);
+                changes[lane] = if far { WAITS } else { changes[lane] };
             }
-            if any {
-                for (point, change) in (point..).zip(&mut *some) {
-                    if change[0] > bound || change[1] > bound || change[2] > bound {
-                        *change = [WAITS; 3];
-                        tell(point);
-                    }
-                }
-            }
-            point += some.len();
+            count += some;
         }
+        count
     }
 
     /// Says that points have been looked at.
     #[inline(always)]
-    pub(crate) fn look_at(&mut self, places: [Option<Place>; 2]) {
-        for place in places.into_iter().flatten() {
-            self.changes[place.point] = [0.0; 3];
+    pub(crate) fn look_at(&mut self, places: [Place; 2]) {
+        for place in places {
+            let (register, lane) = place.lane();
+            self.changes[register][lane] = 0.0;
         }
     }
 }

@@ -6,6 +6,7 @@
 //! place costs nothing in others: so Southwell (1940) relaxed by hand, with more care for the order.
 
 mod delassus;
+mod queue;
 mod search;
 
 use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
@@ -78,6 +79,6 @@ impl Solver for GaussSeidel {
         }
         finite("component of a starting impulse", impulses)?;
         let delassus = Delassus::new(bodies, contacts, velocities)?;
-        Ok(Search::new(self, delassus, contacts, impulses).run())
+        Ok(Search::new(self, delassus, contacts, impulses).run(impulses))
     }
 }

@@ -1,10 +1,12 @@
 use super::GaussSeidel;
 use super::delassus::{Delassus, Place};
-use crate::residual::{report, slip_error};
-use crate::{Contact, Report, Tolerance, Violation, solve_contact};
-use nalgebra::{Matrix3, Vector3};
+use super::queue::Queue;
+use crate::local::Local;
+use crate::residual::{report, slips};
+use crate::{Contact, Report, Tolerance, Violation};
+use nalgebra::Vector3;
 use pulp::{Arch, NullaryFnOnce};
-use std::collections::VecDeque;
+use std::borrow::Borrow;
 
 /// The part of a tolerance that contacts may leave before they are solved.
 const PART: f64 = 0.9;
@@ -16,24 +18,37 @@ const CHANGE: f64 = 0.05;
 /// Looks in a row at which no fewer contacts are wrong than were ever before, after which it gives up.
 const LOOKS: usize = 2;
 
+/// A contact, with what is read where it is looked at side by side.
+#[repr(align(64))]
+struct Site {
+    contact: Contact,
+    places: [Place; 2],
+    impulse: Vector3<f64>,
+    /// The mass that compares its impulse and its velocity.
+    weight: f64,
+}
+
+impl Borrow<Contact> for Site {
+    fn borrow(&self) -> &Contact {
+        &self.contact
+    }
+}
+
 /// A search, with the velocities while the impulses found so far act.
 pub(super) struct Search<'a> {
     solver: &'a GaussSeidel,
-    delassus: Delassus<'a>,
-    contacts: &'a [Contact],
-    impulses: &'a mut [Vector3<f64>],
-    /// By contact: its points, how it answers itself, and the mass that compares its impulse and its velocity.
-    places: Vec<[Option<Place>; 2]>,
-    responses: Vec<Matrix3<f64>>,
-    weights: Vec<f64>,
+    delassus: Delassus,
+    sites: Vec<Site>,
+    /// By contact: what it needs to be solved.
+    locals: Vec<Local>,
     /// By point: the contacts there, from a start to the next.
     starts: Vec<u32>,
     at_points: Vec<u32>,
     /// Sum of the squares of all impulses from the tips of their cones.
     squares: f64,
-    /// Contacts to look at, and which these are.
-    queue: VecDeque<u32>,
-    waits: Vec<bool>,
+    queue: Queue,
+    /// Room for all points.
+    told: Vec<usize>,
 }
 
 /// How well contacts are solved at a time.
@@ -65,20 +80,21 @@ impl Pass {
 impl<'a> Search<'a> {
     pub(super) fn new(
         solver: &'a GaussSeidel,
-        delassus: Delassus<'a>,
-        contacts: &'a [Contact],
-        impulses: &'a mut [Vector3<f64>],
+        delassus: Delassus,
+        contacts: &[Contact],
+        impulses: &[Vector3<f64>],
     ) -> Self {
-        let responses: Vec<_> = contacts.iter().map(|c| delassus.own_response(c)).collect();
-        let places: Vec<_> = contacts.iter().map(|contact| delassus.places(contact)).collect();
-        let weight = |(contact, response): (&Contact, &Matrix3<f64>)| {
-            let trace = response.trace() + 3.0 * contact.compliance;
+        let site = |((contact, local), &impulse): ((&Contact, &Local), &Vector3<f64>)| {
+            let trace = local.response.trace() + 3.0 * contact.compliance;
             // What cannot move has no weight of its own: any will do.
-            if trace > 0.0 { 3.0 / trace } else { 1.0 }
+            let weight = if trace > 0.0 { 3.0 / trace } else { 1.0 };
+            Site { contact: contact.clone(), places: delassus.places(contact), impulse, weight }
         };
-        let weights = contacts.iter().zip(&responses).map(weight).collect();
+        let local = |contact| Local::new(contact, &delassus.own_response(contact));
+        let locals: Vec<_> = contacts.iter().map(local).collect();
+        let sites: Vec<_> = contacts.iter().zip(&locals).zip(impulses).map(site).collect();
         let mut starts = vec![0; delassus.len() + 1];
-        for place in places.iter().flatten().flatten() {
+        for place in sites.iter().flat_map(|site| site.places) {
             starts[place.point + 1] += 1;
         }
         for i in 1..starts.len() {
@@ -86,43 +102,35 @@ impl<'a> Search<'a> {
         }
         let mut at_points = vec![0; starts.last().map_or(0, |&all| all as usize)];
         let mut next = starts.clone();
-        for (i, places) in (0..).zip(&places) {
-            for place in places.iter().flatten() {
+        for (i, site) in (0..).zip(&sites) {
+            for place in site.places {
                 let next = &mut next[place.point];
                 at_points[*next as usize] = i;
                 *next += 1;
             }
         }
-        let squares = contacts.iter().zip(&*impulses).map(|(c, r)| square(c, r)).sum();
-        let (queue, waits) = (VecDeque::new(), vec![false; contacts.len()]);
-        Self {
-            solver,
-            delassus,
-            contacts,
-            impulses,
-            places,
-            responses,
-            weights,
-            starts,
-            at_points,
-            squares,
-            queue,
-            waits,
-        }
+        let squares = sites.iter().map(|site| square(&site.contact, &site.impulse)).sum();
+        let (queue, told) = (Queue::new(sites.len()), vec![0; delassus.len()]);
+        Self { solver, delassus, sites, locals, starts, at_points, squares, queue, told }
     }
 
-    pub(super) fn run(mut self) -> Report {
+    /// Searches, and writes the impulses found.
+    pub(super) fn run(mut self, impulses: &mut [Vector3<f64>]) -> Report {
         let tolerance = self.solver.tolerance;
-        let count = self.contacts.len();
+        let count = self.sites.len();
         let mut order: Vec<u32> = (0..).take(count).collect();
-        order.sort_by_key(|&i| self.contacts[i as usize].first);
+        order.sort_by_key(|&i| self.sites[i as usize].contact.first);
+        let weights: Vec<_> = self.sites.iter().map(|site| site.weight).collect();
         let most = tolerance.iterations.saturating_mul(count);
         let stride = (self.solver.patience / LOOKS).max(1).saturating_mul(count);
         let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
         loop {
-            let velocities: Vec<_> = (0..count).map(|i| self.velocity(i)).collect();
-            let found = report(self.contacts, &velocities, self.impulses, &self.weights);
+            let velocities: Vec<_> = self.sites.iter().map(|site| self.velocity(site)).collect();
+            for (impulse, site) in impulses.iter_mut().zip(&self.sites) {
+                *impulse = site.impulse;
+            }
+            let found = report(&self.sites, &velocities, impulses, &weights);
             let converged = tolerance.reached(&found);
             let stuck = before == Some(solved) && pass.share < 1.0;
             if converged || stuck || misses == LOOKS || solved == most {
@@ -131,15 +139,16 @@ impl<'a> Search<'a> {
             }
             before = Some(solved);
             self.queue.clear();
-            self.queue.extend(&order);
-            self.waits.fill(true);
+            for &i in &order {
+                self.queue.push(i);
+            }
             pass.most = stride.min(most - solved);
             let solves = Arch::new().dispatch(Relax { search: &mut self, pass });
             solved += solves;
             if solves < pass.most {
                 (pass, wrong, misses) = (pass.next(), usize::MAX, 0);
             } else {
-                let still = (0..count).filter(|&i| self.is_wrong(i, &pass)).count();
+                let still = self.sites.iter().filter(|site| self.is_wrong(site, &pass)).count();
                 misses = if still < wrong { 0 } else { misses + 1 };
                 wrong = wrong.min(still);
             }
@@ -148,37 +157,36 @@ impl<'a> Search<'a> {
 
     /// The relative velocity of a contact, with what its impulse compresses.
     #[inline(always)]
-    fn velocity(&self, i: usize) -> Vector3<f64> {
-        let contact = &self.contacts[i];
-        let compressed = self.impulses[i] * contact.compliance;
-        self.delassus.relative(contact, self.places[i]) + compressed
+    fn velocity(&self, site: &Site) -> Vector3<f64> {
+        let compressed = site.impulse * site.contact.compliance;
+        self.delassus.relative(&site.contact, site.places) + compressed
     }
 
     /// Whether a contact is farther from the law than a pass lets it be.
     #[inline(always)]
-    fn is_wrong(&self, i: usize, pass: &Pass) -> bool {
+    fn is_wrong(&self, site: &Site, pass: &Pass) -> bool {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
-        let (contact, impulse, weight) = (&self.contacts[i], &self.impulses[i], self.weights[i]);
-        let (velocity, load) = (self.velocity(i), impulse.x + contact.adhesion);
+        let Site { contact, impulse, weight, .. } = site;
+        let (velocity, load) = (self.velocity(site), impulse.x + contact.adhesion);
         if load <= 0.0 && velocity.x >= 0.0 {
             return false;
         }
-        velocity.x.min(load / weight).abs() > pass.part() * normal
-            || slip_error(contact, &velocity, impulse, weight) > pass.part() * slip
+        (velocity.x * weight).min(load).abs() > pass.part() * normal * weight
+            || slips(contact, &velocity, impulse, *weight, pass.part() * slip)
             || pass.share.is_finite()
-                && Violation::new(contact, &velocity, impulse, weight).impulse
+                && Violation::new(contact, &velocity, impulse, *weight).impulse
                     > pass.share * residual * self.mean()
     }
 
     /// The root of the mean square of the impulses.
     fn mean(&self) -> f64 {
-        (self.squares.max(0.0) / self.contacts.len() as f64).sqrt()
+        (self.squares.max(0.0) / self.sites.len() as f64).sqrt()
     }
 
     /// By how much the velocity of a point may change before its contacts are looked at again.
     fn bound(&self, pass: &Pass) -> f64 {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
-        let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
+        let heaviest = self.sites.iter().map(|site| site.weight).fold(0.0, f64::max);
         let by_impulse = pass.share * residual * self.mean() / heaviest;
         let by_velocity = pass.part() * normal.min(slip);
         CHANGE * if pass.share.is_finite() { by_velocity.min(by_impulse) } else { by_velocity }
@@ -187,29 +195,27 @@ impl<'a> Search<'a> {
     /// Solves a contact by itself. Tells whether that changes anything.
     #[inline(always)]
     fn solve(&mut self, i: usize) -> bool {
-        let (contact, response, old) = (&self.contacts[i], &self.responses[i], self.impulses[i]);
-        let free = self.delassus.relative(contact, self.places[i]) - response * old;
-        let exact = solve_contact(contact, response, &free);
+        let Site { contact, places, impulse, .. } = &mut self.sites[i];
+        let (local, old) = (&self.locals[i], *impulse);
+        let free = self.delassus.relative(contact, *places) - local.response * old;
+        let exact = local.solve(contact, &free);
         let new = relaxed(contact, self.solver.relaxation, &old, &exact);
         let change = new - old;
-        self.impulses[i] = new;
+        *impulse = new;
         self.squares += square(contact, &new) - square(contact, &old);
-        self.delassus.push(self.places[i], &(contact.frame * change));
+        self.delassus.push(*places, &(contact.frame * change));
         change != Vector3::zeros()
     }
 
     /// Queues contacts of a patch whose points have changed by more than a bound.
     #[inline(always)]
     fn queue(&mut self, patch: usize, bound: f64) {
-        let Self { delassus, starts, at_points, waits, queue, .. } = self;
-        delassus.changed(patch, bound, |point| {
-            for &i in &at_points[starts[point] as usize..starts[point + 1] as usize] {
-                if !waits[i as usize] {
-                    waits[i as usize] = true;
-                    queue.push_back(i);
-                }
-            }
-        });
+        let Self { delassus, starts, at_points, queue, told, .. } = self;
+        let count = delassus.changed(patch, bound, told);
+        for &point in &told[..count] {
+            let [start, end] = [0, 1].map(|next| starts[point + next] as usize);
+            at_points[start..end].iter().for_each(|&i| queue.push(i));
+        }
     }
 }
 
@@ -244,11 +250,9 @@ impl NullaryFnOnce for Relax<'_, '_> {
         let Self { search, pass } = self;
         let bound = search.bound(&pass);
         let mut solved = 0;
-        while let Some(i) = search.queue.pop_front() {
-            let i = i as usize;
-            search.waits[i] = false;
-            search.delassus.look_at(search.places[i]);
-            if !search.is_wrong(i, &pass) {
+        while let Some(i) = search.queue.pop() {
+            search.delassus.look_at(search.sites[i].places);
+            if !search.is_wrong(&search.sites[i], &pass) {
                 continue;
             }
             if solved == pass.most {
@@ -256,12 +260,10 @@ impl NullaryFnOnce for Relax<'_, '_> {
             }
             if search.solve(i) {
                 solved += 1;
-                let [first, second] = search.places[i].map(|place| place.map(|p| p.patch));
-                if let Some(patch) = first {
-                    search.queue(patch, bound);
-                }
-                if let Some(patch) = second.filter(|_| second != first) {
-                    search.queue(patch, bound);
+                let [first, second] = search.sites[i].places.map(|place| place.patch);
+                search.queue(first, bound);
+                if second != first {
+                    search.queue(second, bound);
                 }
             }
         }

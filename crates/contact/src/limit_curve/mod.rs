@@ -83,15 +83,21 @@ impl LimitCurve {
     /// Closed form for a circle and, per edge, a polygon; otherwise three to five steps of a
     /// monotone Newton iteration. Errors are of the order of rounding.
     #[must_use]
+    #[inline]
     pub fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         if scale <= 0.0 {
             return Vector2::zeros();
         }
+        if let Self::Circle { mu } = self {
+            let (radius, square) = (mu * scale, p.norm_squared());
+            return if square <= radius * radius { *p } else { p * (radius / square.sqrt()) };
+        }
+        self.project_other(p, scale)
+    }
+
+    fn project_other(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         match self {
-            Self::Circle { mu } => {
-                let (radius, norm) = (mu * scale, p.norm());
-                if norm <= radius { *p } else { p * (radius / norm) }
-            }
+            Self::Circle { mu } => ellipse::project(p, [mu * scale; 2]),
             Self::Ellipse { mu } => ellipse::project(p, mu.map(|mu| mu * scale)),
             Self::Quarters { mu } => ellipse::project(p, quarter(mu, p).map(|mu| mu * scale)),
             Self::Polygon(polygon) => polygon.project(p, scale),
@@ -139,7 +145,13 @@ impl LimitCurve {
 
     /// Whether `p` is inside the curve scaled by `scale >= 0`, or on it.
     #[must_use]
+    #[inline]
     pub fn contains(&self, p: &Vector2<f64>, scale: f64) -> bool {
+        if let Self::Circle { mu } = self
+            && *mu > 0.0
+        {
+            return p.norm() <= mu * scale;
+        }
         self.gauge(p) <= scale
     }
 

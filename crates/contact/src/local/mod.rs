@@ -28,38 +28,65 @@ pub fn solve_contact(
     response: &Matrix3<f64>,
     free: &Vector3<f64>,
 ) -> Vector3<f64> {
-    let mut w = response + Matrix3::from_diagonal_element(contact.compliance);
-    let trace = w.trace();
-    if trace <= 0.0 || trace.is_nan() {
-        return Vector3::zeros();
+    Local::new(contact, response).solve(contact, free)
+}
+
+/// What a contact and its own answer are, whatever the velocity.
+pub(crate) struct Local {
+    pub(crate) response: Matrix3<f64>,
+    /// With the contact's compliance, and with what keeps it from being singular.
+    bare: Matrix3<f64>,
+    w: Matrix3<f64>,
+    softened: bool,
+    /// `None` where nothing can move.
+    factors: Option<Factors>,
+}
+
+impl Local {
+    pub(crate) fn new(contact: &Contact, response: &Matrix3<f64>) -> Self {
+        let bare = response + Matrix3::from_diagonal_element(contact.compliance);
+        let (mut w, trace) = (bare, bare.trace());
+        let softened = trace > 0.0 && soften(&mut w, SOFTNESS * trace);
+        let factors = (trace > 0.0).then(|| Factors::new(&w));
+        Self { response: *response, bare, w, softened, factors }
     }
-    // The cone's tip is at -adhesion: from there the law is the same without adhesion.
-    let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
-    let free = free - w * tip;
-    if free.x >= 0.0 {
-        return -tip;
-    }
-    let bare = w;
-    let softened = soften(&mut w, SOFTNESS * trace);
-    let problem = Pressed::new(&w, &free);
-    let mut sticking = problem.stick();
-    if softened {
-        // What was added leaves a rest of the slip, which this takes away.
-        for _ in 0..2 {
-            sticking += Pressed::new(&w, &(bare * sticking + free)).stick();
+
+    /// See [`solve_contact`].
+    #[inline(always)]
+    pub(crate) fn solve(&self, contact: &Contact, free: &Vector3<f64>) -> Vector3<f64> {
+        let Self { bare, w, softened, factors: Some(factors), .. } = self else {
+            return Vector3::zeros();
+        };
+        // The cone's tip is at -adhesion: from there the law is the same without adhesion.
+        let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
+        let free = free - bare * tip;
+        if free.x >= 0.0 {
+            return -tip;
         }
+        let mut sticking = factors.stick(&free);
+        if *softened {
+            // What was added leaves a rest of the slip, which this takes away.
+            for _ in 0..2 {
+                sticking += factors.stick(&(bare * sticking + free));
+            }
+        }
+        if sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
+            return sticking - tip;
+        }
+        slide(contact, w, &free) - tip
     }
-    let impulse = if sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
-        sticking
-    } else if let LimitCurve::Polygon(curve) = &contact.friction {
-        polygon::slide(&w, &free, curve)
-    } else {
-        let slid = smooth::slide(&problem, &contact.friction.semi_axes().unwrap_or_default());
-        // A response near singular leaves rounding that the cone need not bear.
-        let friction = contact.friction.project(&slid.yz(), slid.x);
-        Vector3::new(slid.x, friction.x, friction.y)
-    };
-    impulse - tip
+}
+
+/// The impulse of a contact that must slide, from the cone's tip.
+fn slide(contact: &Contact, w: &Matrix3<f64>, free: &Vector3<f64>) -> Vector3<f64> {
+    if let LimitCurve::Polygon(curve) = &contact.friction {
+        return polygon::slide(w, free, curve);
+    }
+    let problem = Pressed::new(w, free);
+    let slid = smooth::slide(&problem, &contact.friction.semi_axes().unwrap_or_default());
+    // A response near singular leaves rounding that the cone need not bear.
+    let friction = contact.friction.project(&slid.yz(), slid.x);
+    Vector3::new(slid.x, friction.x, friction.y)
 }
 
 /// Adds `softness` to diagonal elements whose pivots are no more than rounding; tells whether there
@@ -109,26 +136,39 @@ impl Pressed {
     fn normal(&self, friction: &Vector2<f64>) -> f64 {
         self.load + self.pull.dot(friction)
     }
-
-    /// The impulse that stops all motion.
-    fn stick(&self) -> Vector3<f64> {
-        let friction = solve_symmetric(&self.schur, &-self.slip);
-        Vector3::new(self.normal(&friction), friction.x, friction.y)
-    }
 }
 
-/// Solves a positive definite system of two, in the order of its pivots.
-fn solve_symmetric(a: &Matrix2<f64>, b: &Vector2<f64>) -> Vector2<f64> {
-    let by_first = |a11: f64, a12: f64, a22: f64, b1: f64, b2: f64| {
-        let factor = a12 / a11;
-        let second = (b2 - factor * b1) / (a22 - factor * a12);
-        ((b1 - a12 * second) / a11, second)
-    };
-    if a.m11 >= a.m22 {
-        let (x, y) = by_first(a.m11, a.m12, a.m22, b.x, b.y);
-        Vector2::new(x, y)
-    } else {
-        let (y, x) = by_first(a.m22, a.m12, a.m11, b.y, b.x);
-        Vector2::new(x, y)
+/// A positive definite matrix of three, the normal eliminated first and then, of the tangents, that with the
+/// larger pivot.
+struct Factors {
+    coupling: Vector2<f64>,
+    pull: Vector2<f64>,
+    swapped: bool,
+    factor: f64,
+    between: f64,
+    /// One divided by each pivot.
+    pivots: Vector3<f64>,
+}
+
+impl Factors {
+    fn new(w: &Matrix3<f64>) -> Self {
+        let Pressed { schur, pull, .. } = Pressed::new(w, &Vector3::zeros());
+        let swapped = schur.m11 < schur.m22;
+        let (first, second) = if swapped { (schur.m22, schur.m11) } else { (schur.m11, schur.m22) };
+        let (between, factor) = (schur.m12, schur.m12 / first);
+        let pivots = Vector3::new(w.m11, first, second - factor * between).map(f64::recip);
+        Self { coupling: Vector2::new(w.m12, w.m13), pull, swapped, factor, between, pivots }
+    }
+
+    /// The impulse that stops all motion.
+    #[inline(always)]
+    fn stick(&self, free: &Vector3<f64>) -> Vector3<f64> {
+        let order = |v: Vector2<f64>| if self.swapped { v.yx() } else { v };
+        let load = -free.x * self.pivots.x;
+        let slip = order(free.yz() + self.coupling * load);
+        let second = (self.factor * slip.x - slip.y) * self.pivots.z;
+        let first = -(slip.x + self.between * second) * self.pivots.y;
+        let friction = order(Vector2::new(first, second));
+        Vector3::new(load + self.pull.dot(&friction), friction.x, friction.y)
     }
 }
