@@ -46,13 +46,16 @@ impl<F> Clone for Piece<'_, F> {
 impl<F> Copy for Piece<'_, F> {}
 
 impl<F: DistanceField> Part<1> for Piece<'_, F> {
-    /// A ball around the middle is clear of the surface; until an end leaves it, so is the piece.
+    /// What is known of the values along the piece, or that a ball around its middle is clear of the surface,
+    /// says how far its ends may go until any of it can be there.
     fn look(&self, time: f64, keep: f64) -> Look<1> {
         let [a, b] = self.ends;
         let middle = a.middle(&b);
         let sample = self.field.sample(&(self.origin + middle.at(time)));
         let clear = (sample.value - keep) / self.field.lipschitz();
-        let room = clear - 0.5 * (b.at(time) - a.at(time)).norm();
+        let [start, end] = [a, b].map(|end| self.origin + end.at(time));
+        let least = (self.field.least_between(&start, &end) - keep) / self.field.lipschitz();
+        let room = least.max(clear - 0.5 * (end - start).norm());
         let speed = a.velocity.norm().max(b.velocity.norm());
         let until = |room: f64, speed: f64| if room > 0.0 { time + room / speed } else { time };
         Look {
