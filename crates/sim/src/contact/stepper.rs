@@ -21,8 +21,11 @@ const MOST_ITERATIONS: usize = 8;
 const MOST_LISTS: usize = 9;
 /// From this list on no contact is dropped: some would come and go for ever.
 const PATIENCE: usize = 3;
-/// Increments below this, rad, end Newton's method: what is left is of the order of their square.
+/// Increments below this, rad, need not be taken.
 const SMALL_TURN: f64 = 1e-4;
+/// After one that is smaller than this the next is known to be: it is of the order of the square, of which
+/// stiff places have some ten times as much.
+const LAST_TURN: f64 = 1e-3;
 /// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost less.
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
@@ -283,8 +286,7 @@ impl Touching {
         for _ in 0..MOST_ITERATIONS {
             let error = case.error().unwrap_or(f64::INFINITY);
             let solved = exact && error <= 1.0;
-            // After a small increment the next is far smaller, and need not be found to be known.
-            if solved && turn < SMALL_TURN {
+            if solved && turn < LAST_TURN {
                 return Ok(true);
             }
             // The first list is of another end, and soon seen not to do.
