@@ -18,8 +18,10 @@ const SLACK: f64 = 0.5;
 const CROWD: usize = 8;
 /// The least part of the margin that was asked for; where a list has twice as many pairs even so, half of it.
 const LEAST: f64 = 0.125;
-/// Motions in a row whose pairs are searched for one by one before a list is tried again.
+/// Longer motions in a row whose pairs are searched for one by one before a list is tried again.
 const PATIENCE: usize = 16;
+/// A list is worth to be made where no node goes farther than one of so many parts of its margin.
+const SHORT: f64 = 16.0;
 /// Parts in which motion is followed, each by one thread at a time.
 const PARTS: usize = 16;
 
@@ -45,6 +47,8 @@ struct List {
     /// What the tree cost when it was new.
     cost: f64,
     pairs: Vec<Pair>,
+    /// Whether these are by the fibre of the first segment, then by the second segment.
+    by_fibers: bool,
     reach: f64,
     /// The margin of the list, and the largest that it may have, m.
     margin: f64,
@@ -104,7 +108,8 @@ impl Candidates {
 
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
     /// `end`, each node on a straight line, and some that stay farther apart; each with the squared distance
-    /// of its axes at the start, m². The order does not depend on the number of threads.
+    /// of its axes at the start, m². The order does not depend on the number of threads; those of a list are
+    /// by the fibre of the first segment, then by the second segment, so that what takes long is done once.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
     /// is wider than half of its margin, a search of what all segments sweep instead, 0.4 us a segment in a
@@ -175,6 +180,7 @@ impl List {
             cost: 0.0,
             tree,
             pairs: Vec::new(),
+            by_fibers: false,
             reach,
             margin,
             most,
@@ -224,7 +230,9 @@ impl List {
         end: &Capsules,
         ways: &[OneWay],
     ) -> Result<(), CollisionError> {
-        let try_again = self.wide.is_multiple_of(PATIENCE);
+        let both = start.positions().par_iter().zip(end.positions());
+        let is_short = both.all(|(a, b)| SHORT * (b - a).norm() <= self.margin);
+        let try_again = is_short || self.wide.is_multiple_of(PATIENCE);
         let slack = |list: &Self| SLACK * list.margin;
         let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
         let mut complete = try_again && kept(self)?;
@@ -235,6 +243,11 @@ impl List {
         let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
+            if !std::mem::replace(&mut self.by_fibers, true) {
+                let fibers = start.layout().segment_fibers();
+                let key = |&[first, second]: &Pair| (fibers[first as usize], second, first);
+                self.pairs.par_sort_unstable_by_key(key);
+            }
             self.way.set_out([start, end], ways, &self.pairs, reaches);
         } else {
             self.wide += 1;
@@ -275,6 +288,7 @@ impl List {
             close.map(|(pair, _)| pair).collect()
         };
         self.tree.sifted_pairs(close, &mut self.pairs);
+        self.by_fibers = false;
         self.hulls.clone_from(&self.tree.levels[1].hulls);
         self.positions.clear();
         self.positions.extend_from_slice(capsules.positions());

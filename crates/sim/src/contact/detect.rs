@@ -112,7 +112,7 @@ impl Detector {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
         let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
-        let near = by_fibers(end.layout(), &chosen(&end, near, &fast));
+        let near = by_fibers(end.layout(), chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
         let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
         let chosen = |found: &[Contact], stay: &mut Vec<Contact>| places(&end, found, stay);
@@ -173,8 +173,13 @@ fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
     }
 }
 
-/// Some pairs by their fibres. Each task looks for those of its own first fibres, which are segments in a row.
-fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
+/// Some pairs by their fibres, as those of a list that is complete are already. Each task looks for those of
+/// its own first fibres, which are segments in a row.
+fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
+    let key = |pair: &Pair| (fibers(layout, pair)[0], pair[1], pair[0]);
+    if pairs.par_windows(2).all(|two| key(&two[0]) <= key(&two[1])) {
+        return pairs;
+    }
     let parts = 4 * rayon::current_num_threads();
     let start = |part: usize| match part * layout.fibers() / parts {
         0 => 0,
@@ -183,7 +188,7 @@ fn by_fibers(layout: &Layout, pairs: &[Pair]) -> Vec<Pair> {
     let of_part = |part: usize| {
         let own = fiber_number(start(part))..fiber_number(start(part + 1));
         let mut own: Vec<_> = pairs.iter().filter(|pair| own.contains(&pair[0])).copied().collect();
-        own.sort_unstable_by_key(|pair| (fibers(layout, pair)[0], pair[1], pair[0]));
+        own.sort_unstable_by_key(key);
         own
     };
     let parts: Vec<_> = (0..parts).into_par_iter().map(of_part).collect();

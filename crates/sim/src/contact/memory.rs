@@ -122,10 +122,13 @@ pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
 /// Writes what is to be remembered of some touches, in their order.
 pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
     remembered.clear();
-    let lasting = |touch: &&Touch| touch.bonded || touch.impulse != Vector3::zeros();
-    let lasting = touches.par_iter().filter(lasting);
+    let lasts = |touch: &Touch| touch.bonded || touch.impulse != Vector3::zeros();
+    let lasting: Vec<&Touch> = touches.par_iter().filter(|touch| lasts(touch)).collect();
+    // Of a known number each is written where it stays.
     remembered.par_extend(
-        lasting.map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
+        lasting
+            .into_par_iter()
+            .map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
     );
 }
 

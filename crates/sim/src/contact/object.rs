@@ -184,15 +184,15 @@ impl Object {
         found: &mut Vec<Touch>,
     ) {
         let poses = self.poses(span);
-        let placed = Placed { field: &*self.field, pose: poses[1] };
-        let slope = placed.lipschitz();
+        let field = &*self.field;
+        let slope = field.lipschitz();
         let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| -> Vec<Point3<f64>> {
             let turn = pose.rotation.to_rotation_matrix();
             let from = pose.translation.vector;
             nodes.iter().map(|node| turn.inverse_transform_point(&(node - from))).collect()
         };
         let (before, after) = (own(strand.start, &poses[0]), own(strand.end, &poses[1]));
-        let values: Vec<f64> = after.iter().map(|node| self.field.value(node)).collect();
+        let values: Vec<f64> = after.iter().map(|node| field.value(node)).collect();
         let ways: Vec<f64> = before.iter().zip(&after).map(|(a, b)| (a - b).norm()).collect();
         let mut contacts: Vec<FieldContact> = Vec::new();
         for (s, &radius) in strand.radii.iter().enumerate() {
@@ -205,7 +205,7 @@ impl Object {
             if nearest > reach {
                 continue;
             }
-            let nearest = nearest.max(self.field.least_between(&after[s], &after[s + 1]));
+            let nearest = nearest.max(field.least_between(&after[s], &after[s + 1]));
             if nearest > reach {
                 continue;
             }
@@ -216,23 +216,24 @@ impl Object {
             };
             let half = 0.5 * slope * way;
             let clears = |[a, b]: [Point3<f64>; 2]| {
-                self.field.least_between(&a, &b) > half || self.clears(&a, &b, half)
+                field.least_between(&a, &b) > half || self.clears(&a, &b, half)
             };
             let clear = way < radius || clears(moving.before) && clears(moving.after);
             let passed = if clear { None } else { self.passing(&moving, radius) };
             if let Some(contact) = passed {
-                contacts.push(FieldContact { normal: poses[1] * contact.normal, ..contact });
+                contacts.push(contact);
             } else if nearest <= radius + margin {
-                let capsule = Capsule { start, end, radius };
+                let capsule = Capsule { start: after[s], end: after[s + 1], radius };
                 let search = Search { margin, spacing: 0.1 * length, tolerance: 1e-3 * radius };
-                search.contacts(&placed, &capsule, &mut contacts);
+                search.contacts(&field, &capsule, &mut contacts);
                 if let [deepest] = contacts[..] {
-                    contacts.extend(beside(&deepest, &placed, &capsule, margin));
+                    contacts.extend(beside(&deepest, &field, &capsule, margin));
                 }
             }
             for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
+                let normal = poses[1] * contact.normal;
                 let axis = start + contact.fraction * (end - start);
-                let place = axis - contact.normal * (contact.gap + radius);
+                let place = axis - normal * (contact.gap + radius);
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
                 let (drive, lever) = match &self.way {
                     Way::Led(_) => ((place - was) / span[1], Vector3::zeros()),
@@ -244,7 +245,7 @@ impl Object {
                     sides: [Partner::Fiber(strand.fiber), Partner::Object(index)],
                     segments: [segment, 0],
                     fractions: [contact.fraction, 0.0],
-                    normal: contact.normal,
+                    normal,
                     axis: end - start,
                     other_axis: Vector3::zeros(),
                     gap: contact.gap,
