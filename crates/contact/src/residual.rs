@@ -53,19 +53,16 @@ impl Violation {
 }
 
 /// [`Violation::slip`]: zero, too, where a contact opens and bears nothing.
-pub(crate) fn slip_error(
+fn slip_error(
     contact: &Contact,
     velocity: &Vector3<f64>,
     impulse: &Vector3<f64>,
     weight: f64,
 ) -> f64 {
-    let (friction, slip) = (impulse.yz(), velocity.yz());
-    let limit = (impulse.x + contact.adhesion).max(0.0);
-    let allowed = contact.friction.project(&(friction - slip * weight), limit);
-    along(&(friction - allowed), &slip) / weight
+    along(&missing(contact, velocity, impulse, weight), &velocity.yz()) / weight
 }
 
-/// Whether [`slip_error`] is more than a bound: without a root or a quotient.
+/// Whether [`Violation::slip`] is more than a bound: without a root or a quotient.
 #[inline(always)]
 pub(crate) fn slips(
     contact: &Contact,
@@ -74,11 +71,23 @@ pub(crate) fn slips(
     weight: f64,
     bound: f64,
 ) -> bool {
-    let (friction, slip) = (impulse.yz(), velocity.yz());
-    let limit = (impulse.x + contact.adhesion).max(0.0);
-    let allowed = contact.friction.project(&(friction - slip * weight), limit);
-    let (product, bound) = ((friction - allowed).dot(&slip), bound * weight);
+    let slip = velocity.yz();
+    let product = missing(contact, velocity, impulse, weight).dot(&slip);
+    let bound = bound * weight;
     product > 0.0 && product * product > bound * bound * slip.norm_squared()
+}
+
+/// The friction that would hold a slip back further, as far as its limit lets it.
+#[inline(always)]
+fn missing(
+    contact: &Contact,
+    velocity: &Vector3<f64>,
+    impulse: &Vector3<f64>,
+    weight: f64,
+) -> Vector2<f64> {
+    let limit = (impulse.x + contact.adhesion).max(0.0);
+    let more = impulse.yz() - velocity.yz() * weight;
+    impulse.yz() - contact.friction.project(&more, limit)
 }
 
 /// How far `missing` goes along a direction; zero where that is none.

@@ -109,7 +109,7 @@ impl Candidates {
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
     /// `end`, each node on a straight line, and some that stay farther apart; each with the squared distance
     /// of its axes at the start, m². The order does not depend on the number of threads; those of a list are
-    /// by the fibre of the first segment, then by the second segment, so that what takes long is done once.
+    /// by the fibre of the first segment, then by the second segment.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
     /// is wider than half of its margin, a search of what all segments sweep instead, 0.4 us a segment in a

@@ -32,7 +32,7 @@ const WAITS: f64 = f64::NEG_INFINITY;
 const ROUNDING: f64 = 1e-13;
 
 /// Points that answer each other and no others.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Patch {
     /// Where their velocities are, and the first of their columns.
     own: Range<usize>,

@@ -88,16 +88,11 @@ impl LimitCurve {
         if scale <= 0.0 {
             return Vector2::zeros();
         }
-        if let Self::Circle { mu } = self {
-            let (radius, square) = (mu * scale, p.norm_squared());
-            return if square <= radius * radius { *p } else { p * (radius / square.sqrt()) };
-        }
-        self.project_other(p, scale)
-    }
-
-    fn project_other(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         match self {
-            Self::Circle { mu } => ellipse::project(p, [mu * scale; 2]),
+            Self::Circle { mu } => {
+                let (radius, square) = (mu * scale, p.norm_squared());
+                if square <= radius * radius { *p } else { p * (radius / square.sqrt()) }
+            }
             Self::Ellipse { mu } => ellipse::project(p, mu.map(|mu| mu * scale)),
             Self::Quarters { mu } => ellipse::project(p, quarter(mu, p).map(|mu| mu * scale)),
             Self::Polygon(polygon) => polygon.project(p, scale),
@@ -150,6 +145,7 @@ impl LimitCurve {
         if let Self::Circle { mu } = self
             && *mu > 0.0
         {
+            // Without the quotients of the gauge, as solvers ask for every contact that sticks.
             return p.norm() <= mu * scale;
         }
         self.gauge(p) <= scale

@@ -42,36 +42,6 @@ pub(crate) enum Way {
     Free(Box<FreeBody>),
 }
 
-/// A field somewhere.
-pub(super) struct Placed<'a> {
-    pub(super) field: &'a (dyn DistanceField + Send + Sync),
-    pub(super) pose: Isometry3<f64>,
-}
-
-impl DistanceField for Placed<'_> {
-    fn sample(&self, point: &Point3<f64>) -> Sample {
-        let Sample { value, gradient } =
-            self.field.sample(&self.pose.inverse_transform_point(point));
-        Sample { value, gradient: self.pose * gradient }
-    }
-
-    fn value(&self, point: &Point3<f64>) -> f64 {
-        self.field.value(&self.pose.inverse_transform_point(point))
-    }
-
-    fn lipschitz(&self) -> f64 {
-        self.field.lipschitz()
-    }
-
-    fn error(&self) -> f64 {
-        self.field.error()
-    }
-
-    fn band(&self) -> f64 {
-        self.field.band()
-    }
-}
-
 /// The contacts beside the deepest one of a segment: as it turns it rolls on to them.
 fn beside(
     deepest: &FieldContact,

@@ -4,11 +4,11 @@
 //! edges of the one on faces and edges of the other are all places where solids can first meet. A
 //! round shape is its own skeleton, and tells all of a pair alone.
 
-use super::object::{Object, Placed, Way};
+use super::object::{Object, Way};
 use super::touch::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::{DistanceField, FieldContact, Search};
+use rapunzel_collision::field::{DistanceField, FieldContact, Posed, Search};
 use rayon::prelude::*;
 
 /// How finely edges in contact are sampled, in their length, and how precisely gaps and places of
@@ -129,7 +129,7 @@ impl Step<'_> {
         let tolerance = TOLERANCE * self.margin;
         let (mut found, mut inside) = (Vec::new(), false);
         for of in self.pair.searched() {
-            let field = Placed { field: &*objects[1 - of].field, pose: poses[1 - of] };
+            let field = Posed { field: &*objects[1 - of].field, pose: poses[1 - of] };
             let (center, radius) = objects[1 - of].ball(&poses[1 - of]);
             let center = poses[of].inverse_transform_point(&center);
             // Of a terrain most edges are far.
