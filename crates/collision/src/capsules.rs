@@ -51,13 +51,12 @@ impl<'a> Capsules<'a> {
         count("positions", positions.len(), layout.nodes())?;
         count("radii", radii.len(), layout.segments())?;
         let capsules = Self { layout, positions, radii };
-        // A sum is not finite if a term is not: one branch for all, and the search for the culprit
-        // only where there is one. (It may also be that only the sum is too large.)
-        let sum: f64 = positions.iter().map(|p| (p.x + p.y + p.z).abs()).sum();
-        if !sum.is_finite() {
+        // Without a branch for each, and the search for the culprit only where there is one.
+        let finite = |p: &Point3<f64>| p.x.is_finite() & p.y.is_finite() & p.z.is_finite();
+        if !positions.iter().fold(true, |all, p| all & finite(p)) {
             capsules.check_positions()?;
         }
-        if !radii.iter().all(|&r| r > 0.0 && r.is_finite()) {
+        if !radii.iter().fold(true, |all, &r| all & (r > 0.0) & r.is_finite()) {
             return Err(capsules.bad_radius());
         }
         Ok(capsules)

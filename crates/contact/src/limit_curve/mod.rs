@@ -83,7 +83,7 @@ impl LimitCurve {
     /// Closed form for a circle and, per edge, a polygon; otherwise three to five steps of a
     /// monotone Newton iteration. Errors are of the order of rounding.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         if scale <= 0.0 {
             return Vector2::zeros();
@@ -93,10 +93,18 @@ impl LimitCurve {
                 let (radius, square) = (mu * scale, p.norm_squared());
                 if square <= radius * radius { *p } else { p * (radius / square.sqrt()) }
             }
-            Self::Ellipse { mu } => ellipse::project(p, mu.map(|mu| mu * scale)),
-            Self::Quarters { mu } => ellipse::project(p, quarter(mu, p).map(|mu| mu * scale)),
-            Self::Polygon(polygon) => polygon.project(p, scale),
+            // Solvers ask most for circles, and should not carry all this along.
+            curve => curve.search_nearest(p, scale),
         }
+    }
+
+    #[inline(never)]
+    fn search_nearest(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
+        if let Self::Polygon(polygon) = self {
+            return polygon.project(p, scale);
+        }
+        let semi = quarter(&self.semi_axes().unwrap_or_default(), p);
+        ellipse::project(p, semi.map(|semi| semi * scale))
     }
 
     /// Friction per normal force of maximal dissipation against `slip`, thesis (8.54): the point of
