@@ -1,5 +1,5 @@
-use crate::ContactError;
-use nalgebra::{DMatrix, Vector3};
+use crate::{Answers, ContactError};
+use nalgebra::Vector3;
 
 /// Something that moves, or several such things, as a contact solver sees it: points that answer
 /// impulses with velocities.
@@ -28,9 +28,9 @@ pub trait Body: Send {
     fn own_traces(&mut self, traces: &mut [f64]);
 
     /// How all its points answer each other, without added masses, where that is at hand: in groups that do
-    /// not answer each other, the points of each and their symmetric matrix, 1/kg, three rows and columns a
-    /// point. `None` where it would have to be asked for.
-    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
+    /// not answer each other, the points of each and their answers. `None` where it would have to be asked
+    /// for.
+    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
         None
     }
 }

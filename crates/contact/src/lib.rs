@@ -2,6 +2,7 @@
 
 mod adhesion;
 mod admm;
+mod answers;
 mod body;
 pub mod chain;
 mod contact;
@@ -19,6 +20,7 @@ mod solver;
 
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
 pub use admm::Admm;
+pub use answers::{Answers, Eight};
 pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;

@@ -1,6 +1,5 @@
-use crate::observers::Observer;
-use crate::storage::write_atomically;
-use crate::{Scene, SimError, Snapshot, Statistics, World};
+use crate::storage::prepare;
+use crate::{Scene, SimError, Snapshot, Statistics};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -15,12 +14,13 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// never stopped.
 ///
 /// The file is the magic number, the BLAKE3 hash of the rest, and the rest: the version of the
-/// program as a length and text, then the checkpoint in postcard's format.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct Checkpoint {
+/// program as a length and text, then the checkpoint in postcard's format. What is written may be the
+/// world as it is, without a copy of it.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Checkpoint<S = Snapshot> {
     /// Hash of the scene.
     pub(crate) scene: [u8; 32],
-    pub(crate) snapshot: Snapshot,
+    pub(crate) snapshot: S,
     pub(crate) statistics: Statistics,
     /// How far each output has come, in the order of the observers.
     pub(crate) marks: Vec<u64>,
@@ -36,28 +36,14 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
     Ok(hasher.finalize().into())
 }
 
-impl Checkpoint {
-    /// Takes the run as it is now in the place of an older state of it.
-    pub(crate) fn renew(
-        &mut self,
-        world: &World,
-        statistics: Statistics,
-        observers: &mut [Box<dyn Observer>],
-    ) -> Result<(), SimError> {
-        self.marks =
-            observers.iter_mut().map(|observer| observer.mark()).collect::<Result<_, _>>()?;
-        self.statistics = statistics;
-        world.renew(&mut self.snapshot);
-        Ok(())
-    }
-
-    /// Writes the checkpoint; the one before stays until this one is whole. It goes through the numbers
-    /// twice, so that no copy of them is needed for the hash.
-    pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
+impl<S: Serialize> Checkpoint<S> {
+    /// Prepares the checkpoint beside the one before, which stays. It goes through the numbers twice, so
+    /// that no copy of them is needed for the hash.
+    pub(crate) fn prepare(&self, path: &Path) -> Result<(), SimError> {
         let mut hasher = BufWriter::new(blake3::Hasher::new());
         self.put(&mut hasher).map_err(SimError::io("write", path))?;
         let hasher = hasher.into_inner().map_err(|e| unusable(path, &e))?;
-        write_atomically(path, |to| {
+        prepare(path, |to| {
             to.write_all(MAGIC)?;
             to.write_all(hasher.finalize().as_bytes())?;
             self.put(to)
@@ -67,7 +53,9 @@ impl Checkpoint {
     fn put(&self, to: &mut impl Write) -> io::Result<()> {
         postcard::to_io(&(VERSION, self), to).map(|_| ()).map_err(io::Error::other)
     }
+}
 
+impl Checkpoint {
     /// Reads a checkpoint; `None` if there is none.
     pub(crate) fn read(path: &Path) -> Result<Option<Self>, SimError> {
         if !path.exists() {

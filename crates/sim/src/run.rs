@@ -1,7 +1,7 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
-use crate::storage::write_atomically;
+use crate::storage::{partial, put_in_place, write_atomically};
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,8 +58,10 @@ struct Run<'a> {
     stepper: Box<dyn Stepper>,
     statistics: Statistics,
     observers: Vec<Box<dyn Observer>>,
-    /// The run at the last frame.
-    last: Checkpoint,
+    /// Of the scene.
+    hash: [u8; 32],
+    /// Whether the run at the last frame waits beside the checkpoint, to take its place.
+    remembered: bool,
 }
 
 impl<'a> Run<'a> {
@@ -68,37 +70,37 @@ impl<'a> Run<'a> {
         let mut world = scene.build()?;
         let stepper = scene.stepper_of(&world)?;
         let mut observers = observers(scene, folder, &plan)?;
-        let scene_hash = scene_hash(scene)?;
-        let last = match Checkpoint::read(&folder.file(CHECKPOINT))? {
-            Some(last) if last.scene != scene_hash => {
+        let hash = scene_hash(scene)?;
+        let last = Checkpoint::read(&folder.file(CHECKPOINT))?;
+        let statistics = last.as_ref().map_or_else(Statistics::default, |last| last.statistics);
+        let fresh = last.is_none();
+        if let Some(last) = last {
+            if last.scene != hash {
                 return Err(SimError::DifferentScene(folder.path().to_owned()));
             }
-            Some(last) => {
-                world.restore(&last.snapshot)?;
-                if scene.charging.is_some() {
-                    let time = world.time();
-                    scene.load_at(&mut world, time)?;
-                }
-                for (observer, mark) in observers.iter_mut().zip(&last.marks) {
-                    observer.rewind(*mark)?;
-                }
-                last
+            world.restore(&last.snapshot)?;
+            if scene.charging.is_some() {
+                let time = world.time();
+                scene.load_at(&mut world, time)?;
             }
-            None => {
-                let text = scene.to_ron()?;
-                write_atomically(&folder.file(SCENE), |to| to.write_all(text.as_bytes()))?;
-                for observer in &mut observers {
-                    observer.rewind(0)?;
-                    observer.observe(&world)?;
-                }
-                let statistics = Statistics::default();
-                let mut first = Checkpoint { scene: scene_hash, ..Checkpoint::default() };
-                first.renew(&world, statistics, &mut observers)?;
-                first
+            for (observer, mark) in observers.iter_mut().zip(&last.marks) {
+                observer.rewind(*mark)?;
             }
-        };
-        let statistics = last.statistics;
-        Ok(Self { scene, folder, plan, world, stepper, statistics, observers, last })
+        } else {
+            let text = scene.to_ron()?;
+            write_atomically(&folder.file(SCENE), |to| to.write_all(text.as_bytes()))?;
+            for observer in &mut observers {
+                observer.rewind(0)?;
+                observer.observe(&world)?;
+            }
+        }
+        let remembered = false;
+        let mut run =
+            Self { scene, folder, plan, world, stepper, statistics, observers, hash, remembered };
+        if fresh {
+            run.remember()?;
+        }
+        Ok(run)
     }
 
     fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
@@ -140,20 +142,31 @@ impl<'a> Run<'a> {
 
     /// Goes back to where the run was last remembered.
     fn go_back(&mut self) -> Result<(), SimError> {
-        self.statistics = self.last.statistics;
-        self.world.restore(&self.last.snapshot)
+        let checkpoint = self.folder.file(CHECKPOINT);
+        let path = if self.remembered { partial(&checkpoint) } else { checkpoint };
+        let Some(last) = Checkpoint::read(&path)? else { return Ok(()) };
+        self.statistics = last.statistics;
+        self.world.restore(&last.snapshot)
     }
 
-    /// Remembers the run as it is now.
+    /// Remembers the run as it is now, in a file that the next checkpoint is made of.
     fn remember(&mut self) -> Result<(), SimError> {
-        self.last.renew(&self.world, self.statistics, &mut self.observers)
+        let marks = self.observers.iter_mut().map(|observer| observer.mark());
+        let marks = marks.collect::<Result<_, _>>()?;
+        let (snapshot, statistics) = (self.world.present(), self.statistics);
+        let now = Checkpoint { scene: self.hash, snapshot, statistics, marks };
+        now.prepare(&self.folder.file(CHECKPOINT))?;
+        self.remembered = true;
+        Ok(())
     }
 
-    /// Writes what was last remembered to the disk: the outputs first, so that a checkpoint never
-    /// knows more than they hold.
+    /// Makes what was last remembered the checkpoint: the outputs first, so that it never knows more
+    /// than they hold.
     fn save(&mut self) -> Result<(), SimError> {
         self.observers.iter_mut().try_for_each(|observer| observer.sync())?;
-        self.last.write(&self.folder.file(CHECKPOINT))?;
+        if std::mem::take(&mut self.remembered) {
+            put_in_place(&self.folder.file(CHECKPOINT))?;
+        }
         self.summary(Outcome::Unfinished).write(self.folder)
     }
 

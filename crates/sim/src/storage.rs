@@ -18,19 +18,40 @@ pub fn write_atomically(
     path: &Path,
     contents: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), SimError> {
-    let partial = partial(path);
+    prepare(path, contents)?;
+    put_in_place(path)
+}
+
+/// Writes the next contents of `path` into the temporary file beside it, where they wait for
+/// [`put_in_place`].
+pub(crate) fn prepare(
+    path: &Path,
+    contents: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), SimError> {
     let write = || {
-        let mut file = BufWriter::new(File::create(&partial)?);
+        let mut file = BufWriter::new(File::create(partial(path))?);
         contents(&mut file)?;
-        file.into_inner()?.sync_all()?;
+        file.into_inner()?;
+        Ok(())
+    };
+    write().map_err(|error| given_up(path, error))
+}
+
+/// Puts what has been prepared in the place of what `path` held, once it is on the disk.
+pub(crate) fn put_in_place(path: &Path) -> Result<(), SimError> {
+    let partial = partial(path);
+    let put = || {
+        File::options().write(true).open(&partial)?.sync_all()?;
         fs::rename(&partial, path)?;
         sync_folder(path)
     };
-    write().map_err(|error| {
-        // The first error is the one to report; a leftover is overwritten by the next attempt.
-        let _ = fs::remove_file(&partial);
-        SimError::io("write", path)(error)
-    })
+    put().map_err(|error| given_up(path, error))
+}
+
+fn given_up(path: &Path, error: io::Error) -> SimError {
+    // The first error is the one to report; a leftover is overwritten by the next attempt.
+    let _ = fs::remove_file(partial(path));
+    SimError::io("write", path)(error)
 }
 
 /// Writes a file of `export` atomically.
@@ -53,7 +74,8 @@ pub(crate) fn save(
     }
 }
 
-fn partial(path: &Path) -> PathBuf {
+/// The temporary file beside `path`.
+pub(crate) fn partial(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(PARTIAL);
     path.with_file_name(name)

@@ -9,7 +9,7 @@ use rapunzel_contact::RigidBody;
 use rapunzel_electrostatics::Fields;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// All fibres of a scene at one instant, and what acts on them.
 pub struct World {
@@ -50,6 +50,36 @@ pub struct Snapshot {
     works: Option<Works>,
     objects: Vec<f64>,
     springs: Vec<f64>,
+}
+
+/// A snapshot that is being taken: written, it is one.
+#[derive(Serialize)]
+pub(crate) struct Present<'a> {
+    clock: Clock,
+    groups: Batches<'a>,
+    contacts: &'a Memory,
+    works: Option<Works>,
+    objects: Vec<f64>,
+    springs: Vec<f64>,
+}
+
+struct Batches<'a>(&'a [Group]);
+
+impl Batches<'_> {
+    /// Of one group after another.
+    fn numbers(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
+        self.0.iter().map(|group| {
+            let mut numbers = Vec::new();
+            group.batch.save(&mut numbers);
+            numbers
+        })
+    }
+}
+
+impl Serialize for Batches<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.numbers())
+    }
 }
 
 impl World {
@@ -271,27 +301,23 @@ impl World {
     /// All numbers that determine what follows.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let mut snapshot = Snapshot::default();
-        self.renew(&mut snapshot);
-        snapshot
+        let Present { clock, groups, contacts, works, objects, springs } = self.present();
+        let (groups, contacts) = (groups.numbers().collect(), contacts.clone());
+        Snapshot { clock, groups, contacts, works, objects, springs }
     }
 
-    /// Puts all numbers that determine what follows in the place of those of an older snapshot.
-    pub(crate) fn renew(&self, snapshot: &mut Snapshot) {
-        snapshot.groups.resize_with(self.groups.len(), Vec::new);
-        for (group, numbers) in self.groups.iter().zip(&mut snapshot.groups) {
-            numbers.clear();
-            group.batch.save(numbers);
-        }
-        snapshot.springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
-        snapshot.objects.clear();
+    /// The same to be written, without a copy of what is large.
+    pub(crate) fn present(&self) -> Present<'_> {
+        let mut objects = Vec::new();
         for object in &self.objects {
             if let Way::Free(body) = &object.way {
-                body.save(&mut snapshot.objects);
+                body.save(&mut objects);
             }
         }
-        snapshot.contacts.clone_from(&self.contacts);
-        (snapshot.clock, snapshot.works) = (self.clock, self.works);
+        let springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
+        let Self { clock, works, .. } = *self;
+        let (groups, contacts) = (Batches(&self.groups), &self.contacts);
+        Present { clock, groups, contacts, works, objects, springs }
     }
 
     /// Goes back to a snapshot of this world.

@@ -1,23 +1,19 @@
-use crate::{Body, Contact, ContactError};
+use crate::answers::LANES;
+use crate::{Answers, Body, Contact, ContactError, Eight};
 use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::borrow::Cow;
 use std::ops::Range;
 
-/// Points whose numbers lie side by side, for which a column is as many registers as coordinates.
-const LANES: usize = 8;
-
-/// A number for each of these, and three.
+/// A number for each of eight points.
 type Lanes = [f64; LANES];
-type Vectors = [Lanes; 3];
 
 /// What all contacts of some bodies do to each other: how points answer impulses on each other, and their
 /// velocities.
 #[derive(Debug)]
-pub(crate) struct Delassus {
-    patches: Vec<Patch>,
-    /// Answers, patch by patch and column by column.
-    answers: Vec<Vectors>,
+pub(crate) struct Delassus<'b> {
+    patches: Vec<Patch<'b>>,
     /// Velocities of points, patch by patch; the last of them are those of what is not moved.
-    velocities: Vec<Vectors>,
+    velocities: Vec<Eight>,
     /// By how much each of these has changed, all ways together, since a contact there was looked at;
     /// [`WAITS`] while one is to be, and where there is no point.
     changes: Vec<Lanes>,
@@ -33,10 +29,10 @@ const ROUNDING: f64 = 1e-13;
 
 /// Points that answer each other and no others.
 #[derive(Debug)]
-struct Patch {
-    /// Where their velocities are, and the first of their columns.
+struct Patch<'b> {
+    /// Where their velocities are.
     own: Range<usize>,
-    first: usize,
+    answers: Cow<'b, Answers>,
 }
 
 /// A point: its patch, and which of all points it is.
@@ -53,10 +49,10 @@ impl Place {
     }
 }
 
-impl Delassus {
+impl<'b> Delassus<'b> {
     /// Asks every body for three columns per touched point, unless it has them at hand.
     pub(crate) fn new(
-        bodies: &mut [&mut dyn Body],
+        bodies: &'b mut [&mut dyn Body],
         contacts: &[Contact],
         velocities: &[Vector3<f64>],
     ) -> Result<Self, ContactError> {
@@ -88,38 +84,31 @@ impl Delassus {
         }
         let mut delassus = Self {
             patches: Vec::new(),
-            answers: Vec::new(),
             velocities: Vec::new(),
             changes: Vec::new(),
             places: vec![None; points],
         };
         let mut start = 0;
         for (index, (body, asked)) in bodies.iter().zip(asked).enumerate() {
-            let before = delassus.answers.len();
+            let refused = |why: String| ContactError::Body { body: index, why };
             if let Some((points, matrix)) = asked {
-                delassus.add(start, &points, &matrix, velocities);
+                let answers = Answers::new(&matrix).map_err(|error| refused(error.to_string()))?;
+                delassus.add(start, &points, Cow::Owned(answers), velocities);
             } else {
                 let groups = body.written_out().unwrap_or_default();
                 if !each_once(body.points(), &groups) {
-                    let why = "what it writes out is not of each of its points once".into();
-                    return Err(ContactError::Body { body: index, why });
+                    return Err(refused(
+                        "what it writes out is not of each of its points once".into(),
+                    ));
                 }
-                for (points, matrix) in groups {
-                    delassus.add(start, points, matrix, velocities);
+                for (points, answers) in groups {
+                    delassus.add(start, points, Cow::Borrowed(answers), velocities);
                 }
-            }
-            if !delassus.answers[before..]
-                .as_flattened()
-                .as_flattened()
-                .iter()
-                .all(|x| x.is_finite())
-            {
-                let why = "its answer is not finite".into();
-                return Err(ContactError::Body { body: index, why });
             }
             start += body.points();
         }
-        delassus.add(0, &[], &DMatrix::zeros(0, 0), &[]);
+        let of_none = Answers::new(&DMatrix::zeros(0, 0))?;
+        delassus.add(0, &[], Cow::Owned(of_none), &[]);
         delassus.velocities.push([[0.0; LANES]; 3]);
         delassus.changes.push([WAITS; LANES]);
         Ok(delassus)
@@ -130,12 +119,11 @@ impl Delassus {
         &mut self,
         start: usize,
         points: &[usize],
-        matrix: &DMatrix<f64>,
+        answers: Cow<'b, Answers>,
         velocities: &[Vector3<f64>],
     ) {
         let count = points.len().div_ceil(LANES);
         let own = self.velocities.len()..self.velocities.len() + count;
-        let patch = Patch { own: own.clone(), first: self.answers.len() };
         self.velocities.resize(own.end, [[0.0; LANES]; 3]);
         self.changes.resize(own.end, [WAITS; LANES]);
         for (i, point) in points.iter().zip((LANES * own.start)..) {
@@ -146,19 +134,7 @@ impl Delassus {
                 self.velocities[register][axis][lane] = velocities[start + i][axis];
             }
         }
-        for column in matrix.column_iter() {
-            let first = self.answers.len();
-            self.answers.resize(first + count, [[0.0; LANES]; 3]);
-            let registers = column.as_slice().as_chunks::<3>().0.chunks(LANES);
-            for (of, points) in self.answers[first..].iter_mut().zip(registers) {
-                for (lane, point) in points.iter().enumerate() {
-                    for axis in 0..3 {
-                        of[axis][lane] = point[axis];
-                    }
-                }
-            }
-        }
-        self.patches.push(patch);
+        self.patches.push(Patch { own, answers });
     }
 
     /// Where the points of a contact are.
@@ -177,15 +153,12 @@ impl Delassus {
     /// The contact's own answer, in its frame; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
         let block = |of: Place, to: Place| {
-            let Patch { own, first } = &self.patches[to.patch];
+            let Patch { own, answers } = &self.patches[to.patch];
             if of.patch != to.patch || own.is_empty() {
                 return Matrix3::zeros();
             }
-            let (register, lane) = of.lane();
-            let column = 3 * (to.point - LANES * own.start);
-            Matrix3::from_fn(|row, i| {
-                self.answers[first + (column + i) * own.len() + register - own.start][row][lane]
-            })
+            let [row, column] = [of, to].map(|place| place.point - LANES * own.start);
+            answers.block(row, column)
         };
         let [first, second] = self.places(contact);
         let mut world = block(first, first);
@@ -230,15 +203,12 @@ impl Delassus {
 
     #[inline(always)]
     fn push_one(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
-        let Patch { own, first } = &self.patches[patch];
+        let Patch { own, answers } = &self.patches[patch];
         let size = own.len();
         if size == 0 {
             return;
         }
-        let column = 3 * (point - LANES * own.start);
-        let columns = &self.answers[first + column * size..][..3 * size];
-        let (a, rest) = columns.split_at(size);
-        let (b, c) = rest.split_at(size);
+        let [a, b, c] = answers.of(point - LANES * own.start).map(|column| &column[..size]);
         let velocities = &mut self.velocities[own.clone()][..size];
         let changes = &mut self.changes[own.clone()][..size];
         for i in 0..size {
@@ -292,13 +262,12 @@ impl Delassus {
     }
 }
 
-/// Whether groups have each of so many points once, and three rows and columns for it.
-fn each_once(count: usize, groups: &[(&[usize], &DMatrix<f64>)]) -> bool {
+/// Whether groups have each of so many points once, and its answers.
+fn each_once(count: usize, groups: &[(&[usize], &Answers)]) -> bool {
     let mut points: Vec<usize> = groups.iter().flat_map(|(points, _)| *points).copied().collect();
     points.sort_unstable();
-    let square = |size: usize| (3 * size, 3 * size);
     points.into_iter().eq(0..count)
-        && groups.iter().all(|(points, matrix)| matrix.shape() == square(points.len()))
+        && groups.iter().all(|(points, answers)| answers.points() == points.len())
 }
 
 /// Asks a body how some of its points answer each other.

@@ -37,7 +37,7 @@ impl Borrow<Contact> for Site {
 /// A search, with the velocities while the impulses found so far act.
 pub(super) struct Search<'a> {
     solver: &'a GaussSeidel,
-    delassus: Delassus,
+    delassus: Delassus<'a>,
     sites: Vec<Site>,
     /// By contact: what it needs to be solved.
     locals: Vec<Local>,
@@ -80,7 +80,7 @@ impl Pass {
 impl<'a> Search<'a> {
     pub(super) fn new(
         solver: &'a GaussSeidel,
-        delassus: Delassus,
+        delassus: Delassus<'a>,
         contacts: &[Contact],
         impulses: &[Vector3<f64>],
     ) -> Self {

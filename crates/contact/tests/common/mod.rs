@@ -3,7 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rapunzel_contact::{
-    Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance, Violation,
+    Answers, Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,
+    Violation,
 };
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -34,7 +35,7 @@ pub struct Dense {
     /// The same with weights.
     response: DMatrix<f64>,
     /// Its points, if it writes out how they answer.
-    written: Option<Vec<usize>>,
+    written: Option<(Vec<usize>, Answers)>,
 }
 
 impl Dense {
@@ -46,7 +47,8 @@ impl Dense {
 
     /// The same, with its answers written out.
     pub fn written(self) -> Self {
-        Self { written: Some((0..self.points()).collect()), ..self }
+        let answers = Answers::new(&self.bare).expect("a square of finite numbers");
+        Self { written: Some(((0..self.points()).collect(), answers)), ..self }
     }
 
     pub fn particle(mass: f64) -> Self {
@@ -142,8 +144,8 @@ impl Body for Dense {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
-        self.written.as_ref().map(|points| vec![(&points[..], &self.bare)])
+    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+        self.written.as_ref().map(|(points, answers)| vec![(&points[..], answers)])
     }
 }
 

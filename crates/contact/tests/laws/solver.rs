@@ -2,7 +2,7 @@
 use crate::common::{Dense, Random, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::{
-    Body, Contact, ContactError, GaussSeidel, Report, Solver, Violation, report,
+    Answers, Body, Contact, ContactError, GaussSeidel, Report, Solver, Violation, report,
 };
 
 /// A net of particles that press each other and the ground, with all kinds of curves.
@@ -75,11 +75,12 @@ fn relaxation_and_warm_starts_find_the_same() {
 }
 
 /// Particles that know how they answer, in another order than that of their points.
-struct WrittenOut(Vec<(Vec<usize>, DMatrix<f64>)>);
+struct WrittenOut(Vec<(Vec<usize>, Answers)>);
 
 impl WrittenOut {
     fn new(particles: &[Dense]) -> Self {
-        let one = |(i, particle): (usize, &Dense)| (vec![i], particle.mobility.clone());
+        let answers = |particle: &Dense| Answers::new(&particle.mobility).expect("square");
+        let one = |(i, particle)| (vec![i], answers(particle));
         Self(particles.iter().enumerate().map(one).rev().collect())
     }
 }
@@ -105,8 +106,8 @@ impl Body for WrittenOut {
         unreachable!("nobody asks")
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
-        Some(self.0.iter().map(|(points, matrix)| (&points[..], matrix)).collect())
+    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+        Some(self.0.iter().map(|(points, answers)| (&points[..], answers)).collect())
     }
 }
 
@@ -133,17 +134,33 @@ fn answers_that_are_written_out_are_not_asked_for() {
 #[test]
 fn answers_that_do_not_fit_are_refused() {
     let contacts = [contact(0, None, &Vector3::z(), circle(0.3))];
-    let answer = DMatrix::identity(3, 3);
-    let wrong = [
-        vec![(vec![1], answer.clone())],
-        vec![(vec![0], DMatrix::identity(2, 3))],
-        vec![(vec![0, 0], DMatrix::identity(6, 6))],
-    ];
-    for groups in wrong {
-        let mut body = WrittenOut(groups);
+    let of_points = |count: usize| Answers::new(&DMatrix::identity(3 * count, 3 * count));
+    let wrong = [(vec![1], 1), (vec![0], 2), (vec![0, 0], 2)];
+    for (points, count) in wrong {
+        let mut body = WrittenOut(vec![(points, of_points(count).expect("square"))]);
         let (v, mut r) = ([Vector3::zeros()], [Vector3::zeros()]);
         let error = exact().solve(&mut [&mut body], &contacts, &v, &mut r).expect_err("refused");
         assert!(matches!(error, ContactError::Body { body: 0, .. }), "{error}");
+    }
+    for (rows, columns) in [(2, 3), (3, 2), (4, 4), (6, 3)] {
+        let error = Answers::new(&DMatrix::zeros(rows, columns)).expect_err("refused");
+        assert!(matches!(error, ContactError::Length { .. }), "{error}");
+    }
+    let error = Answers::new(&DMatrix::from_element(3, 3, f64::NAN)).expect_err("refused");
+    assert!(matches!(error, ContactError::Invalid { .. }), "{error}");
+}
+
+#[test]
+fn answers_side_by_side_are_those_of_their_matrix() {
+    for count in [0, 1, 8, 9] {
+        let entry = |i: usize, j: usize| (3 * i * j + i + j) as f64;
+        let matrix = DMatrix::from_fn(3 * count, 3 * count, entry);
+        let answers = Answers::new(&matrix).expect("square");
+        assert_eq!(answers.points(), count);
+        for (row, column) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let block = matrix.fixed_view::<3, 3>(3 * row, 3 * column);
+            assert_eq!(answers.block(row, column), block);
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::chain::{get, keep_directors, store};
 use super::ends::Held;
-use super::lanes::{Lane, V3};
+use super::lanes::Lane;
 use super::pack::Pack;
 use super::response::Inertia;
 use super::scheme::Problem;
@@ -34,8 +34,8 @@ impl<S: Simd> Pack<S> {
         self.chain.simd.vectorize(LookAhead(self));
     }
 
-    /// Solves Newton's equations at the present shape, without taking the increments. Leaves the
-    /// displacements of the nodes that they would add, and returns the largest increment, rad.
+    /// Solves Newton's equations at the present shape, without taking the increments. Returns the largest
+    /// increment, rad.
     pub(super) fn linearize(&mut self) -> [f64; 8] {
         struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
@@ -49,21 +49,7 @@ impl<S: Simd> Pack<S> {
                     search[lane] = Search::new(true, pack.held[lane], false);
                 }
                 let (turn, gap) = pack.chain.increments(&mut search);
-                let n = pack.chain.n;
-                for a in 0..=n {
-                    let mut sum = V3::splat(pack.chain.simd, 0.0);
-                    if a < n {
-                        sum += pack.chain.vec(&pack.chain.kept.step, 2 * a);
-                    }
-                    if a > 0 {
-                        sum -= pack.chain.vec(&pack.chain.kept.step, 2 * (a - 1));
-                    }
-                    let mut way = sum.scale(pack.chain.one(&pack.chain.kept.w, a));
-                    if a == n {
-                        way += gap;
-                    }
-                    store(&mut pack.chain.kept.way, a, way);
-                }
+                store(&mut pack.chain.kept.gap, 0, gap);
                 let mut turns = [0.0; 8];
                 for lane in 0..S::F64_LANES {
                     turns[lane] = get(turn, lane);

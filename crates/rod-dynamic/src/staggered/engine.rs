@@ -304,7 +304,17 @@ impl<S: Simd> Engine for Pack<S> {
         Self::linearize(self)
     }
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
-        Engine::displacement(self, lane, node) + self.vector(&self.chain.kept.way, node, lane)
+        let (kept, n) = (&self.chain.kept, self.chain.n);
+        let force = |e: usize| self.vector(&kept.step, 2 * e, lane);
+        let mut sum = if node < n { force(node) } else { Vector3::zeros() };
+        if node > 0 {
+            sum -= force(node - 1);
+        }
+        let mut added = sum * at(&kept.w, node, lane);
+        if node == n {
+            added += self.vector(&kept.gap, 0, lane);
+        }
+        Engine::displacement(self, lane, node) + added
     }
     fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8] {
         let nodes = self.chain.n + 1;

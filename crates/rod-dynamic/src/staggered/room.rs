@@ -62,9 +62,9 @@ pub(super) struct Kept<S: Simd> {
     pub(super) w: Array<S>,
     /// Of Newton's matrix at the last assembly.
     pub(super) factor: Factor<S>,
-    /// Increments of the last solve (6), and the displacements of the nodes that they would add (3).
+    /// Increments of the last solve (6), and how far the tip was from where it is held.
     pub(super) step: Array<S>,
-    pub(super) way: Array<S>,
+    pub(super) gap: [S::f64s; 3],
 }
 
 impl<S: Simd> Room<S> {
@@ -134,12 +134,13 @@ impl<S: Simd> Room<S> {
 impl<S: Simd> Kept<S> {
     pub(super) fn empty() -> Self {
         let none = || zeros::<S>(0);
-        Self { r: none(), w: none(), factor: Factor::new(0), step: none(), way: none() }
+        let gap = [S::f64s::zeroed(); 3];
+        Self { r: none(), w: none(), factor: Factor::new(0), step: none(), gap }
     }
 
     /// Makes it fit rods of `n` segments.
     pub(super) fn fit(&mut self, n: usize) {
-        let of_nodes = [(&mut self.r, 3), (&mut self.w, 1), (&mut self.way, 3)];
+        let of_nodes = [(&mut self.r, 3), (&mut self.w, 1)];
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
         fit::<S>(&mut self.step, 6 * n);
         self.factor.fit(n);

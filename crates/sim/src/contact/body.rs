@@ -1,9 +1,9 @@
 //! Fibres as bodies of the contact solver.
 
 use super::explicit::{Answer, Explicit, Inertia};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
-use rapunzel_contact::{Body, ContactError};
+use rapunzel_contact::{Answers, Body, ContactError};
 use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
 
 /// Multiplications that a pass over a segment costs, and lanes that a pass serves at once: what a
@@ -45,7 +45,7 @@ impl<'a> Fibers<'a> {
             let nodes = ImpulseResponse::nodes(batch) / batch.rods().len();
             if squares < PASS * LANES * nodes {
                 let answers = batch.write_out(points).map_err(|error| refused(&error))?;
-                let answers = answers.into_iter().map(Explicit::new).collect();
+                let answers = answers.into_iter().map(Explicit::new).collect::<Result<_, _>>()?;
                 *written = Some(Written { answers, masses: Vec::new(), exact });
             }
         }
@@ -119,7 +119,7 @@ impl Body for Fibers<'_> {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DMatrix<f64>)>> {
+    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
         let Written { answers, .. } = self.written.as_ref()?;
         Some(answers.iter().map(Explicit::own).collect())
     }

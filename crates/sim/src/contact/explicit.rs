@@ -1,7 +1,8 @@
 //! How the points of one fibre answer impulses, written out.
 
-use nalgebra::{DMatrix, Matrix3, RealField, Vector3, convert, convert_unchecked};
+use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
+use rapunzel_contact::{Answers, ContactError, Eight};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 
@@ -12,7 +13,9 @@ const COLUMNS: usize = 4;
 
 /// The answers of the points of one fibre.
 pub(super) struct Explicit {
-    own: PointResponses,
+    /// Which points they are, from root to tip.
+    points: Vec<usize>,
+    own: Answers,
     /// The same with masses added.
     weighted: Weighted,
 }
@@ -24,17 +27,18 @@ enum Weighted {
 }
 
 impl Explicit {
-    pub(super) fn new(own: PointResponses) -> Self {
-        Self { own, weighted: Weighted::Double(Strips::new(&[], 0, 0)) }
+    pub(super) fn new(own: PointResponses) -> Result<Self, ContactError> {
+        let PointResponses { points, matrix } = own;
+        let own = Answers::new(&matrix)?;
+        Ok(Self { points, own, weighted: Weighted::Double(Strips::new(&[], 0, 0)) })
     }
 
     /// Adds a mass at each point, one after another, with `W` the answer so far: a mass `m` at `i`
     /// leaves `W - W_i S W_i^T` of it, with the columns `W_i` and `S = (W_ii + 1/m)^-1`. In single
     /// precision unless `exact`. False if `W` is not positive semidefinite.
     pub(super) fn weigh(&mut self, masses: &[f64], exact: bool) -> bool {
-        let PointResponses { points, matrix } = &self.own;
-        let (size, masses) = (matrix.nrows(), points.iter().map(|&point| masses[point]).collect());
-        let add = AddMasses { answers: matrix.as_slice(), size, masses };
+        let masses = self.points.iter().map(|&point| masses[point]).collect();
+        let (size, add) = (3 * self.points.len(), AddMasses { answers: &self.own, masses });
         let Some(lower) = Arch::new().dispatch(add) else { return false };
         self.weighted = if exact {
             Weighted::Double(Strips::new(&lower, stride(size), size))
@@ -45,14 +49,14 @@ impl Explicit {
     }
 
     /// The points and their answers without masses.
-    pub(super) fn own(&self) -> (&[usize], &DMatrix<f64>) {
-        (&self.own.points, &self.own.matrix)
+    pub(super) fn own(&self) -> (&[usize], &Answers) {
+        (&self.points, &self.own)
     }
 
     /// The traces of the blocks of each point with itself, by point.
     pub(super) fn traces(&self, traces: &mut [f64]) {
-        for (i, &point) in self.own.points.iter().enumerate() {
-            traces[point] = self.own.matrix.fixed_view::<3, 3>(3 * i, 3 * i).trace();
+        for (i, &point) in self.points.iter().enumerate() {
+            traces[point] = self.own.block(i, i).trace();
         }
     }
 }
@@ -111,9 +115,7 @@ fn stride(size: usize) -> usize {
 
 /// Adds masses; of the matrix that is left, with its stride, the lower triangle is right.
 struct AddMasses<'a> {
-    /// Symmetric, column by column.
-    answers: &'a [f64],
-    size: usize,
+    answers: &'a Answers,
     masses: Vec<f64>,
 }
 
@@ -122,11 +124,18 @@ impl NullaryFnOnce for AddMasses<'_> {
 
     #[inline(always)]
     fn call(self) -> Option<Vec<f64>> {
-        let Self { answers, size, masses } = self;
+        let Self { answers, masses } = self;
+        let size = 3 * answers.points();
         let stride = stride(size);
         let mut left = vec![0.0; stride * size];
-        let both = left.chunks_exact_mut(stride.max(1)).zip(answers.chunks_exact(size.max(1)));
-        both.for_each(|(left, answers)| left[..size].copy_from_slice(answers));
+        for (point, left) in left.chunks_exact_mut(3 * stride.max(1)).enumerate() {
+            for (left, column) in left.chunks_exact_mut(stride).zip(answers.of(point)) {
+                for (row, point) in left[..size].as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                    let eight = &column[row / LANES];
+                    *point = [0, 1, 2].map(|axis| eight[axis][row % LANES]);
+                }
+            }
+        }
         let mut columns = [(); 3].map(|()| vec![0.0; stride]);
         let mut shares = columns.clone();
         for (first, &mass) in (0..size).step_by(3).zip(&masses) {
@@ -229,13 +238,15 @@ impl NullaryFnOnce for Answer<'_> {
     fn call(self) {
         let Self { explicit, inertia, impulses, velocities } = self;
         let (mut single, mut double) = (Room::default(), Room::default());
+        let mut side_by_side = Vec::new();
         // No closures: what is dispatched must be inlined into this.
-        for Explicit { own: PointResponses { points, matrix }, weighted } in explicit {
+        for Explicit { points, own, weighted } in explicit {
             match (inertia, weighted) {
                 (Inertia::Own, _) => {
-                    double.gather(points, impulses);
-                    multiply(matrix.as_slice(), &double.from, &mut double.to);
-                    double.scatter(points, velocities);
+                    gather(points, impulses, &mut side_by_side);
+                    for (i, &point) in points.iter().enumerate() {
+                        velocities[point] = multiply(own.of(i), &side_by_side);
+                    }
                 }
                 (Inertia::Weighted, Weighted::Single(matrix)) => {
                     single.gather(points, impulses);
@@ -282,22 +293,43 @@ impl<T: RealField + Copy> Room<T> {
     }
 }
 
-/// Writes the product of a symmetric matrix, as it is stored column by column, with `from`.
+/// Impulses of the points of a fibre, side by side, filled up with zeros.
 #[inline(always)]
-fn multiply(matrix: &[f64], from: &[f64], to: &mut [f64]) {
-    let size = matrix.len().isqrt();
-    let (from, rest) = from[..size].as_chunks::<LANES>();
-    for (to, column) in to.iter_mut().zip(matrix.chunks_exact(size.max(1))) {
-        let (column, last) = column.as_chunks::<LANES>();
-        let mut sums = [0.0; LANES];
-        for (a, x) in column.iter().zip(from) {
-            for i in 0..LANES {
-                sums[i] += a[i] * x[i];
+fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight>) {
+    into.clear();
+    into.resize(points.len().div_ceil(LANES), Eight::default());
+    for (i, &point) in points.iter().enumerate() {
+        for axis in 0..3 {
+            into[i / LANES][axis][i % LANES] = impulses[point][axis];
+        }
+    }
+}
+
+/// The products of three columns with the impulses.
+#[inline(always)]
+fn multiply(columns: [&[Eight]; 3], impulses: &[Eight]) -> Vector3<f64> {
+    let size = impulses.len();
+    let [x, y, z] = columns;
+    let (x, y, z) = (&x[..size], &y[..size], &z[..size]);
+    let mut sums = [[[0.0; LANES]; 3]; 3];
+    for i in 0..size {
+        for axis in 0..3 {
+            let of = impulses[i][axis];
+            for lane in 0..LANES {
+                sums[0][axis][lane] += x[i][axis][lane] * of[lane];
+                sums[1][axis][lane] += y[i][axis][lane] * of[lane];
+                sums[2][axis][lane] += z[i][axis][lane] * of[lane];
             }
         }
-        let last: f64 = last.iter().zip(rest).map(|(a, x)| a * x).sum();
-        *to = sums.iter().sum::<f64>() + last;
     }
+    let mut products = Vector3::zeros();
+    for k in 0..3 {
+        let [a, b, c] = &sums[k];
+        for lane in 0..LANES {
+            products[k] += a[lane] + b[lane] + c[lane];
+        }
+    }
+    products
 }
 
 #[cfg(test)]
