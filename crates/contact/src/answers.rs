@@ -5,16 +5,32 @@ use nalgebra::{DMatrix, Matrix3};
 pub(crate) const LANES: usize = 8;
 
 /// A vector for each of eight points, component by component: what a register holds.
-pub type Eight = [[f64; LANES]; 3];
+pub type Eight<T> = [[T; LANES]; 3];
 
 /// How some points answer impulses on each other: a symmetric matrix, 1/kg, three rows and columns a point.
 ///
 /// Columns lie one after another, their rows by eight points side by side, filled up with zeros: what an
-/// impulse does to all points is read in one go. 576 bytes for any point and any eight.
+/// impulse does to all points is read in one go. For any point and any eight that is 576 bytes, or half of
+/// it in single precision, whose roundings move points by a ten-millionth of what the impulses do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
     points: usize,
-    columns: Vec<Eight>,
+    columns: Columns,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Columns {
+    Single(Vec<Eight<f32>>),
+    Double(Vec<Eight<f64>>),
+}
+
+/// The velocities of all points, m/s, that an impulse of 1 N s on one of them causes, along each axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Answer<'a> {
+    /// In single precision.
+    Single([&'a [Eight<f32>]; 3]),
+    /// In double precision.
+    Double([&'a [Eight<f64>]; 3]),
 }
 
 impl Answers {
@@ -24,28 +40,18 @@ impl Answers {
     /// [`ContactError::Length`] unless it is square with three rows a point, and [`ContactError::Invalid`] for
     /// an entry that is not finite.
     pub fn new(matrix: &DMatrix<f64>) -> Result<Self, ContactError> {
-        let points = matrix.ncols() / 3;
-        for (what, found) in
-            [("columns of answers", matrix.ncols()), ("rows of answers", matrix.nrows())]
-        {
-            if found != 3 * points {
-                return Err(ContactError::Length { what, expected: 3 * points, found });
-            }
-        }
-        if let Some(&value) = matrix.iter().find(|x| !x.is_finite()) {
-            let (what, why) = ("answer", "it must be finite");
-            return Err(ContactError::Invalid { what, value, why });
-        }
-        let size = points.div_ceil(LANES);
-        let mut columns = vec![[[0.0; LANES]; 3]; 3 * points * size];
-        for (to, from) in columns.chunks_exact_mut(size.max(1)).zip(matrix.column_iter()) {
-            for (row, point) in from.as_slice().as_chunks::<3>().0.iter().enumerate() {
-                for axis in 0..3 {
-                    to[row / LANES][axis][row % LANES] = point[axis];
-                }
-            }
-        }
-        Ok(Self { points, columns })
+        let columns = Columns::Double(side_by_side(matrix, |x| x)?);
+        Ok(Self { points: matrix.ncols() / 3, columns })
+    }
+
+    /// The same in single precision.
+    ///
+    /// # Errors
+    /// As [`Self::new`], also for an entry that single precision does not reach.
+    pub fn rounded(matrix: &DMatrix<f64>) -> Result<Self, ContactError> {
+        #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
+        let columns = Columns::Single(side_by_side(matrix, |x| x as f32)?);
+        Ok(Self { points: matrix.ncols() / 3, columns })
     }
 
     /// Number of points.
@@ -54,17 +60,17 @@ impl Answers {
         self.points
     }
 
-    /// The velocities of all points, m/s, that an impulse of 1 N s on one causes, along each axis.
+    /// What an impulse on one point does.
     ///
     /// # Panics
     /// If there is no such point, as indexing does.
     #[must_use]
     #[inline(always)]
-    pub fn of(&self, point: usize) -> [&[Eight]; 3] {
-        let size = self.points.div_ceil(LANES);
-        let (x, rest) = self.columns[3 * point * size..3 * (point + 1) * size].split_at(size);
-        let (y, z) = rest.split_at(size);
-        [x, y, z]
+    pub fn of(&self, point: usize) -> Answer<'_> {
+        match &self.columns {
+            Columns::Single(columns) => Answer::Single(of(columns, self.points, point)),
+            Columns::Double(columns) => Answer::Double(of(columns, self.points, point)),
+        }
     }
 
     /// The answer of one point to an impulse on another.
@@ -73,7 +79,56 @@ impl Answers {
     /// As [`Self::of`].
     #[must_use]
     pub fn block(&self, row: usize, column: usize) -> Matrix3<f64> {
-        let columns = self.of(column);
-        Matrix3::from_fn(|i, k| columns[k][row / LANES][i][row % LANES])
+        let (register, lane) = (row / LANES, row % LANES);
+        match self.of(column) {
+            Answer::Single(columns) => {
+                Matrix3::from_fn(|i, k| f64::from(columns[k][register][i][lane]))
+            }
+            Answer::Double(columns) => Matrix3::from_fn(|i, k| columns[k][register][i][lane]),
+        }
     }
+
+    /// What is less than this, relative to the numbers that it is the difference of, is rounding.
+    pub(crate) fn rounding(&self) -> f64 {
+        match &self.columns {
+            Columns::Single(_) => 1e-6,
+            Columns::Double(_) => 1e-13,
+        }
+    }
+}
+
+/// The columns of a matrix, their rows by eight points side by side.
+fn side_by_side<T: Copy + Into<f64>>(
+    matrix: &DMatrix<f64>,
+    rounded: impl Fn(f64) -> T,
+) -> Result<Vec<Eight<T>>, ContactError> {
+    let points = matrix.ncols() / 3;
+    let sizes = [("columns of answers", matrix.ncols()), ("rows of answers", matrix.nrows())];
+    if let Some((what, found)) = sizes.into_iter().find(|(_, size)| *size != 3 * points) {
+        return Err(ContactError::Length { what, expected: 3 * points, found });
+    }
+    let size = points.div_ceil(LANES);
+    let mut columns = vec![[[rounded(0.0); LANES]; 3]; 3 * points * size];
+    for (to, from) in columns.chunks_exact_mut(size.max(1)).zip(matrix.column_iter()) {
+        for (row, point) in from.as_slice().as_chunks::<3>().0.iter().enumerate() {
+            for axis in 0..3 {
+                to[row / LANES][axis][row % LANES] = rounded(point[axis]);
+            }
+        }
+    }
+    let all = columns.as_flattened().as_flattened();
+    match all.iter().map(|&x| x.into()).find(|x| !x.is_finite()) {
+        Some(value) => {
+            Err(ContactError::Invalid { what: "answer", value, why: "it must be finite" })
+        }
+        None => Ok(columns),
+    }
+}
+
+#[inline(always)]
+fn of<T>(columns: &[Eight<T>], points: usize, point: usize) -> [&[Eight<T>]; 3] {
+    let size = points.div_ceil(LANES);
+    let (x, rest) = columns[3 * point * size..3 * (point + 1) * size].split_at(size);
+    let (y, z) = rest.split_at(size);
+    [x, y, z]
 }

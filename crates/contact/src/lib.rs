@@ -20,7 +20,7 @@ mod solver;
 
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
 pub use admm::Admm;
-pub use answers::{Answers, Eight};
+pub use answers::{Answer, Answers, Eight};
 pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;

@@ -1,5 +1,5 @@
 use crate::answers::LANES;
-use crate::{Answers, Body, Contact, ContactError, Eight};
+use crate::{Answer, Answers, Body, Contact, ContactError, Eight};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,7 +13,7 @@ type Lanes = [f64; LANES];
 pub(crate) struct Delassus<'b> {
     patches: Vec<Patch<'b>>,
     /// Velocities of points, patch by patch; the last of them are those of what is not moved.
-    velocities: Vec<Eight>,
+    velocities: Vec<Eight<f64>>,
     /// By how much each of these has changed, all ways together, since a contact there was looked at;
     /// [`WAITS`] while one is to be, and where there is no point.
     changes: Vec<Lanes>,
@@ -23,9 +23,6 @@ pub(crate) struct Delassus<'b> {
 
 /// Less than any change.
 const WAITS: f64 = f64::NEG_INFINITY;
-
-/// What is left of the answers of two points less than this, relative to them, is rounding.
-const ROUNDING: f64 = 1e-13;
 
 /// Points that answer each other and no others.
 #[derive(Debug)]
@@ -165,7 +162,8 @@ impl<'b> Delassus<'b> {
         if contact.second.is_some() {
             let apart = world + block(second, second);
             world = apart - block(first, second) - block(second, first);
-            if world.trace() <= ROUNDING * apart.trace() {
+            let rounding = self.patches[first.patch].answers.rounding();
+            if world.trace() <= rounding * apart.trace() {
                 return Matrix3::zeros();
             }
         }
@@ -204,30 +202,14 @@ impl<'b> Delassus<'b> {
     #[inline(always)]
     fn push_one(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
         let Patch { own, answers } = &self.patches[patch];
-        let size = own.len();
-        if size == 0 {
+        if own.is_empty() {
             return;
         }
-        let [a, b, c] = answers.of(point - LANES * own.start).map(|column| &column[..size]);
-        let velocities = &mut self.velocities[own.clone()][..size];
-        let changes = &mut self.changes[own.clone()][..size];
-        for i in 0..size {
-            let (a, b, c) = (a[i], b[i], c[i]);
-            let (mut v, mut most) = (velocities[i], [0.0; LANES]);
-            for axis in 0..3 {
-                let (a, b, c) = (a[axis], b[axis], c[axis]);
-                let change: Lanes = std::array::from_fn(|lane| {
-                    a[lane] * impulse.x + b[lane] * impulse.y + c[lane] * impulse.z
-                });
-                v[axis] = std::array::from_fn(|lane| v[axis][lane] + change[lane]);
-                let size = change.map(f64::abs);
-                most = std::array::from_fn(|lane| {
-                    if size[lane] > most[lane] { size[lane] } else { most[lane] }
-                });
-            }
-            velocities[i] = v;
-            let old = changes[i];
-            changes[i] = std::array::from_fn(|lane| old[lane] + most[lane]);
+        let velocities = &mut self.velocities[own.clone()];
+        let changes = &mut self.changes[own.clone()];
+        match answers.of(point - LANES * own.start) {
+            Answer::Single(columns) => act(columns, impulse, velocities, changes),
+            Answer::Double(columns) => act(columns, impulse, velocities, changes),
         }
     }
 
@@ -259,6 +241,41 @@ impl<'b> Delassus<'b> {
             let (register, lane) = place.lane();
             self.changes[register][lane] = 0.0;
         }
+    }
+}
+
+/// Lets an impulse on a point act on the velocities of all, by what it does along each axis, and adds by how
+/// much these change.
+#[inline(always)]
+fn act<T: Copy + Into<f64>>(
+    [a, b, c]: [&[Eight<T>]; 3],
+    impulse: &Vector3<f64>,
+    velocities: &mut [Eight<f64>],
+    changes: &mut [Lanes],
+) {
+    let size = a.len();
+    let (b, c, velocities, changes) =
+        (&b[..size], &c[..size], &mut velocities[..size], &mut changes[..size]);
+    for i in 0..size {
+        let (a, b, c) = (a[i], b[i], c[i]);
+        let (mut v, mut most) = (velocities[i], [0.0; LANES]);
+        for axis in 0..3 {
+            let (a, b, c) = (a[axis], b[axis], c[axis]);
+            let change: Lanes = std::array::from_fn(|lane| {
+                a[lane].into() * impulse.x + b[lane].into() * impulse.y + c[lane].into() * impulse.z
+            });
+            v[axis] = std::array::from_fn(|lane| v[axis][lane] + change[lane]);
+            let size = change.map(f64::abs);
+            most =
+                std::array::from_fn(
+                    |lane| {
+                        if size[lane] > most[lane] { size[lane] } else { most[lane] }
+                    },
+                );
+        }
+        velocities[i] = v;
+        let old = changes[i];
+        changes[i] = std::array::from_fn(|lane| old[lane] + most[lane]);
     }
 }
 

@@ -1,5 +1,5 @@
 //! Block Gauss-Seidel on many contacts, its report, and what it refuses.
-use crate::common::{Dense, Random, circle, contact, exact, resolve, to};
+use crate::common::{Dense, Random, act, circle, contact, exact, resolve, to, worst};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::{
     Answers, Body, Contact, ContactError, GaussSeidel, Report, Solver, Violation, report,
@@ -153,14 +153,39 @@ fn answers_that_do_not_fit_are_refused() {
 #[test]
 fn answers_side_by_side_are_those_of_their_matrix() {
     for count in [0, 1, 8, 9] {
+        // Whole numbers of so few digits are exact in single precision too.
         let entry = |i: usize, j: usize| (3 * i * j + i + j) as f64;
         let matrix = DMatrix::from_fn(3 * count, 3 * count, entry);
-        let answers = Answers::new(&matrix).expect("square");
-        assert_eq!(answers.points(), count);
-        for (row, column) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
-            let block = matrix.fixed_view::<3, 3>(3 * row, 3 * column);
-            assert_eq!(answers.block(row, column), block);
+        for answers in [Answers::new(&matrix), Answers::rounded(&matrix)] {
+            let answers = answers.expect("square");
+            assert_eq!(answers.points(), count);
+            for (row, column) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+                let block = matrix.fixed_view::<3, 3>(3 * row, 3 * column);
+                assert_eq!(answers.block(row, column), block);
+            }
         }
+    }
+    let far = DMatrix::from_element(3, 3, 1e39);
+    assert!(Answers::new(&far).is_ok() && Answers::rounded(&far).is_err());
+}
+
+/// Single precision moves points by a ten-millionth of what impulses do to them, of the order of one here.
+#[test]
+fn rounded_answers_serve_as_far_as_their_digits_go() {
+    let mut random = Random(29);
+    for _ in 0..20 {
+        let (mut particles, contacts) = net(&mut random);
+        let velocities: Vec<_> = particles.iter().flat_map(Dense::velocities).collect();
+        let rounded = |particle: &Dense| Answers::rounded(&particle.mobility).expect("square");
+        let one = |(i, particle)| (vec![i], rounded(particle));
+        let mut written = WrittenOut(particles.iter().enumerate().map(one).collect());
+        let mut impulses = vec![Vector3::zeros(); contacts.len()];
+        let mut solver = to(1e-5, 1e-6, 5000);
+        let found = solver.solve(&mut [&mut written], &contacts, &velocities, &mut impulses);
+        assert!(found.expect("valid").converged);
+        act(&mut particles, &contacts, &impulses);
+        let error = worst(&particles, &contacts, &impulses);
+        assert!(error < 3e-6, "{error}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
-use rapunzel_contact::{Answers, ContactError, Eight};
+use rapunzel_contact::{Answer as OfPoint, Answers, ContactError, Eight};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 
@@ -27,9 +27,10 @@ enum Weighted {
 }
 
 impl Explicit {
-    pub(super) fn new(own: PointResponses) -> Result<Self, ContactError> {
+    /// In single precision unless `exact`.
+    pub(super) fn new(own: PointResponses, exact: bool) -> Result<Self, ContactError> {
         let PointResponses { points, matrix } = own;
-        let own = Answers::new(&matrix)?;
+        let own = if exact { Answers::new(&matrix)? } else { Answers::rounded(&matrix)? };
         Ok(Self { points, own, weighted: Weighted::Double(Strips::new(&[], 0, 0)) })
     }
 
@@ -129,10 +130,10 @@ impl NullaryFnOnce for AddMasses<'_> {
         let stride = stride(size);
         let mut left = vec![0.0; stride * size];
         for (point, left) in left.chunks_exact_mut(3 * stride.max(1)).enumerate() {
-            for (left, column) in left.chunks_exact_mut(stride).zip(answers.of(point)) {
-                for (row, point) in left[..size].as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                    let eight = &column[row / LANES];
-                    *point = [0, 1, 2].map(|axis| eight[axis][row % LANES]);
+            for row in 0..answers.points() {
+                let block = answers.block(row, point);
+                for (left, column) in left.chunks_exact_mut(stride).zip(block.column_iter()) {
+                    left[3 * row..3 * row + 3].copy_from_slice(column.as_slice());
                 }
             }
         }
@@ -245,7 +246,10 @@ impl NullaryFnOnce for Answer<'_> {
                 (Inertia::Own, _) => {
                     gather(points, impulses, &mut side_by_side);
                     for (i, &point) in points.iter().enumerate() {
-                        velocities[point] = multiply(own.of(i), &side_by_side);
+                        velocities[point] = match own.of(i) {
+                            OfPoint::Single(columns) => multiply(columns, &side_by_side),
+                            OfPoint::Double(columns) => multiply(columns, &side_by_side),
+                        };
                     }
                 }
                 (Inertia::Weighted, Weighted::Single(matrix)) => {
@@ -295,9 +299,9 @@ impl<T: RealField + Copy> Room<T> {
 
 /// Impulses of the points of a fibre, side by side, filled up with zeros.
 #[inline(always)]
-fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight>) {
+fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight<f64>>) {
     into.clear();
-    into.resize(points.len().div_ceil(LANES), Eight::default());
+    into.resize(points.len().div_ceil(LANES), Eight::<f64>::default());
     for (i, &point) in points.iter().enumerate() {
         for axis in 0..3 {
             into[i / LANES][axis][i % LANES] = impulses[point][axis];
@@ -307,7 +311,10 @@ fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight>) {
 
 /// The products of three columns with the impulses.
 #[inline(always)]
-fn multiply(columns: [&[Eight]; 3], impulses: &[Eight]) -> Vector3<f64> {
+fn multiply<T: Copy + Into<f64>>(
+    columns: [&[Eight<T>]; 3],
+    impulses: &[Eight<f64>],
+) -> Vector3<f64> {
     let size = impulses.len();
     let [x, y, z] = columns;
     let (x, y, z) = (&x[..size], &y[..size], &z[..size]);
@@ -316,9 +323,9 @@ fn multiply(columns: [&[Eight]; 3], impulses: &[Eight]) -> Vector3<f64> {
         for axis in 0..3 {
             let of = impulses[i][axis];
             for lane in 0..LANES {
-                sums[0][axis][lane] += x[i][axis][lane] * of[lane];
-                sums[1][axis][lane] += y[i][axis][lane] * of[lane];
-                sums[2][axis][lane] += z[i][axis][lane] * of[lane];
+                sums[0][axis][lane] += x[i][axis][lane].into() * of[lane];
+                sums[1][axis][lane] += y[i][axis][lane].into() * of[lane];
+                sums[2][axis][lane] += z[i][axis][lane].into() * of[lane];
             }
         }
     }

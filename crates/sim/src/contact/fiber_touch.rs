@@ -18,7 +18,10 @@ pub(super) fn put_together(
 ) {
     let any = others.first().copied().or(contacts.first().map(|one| fiber_touch(end, one)));
     let Some(any) = any else { return touches.clear() };
-    touches.resize(contacts.len() + others.len(), any);
+    let count = contacts.len() + others.len();
+    touches.clear();
+    touches.reserve_exact(count);
+    touches.resize(count, any);
     let place = |(i, other): (usize, &Touch)| {
         let rank = other.rank();
         i + contacts.partition_point(|contact| fiber_rank(end.layout(), contact) < rank)

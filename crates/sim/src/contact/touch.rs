@@ -200,6 +200,7 @@ pub(super) fn merge<T: Copy>(
     after: impl Fn(&T, &T) -> bool,
 ) {
     let (mut left, mut at) = (list.len(), list.len() + others.len());
+    list.reserve_exact(others.len());
     list.extend_from_slice(&others);
     while let Some(last) = others.last() {
         at -= 1;

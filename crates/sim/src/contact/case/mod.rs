@@ -110,6 +110,9 @@ impl Case {
             (contact, gap)
         };
         let made = touches.par_iter().enumerate().map(contact);
+        // Twice the room, as they would grow by, is much.
+        contacts.clear();
+        contacts.reserve_exact(touches.len());
         made.unzip_into_vecs(&mut contacts, &mut gaps);
         if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
