@@ -53,20 +53,19 @@ impl<S: Simd> Sub for Block<S> {
 }
 
 /// The factors of all segments. `D` is a diagonal block from which what its predecessors take away
-/// has been taken, `B` the block to its right. Interleaved, a segment has
+/// has been taken. Interleaved, a segment has
 ///
 /// - `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn (6, symmetric),
-/// - `D^-1 B`: force-turn (9), turn-turn (9); its other columns are those of `D^-1` times `w`,
-/// - `w`.
+/// - the block to its right: `B` (9), `w`.
 ///
-/// With both products at hand a substitution waits for one product of a matrix and a vector a
-/// segment, and everything else is done meanwhile.
+/// Their product at hand would spare a substitution one product of a matrix and a vector a segment, but what
+/// it waits for is to read the factors: of many fibres these lie far away.
 pub(super) struct Factor<S: Simd> {
     data: Array<S>,
     n: usize,
 }
 
-const STRIDE: usize = 40;
+const STRIDE: usize = 31;
 
 impl<S: Simd> Factor<S> {
     pub(super) fn new(n: usize) -> Self {
@@ -114,11 +113,10 @@ impl<S: Simd> Factor<S> {
         for i in 0..3 {
             for j in 0..3 {
                 row[6 + 3 * i + j] = (-x.0[i].0[j]).value;
-                row[21 + 3 * i + j] = (-vz.0[i].0[j]).value;
-                row[30 + 3 * i + j] = z.0[i].0[j].value;
+                row[21 + 3 * i + j] = b.0[i].0[j].value;
             }
         }
-        row[39] = w.value;
+        row[30] = w.value;
         (next, [force, turn], of_forces + of_turns)
     }
 
@@ -137,9 +135,8 @@ impl<S: Simd> Factor<S> {
                 ft: self.matrix(simd, at + 6),
                 tt: Sym::load(simd, &row[15..], 0),
             },
-            right_ft: self.matrix(simd, at + 21),
-            right_tt: self.matrix(simd, at + 30),
-            w: Lane::new(simd, row[39]),
+            b: self.matrix(simd, at + 21),
+            w: Lane::new(simd, row[30]),
         }
     }
 
@@ -175,7 +172,7 @@ impl<S: Simd> Factor<S> {
                 let [force, turn] = row.inverse.apply(load, torque);
                 store(x, 2 * i, force);
                 store(x, 2 * i + 1, turn);
-                *carry = row.right_transposed(force, load, torque);
+                *carry = row.carry([force, turn]);
             }
         }
         let mut behind = [[zero; 2]; K];
@@ -244,11 +241,10 @@ impl<S: Simd> Inverse<S> {
     }
 }
 
-/// The factors of one segment: `D^-1`, the columns of turns of `D^-1 B`, `w`.
+/// The factors of one segment.
 struct Row<S: Simd> {
     inverse: Inverse<S>,
-    right_ft: M3<S>,
-    right_tt: M3<S>,
+    b: M3<S>,
     w: Lane<S>,
 }
 
@@ -257,20 +253,14 @@ impl<S: Simd> Row<S> {
     /// behind. Behind the last one there is nothing: its coupling multiplies zeros.
     #[inline(always)]
     fn substitute(&self, [force, turn]: [V3<S>; 2], behind: [V3<S>; 2]) -> [V3<S>; 2] {
-        let pull = behind[0].scale(self.w);
-        [
-            force - (self.inverse.ff.apply(pull) + self.right_ft.apply(behind[1])),
-            turn - (self.inverse.ft.apply_transposed(pull) + self.right_tt.apply(behind[1])),
-        ]
+        let pull = self.inverse.apply(behind[0].scale(self.w), self.b.apply(behind[1]));
+        [force - pull[0], turn - pull[1]]
     }
 
-    /// `(D^-1 B)^T [load; torque]`, where `force` is the force part of `D^-1 [load; torque]`.
+    /// What to take from the loads of the segment behind.
     #[inline(always)]
-    fn right_transposed(&self, force: V3<S>, load: V3<S>, torque: V3<S>) -> [V3<S>; 2] {
-        [
-            force.scale(self.w),
-            self.right_ft.apply_transposed(load) + self.right_tt.apply_transposed(torque),
-        ]
+    fn carry(&self, [force, turn]: [V3<S>; 2]) -> [V3<S>; 2] {
+        [force.scale(self.w), self.b.apply_transposed(turn)]
     }
 
     /// The block of the whole inverse here, `D^-1 + D^-1 B Z B^T D^-1` with `z` that of the next
@@ -279,14 +269,15 @@ impl<S: Simd> Row<S> {
     fn behind(&self, z: &Inverse<S>) -> (Inverse<S>, M3<S>) {
         let Inverse { ff, ft, tt } = &self.inverse;
         let (ff_w, ft_w) = (ff.scale(self.w), ft.scale(self.w));
+        let (right_ft, right_tt) = (ft.times(self.b), tt.times(self.b));
         let zft = z.ft.transposed();
         // T = D^-1 B Z.
-        let t_ff = ff_w.times(z.ff.full()) + self.right_ft.times(zft);
-        let t_ft = ff_w.times(z.ft) + self.right_ft.times(z.tt.full());
-        let t_tf = ft_w.transposed().times(z.ff.full()) + self.right_tt.times(zft);
-        let t_tt = ft_w.transposed().times(z.ft) + self.right_tt.times(z.tt.full());
-        let side_ft = self.right_ft.transposed();
-        let side_tt = self.right_tt.transposed();
+        let t_ff = ff_w.times(z.ff.full()) + right_ft.times(zft);
+        let t_ft = ff_w.times(z.ft) + right_ft.times(z.tt.full());
+        let t_tf = ft_w.transposed().times(z.ff.full()) + right_tt.times(zft);
+        let t_tt = ft_w.transposed().times(z.ft) + right_tt.times(z.tt.full());
+        let side_ft = right_ft.transposed();
+        let side_tt = right_tt.transposed();
         let here = Inverse {
             ff: *ff + Sym::symmetric_part(t_ff.times(ff_w.full()) + t_ft.times(side_ft)),
             ft: *ft + t_ff.times(ft_w) + t_ft.times(side_tt),

@@ -13,8 +13,6 @@ pub(super) struct Part {
     pub(super) start: Vec<Point3<f64>>,
     /// Their velocities there.
     pub(super) before: Vec<Vector3<f64>>,
-    /// Mean velocities of all nodes when the touches were listed.
-    pub(super) mean: Vec<Vector3<f64>>,
     pub(super) touches: Vec<Touch>,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,

@@ -13,6 +13,7 @@ use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactMethod, ContactSettings};
 use crate::{SimError, StepReport, Stepper, World};
+use nalgebra::Vector3;
 use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Polished, Tolerance};
 
@@ -160,7 +161,6 @@ impl Touching {
             dt,
             start: world.positions(),
             before: world.velocities(),
-            mean: Vec::new(),
             touches: std::mem::take(&mut self.touches),
             work: ContactWork::default(),
             report: StepReport::default(),
@@ -199,18 +199,19 @@ impl Touching {
         let (time, dt) = (part.time, part.dt);
         world.push(expected.pushes(), time, dt)?;
         world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
-        self.list(world, part, expected)?;
+        let mean = self.list(world, part, expected)?;
         let room = std::mem::take(&mut self.room);
-        let mut case = self.case(world, part, room)?;
-        let start = case.certificate(world, &part.touches, &part.mean);
+        let mut case = self.case(world, part, &mean, room)?;
+        let start = case.certificate(world, &part.touches, &mean);
+        drop(mean);
         let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
-            let deepest = self.look_at_end(world, part)?;
-            part.work = case.work(world, &bearing, &part.mean);
+            let (deepest, mean) = self.look_at_end(world, part)?;
+            part.work = case.work(world, &bearing, &mean);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
@@ -222,21 +223,21 @@ impl Touching {
                 let through = self.detector.leads_through();
                 // About a bend or each other, two that are fast may turn so far that a step drives them.
                 let errors = [self.depth() / dt, self.settings.slip];
-                let drives = || case.drives(world, &part.touches, &part.mean, errors);
+                let drives = || case.drives(world, &part.touches, &mean, errors);
                 if (through || drives()) && !last {
                     return Err(Cut::Contacts(worst_touch.or_else(|| worst(world, part, &case))));
                 }
                 report.unresolved = usize::from(through);
                 if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
                     let bounds = [strength, self.settings.slip];
-                    case.tear(world, &mut part.touches, &part.mean, bounds)?;
+                    case.tear(world, &mut part.touches, &mean, bounds)?;
                 }
                 self.room = case.into_room();
                 return Ok(());
             }
-            case.set_gaps(world, &mut bearing, &part.mean, dt);
+            case.set_gaps(world, &mut bearing, &mean, dt);
             part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
-            case = self.case(world, part, case.into_room())?;
+            case = self.case(world, part, &mean, case.into_room())?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| worst(world, part, &case));
@@ -321,12 +322,18 @@ impl Touching {
         Ok(near.iter().zip(found).any(deeper))
     }
 
-    /// The contacts of a part, whose impulses act from now on and no others: some may have been expected of
-    /// touches that are gone.
-    fn case(&self, world: &mut World, part: &Part, room: Room) -> Result<Case, Cut> {
+    /// The contacts of a part whose touches were listed where nodes have the given mean velocities. Their
+    /// impulses act from now on and no others: some may have been expected of touches that are gone.
+    fn case(
+        &self,
+        world: &mut World,
+        part: &Part,
+        mean: &[Vector3<f64>],
+        room: Room,
+    ) -> Result<Case, Cut> {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
-        let velocities = [&part.before[..], &part.mean];
+        let velocities = [&part.before[..], mean];
         let case = Case::new(world, &part.touches, velocities, part.dt, &laws, room)?;
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
@@ -370,33 +377,39 @@ impl Touching {
         Ok((turn, self.solver.tolerance.error(&one) <= 1.0))
     }
 
-    /// Lists the touches where the step leads, with the impulses expected of them.
+    /// Lists the touches where the step leads, with the impulses expected of them. Returns the mean velocities
+    /// that lead there.
     fn list(
         &mut self,
         world: &World,
         part: &mut Part,
         expected: &Expected,
-    ) -> Result<(), CollisionError> {
-        part.mean = world.mean_velocities();
+    ) -> Result<Vec<Vector3<f64>>, CollisionError> {
+        let mean = world.mean_velocities();
         let mut touches = std::mem::take(&mut part.touches);
-        let end = part.end(&part.mean);
+        let end = part.end(&mean);
         let motion = part.motion(world, &self.radii, &end);
         self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
-        Ok(())
+        Ok(mean)
     }
 
-    /// Lists those that overlap where the step has been solved to, and returns by how much at most, m.
-    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
-        part.mean = world.mean_velocities();
+    /// Lists those that overlap where the step has been solved to. Returns by how much at most, m, and the
+    /// mean velocities that lead there.
+    fn look_at_end(
+        &mut self,
+        world: &World,
+        part: &mut Part,
+    ) -> Result<(f64, Vec<Vector3<f64>>), CollisionError> {
+        let mean = world.mean_velocities();
         let mut touches = Vec::new();
-        let end = part.end(&part.mean);
+        let end = part.end(&mean);
         let motion = part.motion(world, &self.radii, &end);
         let deepest =
             self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;
-        Ok(deepest)
+        Ok((deepest, mean))
     }
 }
 

@@ -250,6 +250,7 @@ impl Case {
         }
         let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
+        drop(nodes);
         let solved = working.par_iter().zip(&index).map(|(&i, index)| {
             let contact = self.contacts[i].clone();
             let second = contact.second.map(|_| index[1]);
