@@ -161,7 +161,7 @@ proptest! {
                 let [start, end] = [&positions, next].map(|p| Capsules::new(&layout, p, &radii));
                 let [start, end] = [start.expect("valid"), end.expect("valid")];
                 let found = list.on_the_way(&start, &end).expect("the same segments");
-                for ([a, b], squared) in found {
+                for ([a, b], squared) in &found {
                     let apart = start.get(*a as usize).closest(&start.get(*b as usize)).distance();
                     prop_assert!((squared.sqrt() - apart).abs() < 1e-6, "{squared} for {apart}");
                 }

@@ -123,19 +123,18 @@ impl Candidates {
         &mut self,
         start: &Capsules,
         end: &Capsules,
-    ) -> Result<&[(Pair, f64)], CollisionError> {
+    ) -> Result<Vec<(Pair, f64)>, CollisionError> {
         if self.list.is_none() {
             self.update(start)?;
         }
-        let Some(list) = &mut self.list else { return Ok(&[]) };
+        let Some(list) = &mut self.list else { return Ok(Vec::new()) };
         let ways = ways(start, end);
         match list.way.astray(start, end) {
             None => list.set_out(start, end, &ways)?,
             Some(astray) if astray.nodes.is_empty() => (),
             Some(astray) => list.way.turn(start, end, &astray, &mut list.tree, self.reach)?,
         }
-        list.way.go(&ways, self.reach);
-        Ok(&list.way.near)
+        Ok(list.way.go(&ways, self.reach))
     }
 
     /// All contacts with gaps of at most the reach, as [`crate::contacts`] finds them.

@@ -23,8 +23,6 @@ pub(super) struct Way {
     aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
-    /// Those of the last motion.
-    pub(super) near: Vec<(Pair, f64)>,
 }
 
 /// Ends of a motion that are not those that were expected.
@@ -125,12 +123,14 @@ impl Way {
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
-    pub(super) fn go(&mut self, ways: &[OneWay], reach: f64) {
+    pub(super) fn go(&self, ways: &[OneWay], reach: f64) -> Vec<(Pair, f64)> {
         let chunk = |pairs: &[(Pair, f64)]| {
             let near = pairs.iter().filter(|(pair, squared)| near(ways, pair, *squared, reach));
             near.copied().collect()
         };
-        join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut self.near);
+        let mut found = Vec::new();
+        join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut found);
+        found
     }
 }
 

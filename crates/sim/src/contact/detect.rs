@@ -111,7 +111,9 @@ impl Detector {
     ) -> Result<(), CollisionError> {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
-        let (near, fast) = sort(&start, &end, pairs, margin, self.holds);
+        let (near, fast) = sort(&start, &end, &pairs, margin, self.holds);
+        // They are many more than what follows is of.
+        drop(pairs);
         let near = by_fibers(end.layout(), chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
         let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);

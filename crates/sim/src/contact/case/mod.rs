@@ -256,6 +256,8 @@ impl Case {
             let second = contact.second.map(|_| index[1]);
             Contact { first: index[0], second, ..contact }
         });
+        self.solved.clear();
+        self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
         let points = each(&used, |i, side| point(world, &touches[i], side));

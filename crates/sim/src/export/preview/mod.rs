@@ -42,21 +42,31 @@ pub struct Picture {
     lines: Vec<Line>,
 }
 
-/// A fibre: its points (world) and the radii there, m.
+/// A fibre: its points (world) and the radii there, m, to a small part of a pixel.
 #[derive(Debug, Clone, PartialEq)]
 struct Line {
-    points: Vec<Point3<f64>>,
-    radii: Vec<f64>,
+    points: Vec<Point3<f32>>,
+    radii: Vec<f32>,
+}
+
+impl Line {
+    fn points(&self) -> impl Iterator<Item = Point3<f64>> + Clone {
+        self.points.iter().map(|point| point.cast())
+    }
 }
 
 impl Picture {
-    /// The picture of a frame: a fifth of its numbers.
+    /// The picture of a frame: a tenth of its bytes.
     ///
     /// # Errors
     /// Refuses unsound frames.
     pub fn new(frame: Frame) -> Result<Self, ExportError> {
         frame.validate()?;
-        let line = |Strand { points, radii, .. }: Strand| Line { points, radii };
+        #[expect(clippy::cast_possible_truncation, reason = "it is more than is seen")]
+        let line = |Strand { points, radii, .. }: Strand| Line {
+            points: points.iter().map(|point| point.cast()).collect(),
+            radii: radii.iter().map(|&radius| radius as f32).collect(),
+        };
         Ok(Self { time: frame.time, lines: frame.strands.into_iter().map(line).collect() })
     }
 }
@@ -90,11 +100,11 @@ pub fn write(
         return Err(ExportError::Wind { what: "is not finite" });
     }
     let lines = frames.iter().flat_map(|frame| &frame.lines);
-    let points = lines.clone().flat_map(|line| &line.points);
+    let points = lines.clone().flat_map(Line::points);
     let seen = seen(points.clone(), surfaces);
-    let points = points.chain(&seen);
+    let points = points.chain(seen.iter().copied());
     let radii = lines.flat_map(|line| &line.radii);
-    let thickest = radii.fold(0.0, |a: f64, r| a.max(*r));
+    let thickest = radii.fold(0.0, |a: f32, r| a.max(*r)).into();
     let view = View::of(points, thickest, !surfaces.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
     let grid = Grid::new(count, &view);
@@ -121,12 +131,9 @@ pub fn write(
 }
 
 /// The vertices of surfaces, moved into the box that is seen around some points.
-fn seen<'a>(
-    mut points: impl Iterator<Item = &'a Point3<f64>>,
-    surfaces: &[Soup],
-) -> Vec<Point3<f64>> {
-    let Some(&first) = points.next() else { return Vec::new() };
-    let bounds = points.fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+fn seen(mut points: impl Iterator<Item = Point3<f64>>, surfaces: &[Soup]) -> Vec<Point3<f64>> {
+    let Some(first) = points.next() else { return Vec::new() };
+    let bounds = points.fold([first; 2], |[low, high], p| [low.inf(&p), high.sup(&p)]);
     let more = Vector3::repeat(BEYOND * (bounds[1] - bounds[0]).max());
     let [low, high] = [bounds[0] - more, bounds[1] + more];
     surfaces.iter().flat_map(|s| &s.vertices).map(|p| p.sup(&low).inf(&high)).collect()
@@ -197,21 +204,23 @@ impl Grid {
 
 /// Draws all fibres of `frame`, far segments first.
 fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
-    let pairs = |line: &'_ Line| line.points.len() - 1;
+    let segments = |line: &'_ Line| 0..line.points.len() - 1;
+    let depth = |line: &Line, j: usize| view.depth(&line.points[j].cast());
     let mut segments: Vec<(f64, &Line, usize)> = frame
         .lines
         .iter()
-        .flat_map(|line| (0..pairs(line)).map(move |j| (view.depth(&line.points[j]), line, j)))
+        .flat_map(|line| segments(line).map(move |j| (depth(line, j), line, j)))
         .collect();
     segments.sort_by(|a, b| b.0.total_cmp(&a.0));
     let thinnest = if frame.lines.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
     for (depth, line, j) in segments {
-        let (a, b) = (&line.points[j], &line.points[j + 1]);
-        let width = 2.0 * line.radii[j] * grid.scale;
+        let [a, b] = [j, j + 1].map(|node| line.points[node].cast::<f64>());
+        let radius = f64::from(line.radii[j]);
+        let width = 2.0 * radius * grid.scale;
         let color = shade(&(b - a), view, depth);
         // What lies on a surface is in front of it, also where the axis is hidden by half.
-        let nearer = Vector3::z() * (2.0 * line.radii[j] + 1.0 / grid.scale);
-        let [a, b] = [a, b].map(|p| grid.place(p, view, corner) - nearer);
+        let nearer = Vector3::z() * (2.0 * radius + 1.0 / grid.scale);
+        let [a, b] = [a, b].map(|p| grid.place(&p, view, corner) - nearer);
         canvas.stroke(a, b, width.max(thinnest), color);
     }
 }

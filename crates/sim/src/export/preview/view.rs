@@ -28,8 +28,8 @@ impl View {
     /// longer horizontal side of the box around them, from a little to the right where the box is
     /// deep and a little above where it is also low, and from straight above where it is flat. Over
     /// surfaces it is from higher above. `None` without points.
-    pub(super) fn of<'a>(
-        points: impl Iterator<Item = &'a Point3<f64>> + Clone,
+    pub(super) fn of(
+        points: impl Iterator<Item = Point3<f64>> + Clone,
         radius: f64,
         over_surfaces: bool,
     ) -> Option<Self> {
@@ -103,7 +103,7 @@ mod tests {
     fn what_is_flat_is_seen_squarely_and_what_is_deep_is_turned() {
         let away = |size: [f64; 3]| {
             let corners = [Point3::origin(), Point3::from(size)];
-            View::of(corners.iter(), 1e-6, false).expect("points").away
+            View::of(corners.iter().copied(), 1e-6, false).expect("points").away
         };
         for (size, expected) in [
             ([3.0, 0.1, 1.0], Vector3::y()),
