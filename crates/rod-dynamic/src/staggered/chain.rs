@@ -17,9 +17,11 @@ use super::ends::{Ends, Held};
 use super::factor::{Block, close};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
 use super::laws::{Laws, Turns};
+use super::model::Model;
 use super::room::{Kept, Room};
 use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
+use std::sync::Arc;
 
 /// The unknown rotations of one pack of fibres and everything that determines them.
 ///
@@ -27,8 +29,7 @@ use pulp::Simd;
 pub(super) struct Chain<S: Simd> {
     pub(super) simd: S,
     pub(super) n: usize,
-    /// Segment lengths.
-    pub(super) h: Array<S>,
+    pub(super) model: Arc<Model<S>>,
     pub(super) ends: Ends<S>,
     /// In place of the stiffness and turns at rest in the room, if any lane has them.
     pub(super) laws: Option<Box<Laws<S>>>,
@@ -43,11 +44,12 @@ pub(super) struct Chain<S: Simd> {
 }
 
 impl<S: Simd> Chain<S> {
-    pub(super) fn new(simd: S, n: usize) -> Self {
+    pub(super) fn new(simd: S, model: Arc<Model<S>>) -> Self {
+        let n = model.h.len();
         Self {
             simd,
             n,
-            h: zeros::<S>(n),
+            model,
             ends: Ends::new(),
             laws: None,
             q: zeros::<S>(4 * n),
@@ -122,7 +124,9 @@ impl<S: Simd> Chain<S> {
             let mut chord = V3::splat(simd, 0.0);
             for a in 0..=n {
                 if a > 0 {
-                    chord = self.vec(&self.room.d, 3 * a - 1).fma(self.one(&self.h, a - 1), chord);
+                    chord = self
+                        .vec(&self.room.d, 3 * a - 1)
+                        .fma(self.one(&self.model.h, a - 1), chord);
                 }
                 let mu = self.one(&self.room.mu, a);
                 sum +=
@@ -134,7 +138,7 @@ impl<S: Simd> Chain<S> {
         }
         store(&mut self.kept.r, 0, position);
         for e in 0..n {
-            position = self.vec(&self.room.d, 3 * e + 2).fma(self.one(&self.h, e), position);
+            position = self.vec(&self.room.d, 3 * e + 2).fma(self.one(&self.model.h, e), position);
             store(&mut self.kept.r, e + 1, position);
         }
         let gap =
@@ -191,7 +195,7 @@ impl<S: Simd> Chain<S> {
             potential = potential + right.energy;
             if j > 0 {
                 let (e, d) = (j - 1, directors);
-                let h = self.one(&self.h, e);
+                let h = self.one(&self.model.h, e);
                 let p = [self.vec(&self.room.p, 2 * e), self.vec(&self.room.p, 2 * e + 1)];
                 let axial = self.vec(&self.force, e).scale(h);
                 let mut torque = right.moment - left.moment;
@@ -326,7 +330,7 @@ impl<S: Simd> Chain<S> {
             let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
             for lane in 0..lanes {
                 if search[lane].active {
-                    let h = get(self.one(&self.h, 0), lane);
+                    let h = get(self.one(&self.model.h, 0), lane);
                     let solve = Solve {
                         iteration,
                         turn: get(turn, lane),

@@ -93,7 +93,8 @@ impl<S: Simd> Pack<S> {
                 let force = at(&self.chain.force, 3 * segment + i, lane);
                 set(&mut self.outset.forces[k], i, lane, force);
             }
-            let strain = self.vector(&self.phi, node, lane) - self.vector(&self.rest, node, lane);
+            let strain = self.vector(&self.phi, node, lane)
+                - self.vector(&self.chain.model.rest, node, lane);
             let stored = if joined[k] { self.stored(lane, node, &strain) } else { 0.0 };
             set(&mut self.outset.stored, k, lane, stored);
         }
@@ -120,8 +121,8 @@ impl<S: Simd> Pack<S> {
 
     /// Asks the laws what the step stores and dissipates.
     fn book_laws(&mut self) {
-        let Chain { laws, room, ends, .. } = &mut self.chain;
-        let before = Turns { phi: &self.phi, rest: &self.rest, ends };
+        let Chain { model, laws, room, ends, .. } = &mut self.chain;
+        let before = Turns { phi: &self.phi, rest: &model.rest, ends };
         let after = Turns { phi: &room.phi, ..before };
         laws.iter_mut().for_each(|laws| laws.book(before, after));
     }
@@ -216,7 +217,7 @@ impl<S: Simd> Pack<S> {
         let field = |i: usize| V3::load(simd, &self.fields, i);
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
-        let mass = Lane::new(simd, self.mass[a]);
+        let mass = Lane::new(simd, self.chain.model.mass[a]);
         let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
         let rates = self.nodes.rates(chain, a);
         let jump = self.jump(a);
@@ -280,11 +281,11 @@ impl<S: Simd> Pack<S> {
         let ways = [0, 1, 2].map(|k| after[k] - before[k]);
         let chord = |k: usize| ways[k] - turn.cross(after[k]);
         let zero = V3::splat(simd, 0.0);
-        let force = chain.vec(&chain.force, e).scale(chain.one(&chain.h, e));
+        let force = chain.vec(&chain.force, e).scale(chain.one(&chain.model.h, e));
         lines.integrator = lines.integrator - force.dot(chord(2));
         let mut torque = after[2].cross(force);
         for k in 0..2 {
-            let inertia = Lane::new(simd, self.inertia[2 * e + k]);
+            let inertia = Lane::new(simd, self.chain.model.inertia[2 * e + k]);
             let rates = self.directors.rates(chain, 2 * e + k);
             let motion = self.motion(stage, rates, zero, ways[k]);
             lines.kinetic = inertia.fma(motion.gain, lines.kinetic);
@@ -307,7 +308,7 @@ impl<S: Simd> Pack<S> {
         lines: &mut Lines<S>,
     ) -> Bend<S> {
         let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
-        let mut stiffness = chain.vec(&self.stiffness, j);
+        let mut stiffness = chain.vec(&self.chain.model.stiffness, j);
         if j == 0 {
             stiffness = stiffness.scale(Lane::new(simd, chain.ends.root_joint));
         } else if j == n {
@@ -317,7 +318,7 @@ impl<S: Simd> Pack<S> {
         let (phi, phi_before) = (chain.vec(&chain.room.phi, j), chain.vec(&self.phi, j));
         let bend = phi - phi_before;
         let resisted = stiffness.times(bend);
-        let rest = chain.vec(&self.rest, j);
+        let rest = chain.vec(&self.chain.model.rest, j);
         let (strain, strain_before) = (phi - rest, phi_before - rest);
         let mut gain = resisted.dot(strain + strain_before) * half;
         // Without damping there are no rates of joints, and none are needed.

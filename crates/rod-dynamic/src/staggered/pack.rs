@@ -5,12 +5,12 @@ use super::ends::{Ends, Held, Kind};
 use super::lanes::{Array, Lane, V3, zeros};
 use super::laws::{Laws, Turns};
 use super::ledger::Outset;
+use super::model::Model;
 use super::response::Weighted;
 use super::room::Room;
 use super::scheme::{Problem, Scheme, Stage};
 use super::search::Outcome;
 use super::track::Track;
-use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod};
 use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
@@ -21,13 +21,6 @@ use rapunzel_fiber::so3;
 pub(super) struct Pack<S: Simd> {
     pub(super) chain: Chain<S>,
     pub(super) scheme: Scheme,
-    /// Masses of the nodes.
-    pub(super) mass: Array<S>,
-    /// Inertias of d1 and d2 of each segment (2).
-    pub(super) inertia: Array<S>,
-    /// Stiffness of the joints over their lengths, and their natural rotation vectors (3).
-    pub(super) stiffness: Array<S>,
-    pub(super) rest: Array<S>,
     /// Kelvin-Voigt time.
     pub(super) damping: S::f64s,
     /// Positions (3) and joint rotation vectors (3) at the start of the step. Rotations live in
@@ -79,12 +72,8 @@ impl<S: Simd> Pack<S> {
         let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
         let memory = scheme.has_memory();
         let mut pack = Self {
-            chain: Chain::new(simd, n),
+            chain: Chain::new(simd, Model::of(rods)),
             scheme,
-            mass: zeros::<S>(n + 1),
-            inertia: zeros::<S>(2 * n),
-            stiffness: zeros::<S>(3 * (n + 1)),
-            rest: zeros::<S>(3 * (n + 1)),
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
             phi: zeros::<S>(3 * (n + 1)),
@@ -110,35 +99,11 @@ impl<S: Simd> Pack<S> {
             any_damping,
         };
         for lane in 0..S::F64_LANES {
-            pack.model(lane, &rods[lane.min(rods.len() - 1)]);
+            let damping = rods[lane.min(rods.len() - 1)].damping_time;
+            set(std::slice::from_mut(&mut pack.damping), 0, lane, damping);
         }
         pack.chain.laws = Laws::new(n, rods);
         pack
-    }
-
-    /// Fills in the model of one lane, with lumped masses.
-    fn model(&mut self, lane: usize, rod: &Rod) {
-        let (fiber, n) = (&rod.fiber, rod.fiber.segments());
-        let (nodes, h) = (fiber.nodes(), fiber.segment_lengths());
-        for e in 0..n {
-            set(&mut self.chain.h, e, lane, h[e]);
-            for a in [e, e + 1] {
-                let mass = at(&self.mass, a, lane) + 0.5 * fiber.segment_mass(e);
-                set(&mut self.mass, a, lane, mass);
-            }
-            // The kinetic energy of a section is rho (I2 |d1'|^2 + I1 |d2'|^2) / 2.
-            let inertia = 0.5 * h[e] * (nodes[e].rotary_inertia + nodes[e + 1].rotary_inertia);
-            set(&mut self.inertia, 2 * e, lane, inertia.y);
-            set(&mut self.inertia, 2 * e + 1, lane, inertia.x);
-        }
-        for j in 0..=n {
-            let joint = Joint::new(fiber, j);
-            for i in 0..3 {
-                set(&mut self.stiffness, 3 * j + i, lane, joint.stiffness[i]);
-                set(&mut self.rest, 3 * j + i, lane, joint.rest[i]);
-            }
-        }
-        set(std::slice::from_mut(&mut self.damping), 0, lane, rod.damping_time);
     }
 
     /// Solves a problem with steps of length `dt[lane]` in the lanes that are wanted, without
@@ -220,8 +185,8 @@ impl<S: Simd> Pack<S> {
 
     /// Lets the laws of one lane set out from the natural state, and at once to the present turns.
     pub(super) fn strain_laws_at_once(&mut self, lane: usize) {
-        let Chain { laws, ends, .. } = &mut self.chain;
-        let turns = Turns { phi: &self.phi, rest: &self.rest, ends };
+        let Chain { model, laws, ends, .. } = &mut self.chain;
+        let turns = Turns { phi: &self.phi, rest: &model.rest, ends };
         laws.iter_mut().for_each(|laws| laws.strain_at_once(lane, turns));
     }
 
@@ -266,7 +231,7 @@ impl<S: Simd> Pack<S> {
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         for a in 0..=n {
             let mut rates = self.nodes.rates(&self.chain, a);
-            let mass = Lane::new(simd, self.mass[a]);
+            let mass = Lane::new(simd, self.chain.model.mass[a]);
             let before = rates.v;
             rates.v += self.jump(a);
             let (du, vc) = self.scheme.predict(stage, rates);
@@ -298,15 +263,15 @@ impl<S: Simd> Pack<S> {
             let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
-            let inertia = Lane::new(simd, self.inertia[i]) * stage.c1;
+            let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
             let p = if stage.problem == Problem::Rest { V3::splat(simd, 0.0) } else { d + du };
             store(&mut self.chain.room.p, i, p.scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
         let factor = damping.fma(stage.cv, one);
         for j in 0..=n {
-            let mut stiffness = self.chain.vec(&self.stiffness, j);
-            let mut target = self.chain.vec(&self.rest, j);
+            let mut stiffness = self.chain.vec(&self.chain.model.stiffness, j);
+            let mut target = self.chain.vec(&self.chain.model.rest, j);
             if self.any_damping {
                 let (_, vc) = self.scheme.predict(stage, self.joints.rates(&self.chain, j));
                 let phi = self.chain.vec(&self.phi, j);
@@ -342,7 +307,7 @@ impl<S: Simd> Pack<S> {
         let mut tangent = V3::splat(self.chain.simd, 0.0);
         for e in [a.wrapping_sub(1), a] {
             if e < self.chain.n {
-                let h = self.chain.one(&self.chain.h, e);
+                let h = self.chain.one(&self.chain.model.h, e);
                 length = h.fma(half, length);
                 tangent = self.chain.vec(directors, 3 * e + 2).fma(h * half, tangent);
             }
@@ -354,7 +319,7 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     pub(super) fn jump(&self, a: usize) -> V3<S> {
         let impulse = self.chain.vec_or_zero(&self.impulses, a);
-        impulse.scale(Lane::new(self.chain.simd, self.mass[a]).recip())
+        impulse.scale(Lane::new(self.chain.simd, self.chain.model.mass[a]).recip())
     }
 
     /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
@@ -371,7 +336,7 @@ impl<S: Simd> Pack<S> {
             let d = |k: usize| self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let turn = d(0).cross(ahead(&self.directors, 2 * e))
                 + d(1).cross(ahead(&self.directors, 2 * e + 1))
-                + d(2).cross(chord.scale(self.chain.one(&self.chain.h, e).recip()));
+                + d(2).cross(chord.scale(self.chain.one(&self.chain.model.h, e).recip()));
             self.chain.turn(e, turn.scale(half), wanted);
         }
     }
@@ -400,8 +365,11 @@ impl<S: Simd> Pack<S> {
         if let Some(laws) = &mut self.chain.laws
             && stage.problem != Problem::Start
         {
-            let turns =
-                Turns { phi: &self.chain.room.phi, rest: &self.rest, ends: &self.chain.ends };
+            let turns = Turns {
+                phi: &self.chain.room.phi,
+                rest: &self.chain.model.rest,
+                ends: &self.chain.ends,
+            };
             laws.commit(wanted, turns);
         }
         for j in 0..=n {
@@ -428,8 +396,8 @@ impl<S: Simd> Pack<S> {
         let n = self.chain.n;
         // A follower load turns with the end, half a segment from the frame of the last segment.
         let mut now = *now;
-        now.root = ahead(&now.root, &-self.vector(&self.rest, 0, lane));
-        now.tip = ahead(&now.tip, &self.vector(&self.rest, n, lane));
+        now.root = ahead(&now.root, &-self.vector(&self.chain.model.rest, 0, lane));
+        now.tip = ahead(&now.tip, &self.vector(&self.chain.model.rest, n, lane));
         let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
         self.held[lane] = self.chain.ends.set(lane, &now, reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);

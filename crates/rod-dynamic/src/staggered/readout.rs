@@ -19,7 +19,7 @@ impl<S: Simd> Pack<S> {
 
     /// Angular velocity of segment `e` in its material frame: half the sum of `d x d'`.
     fn angular_velocity(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> Vector3<f64> {
-        let h = at(&self.chain.h, e, lane);
+        let h = at(&self.chain.model.h, e, lane);
         let v = |a: usize| self.vector(&self.nodes.v, a, lane);
         let rates = [
             self.vector(&self.directors.v, 2 * e, lane),
@@ -40,7 +40,7 @@ impl<S: Simd> Pack<S> {
         let [root, tip] = self.chain.ends.joined(lane);
         let curvatures = (0..=n)
             .map(|j| {
-                let rest = self.vector(&self.rest, j, lane);
+                let rest = self.vector(&self.chain.model.rest, j, lane);
                 if (j == 0 && !root) || (j == n && !tip) {
                     return nodes[j].natural_curvature;
                 }
@@ -95,7 +95,7 @@ impl<S: Simd> Pack<S> {
                     set(&mut self.directors.v, 3 * (2 * a + k) + i, lane, rates[(i, k)]);
                 }
             }
-            position += matrix.column(2) * at(&self.chain.h, a, lane);
+            position += matrix.column(2) * at(&self.chain.model.h, a, lane);
             let frame = Rotation3::from_matrix_unchecked(matrix);
             if let Some(before) = before {
                 let turn = so3::log(&(before.inverse() * frame));
@@ -106,7 +106,8 @@ impl<S: Simd> Pack<S> {
         self.chain.ends.join(lane);
         for j in [0, n] {
             let strain = state.curvatures[j] - rod.fiber.nodes()[j].natural_curvature;
-            let turn = self.vector(&self.rest, j, lane) + strain * Joint::new(&rod.fiber, j).length;
+            let turn = self.vector(&self.chain.model.rest, j, lane)
+                + strain * Joint::new(&rod.fiber, j).length;
             self.set_turn(lane, j, &turn);
         }
         self.strain_laws_at_once(lane);
@@ -123,7 +124,7 @@ impl<S: Simd> Pack<S> {
         let n = self.chain.n;
         let mut sum = Momentum::default();
         for a in 0..=n {
-            let linear = at(&self.mass, a, lane) * self.vector(&self.nodes.v, a, lane);
+            let linear = at(&self.chain.model.mass, a, lane) * self.vector(&self.nodes.v, a, lane);
             let angular = self.vector(&self.r, a, lane).cross(&linear);
             sum += Momentum { linear, angular };
         }
@@ -132,7 +133,7 @@ impl<S: Simd> Pack<S> {
             for k in 0..2 {
                 let rate = self.vector(&self.directors.v, 2 * e + k, lane);
                 let spin = frame.matrix().column(k).cross(&rate);
-                sum.angular += at(&self.inertia, 2 * e + k, lane) * spin;
+                sum.angular += at(&self.chain.model.inertia, 2 * e + k, lane) * spin;
             }
         }
         sum
@@ -142,7 +143,7 @@ impl<S: Simd> Pack<S> {
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> f64 {
         let by_law = self.chain.laws.as_ref().and_then(|laws| laws.stored(lane, j, strain));
         by_law.unwrap_or_else(|| {
-            let stiffness = self.vector(&self.stiffness, j, lane);
+            let stiffness = self.vector(&self.chain.model.stiffness, j, lane);
             0.5 * strain.dot(&stiffness.component_mul(strain))
         })
     }
@@ -152,7 +153,7 @@ impl<S: Simd> Pack<S> {
         let [root, tip] = self.chain.ends.joined(lane);
         let mut energy = Energy::default();
         for a in 0..=n {
-            let mass = at(&self.mass, a, lane);
+            let mass = at(&self.chain.model.mass, a, lane);
             energy.kinetic += 0.5 * mass * self.vector(&self.nodes.v, a, lane).norm_squared();
             energy.gravitational -= mass * gravity.dot(&self.vector(&self.r, a, lane));
             let joined = match a {
@@ -161,13 +162,14 @@ impl<S: Simd> Pack<S> {
                 _ => true,
             };
             if joined {
-                let strain = self.vector(&self.phi, a, lane) - self.vector(&self.rest, a, lane);
+                let strain =
+                    self.vector(&self.phi, a, lane) - self.vector(&self.chain.model.rest, a, lane);
                 energy.elastic += self.stored(lane, a, &strain);
             }
         }
         for i in 0..2 * n {
             let rate = self.vector(&self.directors.v, i, lane);
-            energy.kinetic += 0.5 * at(&self.inertia, i, lane) * rate.norm_squared();
+            energy.kinetic += 0.5 * at(&self.chain.model.inertia, i, lane) * rate.norm_squared();
         }
         energy
     }

@@ -192,14 +192,14 @@ impl<S: Simd> Pack<S> {
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         self.reassemble();
-        let Chain { h: lengths, kept, room, .. } = &mut self.chain;
+        let Chain { model, kept, room, .. } = &mut self.chain;
         let weighted = self.weighted.get_or_insert_with(|| Weighted::new(n));
         weighted.used = true;
         room.mass.fill(S::f64s::zeroed());
         room.inertia.fill(S::f64s::zeroed());
         for (point, m) in points.iter().zip(masses) {
             let (lane, e, f) = (point.fiber as usize, point.segment as usize, point.fraction);
-            let h = at(lengths, e, lane);
+            let h = at(&model.h, e, lane);
             let add = |array: &mut [S::f64s], i: usize, x: f64| {
                 let old = at(array, i, lane);
                 set(array, i, lane, old + x);
@@ -216,7 +216,7 @@ impl<S: Simd> Pack<S> {
         let mut carry = Block::zero(simd);
         let zero = V3::splat(simd, 0.0);
         for e in 0..n {
-            let h = Lane::new(simd, lengths[e]);
+            let h = Lane::new(simd, model.h[e]);
             let d = V3::load(simd, &room.d, 3 * e + 2);
             let inertia = Lane::new(simd, room.inertia[e]) * stage.c1;
             let hessian = Sym::load(simd, &room.hessian, e);

@@ -11,8 +11,6 @@ pub(super) struct Part {
     pub(super) dt: f64,
     /// Positions of all nodes at its start.
     pub(super) start: Vec<Point3<f64>>,
-    /// Their velocities there.
-    pub(super) before: Vec<Vector3<f64>>,
     pub(super) touches: Vec<Touch>,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,

@@ -160,7 +160,6 @@ impl Touching {
             time,
             dt,
             start: world.positions(),
-            before: world.velocities(),
             touches: std::mem::take(&mut self.touches),
             work: ContactWork::default(),
             report: StepReport::default(),
@@ -333,8 +332,7 @@ impl Touching {
     ) -> Result<Case, Cut> {
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
-        let velocities = [&part.before[..], mean];
-        let case = Case::new(world, &part.touches, velocities, part.dt, &laws, room)?;
+        let case = Case::new(world, &part.touches, mean, part.dt, &laws, room)?;
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
         world.with_impulses(pushes, |group, own| group.press(own))?;

@@ -67,12 +67,12 @@ pub(super) struct Room {
 }
 
 impl Case {
-    /// The contacts of a step of `dt` seconds, by the velocities of all nodes before it and, as
-    /// means over it, those where the touches have their gaps.
+    /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the given mean
+    /// velocities.
     pub(super) fn new(
         world: &World,
         touches: &[Touch],
-        [before, nodes]: [&[Vector3<f64>]; 2],
+        nodes: &[Vector3<f64>],
         dt: f64,
         laws: &Laws,
         room: Room,
@@ -83,7 +83,8 @@ impl Case {
             Partner::Object(object) => !world.objects[object as usize].is_free(),
             Partner::Fiber(_) => false,
         };
-        let (before, mean) = (Velocities::before(world, before), Velocities::new(world, nodes));
+        let start = world.velocities();
+        let (before, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
         let contact = |(i, touch): (usize, &Touch)| {
             let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
@@ -114,6 +115,7 @@ impl Case {
         contacts.clear();
         contacts.reserve_exact(touches.len());
         made.unzip_into_vecs(&mut contacts, &mut gaps);
+        drop(start);
         if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
         }
