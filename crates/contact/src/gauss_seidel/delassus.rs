@@ -253,6 +253,7 @@ fn act<T: Copy + Into<f64>>(
     velocities: &mut [Eight<f64>],
     changes: &mut [Lanes],
 ) {
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let size = a.len();
     let (b, c, velocities, changes) =
         (&b[..size], &c[..size], &mut velocities[..size], &mut changes[..size]);
@@ -266,12 +267,7 @@ fn act<T: Copy + Into<f64>>(
             });
             v[axis] = std::array::from_fn(|lane| v[axis][lane] + change[lane]);
             let size = change.map(f64::abs);
-            most =
-                std::array::from_fn(
-                    |lane| {
-                        if size[lane] > most[lane] { size[lane] } else { most[lane] }
-                    },
-                );
+            most = std::array::from_fn(|lane| larger(size[lane], most[lane]));
         }
         velocities[i] = v;
         let old = changes[i];
