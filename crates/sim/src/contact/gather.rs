@@ -8,55 +8,47 @@ use rapunzel_rod_dynamic::{ImpulseResponse, RodError, StaggeredBatch, StepError}
 use rayon::prelude::*;
 
 impl World {
-    /// Positions of all nodes, in the order of the assembly.
+    /// Positions of all nodes, in the order of the assembly; at the start of a step that is being solved.
     pub(super) fn positions(&self) -> Vec<Point3<f64>> {
-        let layout = self.assembly().layout();
-        let mut positions = vec![Point3::origin(); layout.nodes()];
-        for group in &self.groups {
-            let Some(batch) = group.batch.as_coupled() else { continue };
-            for (lane, &fiber) in group.fibers.iter().enumerate() {
-                for (node, at) in layout.node_range(fiber).enumerate() {
-                    positions[at] = batch.node(lane, node).0;
-                }
-            }
-        }
-        positions
+        self.of_nodes(Point3::origin(), |batch, own| {
+            each_node(batch, own, |(position, _)| position);
+            Ok(())
+        })
     }
 
     /// Velocities of all nodes at the start of the step.
     pub(super) fn velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(|batch, own| {
-            let nodes = batch.nodes() / batch.rods().len();
-            let each = own.iter_mut().enumerate();
-            each.for_each(|(k, velocity)| *velocity = batch.node(k / nodes, k % nodes).1);
+        self.of_nodes(Vector3::zeros(), |batch, own| {
+            each_node(batch, own, |(_, velocity)| velocity);
             Ok(())
         })
     }
 
     /// Mean velocities of all nodes over the step as it has been solved so far.
     pub(super) fn mean_velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(StaggeredBatch::mean_velocities)
+        self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities)
     }
 
     /// The same with the increments of the last linearisation.
     pub(super) fn linear_velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(StaggeredBatch::linear_velocities)
+        self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities)
     }
 
-    fn of_nodes(
+    fn of_nodes<T: Copy + Send + Sync>(
         &self,
-        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError> + Sync,
-    ) -> Vec<Vector3<f64>> {
+        none: T,
+        read: impl Fn(&StaggeredBatch, &mut [T]) -> Result<(), RodError> + Sync,
+    ) -> Vec<T> {
         let layout = self.assembly().layout();
         let own = |group: &Group| {
             let Some(batch) = group.batch.as_coupled() else { return Vec::new() };
-            let mut own = vec![Vector3::zeros(); batch.nodes()];
+            let mut own = vec![none; batch.nodes()];
             let done = read(batch, &mut own);
             debug_assert!(done.is_ok(), "there is one for each node");
             own
         };
         let parts: Vec<_> = self.groups.par_iter().map(own).collect();
-        let mut all = vec![Vector3::zeros(); layout.nodes()];
+        let mut all = vec![none; layout.nodes()];
         for (group, part) in self.groups.iter().zip(&parts).filter(|(_, part)| !part.is_empty()) {
             let mut rest = &part[..];
             for &fiber in &group.fibers {
@@ -128,4 +120,14 @@ impl World {
         let groups = self.groups.par_iter_mut();
         groups.filter_map(|group| group.batch.coupled()).for_each(StaggeredBatch::abandon);
     }
+}
+
+/// Something of each node of a batch, by its position and velocity.
+fn each_node<T>(
+    batch: &StaggeredBatch,
+    own: &mut [T],
+    of: impl Fn((Point3<f64>, Vector3<f64>)) -> T,
+) {
+    let nodes = batch.nodes() / batch.rods().len();
+    own.iter_mut().enumerate().for_each(|(k, own)| *own = of(batch.node(k / nodes, k % nodes)));
 }

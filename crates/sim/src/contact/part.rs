@@ -9,26 +9,27 @@ pub(super) struct Part {
     /// Its start and length, s.
     pub(super) time: f64,
     pub(super) dt: f64,
-    /// Positions of all nodes at its start.
-    pub(super) start: Vec<Point3<f64>>,
     pub(super) touches: Vec<Touch>,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,
 }
 
 impl Part {
-    /// Positions of all nodes at its end if they have these mean velocities.
-    pub(super) fn end(&self, mean: &[Vector3<f64>]) -> Vec<Point3<f64>> {
-        self.start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect()
+    /// Positions of all nodes at its start, and at its end if they have these mean velocities.
+    pub(super) fn ends(&self, world: &World, mean: &[Vector3<f64>]) -> [Vec<Point3<f64>>; 2] {
+        let start = world.positions();
+        let end = start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect();
+        [start, end]
     }
 
+    /// The motion between such positions.
     pub(super) fn motion<'a>(
-        &'a self,
+        &self,
         world: &'a World,
         radii: &'a [f64],
-        end: &'a [Point3<f64>],
+        [start, end]: &'a [Vec<Point3<f64>>; 2],
     ) -> Motion<'a> {
         let layout = world.assembly().layout();
-        Motion { layout, radii, start: &self.start, end, time: self.time, dt: self.dt }
+        Motion { layout, radii, start, end, time: self.time, dt: self.dt }
     }
 }

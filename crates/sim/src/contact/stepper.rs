@@ -159,7 +159,6 @@ impl Touching {
         let mut part = Part {
             time,
             dt,
-            start: world.positions(),
             touches: std::mem::take(&mut self.touches),
             work: ContactWork::default(),
             report: StepReport::default(),
@@ -314,9 +313,9 @@ impl Touching {
     /// solution with these contacts would be found to be none.
     fn strays(&self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
         let mean = world.mean_velocities();
-        let end = part.end(&mean);
+        let ends = part.ends(world, &mean);
         let near = case.near(world, &part.touches, &mean, part.dt);
-        let found = detect::gaps(&part.motion(world, &self.radii, &end), &near)?;
+        let found = detect::gaps(&part.motion(world, &self.radii, &ends), &near)?;
         let deeper = |(touch, found): (&Touch, f64)| touch.gap.min(0.0) - found > self.depth();
         Ok(near.iter().zip(found).any(deeper))
     }
@@ -385,8 +384,8 @@ impl Touching {
     ) -> Result<Vec<Vector3<f64>>, CollisionError> {
         let mean = world.mean_velocities();
         let mut touches = std::mem::take(&mut part.touches);
-        let end = part.end(&mean);
-        let motion = part.motion(world, &self.radii, &end);
+        let ends = part.ends(world, &mean);
+        let motion = part.motion(world, &self.radii, &ends);
         self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
@@ -402,8 +401,8 @@ impl Touching {
     ) -> Result<(f64, Vec<Vector3<f64>>), CollisionError> {
         let mean = world.mean_velocities();
         let mut touches = Vec::new();
-        let end = part.end(&mean);
-        let motion = part.motion(world, &self.radii, &end);
+        let ends = part.ends(world, &mean);
+        let motion = part.motion(world, &self.radii, &ends);
         let deepest =
             self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;

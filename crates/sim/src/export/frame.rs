@@ -46,7 +46,8 @@ impl Frame {
 }
 
 impl Strand {
-    fn validate(&self, strand: usize) -> Result<(), ExportError> {
+    /// The same of this strand, by its number.
+    pub(super) fn validate(&self, strand: usize) -> Result<(), ExportError> {
         let points = self.points.len();
         if points < 2 {
             return Err(ExportError::Count { strand, what: "points", found: points, expected: 2 });

@@ -10,7 +10,7 @@
 //! | [`surface`] | surfaces of objects, as VTK poly data and as USD `Mesh` | the same |
 //! | [`preview`] | a contact sheet as PNG | eyes |
 //!
-//! Writers take any [`std::io::Write`], check what they are given and never touch a file system.
+//! Writers take any [`std::io::Write`], [`vtp`] one that can [seek](std::io::Seek), check what they are given and never touch a file system.
 //! Because a `vtp` holds a whole frame, the files of a whole series can be made at the end of a
 //! run, or after its crash, from those.
 

@@ -144,23 +144,31 @@ impl Observer for FrameWriter {
             return Ok(());
         }
         let index = self.count;
-        let frame = frame(world, index);
+        let whole = self.formats.iter().any(|format| *format != Format::Usd);
+        let (time, strands) = (world.time(), || strands(world));
+        let frame = whole.then(|| Frame { index, time, strands: strands().collect() });
         for format in &self.formats {
-            match format {
-                Format::Hair => {
-                    save(&self.file(index, "hair"), |to| export::hair::write(to, &frame))
+            match (format, &frame) {
+                (Format::Hair, Some(frame)) => {
+                    save(&self.file(index, "hair"), |to| export::hair::write(to, frame))?;
                 }
-                Format::Pov => save(&self.file(index, "pov"), |to| export::pov::write(to, &frame)),
-                Format::Usd => Ok(()),
-            }?;
+                (Format::Pov, Some(frame)) => {
+                    save(&self.file(index, "pov"), |to| export::pov::write(to, frame))?;
+                }
+                _ => (),
+            }
         }
+        drop(frame);
         if self.objects.file(index) == Some(index) {
             let surfaces: Vec<_> = world.surfaces().collect();
             save(&self.folder.join(objects_name(index)), |to| {
                 export::surface::write_vtp(to, world.time(), &surfaces)
             })?;
         }
-        save(&self.file(index, "vtp"), |to| export::vtp::write(to, &frame))?;
+        let counts = counts(world);
+        save(&self.file(index, "vtp"), |to| {
+            export::vtp::write_strands(to, (index, time), &counts, strands())
+        })?;
         self.count += 1;
         Ok(())
     }
@@ -198,8 +206,8 @@ fn objects_name(index: usize) -> String {
     format!("{FRAMES}/objects-{index:06}.vtp")
 }
 
-/// All fibres as they are now.
-fn frame(world: &World, index: usize) -> Frame {
+/// All fibres as they are now, one after another: all of them together are half as much as the world.
+fn strands(world: &World) -> impl Iterator<Item = Strand> {
     let strand = |i: usize| {
         let state = world.state(i);
         let nodes = world.assembly().layout().node_range(i);
@@ -212,9 +220,14 @@ fn frame(world: &World, index: usize) -> Frame {
             forces: state.forces,
         }
     };
-    let strands = match &world.springs {
-        Some(springs) => springs.strands(),
-        None => (0..world.assembly().fibers().len()).map(strand).collect(),
-    };
-    Frame { index, time: world.time(), strands }
+    let springs = world.springs.iter().flat_map(|springs| springs.strands());
+    springs.chain((0..world.assembly().fibers().len()).map(strand))
+}
+
+/// The number of points of each.
+fn counts(world: &World) -> Vec<usize> {
+    let layout = world.assembly().layout();
+    let springs = world.springs.iter().flat_map(|springs| springs.strands());
+    let springs = springs.map(|strand| strand.points.len());
+    springs.chain((0..layout.fibers()).map(|i| layout.node_range(i).len())).collect()
 }

@@ -12,6 +12,7 @@ pub(super) mod write;
 
 pub use read::read;
 pub use write::write;
+pub(crate) use write::write_strands;
 
 /// What follows the raw data; without it, a file is cut short.
 pub(super) const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
@@ -33,11 +34,12 @@ const POINT_DATA: [(&str, usize); 8] = [
 mod tests {
     use super::super::{ExportError, Frame, sample};
     use super::*;
+    use std::io::Cursor;
 
     fn bytes(frame: &Frame) -> Vec<u8> {
-        let mut out = Vec::new();
+        let mut out = Cursor::new(Vec::new());
         write(&mut out, frame).expect("memory");
-        out
+        out.into_inner()
     }
 
     #[test]

@@ -1,23 +1,57 @@
 use super::{END, POINT_DATA};
 use crate::export::{ExportError, Frame, Strand};
-use std::io::Write;
+use std::borrow::Borrow;
+use std::io::{Seek, SeekFrom, Write};
+
+/// Bytes of an array that wait to be written together.
+const WAITING: usize = 1 << 16;
 
 /// Writes `frame`. Cost: about 190 bytes per point.
 ///
 /// # Errors
-/// Refuses unsound frames; fails if `out` does.
-pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
-    frame.validate()?;
-    header(out, frame)?;
-    let strands = || frame.strands.iter();
-    let (points, lines) = (frame.points(), frame.strands.len());
-    let positions = strands().flat_map(|s| &s.points).flat_map(|p| p.coords.iter().copied());
-    block(out, 3 * points, positions)?;
-    for (name, parts) in POINT_DATA {
-        block(out, parts * points, strands().flat_map(|strand| point_data(strand, name)))?;
+/// Refuses unsound frames, when some of it may be written; fails if `out` does.
+pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportError> {
+    let counts: Vec<usize> = frame.strands.iter().map(|strand| strand.points.len()).collect();
+    write_strands(out, (frame.index, frame.time), &counts, frame.strands.iter())
+}
+
+/// The same of a frame of this index and time whose strands, of so many points each, come one by one.
+pub(crate) fn write_strands<S: Borrow<Strand>>(
+    out: &mut (impl Write + Seek),
+    (index, time): (usize, f64),
+    counts: &[usize],
+    strands: impl Iterator<Item = S>,
+) -> Result<(), ExportError> {
+    let (points, lines) = (counts.iter().sum(), counts.len());
+    header(out, (index, time), [points, lines])?;
+    let mut at = out.stream_position()?;
+    // A strand has some of all arrays, which lie one behind the other.
+    let mut arrays = Vec::new();
+    for parts in [3].into_iter().chain(POINT_DATA.map(|(_, parts)| parts)) {
+        let size = 8 * (parts * points) as u64;
+        arrays.push(Array { at, waiting: size.to_le_bytes().to_vec() });
+        at += 8 + size;
     }
-    let ends = strands().scan(0_u64, |end, strand| {
-        *end += strand.points.len() as u64;
+    for (i, (strand, &expected)) in strands.zip(counts).enumerate() {
+        let strand = strand.borrow();
+        strand.validate(i)?;
+        let found = strand.points.len();
+        if found != expected {
+            return Err(ExportError::Count { strand: i, what: "points", found, expected });
+        }
+        let positions = strand.points.iter().flat_map(|p| p.coords.data.0[0]).collect();
+        let data = POINT_DATA.iter().map(|(name, _)| point_data(strand, name));
+        for (array, numbers) in arrays.iter_mut().zip([positions].into_iter().chain(data)) {
+            array.waiting.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
+            if array.waiting.len() >= WAITING {
+                array.write(out)?;
+            }
+        }
+    }
+    arrays.iter_mut().try_for_each(|array| array.write(out))?;
+    out.seek(SeekFrom::Start(at))?;
+    let ends = counts.iter().scan(0_u64, |end, &count| {
+        *end += count as u64;
         Some(*end)
     });
     block(out, points, 0..points as u64)?;
@@ -25,6 +59,24 @@ pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
     block(out, lines, 0..lines as u64)?;
     out.write_all(END)?;
     Ok(())
+}
+
+/// An array that is being written.
+struct Array {
+    /// Where what waits belongs.
+    at: u64,
+    waiting: Vec<u8>,
+}
+
+impl Array {
+    /// Writes what waits.
+    fn write(&mut self, out: &mut (impl Write + Seek)) -> Result<(), ExportError> {
+        out.seek(SeekFrom::Start(self.at))?;
+        out.write_all(&self.waiting)?;
+        self.at += self.waiting.len() as u64;
+        self.waiting.clear();
+        Ok(())
+    }
 }
 
 /// The numbers of one strand for the array `name` of [`POINT_DATA`].
@@ -50,9 +102,11 @@ fn point_data(strand: &Strand, name: &str) -> Vec<f64> {
     }
 }
 
-fn header(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
-    let (points, lines) = (frame.points(), frame.strands.len());
-    let (time, index) = (frame.time, frame.index);
+fn header(
+    out: &mut impl Write,
+    (index, time): (usize, f64),
+    [points, lines]: [usize; 2],
+) -> Result<(), ExportError> {
     write!(
         out,
         r#"<?xml version="1.0"?>
