@@ -20,9 +20,9 @@ pub(crate) use delassus::Delassus;
 /// stay, at first in the order of their first points (root to tip), until all obey the law.
 ///
 /// It knows every answer explicitly and solves every limit curve exactly. An iteration is as many solved
-/// contacts as there are. Memory grows with the square of the touched points of a body, and so does setup where
-/// bodies do not [write out](Body::written_out) their answers; to solve a contact costs six columns: many
-/// contacts per fiber want [`Solver`]s that do without.
+/// contacts as there are. Where bodies do not [write out](Body::written_out) their answers, memory and setup
+/// grow with the square of their touched points; to solve a contact costs six columns: many contacts per fiber
+/// want [`Solver`]s that do without.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussSeidel {
     /// When to stop.

@@ -154,7 +154,7 @@ fn answers_that_do_not_fit_are_refused() {
 fn answers_side_by_side_are_those_of_their_matrix() {
     for count in [0, 1, 8, 9] {
         // Whole numbers of so few digits are exact in single precision too.
-        let entry = |i: usize, j: usize| (3 * i * j + i + j) as f64;
+        let entry = |i: usize, j: usize| (3 * i * j + i + 2 * j) as f64;
         let matrix = DMatrix::from_fn(3 * count, 3 * count, entry);
         for answers in [Answers::new(&matrix), Answers::rounded(&matrix)] {
             let answers = answers.expect("square");
