@@ -14,8 +14,8 @@ pub struct Contact {
     pub first: usize,
     /// Index of the second; `None` where the first touches something that is not moved by it.
     pub second: Option<usize>,
-    /// Orthonormal columns, world: the normal from the second to the first, then two tangents, of
-    /// which the limit curve speaks.
+    /// Orthonormal and right-handed columns, world: the normal from the second to the first, then two
+    /// tangents, of which the limit curve speaks.
     pub frame: Matrix3<f64>,
     /// Added to the relative velocity, m/s, in `frame`: minus the velocity of what is not moved;
     /// along the normal the gap that may still close in the step divided by its length, or the
@@ -48,16 +48,17 @@ impl Contact {
     ///
     /// # Errors
     /// [`ContactError::Contact`] for a point that there is not or that touches itself, a frame that
-    /// is not orthonormal, and numbers that are not finite or, where they must not be, negative.
+    /// is no rotation, and numbers that are not finite or, where they must not be, negative.
     pub fn validate(&self, index: usize, points: usize) -> Result<(), ContactError> {
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let error = (self.frame.tr_mul(&self.frame) - Matrix3::identity()).amax();
+        let mirrored = self.frame.determinant() < 0.0;
         let why = if self.first.max(self.second.unwrap_or(0)) >= points {
             "a point is not among those of the bodies"
         } else if self.second == Some(self.first) {
             "a point cannot touch itself"
-        } else if error > ORTHONORMAL || error.is_nan() {
-            "the columns of the frame must be orthonormal"
+        } else if error > ORTHONORMAL || error.is_nan() || mirrored {
+            "the columns of the frame must be orthonormal and right-handed"
         } else if !finite(self.bias.as_slice()) {
             "the bias must be finite"
         } else if !(finite(&[self.adhesion, self.compliance])

@@ -122,11 +122,9 @@ fn judge<S: Simd>(simd: S, part: &mut Part, common: &Common) {
 #[inline(always)]
 fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common) {
     let contacts = &common.contacts[part.contacts.clone()];
-    let [start, image] = part.descents.rooms(3 * contacts.len());
-    let (starts, images) = (start.as_chunks_mut::<3>().0, image.as_chunks_mut::<3>().0);
-    for (start, r) in starts.iter_mut().zip(&*part.impulses) {
-        *start = (*r).into();
-    }
+    let image = part.descents.image();
+    image.resize(3 * contacts.len(), 0.0);
+    let images = image.as_chunks_mut::<3>().0;
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
         let r = wide.pack(&part.impulses[wide.range()]);

@@ -10,6 +10,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, NullaryFnOnce};
+use std::ops::Index;
 
 /// Sums that a product runs side by side.
 const LANES: usize = 32;
@@ -35,8 +36,6 @@ pub(crate) struct Anderson {
 /// What is remembered of some of the vectors.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Part {
-    /// State at the start of the step.
-    pub(crate) start: Vec<f64>,
     /// Differences of residuals and of images, the oldest overwritten first.
     differences: Vec<[Vec<f32>; 2]>,
     /// Residual and image of the step before, and of the next.
@@ -141,19 +140,15 @@ impl Part {
         &mut self.next[1]
     }
 
-    /// Room for so many numbers of the state at the start of a step and of the image at its end.
-    pub(crate) fn rooms(&mut self, numbers: usize) -> [&mut [f64]; 2] {
-        let rooms = [&mut self.start, &mut self.next[1]];
-        rooms.map(|room| {
-            room.resize(numbers, 0.0);
-            &mut room[..]
-        })
-    }
-
-    /// Remembers the step that led to the image, and finds its products; `roots` are those of the
-    /// weights of the norm, by vector.
-    pub(crate) fn look(&mut self, place: Option<Place>, roots: &[f64]) -> Products {
-        Arch::new().dispatch(Look { part: self, place, roots })
+    /// Remembers the step that led from a state to the image, and finds its products; `roots` are those of
+    /// the weights of the norm, by vector.
+    pub(crate) fn look<V: Index<usize, Output = f64>>(
+        &mut self,
+        start: &[V],
+        place: Option<Place>,
+        roots: &[f64],
+    ) -> Products {
+        Arch::new().dispatch(Look { part: self, start, place, roots })
     }
 
     /// The next state.
@@ -189,21 +184,22 @@ impl Products {
 }
 
 /// Remembers a step and finds its products.
-struct Look<'a> {
+struct Look<'a, V> {
     part: &'a mut Part,
+    start: &'a [V],
     place: Option<Place>,
     roots: &'a [f64],
 }
 
-impl NullaryFnOnce for Look<'_> {
+impl<V: Index<usize, Output = f64>> NullaryFnOnce for Look<'_, V> {
     type Output = Products;
 
     #[inline(always)]
     fn call(self) -> Products {
-        let Self { part, place, roots } = self;
+        let Self { part, start, place, roots } = self;
         let [weighted, image] = &mut part.next;
         weighted.resize(image.len(), 0.0);
-        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(part.start.as_chunks::<3>().0);
+        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(start);
         for (((weighted, start), image), w) in rooms.zip(image.as_chunks::<3>().0).zip(roots) {
             *weighted = [0, 1, 2].map(|k| (image[k] - start[k]) * w);
         }

@@ -99,6 +99,6 @@ impl Part<'_, '_> {
 
     fn descend(&mut self, common: &Common, place: Option<Place>) {
         self.alone(common, Act::Descend);
-        self.products = self.descents.look(place, &self.response_roots);
+        self.products = self.descents.look(self.impulses, place, &self.response_roots);
     }
 }

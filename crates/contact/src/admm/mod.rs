@@ -37,7 +37,7 @@ use sides::Sides;
 use std::ops::Range;
 
 /// The solver for thousands of contacts: cost linear in points and contacts an iteration.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Admm {
     /// When to stop.
     pub tolerance: Tolerance,
@@ -48,8 +48,6 @@ pub struct Admm {
     pub weight: f64,
     /// How many steps the acceleration remembers; 0 for none.
     pub memory: usize,
-    /// Room for what is remembered of iterations and of descents.
-    steps: Vec<[anderson::Part; 2]>,
 }
 
 /// Iterations between two looks at the tolerance.
@@ -72,7 +70,7 @@ impl Admm {
     /// The solver with its usual relaxation, weight and memory.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10, steps: Vec::new() }
+        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10 }
     }
 }
 
@@ -104,7 +102,7 @@ impl Solver for Admm {
             impulses: Shared::new(contacts.par_iter().zip(&*impulses).map(first)),
             v: Shared::new(velocities.par_iter().copied()),
         };
-        let parts = parts(bodies, impulses, &common, &mut self.steps);
+        let parts = parts(bodies, impulses, &common);
         let crew = Crew::new(parts.into_iter(), |order: &Order, part| part.act(order, &common));
         let tolerance = self.tolerance;
         let period = if sides.len() > FEW { PERIOD } else { 1 };
@@ -196,16 +194,14 @@ fn parts<'a, 'b>(
     mut bodies: &'a mut [&'b mut dyn Body],
     mut impulses: &'a mut [Vector3<f64>],
     common: &Common,
-    steps: &'a mut Vec<[anderson::Part; 2]>,
 ) -> Vec<Part<'a, 'b>> {
     let groups = groups(bodies, common.sides);
     let contacts = impulses.len();
     let count = groups.len().max(contacts.div_ceil(CONTACTS));
-    steps.resize_with(steps.len().max(count), Default::default);
     // Spread evenly where there are fewer groups than parts.
     let cut = |all: usize, part: usize| all * part / count;
     let (mut own, mut points) = (Vec::with_capacity(count), 0..0);
-    for (part, steps) in (0..count).zip(steps) {
+    for part in 0..count {
         let of_part = &groups[cut(groups.len(), part)..cut(groups.len(), part + 1)];
         let own_bodies = of_part.iter().map(|(bodies, _)| bodies).sum();
         points = points.end..of_part.last().map_or(points.end, |(_, points)| *points);
@@ -214,9 +210,9 @@ fn parts<'a, 'b>(
         bodies = rest;
         let (of_contacts, rest) = std::mem::take(&mut impulses).split_at_mut(own_contacts.len());
         impulses = rest;
-        own.push(((of_bodies, points.clone()), (of_contacts, own_contacts), steps.each_mut()));
+        own.push(((of_bodies, points.clone()), (of_contacts, own_contacts)));
     }
-    let part = |(bodies, contacts, steps)| Part::new(common, bodies, contacts, steps);
+    let part = |(bodies, contacts)| Part::new(common, bodies, contacts);
     own.into_par_iter().map(part).collect()
 }
 

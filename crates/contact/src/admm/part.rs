@@ -66,8 +66,10 @@ pub(super) struct Part<'a, 'b> {
     answer: Vec<Vector3<f64>>,
     /// Roots of the metric, by side.
     roots: Vec<f64>,
-    steps: &'a mut anderson::Part,
-    pub(super) descents: &'a mut anderson::Part,
+    /// State at the start of a step of the splitting, by side, and what is remembered of its steps.
+    start: Vec<Vector3<f64>>,
+    steps: anderson::Part,
+    pub(super) descents: anderson::Part,
     pub(super) products: Products,
     pub(super) contacts: Range<usize>,
     /// In the frames of the contacts.
@@ -88,7 +90,6 @@ impl<'a, 'b> Part<'a, 'b> {
         common: &Common,
         (bodies, points): (&'a mut [&'b mut dyn Body], Range<usize>),
         (impulses, contacts): (&'a mut [Vector3<f64>], Range<usize>),
-        [steps, descents]: [&'a mut anderson::Part; 2],
     ) -> Self {
         let Common { sides, masses, .. } = common;
         let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
@@ -122,10 +123,11 @@ impl<'a, 'b> Part<'a, 'b> {
             wanted: vec![Vector3::zeros(); contacts.len()],
             sums: Sums::default(),
             refused: None,
+            start: Vec::new(),
+            steps: anderson::Part::default(),
+            descents: anderson::Part::default(),
             bodies,
             points,
-            steps,
-            descents,
             contacts,
             impulses,
         }
@@ -176,7 +178,7 @@ impl<'a, 'b> Part<'a, 'b> {
         }
         self.answer(|body, asked, answer| body.weighted_respond(asked, answer));
         if sets_out {
-            self.steps.start.clear();
+            self.start.clear();
         }
         let looks = matches!(turn, Turn::Look(_));
         if looks {
@@ -190,7 +192,7 @@ impl<'a, 'b> Part<'a, 'b> {
                 let z = before + common.impulse(side) * lightness;
                 let next = before + (v - z) * common.relaxation;
                 if sets_out {
-                    self.steps.start.extend_from_slice(before.as_slice());
+                    self.start.push(before);
                 }
                 if looks {
                     self.steps.image().extend_from_slice(next.as_slice());
@@ -203,7 +205,7 @@ impl<'a, 'b> Part<'a, 'b> {
             }
         }
         if let Turn::Look(place) = turn {
-            self.products = self.steps.look(place, &self.roots);
+            self.products = self.steps.look(&self.start, place, &self.roots);
         }
     }
 

@@ -22,11 +22,11 @@ pub(super) type Vectors<S> = [Lane<S>; 3];
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 pub(super) struct Group {
-    /// By column, then component.
-    frames: [[Numbers; 3]; 3],
+    /// Normals and first tangents, by component. To find the second anew is less than to read it.
+    axes: [[Numbers; 3]; 2],
     bias: [Numbers; 3],
-    adhesion: Numbers,
-    compliance: Numbers,
+    /// Adhesion and compliance, if any has some.
+    soft: Option<Box<[Numbers; 2]>>,
     /// Answers to their own impulses in the metric, 1/kg.
     responses: Numbers,
     /// Of what is wrong with velocities in reports, kg.
@@ -49,10 +49,9 @@ impl Group {
         [points, sides]: [Places; 2],
     ) -> Self {
         let mut group = Self {
-            frames: Default::default(),
+            axes: Default::default(),
             bias: Default::default(),
-            adhesion: Default::default(),
-            compliance: Default::default(),
+            soft: None,
             responses: [1.0; WIDTH],
             weights: [1.0; WIDTH],
             circles: Some(Default::default()),
@@ -61,14 +60,16 @@ impl Group {
         };
         let both = contacts.iter().zip(responses);
         for (lane, ((contact, response), weight)) in both.zip(weights).enumerate() {
-            for i in 0..3 {
-                for k in 0..3 {
-                    group.frames[i][k][lane] = contact.frame[(k, i)];
+            for k in 0..3 {
+                for i in 0..2 {
+                    group.axes[i][k][lane] = contact.frame[(k, i)];
                 }
-                group.bias[i][lane] = contact.bias[i];
+                group.bias[k][lane] = contact.bias[k];
             }
-            group.adhesion[lane] = contact.adhesion;
-            group.compliance[lane] = contact.compliance;
+            if contact.adhesion != 0.0 || contact.compliance != 0.0 {
+                let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
+                (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
+            }
             (group.responses[lane], group.weights[lane]) = (*response, weight);
             match (&mut group.circles, &contact.friction) {
                 (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
@@ -131,12 +132,12 @@ impl<'a, S: Simd> Wide<'a, S> {
 
     #[inline(always)]
     pub(super) fn adhesion(&self) -> Lane<S> {
-        self.lane(&self.group.adhesion)
+        self.group.soft.as_ref().map_or(self.splat(0.0), |soft| self.lane(&soft[0]))
     }
 
     #[inline(always)]
     pub(super) fn compliance(&self) -> Lane<S> {
-        self.lane(&self.group.compliance)
+        self.group.soft.as_ref().map_or(self.splat(0.0), |soft| self.lane(&soft[1]))
     }
 
     #[inline(always)]
@@ -190,22 +191,30 @@ impl<'a, S: Simd> Wide<'a, S> {
             between[lane] = velocities.get(first as usize) - velocities.get(second as usize);
         }
         let [x, y, z] = self.pack(&between[..S::F64_LANES]);
-        let mut relative = [self.splat(0.0); 3];
+        let (frame, mut relative) = (self.frame(), [self.splat(0.0); 3]);
         for i in 0..3 {
-            let [a, b, c] = &self.group.frames[i];
-            let along = self.lane(a) * x + self.lane(b) * y + self.lane(c) * z;
-            relative[i] = along + self.lane(&self.group.bias[i]);
+            let [a, b, c] = frame[i];
+            relative[i] = a * x + b * y + c * z + self.lane(&self.group.bias[i]);
         }
         relative
+    }
+
+    /// Normals and both tangents.
+    #[inline(always)]
+    fn frame(&self) -> [Vectors<S>; 3] {
+        let [normal, along] = &self.group.axes;
+        let [a, b, c] = [self.lane(&normal[0]), self.lane(&normal[1]), self.lane(&normal[2])];
+        let [x, y, z] = [self.lane(&along[0]), self.lane(&along[1]), self.lane(&along[2])];
+        [[a, b, c], [x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
     }
 
     /// Out of the frames.
     #[inline(always)]
     pub(super) fn world(&self, [n, s, t]: Vectors<S>) -> Vectors<S> {
-        let [a, b, c] = &self.group.frames;
+        let [a, b, c] = self.frame();
         let mut world = [self.splat(0.0); 3];
         for k in 0..3 {
-            world[k] = self.lane(&a[k]) * n + self.lane(&b[k]) * s + self.lane(&c[k]) * t;
+            world[k] = a[k] * n + b[k] * s + c[k] * t;
         }
         world
     }

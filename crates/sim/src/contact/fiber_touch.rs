@@ -70,7 +70,7 @@ pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
 
 fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
     let (sides, segments) = of_fibers(here.layout(), contact);
-    let [axis, other_axis] = contact.pair.map(|segment| {
+    let ways = contact.pair.map(|segment| {
         let capsule = here.get(segment as usize);
         capsule.end - capsule.start
     });
@@ -79,14 +79,12 @@ fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
         segments,
         fractions: contact.fractions,
         normal: -*contact.normal,
-        axis,
-        other_axis,
+        ways,
         gap: contact.gap,
-        drive: Vector3::zeros(),
-        levers: [Vector3::zeros(); 2],
         impulse: Vector3::zeros(),
         working: false,
         bonded: false,
+        led: false,
     }
 }
 

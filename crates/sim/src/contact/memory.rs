@@ -152,23 +152,10 @@ mod tests {
 
     /// As a touch of which no more is known.
     fn touch(Remembered { push, bonded }: Remembered) -> Touch {
-        let Push { sides, segments, fractions, levers, impulse } = push;
-        let zero = Vector3::zeros();
-        let (normal, axis, other_axis, drive, gap, working) = (zero, zero, zero, zero, 0.0, false);
-        Touch {
-            sides,
-            segments,
-            fractions,
-            normal,
-            axis,
-            other_axis,
-            gap,
-            drive,
-            levers,
-            impulse,
-            working,
-            bonded,
-        }
+        let Push { sides, segments, fractions, impulse, .. } = push;
+        let (normal, ways, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
+        let (working, led) = (false, false);
+        Touch { sides, segments, fractions, normal, ways, gap, impulse, working, bonded, led }
     }
 
     proptest! {

@@ -205,9 +205,9 @@ impl Object {
                 let axis = start + contact.fraction * (end - start);
                 let place = axis - normal * (contact.gap + radius);
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
-                let (drive, lever) = match &self.way {
-                    Way::Led(_) => ((place - was) / span[1], Vector3::zeros()),
-                    Way::Free(body) => (Vector3::zeros(), axis - body.centers()[1]),
+                let own = match &self.way {
+                    Way::Led(_) => (place - was) / span[1],
+                    Way::Free(body) => axis - body.centers()[1],
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                 let segment = s as u32;
@@ -216,14 +216,12 @@ impl Object {
                     segments: [segment, 0],
                     fractions: [contact.fraction, 0.0],
                     normal,
-                    axis: end - start,
-                    other_axis: Vector3::zeros(),
+                    ways: [end - start, own],
                     gap: contact.gap,
-                    drive,
-                    levers: [Vector3::zeros(), lever],
                     impulse: Vector3::zeros(),
                     working: false,
                     bonded: false,
+                    led: !self.is_free(),
                 });
             }
         }

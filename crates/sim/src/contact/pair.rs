@@ -172,13 +172,9 @@ impl Step<'_> {
         let place = axis - normal * (bone.radius + 0.5 * gap);
         let opened = (self.way_of(of, &axis) - self.way_of(1 - of, &foot)).dot(&normal);
         let gap = if self.when == 1 { gap } else { gap + opened };
-        let lever = |i: usize| match &self.pair.0[i].way {
+        let own = |i: usize| match &self.pair.0[i].way {
             Way::Free(body) => place - body.centers()[self.when],
-            Way::Led(_) => Vector3::zeros(),
-        };
-        let drive = match &self.pair.0[1].way {
-            Way::Free(_) => Vector3::zeros(),
-            Way::Led(_) => self.way_of(1, &place) / self.dt,
+            Way::Led(_) => self.way_of(i, &place) / self.dt,
         };
         // Numbers of one skeleton are so far apart that no two of its capsules are taken for one.
         let (mut segments, mut fractions) = ([0; 2], [0.0; 2]);
@@ -188,14 +184,12 @@ impl Step<'_> {
             segments,
             fractions,
             normal: if of == 0 { normal } else { -normal },
-            axis: Vector3::zeros(),
-            other_axis: Vector3::zeros(),
+            ways: [0, 1].map(own),
             gap,
-            drive,
-            levers: [0, 1].map(lever),
             impulse: Vector3::zeros(),
             working: false,
             bonded: false,
+            led: !self.pair.0[1].is_free(),
         };
         (touch, place)
     }

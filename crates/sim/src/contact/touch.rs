@@ -46,23 +46,21 @@ pub(crate) struct Touch {
     pub(crate) fractions: [f64; 2],
     /// Unit normal from the second side to the first, world.
     pub(crate) normal: Vector3<f64>,
-    /// Along the first side, from root to tip, world; not of unit length; zero for an object.
-    pub(crate) axis: Vector3<f64>,
-    /// The same of the second.
-    pub(crate) other_axis: Vector3<f64>,
+    /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit length.
+    /// Of an object that moves freely the lever from its center of mass to where the impulse acts, m: on the
+    /// axis of a fibre, in the middle of the gap between objects. Of one that is led the mean velocity of its
+    /// surface over the step, m/s.
+    pub(crate) ways: [Vector3<f64>; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
-    /// Mean velocity of the second side's surface over the step if that is led, m/s, world.
-    pub(crate) drive: Vector3<f64>,
-    /// From the center of mass of each side that is a free object to where the impulse acts, m, world:
-    /// on the axis of a fibre, in the middle of the gap between objects.
-    pub(crate) levers: [Vector3<f64>; 2],
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
     /// Whether a bond holds it together.
     pub(crate) bonded: bool,
+    /// Whether the second side is an object that is led.
+    pub(crate) led: bool,
 }
 
 /// What a touch does to its two sides.
@@ -72,6 +70,7 @@ pub(crate) struct Push {
     pub(crate) sides: [Partner; 2],
     pub(crate) segments: [u32; 2],
     pub(crate) fractions: [f64; 2],
+    /// Of each side that is an object which moves freely, else zero.
     pub(crate) levers: [Vector3<f64>; 2],
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
@@ -92,8 +91,26 @@ impl Push {
 impl Touch {
     /// What it does with an impulse on the first side, N s, world.
     pub(super) fn push(&self, impulse: Vector3<f64>) -> Push {
-        let Self { sides, segments, fractions, levers, .. } = *self;
+        let Self { sides, segments, fractions, .. } = *self;
+        let levers = [0, 1].map(|side| self.lever(side));
         Push { sides, segments, fractions, levers, impulse }
+    }
+
+    /// The axis of a side, from root to tip, not of unit length; zero for an object.
+    fn axis(&self, side: usize) -> Vector3<f64> {
+        if self.sides[side].is_object() { Vector3::zeros() } else { self.ways[side] }
+    }
+
+    /// From the center of mass of a side that is an object which moves freely to where the impulse acts, m;
+    /// else zero.
+    pub(super) fn lever(&self, side: usize) -> Vector3<f64> {
+        let is_free = self.sides[side].is_object() && !(self.led && side == 1);
+        if is_free { self.ways[side] } else { Vector3::zeros() }
+    }
+
+    /// Mean velocity of the second side's surface over the step if that is led, else zero, m/s.
+    pub(super) fn drive(&self) -> Vector3<f64> {
+        if self.led { self.ways[1] } else { Vector3::zeros() }
     }
 
     /// Where it is along both sides, in segments.
@@ -114,19 +131,19 @@ impl Touch {
 
     /// Angle from the first side's axis to the second's about the normal, rad.
     pub(crate) fn turn(&self) -> f64 {
-        let across = self.normal.cross(&self.axis);
-        self.other_axis.dot(&across).atan2(self.other_axis.dot(&self.axis))
+        let [axis, other] = [0, 1].map(|side| self.axis(side));
+        other.dot(&self.normal.cross(&axis)).atan2(other.dot(&axis))
     }
 
     /// Normal, along the first side from root to tip, across it; without an axis any two directions across the
     /// normal.
     pub(super) fn frame(&self) -> Matrix3<f64> {
-        let (normal, axis) = (&self.normal, &self.axis);
-        let along = axis - normal * normal.dot(axis);
+        let (normal, axis) = (&self.normal, self.axis(0));
+        let along = axis - normal * normal.dot(&axis);
         let end_on = || {
             let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
             // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
-            let tilt = if *axis == Vector3::zeros() { 0.0 } else { TILT };
+            let tilt = if axis == Vector3::zeros() { 0.0 } else { TILT };
             ((normal + tilt * aside).normalize(), aside)
         };
         let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
@@ -265,14 +282,12 @@ mod tests {
             segments: [segment; 2],
             fractions: [place.fract(); 2],
             normal: Vector3::z() * up,
-            axis: Vector3::x(),
-            other_axis: Vector3::x(),
+            ways: [Vector3::x(); 2],
             gap,
-            drive: Vector3::zeros(),
-            levers: [Vector3::zeros(); 2],
             impulse: Vector3::zeros(),
             working: false,
             bonded: false,
+            led: false,
         }
     }
 

@@ -56,7 +56,7 @@ impl<'a> Velocities<'a> {
             }
             Partner::Object(object) => {
                 let [velocity, omega] = self.objects[object as usize];
-                velocity + omega.cross(&touch.levers[side])
+                velocity + omega.cross(&touch.lever(side))
             }
         }
     }

@@ -69,7 +69,7 @@ impl Case {
         let of_one = |i: usize| {
             let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
             let velocity = relative(contact, touch, &mean);
-            let drive = contact.frame.tr_mul(&touch.drive);
+            let drive = contact.frame.tr_mul(&touch.drive());
             // The bias along the normal is not that of the drive alone.
             let opening = velocity.x - contact.bias.x - drive.x;
             ContactWork {
@@ -106,7 +106,7 @@ impl Case {
     ) -> bool {
         let velocities = Velocities::new(world, mean);
         let given = |i: usize| {
-            if touches[i].drive != Vector3::zeros() {
+            if touches[i].drive() != Vector3::zeros() {
                 return 0.0;
             }
             let impulse = &self.impulses[i];

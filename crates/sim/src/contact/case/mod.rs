@@ -79,16 +79,12 @@ impl Case {
     ) -> Result<Self, ContactError> {
         let Room { mut contacts, solved, mut gaps } = room;
         let refused = Mutex::new(None::<(usize, ContactError)>);
-        let is_led = |side: Partner| match side {
-            Partner::Object(object) => !world.objects[object as usize].is_free(),
-            Partner::Fiber(_) => false,
-        };
         let start = world.velocities();
         let (before, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
         let contact = |(i, touch): (usize, &Touch)| {
             let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
-            let drive = frame.tr_mul(&touch.drive);
+            let drive = frame.tr_mul(&touch.drive());
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = touch.gap / dt - relative(&mean).x;
             let before = relative(&before) - drive;
@@ -101,7 +97,7 @@ impl Case {
             });
             let contact = Contact {
                 first: 2 * i,
-                second: (!is_led(touch.sides[1])).then_some(2 * i + 1),
+                second: (!touch.led).then_some(2 * i + 1),
                 frame,
                 bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
                 friction,
@@ -263,7 +259,7 @@ impl Case {
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
         let points = each(&used, |i, side| point(world, &touches[i], side));
-        let levers = each(&on_objects, |i, side| touches[i].levers[side]);
+        let levers = each(&on_objects, |i, side| touches[i].lever(side));
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
