@@ -24,6 +24,10 @@ pub trait Body: Send {
     /// The same with the masses of [`Body::set_weights`]: `H (A + H^T M H)^-1 H^T p`.
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
 
+    /// Takes these masses away: no answer with them is asked for until others have been set. Of use to who
+    /// needs much memory for them.
+    fn forget_weights(&mut self) {}
+
     /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
     fn own_traces(&mut self, traces: &mut [f64]);
 

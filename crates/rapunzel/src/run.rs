@@ -125,12 +125,11 @@ fn start_log(path: &Path) -> Result<(), Failure> {
 /// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, the
 /// second leaves at once.
 fn set_up(threads: Option<u16>) -> Result<(), Failure> {
-    if let Some(threads) = threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global()
-            .map_err(|error| Failure::File(format!("cannot start {threads} threads: {error}")))?;
-    }
+    // This thread is one of them: beside them it would have memory of its own, which it hardly uses.
+    let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
+    pool.num_threads(threads.unwrap_or(0).into())
+        .build_global()
+        .map_err(|error| Failure::File(format!("cannot start threads: {error}")))?;
     ctrlc::set_handler(|| {
         if CANCEL.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());

@@ -1,12 +1,16 @@
 use crate::storage::prepare;
 use crate::{Scene, SimError, Snapshot, Statistics};
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
 const MAGIC: &[u8; 12] = b"RAPUNZEL\x03\0\0\0";
+/// Where the rest begins, which is hashed.
+const HEAD: u64 = 12 + 32;
+/// Room for the texts in it.
+const TEXT: usize = 256;
 /// The program that can go on with a checkpoint: another version may compute other bits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -56,27 +60,40 @@ impl<S: Serialize> Checkpoint<S> {
 }
 
 impl Checkpoint {
-    /// Reads a checkpoint; `None` if there is none.
+    /// Reads a checkpoint; `None` if there is none. It goes through the file twice, so that it is never
+    /// held beside the numbers in it.
     pub(crate) fn read(path: &Path) -> Result<Option<Self>, SimError> {
         if !path.exists() {
             return Ok(None);
         }
-        let file = fs::read(path).map_err(SimError::io("read", path))?;
+        let failed = SimError::io("read", path);
         let broken = || unusable(path, &"it is damaged");
-        let (magic, rest) = file.split_first_chunk::<12>().ok_or_else(broken)?;
-        if magic != MAGIC {
+        let mut file = match File::open(path) {
+            Ok(file) => BufReader::new(file),
+            Err(error) => return Err(failed(error)),
+        };
+        let (mut magic, mut hash) = ([0; 12], [0; 32]);
+        file.read_exact(&mut magic).map_err(|_| broken())?;
+        if magic != *MAGIC {
             return Err(unusable(path, &"it is not a checkpoint of this version"));
         }
-        let (hash, bytes) = rest.split_first_chunk::<32>().ok_or_else(broken)?;
-        if blake3::hash(bytes) != *hash {
+        file.read_exact(&mut hash).map_err(|_| broken())?;
+        let mut hasher = blake3::Hasher::new();
+        let rewound = hasher.update_reader(&mut file).map(|_| file.seek(SeekFrom::Start(HEAD)));
+        rewound.flatten().map_err(failed)?;
+        if hasher.finalize() != hash {
             return Err(broken());
         }
-        let (version, bytes): (&str, _) = postcard::take_from_bytes(bytes).map_err(|_| broken())?;
+        let mut room = [0; TEXT];
+        let taken = postcard::from_io::<String, _>((file, &mut room));
+        let (version, (file, _)) = taken.map_err(|_| broken())?;
         if version != VERSION {
             let why = format!("it was written by version {version}, and this is {VERSION}");
             return Err(unusable(path, &why));
         }
-        postcard::from_bytes(bytes).map(Some).map_err(|_| broken())
+        let mut room = [0; TEXT];
+        let taken = postcard::from_io((file, &mut room));
+        taken.map(|(checkpoint, _)| Some(checkpoint)).map_err(|_| broken())
     }
 }
 

@@ -1,17 +1,18 @@
 //! Points where capsules touch or nearly do.
 
-use super::squared_distances;
+use super::batch::{Axes, BATCH, Batch};
 use crate::capsules::length;
 use crate::join::join;
-use crate::{Capsule, Capsules, CollisionError, Pair};
+use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Unit, Vector3};
+use pulp::{Arch, NullaryFnOnce};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// Pairs that one thread looks at a time.
 const CHUNK: usize = 4096;
-/// Axes that enclose less than 15 degrees may touch in several points; the squared sine of that.
-const PARALLEL: f64 = 0.067;
+/// Pairs whose contacts are looked at while they are at hand.
+const FEW: usize = 4 * BATCH;
 
 /// Two capsules that touch, or come close, at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +74,7 @@ pub fn contacts(
     length("reach", reach)?;
     let chunk = |pairs: &[Pair]| {
         let mut found = Vec::new();
-        find(capsules, pairs, reach, &mut found);
+        Arch::new().dispatch(Find { capsules, pairs, reach, found: &mut found });
         found
     };
     join(pairs.par_chunks(CHUNK).map(chunk).collect(), contacts);
@@ -81,7 +82,7 @@ pub fn contacts(
 }
 
 /// As [`contacts`], of pairs that come in groups, those in a row that are of the `same`: what has been found of
-/// each is given to `chosen`, which puts those behind a list that stay, while they are at hand.
+/// each, if anything, is given to `chosen`, which puts those behind a list that stay, while they are at hand.
 ///
 /// # Errors
 /// [`CollisionError::Length`] if the reach is negative or not finite.
@@ -97,96 +98,99 @@ pub fn contacts_of_groups(
     contacts: &mut Vec<Contact>,
 ) -> Result<(), CollisionError> {
     length("reach", reach)?;
-    // Some groups together, of as many pairs as one thread takes.
-    let behind = |end: usize| {
-        let in_group = pairs[end - 1..].windows(2).take_while(|two| same(&two[0], &two[1]));
-        end + in_group.count()
-    };
-    let mut parts = Vec::new();
-    let mut rest = pairs;
-    while !rest.is_empty() {
-        let start = pairs.len() - rest.len();
-        let end = behind(pairs.len().min(start + CHUNK));
-        parts.push(&pairs[start..end]);
-        rest = &pairs[end..];
-    }
     let part = |pairs: &[Pair]| {
         let (mut found, mut stay) = (Vec::new(), Vec::new());
-        for group in pairs.chunk_by(&same) {
+        for pairs in whole_groups(pairs, FEW, &same) {
             found.clear();
-            find(capsules, group, reach, &mut found);
-            chosen(&found, &mut stay);
+            Arch::new().dispatch(Find { capsules, pairs, reach, found: &mut found });
+            let groups = found.chunk_by(|a, b| same(&a.pair, &b.pair));
+            groups.for_each(|group| chosen(group, &mut stay));
         }
         stay
     };
+    let parts: Vec<_> = whole_groups(pairs, CHUNK, &same).collect();
     join(parts.into_par_iter().map(part).collect(), contacts);
     Ok(())
 }
 
-/// Puts the contacts of some pairs behind those found before.
-fn find(capsules: &Capsules, pairs: &[Pair], reach: f64, found: &mut Vec<Contact>) {
-    let mut squared = Vec::new();
-    squared_distances(capsules, pairs, &mut squared);
-    for (&pair, squared) in pairs.iter().zip(squared) {
-        // The fast distances may be off by roundings; the exact gap decides.
-        let [r, q] = pair.map(|s| capsules.radii()[s as usize]);
-        let touch = (r + q + reach) * (1.0 + 1e-6);
-        if squared <= touch * touch {
-            let [a, b] = pair.map(|s| capsules.get(s as usize));
-            touching(pair, &a, &b, reach, found);
-        }
-    }
-}
-
-fn touching(pair: Pair, a: &Capsule, b: &Capsule, reach: f64, found: &mut Vec<Contact>) {
-    let closest = a.closest(b);
-    let contact = |fractions: [f64; 2], offset: Vector3<f64>| {
-        let (distance, normal) = (offset.norm(), direction(offset, a, b));
-        Contact { pair, fractions, normal, gap: distance - a.radius - b.radius }
-    };
-    let first = contact(closest.fractions, closest.offset);
-    if first.gap > reach {
-        return;
-    }
-    found.push(first);
-    for [s, t] in ends_of_overlap(a, b, closest.fractions[0]).into_iter().flatten() {
-        let other = contact([s, t], b.at(t) - a.at(s));
-        if other.gap <= reach {
-            found.push(other);
-        }
-    }
-}
-
-/// Where two axes that are nearly parallel begin and stop to lie side by side, but for ends at the
-/// fraction `s` of the first; none where they are not parallel, or meet in a point.
-fn ends_of_overlap(a: &Capsule, b: &Capsule, s: f64) -> [Option<[f64; 2]>; 2] {
-    let (d1, d2) = (a.end - a.start, b.end - b.start);
-    let (aa, ab, bb) = (d1.norm_squared(), d1.dot(&d2), d2.norm_squared());
-    let parallel = aa * bb - ab * ab < PARALLEL * aa * bb;
-    if !parallel {
-        return [None; 2];
-    }
-    let on_first = |p: Vector3<f64>| (d1.dot(&p) / aa).clamp(0.0, 1.0);
-    let ends = [on_first(b.start - a.start), on_first(b.end - a.start)];
-    ends.map(|end| {
-        let t = (d2.dot(&(a.at(end) - b.start)) / bb).clamp(0.0, 1.0);
-        ((end - s) * (end - s) * aa > a.radius * a.radius).then_some([end, t])
+/// Some groups together, of at least so many pairs.
+fn whole_groups(
+    pairs: &[Pair],
+    count: usize,
+    same: impl Fn(&Pair, &Pair) -> bool,
+) -> impl Iterator<Item = &[Pair]> {
+    let mut rest = pairs;
+    std::iter::from_fn(move || {
+        let last = rest.len().min(count).checked_sub(1)?;
+        let in_group = rest[last..].windows(2).take_while(|two| same(&two[0], &two[1]));
+        let (some, behind) = rest.split_at(last + 1 + in_group.count());
+        rest = behind;
+        Some(some)
     })
 }
 
+/// Puts the contacts of some pairs behind those found before.
+struct Find<'a> {
+    capsules: &'a Capsules<'a>,
+    pairs: &'a [Pair],
+    reach: f64,
+    found: &'a mut Vec<Contact>,
+}
+
+impl NullaryFnOnce for Find<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { capsules, pairs, reach, found } = self;
+        let (mut batch, mut radius) = (Batch::default(), [0.0; BATCH]);
+        for pairs in pairs.chunks(BATCH) {
+            batch.gather(capsules, pairs);
+            batch.measure();
+            for (radius, [first, _]) in radius.iter_mut().zip(pairs) {
+                *radius = capsules.radii()[*first as usize];
+            }
+            batch.find_ends(&radius);
+            for (k, &pair) in pairs.iter().enumerate() {
+                let apart = pair.map(|s| capsules.radii()[s as usize]).iter().sum();
+                // Squares may be off by roundings; the exact gap decides.
+                let far = (apart + reach) * (1.0 + 1e-6);
+                let [start, end] = &batch.ends;
+                for places in [&batch.closest, start, end] {
+                    if places.squared[k] <= far * far {
+                        let fractions = places.fractions.each_ref().map(|along| along[k]);
+                        let contact = contact(pair, &batch.axes(k), fractions, apart);
+                        if contact.gap <= reach {
+                            found.push(contact);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// That of two axes at some place, whose surfaces are nearer by some lengths, m.
+fn contact(pair: Pair, axes: &Axes, fractions: [f64; 2], apart: f64) -> Contact {
+    let offset = Vector3::from(axes.offset(fractions));
+    Contact { pair, fractions, normal: direction(offset, axes), gap: offset.norm() - apart }
+}
+
 /// Direction of `offset`; where that is zero, a direction across both axes.
-fn direction(offset: Vector3<f64>, a: &Capsule, b: &Capsule) -> Unit<Vector3<f64>> {
-    let (d1, d2) = (a.end - a.start, b.end - b.start);
+fn direction(offset: Vector3<f64>, axes: &Axes) -> Unit<Vector3<f64>> {
+    let unit = |v| Unit::try_new(v, f64::MIN_POSITIVE);
     let across = |d: Vector3<f64>| d.cross(&Vector3::ith(d.iamin(), 1.0));
-    [offset, d1.cross(&d2), across(d1), across(d2)]
-        .into_iter()
-        .find_map(|v| Unit::try_new(v, f64::MIN_POSITIVE))
-        .unwrap_or_else(Vector3::z_axis)
+    let other = || {
+        let [d1, d2] = [axes.first, axes.second].map(Vector3::from);
+        [d1.cross(&d2), across(d1), across(d2)].into_iter().find_map(unit)
+    };
+    unit(offset).or_else(other).unwrap_or_else(Vector3::z_axis)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Capsule;
     use nalgebra::{Point3, point};
     use proptest::prelude::*;
 

@@ -1,5 +1,6 @@
 //! Where two capsules touch.
 
+mod batch;
 mod closest;
 mod contact;
 mod distance;

@@ -37,7 +37,7 @@ use sides::Sides;
 use std::ops::Range;
 
 /// The solver for thousands of contacts: cost linear in points and contacts an iteration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Admm {
     /// When to stop.
     pub tolerance: Tolerance,
@@ -48,6 +48,8 @@ pub struct Admm {
     pub weight: f64,
     /// How many steps the acceleration remembers; 0 for none.
     pub memory: usize,
+    /// Room for what parts remember of iterations and of descents.
+    steps: Vec<[anderson::Part; 2]>,
 }
 
 /// Iterations between two looks at the tolerance.
@@ -55,6 +57,8 @@ const LOOK: usize = 5;
 /// Sides, and contacts, that a part has: enough to be worth the taking.
 const SIDES: usize = 96;
 const CONTACTS: usize = 256;
+/// Parts whose room for what they remember is kept from solve to solve: as many as find it in the caches.
+const ROOMS: usize = 128;
 /// Iterations that make a step of the acceleration, of more than a few sides: of those its memory
 /// spans much.
 const PERIOD: usize = 3;
@@ -70,7 +74,7 @@ impl Admm {
     /// The solver with its usual relaxation, weight and memory.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10 }
+        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10, steps: Vec::new() }
     }
 }
 
@@ -102,14 +106,14 @@ impl Solver for Admm {
             impulses: Shared::new(contacts.par_iter().zip(&*impulses).map(first)),
             v: Shared::new(velocities.par_iter().copied()),
         };
-        let parts = parts(bodies, impulses, &common);
+        let parts = parts(bodies, impulses, &common, &mut self.steps);
         let crew = Crew::new(parts.into_iter(), |order: &Order, part| part.act(order, &common));
         let tolerance = self.tolerance;
         let period = if sides.len() > FEW { PERIOD } else { 1 };
         let mut anderson = Anderson::new(self.memory, period);
         let [at_start, at_end] =
             if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
-        crew.led(|lead| {
+        let report = crew.led(|lead| {
             let mut iterations = 0;
             let descend = |found: &Report, attempt, iterations: &mut usize| {
                 let found = descend(lead, &tolerance, tolerance.error(found), attempt, iterations);
@@ -152,7 +156,11 @@ impl Solver for Admm {
                     }
                 }
             }
-        })
+        });
+        drop(crew);
+        self.steps.truncate(ROOMS);
+        bodies.par_iter_mut().for_each(|body| body.forget_weights());
+        report
     }
 }
 
@@ -194,6 +202,7 @@ fn parts<'a, 'b>(
     mut bodies: &'a mut [&'b mut dyn Body],
     mut impulses: &'a mut [Vector3<f64>],
     common: &Common,
+    steps: &'a mut Vec<[anderson::Part; 2]>,
 ) -> Vec<Part<'a, 'b>> {
     let groups = groups(bodies, common.sides);
     let contacts = impulses.len();
@@ -201,7 +210,8 @@ fn parts<'a, 'b>(
     // Spread evenly where there are fewer groups than parts.
     let cut = |all: usize, part: usize| all * part / count;
     let (mut own, mut points) = (Vec::with_capacity(count), 0..0);
-    for part in 0..count {
+    steps.resize_with(steps.len().max(count), Default::default);
+    for (part, steps) in (0..count).zip(steps) {
         let of_part = &groups[cut(groups.len(), part)..cut(groups.len(), part + 1)];
         let own_bodies = of_part.iter().map(|(bodies, _)| bodies).sum();
         points = points.end..of_part.last().map_or(points.end, |(_, points)| *points);
@@ -210,9 +220,9 @@ fn parts<'a, 'b>(
         bodies = rest;
         let (of_contacts, rest) = std::mem::take(&mut impulses).split_at_mut(own_contacts.len());
         impulses = rest;
-        own.push(((of_bodies, points.clone()), (of_contacts, own_contacts)));
+        own.push(((of_bodies, points.clone()), (of_contacts, own_contacts), steps.each_mut()));
     }
-    let part = |(bodies, contacts)| Part::new(common, bodies, contacts);
+    let part = |(bodies, contacts, steps)| Part::new(common, bodies, contacts, steps);
     own.into_par_iter().map(part).collect()
 }
 

@@ -66,10 +66,10 @@ pub(super) struct Part<'a, 'b> {
     answer: Vec<Vector3<f64>>,
     /// Roots of the metric, by side.
     roots: Vec<f64>,
-    /// State at the start of a step of the splitting, by side, and what is remembered of its steps.
+    /// State at the start of a step of the splitting, by side, and what is remembered of steps.
     start: Vec<Vector3<f64>>,
-    steps: anderson::Part,
-    pub(super) descents: anderson::Part,
+    steps: &'a mut anderson::Part,
+    pub(super) descents: &'a mut anderson::Part,
     pub(super) products: Products,
     pub(super) contacts: Range<usize>,
     /// In the frames of the contacts.
@@ -90,6 +90,7 @@ impl<'a, 'b> Part<'a, 'b> {
         common: &Common,
         (bodies, points): (&'a mut [&'b mut dyn Body], Range<usize>),
         (impulses, contacts): (&'a mut [Vector3<f64>], Range<usize>),
+        [steps, descents]: [&'a mut anderson::Part; 2],
     ) -> Self {
         let Common { sides, masses, .. } = common;
         let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
@@ -124,10 +125,10 @@ impl<'a, 'b> Part<'a, 'b> {
             sums: Sums::default(),
             refused: None,
             start: Vec::new(),
-            steps: anderson::Part::default(),
-            descents: anderson::Part::default(),
             bodies,
             points,
+            steps,
+            descents,
             contacts,
             impulses,
         }

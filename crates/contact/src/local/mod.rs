@@ -34,29 +34,37 @@ pub fn solve_contact(
 /// What a contact and its own answer are, whatever the velocity.
 pub(crate) struct Local {
     pub(crate) response: Matrix3<f64>,
-    /// With the contact's compliance, and with what keeps it from being singular.
-    bare: Matrix3<f64>,
-    w: Matrix3<f64>,
-    softened: bool,
+    /// What keeps it from being singular, added to its diagonal.
+    softness: Vector3<f64>,
     /// `None` where nothing can move.
     factors: Option<Factors>,
 }
 
 impl Local {
     pub(crate) fn new(contact: &Contact, response: &Matrix3<f64>) -> Self {
-        let bare = response + Matrix3::from_diagonal_element(contact.compliance);
-        let (mut w, trace) = (bare, bare.trace());
-        let softened = trace > 0.0 && soften(&mut w, SOFTNESS * trace);
-        let factors = (trace > 0.0).then(|| Factors::new(&w));
-        Self { response: *response, bare, w, softened, factors }
+        let mut local = Self { response: *response, softness: Vector3::zeros(), factors: None };
+        let bare = local.bare(contact);
+        let trace = bare.trace();
+        if trace > 0.0 {
+            local.softness = softness(&bare, SOFTNESS * trace);
+            local.factors = Some(Factors::new(&(bare + Matrix3::from_diagonal(&local.softness))));
+        }
+        local
+    }
+
+    /// The response with the contact's compliance.
+    #[inline(always)]
+    fn bare(&self, contact: &Contact) -> Matrix3<f64> {
+        self.response + Matrix3::from_diagonal_element(contact.compliance)
     }
 
     /// See [`solve_contact`].
     #[inline(always)]
     pub(crate) fn solve(&self, contact: &Contact, free: &Vector3<f64>) -> Vector3<f64> {
-        let Self { bare, w, softened, factors: Some(factors), .. } = self else {
+        let Self { softness, factors: Some(factors), .. } = self else {
             return Vector3::zeros();
         };
+        let bare = self.bare(contact);
         // The cone's tip is at -adhesion: from there the law is the same without adhesion.
         let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
         let free = free - bare * tip;
@@ -64,7 +72,7 @@ impl Local {
             return -tip;
         }
         let mut sticking = factors.stick(&free);
-        if *softened {
+        if *softness != Vector3::zeros() {
             // What was added leaves a rest of the slip, which this takes away.
             for _ in 0..2 {
                 sticking += factors.stick(&(bare * sticking + free));
@@ -73,7 +81,7 @@ impl Local {
         if sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
             return sticking - tip;
         }
-        slide(contact, w, &free) - tip
+        slide(contact, &(bare + Matrix3::from_diagonal(softness)), &free) - tip
     }
 }
 
@@ -89,16 +97,14 @@ fn slide(contact: &Contact, w: &Matrix3<f64>, free: &Vector3<f64>) -> Vector3<f6
     Vector3::new(slid.x, friction.x, friction.y)
 }
 
-/// Adds `softness` to diagonal elements whose pivots are no more than rounding; tells whether there
-/// were any.
-fn soften(w: &mut Matrix3<f64>, softness: f64) -> bool {
-    let mut found = false;
+/// What diagonal elements need whose pivots are no more than rounding: `enough` for each.
+fn softness(w: &Matrix3<f64>, enough: f64) -> Vector3<f64> {
+    let mut softness = Vector3::zeros();
     let mut left = *w;
     for i in 0..3 {
         if left[(i, i)] <= ROUNDING * w[(i, i)] {
-            w[(i, i)] += softness;
-            left[(i, i)] += softness;
-            found = true;
+            left[(i, i)] += enough;
+            softness[i] = enough;
         }
         for j in i + 1..3 {
             let factor = left[(j, i)] / left[(i, i)];
@@ -107,7 +113,7 @@ fn soften(w: &mut Matrix3<f64>, softness: f64) -> bool {
             }
         }
     }
-    found
+    softness
 }
 
 /// A contact that is pressed, its normal impulse eliminated by `u_n = 0`: friction `x` causes the

@@ -18,6 +18,8 @@ pub(super) struct Fibers<'a> {
     /// How the points answer, by fibre, where there are so few that this is cheaper than to go
     /// through the fibres.
     written: &'a mut Option<Written>,
+    /// Whether answers with added masses are kept for the same masses.
+    keeps: bool,
 }
 
 /// Answers that are written out.
@@ -30,11 +32,13 @@ pub(super) struct Written {
 }
 
 impl<'a> Fibers<'a> {
-    /// What has been `written` out of the same points before is used again, as long as it is `exact` enough.
+    /// What has been `written` out of the same points before is used again, as long as it is `exact` enough;
+    /// with masses added only if one `keeps` that.
     pub(super) fn new(
         batch: &'a mut StaggeredBatch,
         points: &'a [Point],
         exact: bool,
+        keeps: bool,
         written: &'a mut Option<Written>,
     ) -> Result<Self, ContactError> {
         if written.as_ref().is_none_or(|written| exact && !written.exact) {
@@ -52,7 +56,7 @@ impl<'a> Fibers<'a> {
                 *written = Some(Written { answers, exact, masses: Vec::new() });
             }
         }
-        Ok(Self { batch, points, written })
+        Ok(Self { batch, points, written, keeps })
     }
 }
 
@@ -103,6 +107,13 @@ impl Body for Fibers<'_> {
         }
         let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
+    }
+
+    fn forget_weights(&mut self) {
+        if let Some(written) = self.written.as_mut().filter(|_| !self.keeps) {
+            written.masses.clear();
+            written.answers.iter_mut().for_each(Explicit::forget_weights);
+        }
     }
 
     fn own_traces(&mut self, traces: &mut [f64]) {
@@ -157,7 +168,7 @@ mod tests {
         let mut answers = Vec::new();
         let mut written = None;
         for (written_out, exact) in [(true, false), (true, true), (false, true)] {
-            let fibers = Fibers::new(&mut batch, &points, exact, &mut written);
+            let fibers = Fibers::new(&mut batch, &points, exact, true, &mut written);
             let mut fibers = fibers.expect("points on the fibers");
             assert!(fibers.written.is_some());
             if !written_out {

@@ -26,12 +26,17 @@ enum Weighted {
     Double(Strips<f64>),
 }
 
+impl Weighted {
+    /// That of no points.
+    const NONE: Self = Self::Double(Strips(Vec::new()));
+}
+
 impl Explicit {
     /// In single precision unless `exact`.
     pub(super) fn new(own: PointResponses, exact: bool) -> Result<Self, ContactError> {
         let PointResponses { points, matrix } = own;
         let own = if exact { Answers::new(&matrix)? } else { Answers::rounded(&matrix)? };
-        Ok(Self { points, own, weighted: Weighted::Double(Strips::new(&[], 0, 0)) })
+        Ok(Self { points, own, weighted: Weighted::NONE })
     }
 
     /// Adds a mass at each point, one after another, with `W` the answer so far: a mass `m` at `i`
@@ -47,6 +52,11 @@ impl Explicit {
             Weighted::Single(Strips::new(&lower, stride(size), size))
         };
         true
+    }
+
+    /// Takes the masses away.
+    pub(super) fn forget_weights(&mut self) {
+        self.weighted = Weighted::NONE;
     }
 
     /// The points and their answers without masses.

@@ -6,9 +6,6 @@ use rapunzel_collision::{Capsules, Contact, Pair};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
-/// Touches that one task puts in their places.
-const CHUNK: usize = 2048;
-
 /// The touches of all contacts, and others between them, both in order, in place of what a list held.
 pub(super) fn put_together(
     end: &Capsules,
@@ -16,29 +13,21 @@ pub(super) fn put_together(
     others: &[Touch],
     touches: &mut Vec<Touch>,
 ) {
-    let any = others.first().copied().or(contacts.first().map(|one| fiber_touch(end, one)));
-    let Some(any) = any else { return touches.clear() };
-    let count = contacts.len() + others.len();
-    touches.clear();
-    touches.reserve_exact(count);
-    touches.resize(count, any);
     let place = |(i, other): (usize, &Touch)| {
         let rank = other.rank();
         i + contacts.partition_point(|contact| fiber_rank(end.layout(), contact) < rank)
     };
     let places: Vec<usize> = others.par_iter().enumerate().map(place).collect();
-    touches.par_chunks_mut(CHUNK).enumerate().for_each(|(part, touches)| {
-        let start = part * CHUNK;
-        let mut before = places.partition_point(|&place| place < start);
-        for (i, touch) in (start..).zip(touches) {
-            if places.get(before) == Some(&i) {
-                *touch = others[before];
-                before += 1;
-            } else {
-                *touch = fiber_touch(end, &contacts[i - before]);
-            }
-        }
-    });
+    let touch = |i: usize| {
+        let before = places.partition_point(|&place| place < i);
+        let own = places.get(before) == Some(&i);
+        if own { others[before] } else { fiber_touch(end, &contacts[i - before]) }
+    };
+    let count = contacts.len() + others.len();
+    // Twice the room, as they would grow by, is much.
+    touches.clear();
+    touches.reserve_exact(count);
+    (0..count).into_par_iter().map(touch).collect_into_vec(touches);
 }
 
 /// The fibres of two segments.

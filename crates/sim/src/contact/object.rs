@@ -156,14 +156,18 @@ impl Object {
         let poses = self.poses(span);
         let field = &*self.field;
         let slope = field.lipschitz();
-        let own = |nodes: &[Point3<f64>], pose: &Isometry3<f64>| -> Vec<Point3<f64>> {
-            let turn = pose.rotation.to_rotation_matrix();
-            let from = pose.translation.vector;
-            nodes.iter().map(|node| turn.inverse_transform_point(&(node - from))).collect()
+        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
+        let own = |node: &Point3<f64>, when: usize| {
+            turns[when].inverse_transform_point(&(node - poses[when].translation.vector))
         };
-        let (before, after) = (own(strand.start, &poses[0]), own(strand.end, &poses[1]));
+        let after: Vec<_> = strand.end.iter().map(|node| own(node, 1)).collect();
         let values: Vec<f64> = after.iter().map(|node| field.value(node)).collect();
-        let ways: Vec<f64> = before.iter().zip(&after).map(|(a, b)| (a - b).norm()).collect();
+        let both = strand.start.iter().zip(strand.end);
+        let ways: Vec<f64> = if poses[0] == poses[1] {
+            both.map(|(before, after)| (after - before).norm()).collect()
+        } else {
+            both.map(|(before, after)| (own(after, 1) - own(before, 0)).norm()).collect()
+        };
         let mut contacts: Vec<FieldContact> = Vec::new();
         for (s, &radius) in strand.radii.iter().enumerate() {
             let (start, end) = (strand.end[s], strand.end[s + 1]);
@@ -180,10 +184,8 @@ impl Object {
                 continue;
             }
             contacts.clear();
-            let moving = MovingSegment {
-                before: [before[s], before[s + 1]],
-                after: [after[s], after[s + 1]],
-            };
+            let [a, b] = [s, s + 1].map(|node| own(&strand.start[node], 0));
+            let moving = MovingSegment { before: [a, b], after: [after[s], after[s + 1]] };
             let half = 0.5 * slope * way;
             let clears = |[a, b]: [Point3<f64>; 2]| {
                 field.least_between(&a, &b) > half || self.clears(&a, &b, half)

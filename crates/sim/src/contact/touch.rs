@@ -96,6 +96,16 @@ impl Touch {
         Push { sides, segments, fractions, levers, impulse }
     }
 
+    /// Whether a side is an object that moves freely.
+    fn is_free(&self, side: usize) -> bool {
+        self.sides[side].is_object() && !(self.led && side == 1)
+    }
+
+    /// The same of any.
+    pub(super) fn has_free(&self) -> bool {
+        self.is_free(0) || self.is_free(1)
+    }
+
     /// The axis of a side, from root to tip, not of unit length; zero for an object.
     fn axis(&self, side: usize) -> Vector3<f64> {
         if self.sides[side].is_object() { Vector3::zeros() } else { self.ways[side] }
@@ -104,8 +114,7 @@ impl Touch {
     /// From the center of mass of a side that is an object which moves freely to where the impulse acts, m;
     /// else zero.
     pub(super) fn lever(&self, side: usize) -> Vector3<f64> {
-        let is_free = self.sides[side].is_object() && !(self.led && side == 1);
-        if is_free { self.ways[side] } else { Vector3::zeros() }
+        if self.is_free(side) { self.ways[side] } else { Vector3::zeros() }
     }
 
     /// Mean velocity of the second side's surface over the step if that is led, else zero, m/s.

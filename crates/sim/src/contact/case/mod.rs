@@ -23,6 +23,10 @@ const ROUNDING: f64 = 1e-5;
 /// Openings are found anew where more than one in so many contacts may close.
 const MANY: usize = 8;
 
+/// From so many contacts on, to keep answers with added masses takes more memory than it saves time: they
+/// are used again in one of seven solves, and take 800 bytes a contact.
+const MUCH: usize = 50_000;
+
 /// Answers of fibres that turn by less, rad, are used again.
 const CHORD: f64 = 1e-2;
 
@@ -263,10 +267,11 @@ impl Case {
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
+        let keeps = working.len() < MUCH;
         let groups = world.groups.par_iter_mut().zip(&points).zip(&mut self.written);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|((group, points), written)| {
-                Some(Fibers::new(group.batch.coupled()?, points, exact, written))
+                Some(Fibers::new(group.batch.coupled()?, points, exact, keeps, written))
             })
             .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
@@ -275,22 +280,18 @@ impl Case {
         let traces = traces(&mut bodies);
         let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
-        self.weigh(world, touches, &working, &traces);
+        self.weigh(touches, &working, &traces);
         self.working = working;
         Ok(report)
     }
 
     /// Notes the masses that solved contacts compare errors with, by the traces of how their points answer
     /// themselves. Free bodies may be far heavier than what presses them: with these it stays that of a segment.
-    fn weigh(&mut self, world: &World, touches: &[Touch], working: &[usize], traces: &[f64]) {
-        let is_free = |side: &Partner| match *side {
-            Partner::Object(object) => world.objects[object as usize].is_free(),
-            Partner::Fiber(_) => false,
-        };
+    fn weigh(&mut self, touches: &[Touch], working: &[usize], traces: &[f64]) {
         let both = working.par_iter().zip(&self.solved);
         let mass = both.map(|(&i, Contact { first, second, .. })| {
             let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
-            (trace > 0.0 && !touches[i].sides.iter().any(is_free)).then(|| 3.0 / trace)
+            (trace > 0.0 && !touches[i].has_free()).then(|| 3.0 / trace)
         });
         let masses: Vec<Option<f64>> = mass.collect();
         for (&i, mass) in working.iter().zip(masses) {

@@ -1,6 +1,7 @@
 //! Which contacts of a long list can close at all.
 
 use crate::World;
+use crate::contact::object::Object;
 use crate::contact::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use rapunzel_fiber::Layout;
@@ -36,15 +37,11 @@ impl Openings {
         let fibers = touches.par_iter().map(|touch| touch.sides.map(fiber)).collect();
         let mut openings = Self { nodes: nodes.to_vec(), speeds, fibers };
         // How fast these are, nodes do not tell.
-        let free = |side: &Partner| match side {
-            Partner::Object(object) => world.objects[*object as usize].is_free(),
-            Partner::Fiber(_) => false,
-        };
-        let of_free: Vec<usize> = (0..touches.len())
-            .into_par_iter()
-            .filter(|&i| touches[i].sides.iter().any(free))
-            .collect();
-        openings.hold(&of_free);
+        if world.objects.iter().any(Object::is_free) {
+            let is_free = |&i: &usize| touches[i].has_free();
+            let of_free: Vec<usize> = (0..touches.len()).into_par_iter().filter(is_free).collect();
+            openings.hold(&of_free);
+        }
         openings
     }
 
