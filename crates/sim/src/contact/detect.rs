@@ -30,7 +30,6 @@ pub(crate) struct Detector {
     /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
     holds: bool,
     candidates: Candidates,
-    contacts: Vec<Contact>,
     leads_through: bool,
 }
 
@@ -58,8 +57,7 @@ impl Detector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        let contacts = Vec::new();
-        Ok(Self { margin, more, holds, candidates, contacts, leads_through: false })
+        Ok(Self { margin, more, holds, candidates, leads_through: false })
     }
 
     /// Whether the last motion whose touches were asked for at its end leads fibres through each other,
@@ -118,36 +116,38 @@ impl Detector {
         let most = if self.holds { f64::MAX } else { margin };
         let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
         let chosen = |found: &[Contact], stay: &mut Vec<Contact>| places(&end, found, stay);
-        contacts_of_groups(&end, &near, most, same, chosen, &mut self.contacts)?;
+        let mut contacts = Vec::new();
+        contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
+        drop(near);
         self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
-        self.add(&end, fast);
+        add(&end, fast, &mut contacts);
         let mut others = of_objects(motion, objects, margin);
         others.sort_unstable_by_key(Touch::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
-        put_together(&end, &self.contacts, &others, touches);
+        put_together(&end, &contacts, &others, touches);
         keep_sides(&start, touches);
         Ok(())
     }
+}
 
-    /// Puts contacts on the way between the others, but those that are one place with another, or where a
-    /// fibre only bends.
-    fn add(&mut self, end: &Capsules, mut fast: Vec<Contact>) {
-        if fast.is_empty() {
-            return;
-        }
-        let layout = end.layout();
-        let rank = |contact: &Contact| fiber_rank(layout, contact);
-        fast.sort_unstable_by_key(rank);
-        touch::merge(&mut self.contacts, fast, |a, b| rank(a) > rank(b));
-        let same =
-            |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
-        let goes = |i: usize| {
-            let own = &self.contacts[i];
-            i > 0 && same([&self.contacts[i - 1], own]) || bends(end, own)
-        };
-        let goes: Vec<bool> = (0..self.contacts.len()).into_par_iter().map(goes).collect();
-        retain_others(&mut self.contacts, goes);
+/// Puts contacts on the way between the others, but those that are one place with another, or where a
+/// fibre only bends.
+fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
+    if fast.is_empty() {
+        return;
     }
+    let layout = end.layout();
+    let rank = |contact: &Contact| fiber_rank(layout, contact);
+    fast.sort_unstable_by_key(rank);
+    touch::merge(contacts, fast, |a, b| rank(a) > rank(b));
+    let same =
+        |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
+    let goes = |i: usize| {
+        let own = &contacts[i];
+        i > 0 && same([&contacts[i - 1], own]) || bends(end, own)
+    };
+    let goes: Vec<bool> = (0..contacts.len()).into_par_iter().map(goes).collect();
+    retain_others(contacts, goes);
 }
 
 /// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the

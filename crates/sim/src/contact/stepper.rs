@@ -197,7 +197,8 @@ impl Touching {
         let (time, dt) = (part.time, part.dt);
         world.push(expected.pushes(), time, dt)?;
         world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
-        let mean = self.list(world, part, expected)?;
+        self.list(world, part, expected)?;
+        let mean = world.mean_velocities();
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(world, part, &mean, room)?;
         let start = case.certificate(world, &part.touches, &mean);
@@ -208,7 +209,8 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
-            let (deepest, mean) = self.look_at_end(world, part)?;
+            let deepest = self.look_at_end(world, part)?;
+            let mean = world.mean_velocities();
             part.work = case.work(world, &bearing, &mean);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
@@ -374,39 +376,32 @@ impl Touching {
         Ok((turn, self.solver.tolerance.error(&one) <= 1.0))
     }
 
-    /// Lists the touches where the step leads, with the impulses expected of them. Returns the mean velocities
-    /// that lead there.
+    /// Lists the touches where the step leads, with the impulses expected of them.
     fn list(
         &mut self,
         world: &World,
         part: &mut Part,
         expected: &Expected,
-    ) -> Result<Vec<Vector3<f64>>, CollisionError> {
-        let mean = world.mean_velocities();
+    ) -> Result<(), CollisionError> {
         let mut touches = std::mem::take(&mut part.touches);
-        let ends = part.ends(world, &mean);
+        // Lists take much room: the velocities go before, and come again.
+        let ends = part.ends(world, &world.mean_velocities());
         let motion = part.motion(world, &self.radii, &ends);
         self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
-        Ok(mean)
+        Ok(())
     }
 
-    /// Lists those that overlap where the step has been solved to. Returns by how much at most, m, and the
-    /// mean velocities that lead there.
-    fn look_at_end(
-        &mut self,
-        world: &World,
-        part: &mut Part,
-    ) -> Result<(f64, Vec<Vector3<f64>>), CollisionError> {
-        let mean = world.mean_velocities();
+    /// Lists those that overlap where the step has been solved to. Returns by how much at most, m.
+    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
         let mut touches = Vec::new();
-        let ends = part.ends(world, &mean);
+        let ends = part.ends(world, &world.mean_velocities());
         let motion = part.motion(world, &self.radii, &ends);
         let deepest =
             self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;
-        Ok((deepest, mean))
+        Ok(deepest)
     }
 }
 
