@@ -288,6 +288,7 @@ fn nonsense_is_refused_with_what_and_where() {
         Contact { second: Some(3), ..good.clone() },
         Contact { second: Some(0), ..good.clone() },
         Contact { frame: good.frame * 1.1, ..good.clone() },
+        Contact { frame: -good.frame, ..good.clone() },
         Contact { frame: good.frame * f64::NAN, ..good.clone() },
         Contact { bias: Vector3::repeat(f64::INFINITY), ..good.clone() },
         Contact { adhesion: -1.0, ..good.clone() },

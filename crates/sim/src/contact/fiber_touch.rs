@@ -59,7 +59,7 @@ pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
 
 fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
     let (sides, segments) = of_fibers(here.layout(), contact);
-    let ways = contact.pair.map(|segment| {
+    let arms = contact.pair.map(|segment| {
         let capsule = here.get(segment as usize);
         capsule.end - capsule.start
     });
@@ -68,7 +68,7 @@ fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
         segments,
         fractions: contact.fractions,
         normal: -*contact.normal,
-        ways,
+        arms,
         gap: contact.gap,
         impulse: Vector3::zeros(),
         working: false,

@@ -153,9 +153,9 @@ mod tests {
     /// As a touch of which no more is known.
     fn touch(Remembered { push, bonded }: Remembered) -> Touch {
         let Push { sides, segments, fractions, impulse, .. } = push;
-        let (normal, ways, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
+        let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
         let (working, led) = (false, false);
-        Touch { sides, segments, fractions, normal, ways, gap, impulse, working, bonded, led }
+        Touch { sides, segments, fractions, normal, arms, gap, impulse, working, bonded, led }
     }
 
     proptest! {

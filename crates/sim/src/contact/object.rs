@@ -218,7 +218,7 @@ impl Object {
                     segments: [segment, 0],
                     fractions: [contact.fraction, 0.0],
                     normal,
-                    ways: [end - start, own],
+                    arms: [end - start, own],
                     gap: contact.gap,
                     impulse: Vector3::zeros(),
                     working: false,

@@ -184,7 +184,7 @@ impl Step<'_> {
             segments,
             fractions,
             normal: if of == 0 { normal } else { -normal },
-            ways: [0, 1].map(own),
+            arms: [0, 1].map(own),
             gap,
             impulse: Vector3::zeros(),
             working: false,

@@ -50,7 +50,7 @@ pub(crate) struct Touch {
     /// Of an object that moves freely the lever from its center of mass to where the impulse acts, m: on the
     /// axis of a fibre, in the middle of the gap between objects. Of one that is led the mean velocity of its
     /// surface over the step, m/s.
-    pub(crate) ways: [Vector3<f64>; 2],
+    pub(crate) arms: [Vector3<f64>; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
@@ -108,18 +108,18 @@ impl Touch {
 
     /// The axis of a side, from root to tip, not of unit length; zero for an object.
     fn axis(&self, side: usize) -> Vector3<f64> {
-        if self.sides[side].is_object() { Vector3::zeros() } else { self.ways[side] }
+        if self.sides[side].is_object() { Vector3::zeros() } else { self.arms[side] }
     }
 
     /// From the center of mass of a side that is an object which moves freely to where the impulse acts, m;
     /// else zero.
     pub(super) fn lever(&self, side: usize) -> Vector3<f64> {
-        if self.is_free(side) { self.ways[side] } else { Vector3::zeros() }
+        if self.is_free(side) { self.arms[side] } else { Vector3::zeros() }
     }
 
     /// Mean velocity of the second side's surface over the step if that is led, else zero, m/s.
     pub(super) fn drive(&self) -> Vector3<f64> {
-        if self.led { self.ways[1] } else { Vector3::zeros() }
+        if self.led { self.arms[1] } else { Vector3::zeros() }
     }
 
     /// Where it is along both sides, in segments.
@@ -291,7 +291,7 @@ mod tests {
             segments: [segment; 2],
             fractions: [place.fract(); 2],
             normal: Vector3::z() * up,
-            ways: [Vector3::x(); 2],
+            arms: [Vector3::x(); 2],
             gap,
             impulse: Vector3::zeros(),
             working: false,

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-5;
 const MANY: usize = 8;
 
 /// From so many contacts on, to keep answers with added masses takes more memory than it saves time: they
-/// are used again in one of seven solves, and take 800 bytes a contact.
+/// are used again in one of seven solves, and take some 2 kB a contact.
 const MUCH: usize = 50_000;
 
 /// Answers of fibres that turn by less, rad, are used again.
