@@ -66,12 +66,8 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        let failed = SimError::io("read", path);
         let broken = || unusable(path, &"it is damaged");
-        let mut file = match File::open(path) {
-            Ok(file) => BufReader::new(file),
-            Err(error) => return Err(failed(error)),
-        };
+        let mut file = BufReader::new(File::open(path).map_err(SimError::io("read", path))?);
         let (mut magic, mut hash) = ([0; 12], [0; 32]);
         file.read_exact(&mut magic).map_err(|_| broken())?;
         if magic != *MAGIC {
@@ -79,8 +75,9 @@ impl Checkpoint {
         }
         file.read_exact(&mut hash).map_err(|_| broken())?;
         let mut hasher = blake3::Hasher::new();
-        let rewound = hasher.update_reader(&mut file).map(|_| file.seek(SeekFrom::Start(HEAD)));
-        rewound.flatten().map_err(failed)?;
+        let hashed = hasher.update_reader(&mut file);
+        let rewound = hashed.and_then(|_| file.seek(SeekFrom::Start(HEAD)));
+        rewound.map_err(SimError::io("read", path))?;
         if hasher.finalize() != hash {
             return Err(broken());
         }

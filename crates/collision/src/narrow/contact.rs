@@ -301,6 +301,28 @@ mod tests {
             }
         }
 
+        /// Of many pairs at a time, nearly parallel or not, contacts are those of each.
+        #[test]
+        fn contacts_of_many_pairs_are_those_of_each(
+            x in prop::collection::vec(prop::array::uniform3(prop_oneof![(-1..=1_i8).prop_map(f64::from), -1.0..1.0]), 4..40),
+        ) {
+            let count = x.len() / 2;
+            let layout = Layout::new(std::iter::repeat_n(1, count));
+            let points: Vec<_> = x[..2 * count].iter().copied().map(Point3::from).collect();
+            let radii = vec![RADIUS; count];
+            let capsules = Capsules::new(&layout, &points, &radii).expect("valid");
+            let pairs: Vec<Pair> = (0..u32::try_from(count).expect("few"))
+                .flat_map(|j| (0..j).map(move |i| [i, j]))
+                .collect();
+            let of = |pairs: &[Pair]| {
+                let mut found = Vec::new();
+                contacts(&capsules, pairs, 0.5, &mut found).expect("a reach");
+                found
+            };
+            let each: Vec<_> = pairs.chunks(1).flat_map(of).collect();
+            prop_assert_eq!(of(&pairs), each);
+        }
+
         #[test]
         fn every_pair_in_reach_is_reported(
             x in prop::array::uniform4(prop::array::uniform3(prop_oneof![(-1..=1_i8).prop_map(f64::from), -1.0..1.0])),

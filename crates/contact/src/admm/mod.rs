@@ -207,10 +207,10 @@ fn parts<'a, 'b>(
     let groups = groups(bodies, common.sides);
     let contacts = impulses.len();
     let count = groups.len().max(contacts.div_ceil(CONTACTS));
+    steps.resize_with(steps.len().max(count), Default::default);
     // Spread evenly where there are fewer groups than parts.
     let cut = |all: usize, part: usize| all * part / count;
     let (mut own, mut points) = (Vec::with_capacity(count), 0..0);
-    steps.resize_with(steps.len().max(count), Default::default);
     for (part, steps) in (0..count).zip(steps) {
         let of_part = &groups[cut(groups.len(), part)..cut(groups.len(), part + 1)];
         let own_bodies = of_part.iter().map(|(bodies, _)| bodies).sum();

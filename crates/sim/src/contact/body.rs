@@ -167,21 +167,34 @@ mod tests {
         let asked = [1.0, -2.0, 0.5, 0.7, 3.0].map(|x| Vector3::new(x, 1.0, -x) * mass);
         let mut answers = Vec::new();
         let mut written = None;
-        for (written_out, exact) in [(true, false), (true, true), (false, true)] {
-            let fibers = Fibers::new(&mut batch, &points, exact, true, &mut written);
+        let mut again = None;
+        for (written_out, exact, keeps) in
+            [(true, false, true), (true, false, false), (true, true, true), (false, true, true)]
+        {
+            let fibers = Fibers::new(&mut batch, &points, exact, keeps, &mut written);
             let mut fibers = fibers.expect("points on the fibers");
             assert!(fibers.written.is_some());
             if !written_out {
                 *fibers.written = None;
             }
             fibers.set_weights(&masses).expect("positive");
+            // Weights that are not kept are found again.
+            fibers.forget_weights();
+            let kept = fibers.written.as_ref().is_some_and(|written| !written.masses.is_empty());
+            assert_eq!(kept, written_out && keeps);
+            fibers.set_weights(&masses).expect("positive");
             let (mut free, mut weighted) = ([Vector3::zeros(); 5], [Vector3::zeros(); 5]);
             fibers.respond(&asked, &mut free);
             fibers.weighted_respond(&asked, &mut weighted);
             let mut traces = [0.0; 5];
             fibers.own_traces(&mut traces);
-            answers.push((free, weighted, traces));
+            if keeps {
+                answers.push((free, weighted, traces));
+            } else {
+                again = Some((free, weighted, traces));
+            }
         }
+        assert_eq!(again.as_ref(), answers.first());
         let (single, one, other) = (&answers[0], &answers[1], &answers[2]);
         for i in 0..5 {
             assert!((one.0[i] - other.0[i]).norm() < 1e-10 * other.0[i].norm().max(1.0), "{i}");

@@ -162,6 +162,7 @@ impl Object {
         };
         let after: Vec<_> = strand.end.iter().map(|node| own(node, 1)).collect();
         let values: Vec<f64> = after.iter().map(|node| field.value(node)).collect();
+        // Where it rests they are as long in any frame.
         let both = strand.start.iter().zip(strand.end);
         let ways: Vec<f64> = if poses[0] == poses[1] {
             both.map(|(before, after)| (after - before).norm()).collect()

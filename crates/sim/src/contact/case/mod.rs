@@ -25,7 +25,7 @@ const MANY: usize = 8;
 
 /// From so many contacts on, to keep answers with added masses takes more memory than it saves time: they
 /// are used again in one of seven solves, and take some 2 kB a contact.
-const MUCH: usize = 50_000;
+const MANY_WORKING: usize = 50_000;
 
 /// Answers of fibres that turn by less, rad, are used again.
 const CHORD: f64 = 1e-2;
@@ -267,7 +267,7 @@ impl Case {
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
-        let keeps = working.len() < MUCH;
+        let keeps = working.len() < MANY_WORKING;
         let groups = world.groups.par_iter_mut().zip(&points).zip(&mut self.written);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|((group, points), written)| {
