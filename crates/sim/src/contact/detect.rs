@@ -3,7 +3,7 @@
 use super::fiber_touch::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::object::{Object, Strand};
 use super::pair;
-use super::passing::{bends, keep_sides, leads_through, passing, travel};
+use super::passing::{bends, goes_on, keep_sides, leads_through, passing, travel};
 use super::touch::{self, Partner, Touch, retain_others};
 use nalgebra::Point3;
 use rapunzel_collision::{
@@ -151,7 +151,7 @@ fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
 }
 
 /// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the
-/// first stays, and none where a fibre only bends.
+/// first stays, and none where a fibre only bends, or goes on towards the other.
 fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
     let Some(first) = found.first() else { return };
     let layout = end.layout();
@@ -164,7 +164,8 @@ fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
         };
         ([at(0), at(1)], contact.pair, i)
     };
-    let mut ordered: Vec<_> = found.iter().enumerate().map(key).collect();
+    let proper = found.iter().enumerate().filter(|(_, contact)| !goes_on(end, contact));
+    let mut ordered: Vec<_> = proper.map(key).collect();
     ordered.sort_unstable();
     let mut before = None;
     for (at, _, i) in ordered {
@@ -330,6 +331,52 @@ fn sort(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    const RADIUS: f64 = 3.5e-5;
+    const LENGTH: f64 = 3e-3;
+
+    /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last coordinate in
+    /// radii.
+    fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<Touch> {
+        let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
+        let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
+        let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
+        let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
+        let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+        let mut detector = Detector::new(RADIUS, RADIUS, false).expect("lengths");
+        let mut touches = Vec::new();
+        detector.touches(&motion, &[], &mut touches).expect("one layout");
+        touches
+    }
+
+    proptest! {
+        /// Fibres that lie side by side touch across, at every node, wherever the nodes of the other are: nothing
+        /// catches as they slide.
+        #[test]
+        fn fibers_side_by_side_touch_across(shift in prop_oneof![-1e-2..1e-2, -0.9..0.9_f64]) {
+            let line = |from: f64, z: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| [from + i, 0.0, z]);
+            let touches = touches_at_rest(&[&line(0.0, 0.0), &line(shift, 2.01)]);
+            for touch in &touches {
+                prop_assert!(touch.normal.x.abs() < 2e-3, "{touch:?}");
+            }
+            for node in [1.0, 2.0, 3.0] {
+                for side in [0, 1] {
+                    let there = |touch: &Touch| (touch.at()[side] - node).abs() < 1e-2;
+                    prop_assert!(touches.iter().any(there), "{node}: {touches:?}");
+                }
+            }
+        }
+    }
+
+    /// Where both segments lead away from what their node touches it is the node that touches.
+    #[test]
+    fn a_bend_touches_with_its_node() {
+        let bent = [[-1.0, 0.0, 40.0], [0.0, 0.0, 0.0], [1.0, 0.0, 40.0]];
+        let touches = touches_at_rest(&[&bent, &[[0.0, -1.0, -2.01], [0.0, 1.0, -2.01]]]);
+        let [touch] = touches[..] else { panic!("one touch: {touches:?}") };
+        assert!((touch.at()[0] - 1.0).abs() < 1e-12 && touch.normal.z > 1.0 - 1e-12, "{touch:?}");
+    }
 
     /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the lower
     /// one it has passed through it.

@@ -14,6 +14,9 @@ const INTO: f64 = 0.9;
 /// may pass through each other; what goes less far does not, or is left deep in each other.
 const THROUGH: f64 = 0.5;
 
+/// Cosine of the angle to a normal from which on a segment leads towards the other side.
+const LEAN: f64 = 1e-3;
+
 /// The gap along the normal of a contact between its places, m.
 fn gap(end: &Capsules, contact: &Contact) -> f64 {
     let [first, second] = contact.pair.map(|segment| end.get(segment as usize));
@@ -78,6 +81,27 @@ pub(super) fn bends(end: &Capsules, contact: &Contact) -> bool {
         }
     }
     between < reach
+}
+
+/// Whether a contact is at a node where its fibre goes on towards the other one: the next segment is nearer,
+/// and has the place. The normal of such a one leans along the fibre, which would catch on each node of the other
+/// as it slides.
+pub(super) fn goes_on(end: &Capsules, contact: &Contact) -> bool {
+    let nodes = end.positions();
+    let way = |from: usize, to: usize| (nodes[to] - nodes[from]).normalize();
+    [0, 1].into_iter().any(|side| {
+        let segment = contact.pair[side] as usize;
+        let [fiber, _] = fibers(end.layout(), &[contact.pair[side]; 2]);
+        let segments = end.layout().segment_range(fiber);
+        let [root, tip] = end.layout().segment_nodes(segment);
+        let [before, node, next] = match contact.fractions[side] {
+            0.0 if segment > segments.start => [tip, root, root - 1],
+            1.0 if segment + 1 < segments.end => [root, tip, tip + 1],
+            _ => return false,
+        };
+        let towards = if side == 0 { *contact.normal } else { -*contact.normal };
+        way(before, node).dot(&towards).min(way(node, next).dot(&towards)) > LEAN
+    })
 }
 
 /// Whether the places of a touch of fibres were on the other side of each other at the start.
