@@ -15,6 +15,9 @@ use rapunzel_mass_spring::Obstacle;
 /// How far along a segment, in its length, contacts beside the deepest one are.
 const ROLL: f64 = 0.2;
 
+/// Gaps that differ by no more than this, in radii, are the same.
+const EVEN: f64 = 1e-3;
+
 /// A surface and what moves it.
 pub(crate) struct Object {
     /// In the object's own frame, as the surface is.
@@ -55,6 +58,34 @@ fn beside(
         let (gap, normal) = (value - capsule.radius, gradient.try_normalize(0.0)?);
         let listed = (0.0..=1.0).contains(&fraction) && gap <= margin;
         listed.then_some(FieldContact { fraction, gap, normal })
+    })
+}
+
+/// Whether the gaps along a segment change evenly from one end to the other, as at a plane.
+fn is_even(
+    contacts: &[FieldContact],
+    ends: [f64; 2],
+    field: &impl DistanceField,
+    capsule: &Capsule,
+) -> bool {
+    let even = |fraction: f64, gap: f64| {
+        (gap - ends[0] - fraction * (ends[1] - ends[0])).abs() <= EVEN * capsule.radius
+    };
+    contacts.iter().all(|contact| even(contact.fraction, contact.gap))
+        && even(0.5, field.value(&capsule.at(0.5)) - capsule.radius)
+}
+
+/// The contacts at both ends of a segment, with these gaps. Where it lies flat, which end is deeper is a matter of
+/// roundings: a place that jumps would lose what it bears.
+fn at_ends(
+    gaps: [f64; 2],
+    field: &impl DistanceField,
+    capsule: &Capsule,
+    margin: f64,
+) -> impl Iterator<Item = FieldContact> {
+    [0.0, 1.0].into_iter().zip(gaps).filter_map(move |(fraction, gap)| {
+        let normal = field.sample(&capsule.at(fraction)).gradient.try_normalize(0.0)?;
+        (gap <= margin).then_some(FieldContact { fraction, gap, normal })
     })
 }
 
@@ -197,9 +228,13 @@ impl Object {
                 contacts.push(contact);
             } else if nearest <= radius + margin {
                 let capsule = Capsule { start: after[s], end: after[s + 1], radius };
-                let search = Search { margin, spacing: 0.1 * length, tolerance: 1e-3 * radius };
+                let search = Search { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
                 search.contacts(&field, &capsule, &mut contacts);
-                if let [deepest] = contacts[..] {
+                let ends = [0, 1].map(|i| values[s + i] - radius);
+                if is_even(&contacts, ends, &field, &capsule) {
+                    contacts.clear();
+                    contacts.extend(at_ends(ends, &field, &capsule, margin));
+                } else if let [deepest] = contacts[..] {
                     contacts.extend(beside(&deepest, &field, &capsule, margin));
                 }
             }
@@ -296,4 +331,57 @@ pub(super) fn refuse_leaps(world: &World, dt: f64) -> Result<(), SimError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use proptest::prelude::*;
+
+    const RADIUS: f64 = 3.5e-5;
+
+    /// The touches of one segment, 3 mm long, whose ends have these gaps above the top of a shape.
+    fn touches(shape: &str, gaps: [f64; 2]) -> Vec<Touch> {
+        let scene = format!(
+            "(format: 1, name: \"A segment\", duration: 1.0, fibers: [(length: 3e-3, segments: 2, \
+             section: Circle(radius: {RADIUS}), root: (position: (0, 0, 1)))], \
+             objects: [(shape: {shape})], contact: (friction: Isotropic(0.3)), stepper: (dt: 1e-3))"
+        );
+        let world = Scene::from_ron(&scene).and_then(|scene| scene.build()).expect("a scene");
+        let [a, b] = gaps.map(|gap| RADIUS + gap);
+        let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
+        let strand = Strand { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
+        let mut found = Vec::new();
+        world.objects[0].touches(0, &strand, [0.0, 1e-3], RADIUS, &mut found);
+        found
+    }
+
+    proptest! {
+        /// On a plane a segment touches at its ends that are near, whether it lies flat or not.
+        #[test]
+        fn a_segment_touches_a_plane_at_its_ends(
+            gaps in (-1e-6..1e-6, prop_oneof![-1e-7..1e-7, -1e-5..1e-4_f64]),
+            turned: bool,
+        ) {
+            let gaps = if turned { [gaps.1, gaps.0] } else { [gaps.0, gaps.1] };
+            let found = touches("Plane(normal: (0, 0, 1))", gaps);
+            let ends = [0.0, 1.0].into_iter().zip(gaps).filter(|(_, gap)| *gap <= RADIUS);
+            let ends: Vec<_> = ends.collect();
+            prop_assert_eq!(found.len(), ends.len());
+            for (touch, (end, gap)) in found.iter().zip(ends) {
+                prop_assert_eq!(touch.fractions[0], end);
+                prop_assert!((touch.gap - gap).abs() < 1e-15);
+            }
+        }
+    }
+
+    /// On a ball it touches between its ends, and beside that, as it may roll.
+    #[test]
+    fn a_segment_touches_a_ball_where_it_is_deepest() {
+        let found = touches("Ball(radius: 0.1)", [0.1; 2]);
+        let places: Vec<_> = found.iter().map(|touch| touch.fractions[0]).collect();
+        assert_eq!(places.len(), 3, "{places:?}");
+        assert!(places.iter().any(|place| (place - 0.5).abs() < 0.05), "{places:?}");
+    }
 }
