@@ -3,6 +3,7 @@
 
 use super::fiber_touch::fibers;
 use super::touch::{Partner, Touch, retain_others};
+use nalgebra::Vector3;
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{Capsules, Contact, Pair};
 use rayon::prelude::*;
@@ -87,20 +88,22 @@ pub(super) fn bends(end: &Capsules, contact: &Contact) -> bool {
 /// and has the place. The normal of such a one leans along the fibre, which would catch on each node of the other
 /// as it slides.
 pub(super) fn goes_on(end: &Capsules, contact: &Contact) -> bool {
-    let nodes = end.positions();
-    let way = |from: usize, to: usize| (nodes[to] - nodes[from]).normalize();
+    let (layout, nodes) = (end.layout(), end.positions());
     [0, 1].into_iter().any(|side| {
         let segment = contact.pair[side] as usize;
-        let [fiber, _] = fibers(end.layout(), &[contact.pair[side]; 2]);
-        let segments = end.layout().segment_range(fiber);
-        let [root, tip] = end.layout().segment_nodes(segment);
+        let segments = layout.segment_range(layout.segment_fibers()[segment]);
+        let [root, tip] = layout.segment_nodes(segment);
         let [before, node, next] = match contact.fractions[side] {
             0.0 if segment > segments.start => [tip, root, root - 1],
             1.0 if segment + 1 < segments.end => [root, tip, tip + 1],
             _ => return false,
         };
         let towards = if side == 0 { *contact.normal } else { -*contact.normal };
-        way(before, node).dot(&towards).min(way(node, next).dot(&towards)) > LEAN
+        let leads = |way: Vector3<f64>| {
+            let along = way.dot(&towards);
+            along > 0.0 && along * along > LEAN * LEAN * way.norm_squared()
+        };
+        leads(nodes[node] - nodes[before]) && leads(nodes[next] - nodes[node])
     })
 }
 
