@@ -341,7 +341,8 @@ mod tests {
 
     const RADIUS: f64 = 3.5e-5;
 
-    /// The touches of one segment, 3 mm long, whose ends have these gaps above the top of a shape.
+    /// The touches of one segment, 3 mm long, whose ends have these gaps above the top of a shape; the fibre of
+    /// the scene is only there because a scene has one.
     fn touches(shape: &str, gaps: [f64; 2]) -> Vec<Touch> {
         let scene = format!(
             "(format: 1, name: \"A segment\", duration: 1.0, fibers: [(length: 3e-3, segments: 2, \

@@ -1,5 +1,5 @@
-//! What fibres do on their way through a step: which would pass through each other, and which have changed
-//! sides.
+//! What fibres do on their way through a step: which would pass through each other, which have changed sides, and
+//! which places where they seem to touch are none.
 
 use super::fiber_touch::fibers;
 use super::touch::{Partner, Touch, retain_others};
@@ -16,7 +16,7 @@ const INTO: f64 = 0.9;
 const THROUGH: f64 = 0.5;
 
 /// Cosine of the angle to a normal from which on a segment leads towards the other side.
-const LEAN: f64 = 1e-3;
+pub(super) const LEAN: f64 = 1e-3;
 
 /// The gap along the normal of a contact between its places, m.
 fn gap(end: &Capsules, contact: &Contact) -> f64 {
