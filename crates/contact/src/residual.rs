@@ -2,7 +2,6 @@
 use crate::{Contact, Report};
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
-use std::borrow::Borrow;
 
 /// Contacts that one task takes.
 const CHUNK: usize = 1024;
@@ -100,20 +99,17 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
 /// are left for the solver to tell. Where an impulse or a velocity is not finite all three are infinite.
 ///
-/// Arrays are by contact, or reference to one, as in [`Violation::new`]; of unequal lengths the shortest
-/// counts.
+/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its velocity, impulse
+/// and weight.
 #[must_use]
-pub fn report<C: Borrow<Contact> + Sync>(
-    contacts: &[C],
-    velocities: &[Vector3<f64>],
-    impulses: &[Vector3<f64>],
-    weights: &[f64],
+pub fn report<'a>(
+    count: usize,
+    one: impl Fn(usize) -> (&'a Contact, Vector3<f64>, Vector3<f64>, f64) + Sync,
 ) -> Report {
-    let count = contacts.len().min(velocities.len()).min(impulses.len()).min(weights.len());
     let part = |start: usize| {
         let mut sums = Sums::default();
-        for i in start..count.min(start + CHUNK) {
-            sums.add(contacts[i].borrow(), &velocities[i], &impulses[i], weights[i]);
+        for (contact, velocity, impulse, weight) in (start..count.min(start + CHUNK)).map(&one) {
+            sums.add(contact, &velocity, &impulse, weight);
         }
         sums
     };

@@ -115,7 +115,8 @@ pub(crate) fn check(
         .enumerate()
         .map(|(i, contact)| contact.validate(i, points))
         .collect::<Result<(), _>>()?;
-    if velocities.iter().chain(impulses).flatten().all(|x| x.is_finite()) {
+    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
+    if velocities.par_iter().all(finite) && impulses.par_iter().all(finite) {
         return Ok(());
     }
     Err(ContactError::Invalid {

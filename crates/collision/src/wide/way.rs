@@ -125,8 +125,10 @@ impl Way {
     /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
     pub(super) fn go(&self, ways: &[OneWay], reach: f64) -> Vec<(Pair, f64)> {
         let chunk = |pairs: &[(Pair, f64)]| {
+            let mut found = Vec::with_capacity(pairs.len());
             let near = pairs.iter().filter(|(pair, squared)| near(ways, pair, *squared, reach));
-            near.copied().collect()
+            found.extend(near);
+            found
         };
         let mut found = Vec::new();
         join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut found);
@@ -142,10 +144,11 @@ fn sieve(
     reach: f64,
 ) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send {
     move |pairs| {
-        let mut squared = Vec::new();
+        let (mut squared, mut found) = (Vec::new(), Vec::with_capacity(pairs.len()));
         squared_distances(start, pairs, &mut squared);
         let both = pairs.iter().copied().zip(squared);
-        both.filter(|(pair, squared)| near(ways, pair, *squared, reach)).collect()
+        found.extend(both.filter(|(pair, squared)| near(ways, pair, *squared, reach)));
+        found
     }
 }
 

@@ -27,8 +27,8 @@ pub(super) enum Act<'p> {
     Compare,
     /// Finds how far the velocities that have been told are from the law.
     Judge,
-    /// Finds where the gradient leads, back into the cone.
-    Descend,
+    /// Finds where the gradient leads, back into the cone; also what [`Self::Judge`] does if one `judges`.
+    Descend { judges: bool },
     /// Goes on, back into the cone.
     Step(&'p Onward),
 }
@@ -43,7 +43,7 @@ impl WithSimd for Alone<'_, '_, '_> {
             Act::Obey { looked_at } => obey(simd, part, common, looked_at),
             Act::Compare => compare(simd, part, common),
             Act::Judge => judge(simd, part, common),
-            Act::Descend => descend(simd, part, common),
+            Act::Descend { judges } => descend(simd, part, common, judges),
             Act::Step(onward) => step(simd, part, common, onward),
         }
     }
@@ -95,47 +95,47 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
     part.sums = sums.of_all();
 }
 
-/// As [`crate::Violation`] does it.
 #[inline(always)]
 fn judge<S: Simd>(simd: S, part: &mut Part, common: &Common) {
     let contacts = &common.contacts[part.contacts.clone()];
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let impulse = wide.pack(&part.impulses[wide.range()]);
-        let v = wide.relative(&common.v, &wide.group.points);
-        let u = sum(v, times(impulse, wide.compliance()));
-        let weight = wide.weights();
-        // From the cone's tip.
-        let r = [impulse[0] + wide.adhesion(), impulse[1], impulse[2]];
-        let saxce = [u[0] + wide.dissipation([u[1], u[2]]), u[1], u[2]];
-        let projected = wide.project_cone(less(r, times(saxce, weight)));
-        let normal_error = u[0].min(r[0] / weight).abs();
-        sums.wrong = sums.wrong + squared(less(r, projected));
-        sums.all = sums.all + squared(r);
-        sums.normal_error = sums.normal_error.max(normal_error);
-        sums.slip_error = sums.slip_error.max(slip_error(&wide, u, impulse, weight));
+        let r = wide.pack(&part.impulses[wide.range()]);
+        sums.judge(&wide, told(&wide, common, r), r);
     }
     part.sums = sums.of_all();
 }
 
 #[inline(always)]
-fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common) {
+fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool) {
     let contacts = &common.contacts[part.contacts.clone()];
     let image = part.descents.image();
     image.resize(3 * contacts.len(), 0.0);
     let images = image.as_chunks_mut::<3>().0;
+    let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
         let r = wide.pack(&part.impulses[wide.range()]);
+        let mut u = told(&wide, common, r);
+        if judges {
+            sums.judge(&wide, u, r);
+        }
         let bound = wide.splat(metric::most(common.weight)) * wide.responses();
         let mass = (bound / wide.splat(2.0 * NEARLY) + wide.compliance()).recip();
-        let v = wide.relative(&common.v, &wide.group.points);
-        let mut u = sum(v, times(r, wide.compliance()));
         u[0] = u[0] + wide.dissipation([u[1], u[2]]);
         let next = nearest(&wide, less(r, times(u, mass)));
         wide.unpack(next, &mut images[wide.range()]);
     }
+    if judges {
+        part.sums = sums.of_all();
+    }
+}
+
+/// The velocities that have been told, with what compliance adds.
+#[inline(always)]
+fn told<S: Simd>(wide: &Wide<S>, common: &Common, impulse: Vectors<S>) -> Vectors<S> {
+    sum(wide.relative(&common.v, &wide.group.points), times(impulse, wide.compliance()))
 }
 
 #[inline(always)]
@@ -223,6 +223,21 @@ impl<S: Simd> WideSums<S> {
     fn zero(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
         Self { wrong: zero, all: zero, normal_error: zero, slip_error: zero }
+    }
+
+    /// Adds contacts with their velocities and impulses, as [`crate::Violation`] does it.
+    #[inline(always)]
+    fn judge(&mut self, wide: &Wide<S>, u: Vectors<S>, impulse: Vectors<S>) {
+        let weight = wide.weights();
+        // From the cone's tip.
+        let r = [impulse[0] + wide.adhesion(), impulse[1], impulse[2]];
+        let saxce = [u[0] + wide.dissipation([u[1], u[2]]), u[1], u[2]];
+        let projected = wide.project_cone(less(r, times(saxce, weight)));
+        let normal_error = u[0].min(r[0] / weight).abs();
+        self.wrong = self.wrong + squared(less(r, projected));
+        self.all = self.all + squared(r);
+        self.normal_error = self.normal_error.max(normal_error);
+        self.slip_error = self.slip_error.max(slip_error(wide, u, impulse, weight));
     }
 
     #[inline(always)]

@@ -88,17 +88,10 @@ impl Part<'_, '_> {
     pub(super) fn descent(&mut self, common: &Common, step: &Step) {
         match step {
             Step::Descend { judges, place } => {
-                if *judges {
-                    self.alone(common, Act::Judge);
-                }
-                self.descend(common, *place);
+                self.alone(common, Act::Descend { judges: *judges });
+                self.products = self.descents.look(self.impulses, *place, &self.response_roots);
             }
             Step::Onward(onward) => self.alone(common, Act::Step(onward)),
         }
-    }
-
-    fn descend(&mut self, common: &Common, place: Option<Place>) {
-        self.alone(common, Act::Descend);
-        self.products = self.descents.look(self.impulses, place, &self.response_roots);
     }
 }

@@ -120,17 +120,19 @@ impl<'a> Search<'a> {
         let count = self.sites.len();
         let mut order: Vec<u32> = (0..).take(count).collect();
         order.sort_by_key(|&i| self.sites[i as usize].contact.first);
-        let weights: Vec<_> = self.sites.iter().map(|site| site.weight).collect();
         let most = tolerance.iterations.saturating_mul(count);
         let stride = (self.solver.patience / LOOKS).max(1).saturating_mul(count);
         let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
         loop {
-            let velocities: Vec<_> = self.sites.iter().map(|site| self.velocity(site)).collect();
             for (impulse, site) in impulses.iter_mut().zip(&self.sites) {
                 *impulse = site.impulse;
             }
-            let found = report(&self.sites, &velocities, impulses, &weights);
+            let one = |i: usize| {
+                let site = &self.sites[i];
+                (&site.contact, self.velocity(site), site.impulse, site.weight)
+            };
+            let found = report(count, one);
             let converged = tolerance.reached(&found);
             let stuck = before == Some(solved) && pass.share < 1.0;
             if converged || stuck || misses == LOOKS || solved == most {

@@ -270,12 +270,13 @@ impl StaggeredBatch {
     fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
         self.check_step()?;
         let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
-        let on = |p: &Point| {
-            (p.fiber as usize) < fibers
-                && (p.segment as usize) < segments
-                && (0.0..=1.0).contains(&p.fraction)
-        };
-        if points.iter().all(on) {
+        // All of them, without a way out: side by side.
+        let (mut fiber, mut segment, mut sound) = (0, 0, true);
+        for p in points {
+            (fiber, segment) = (p.fiber.max(fiber), p.segment.max(segment));
+            sound &= (0.0..=1.0).contains(&p.fraction);
+        }
+        if sound && (fiber as usize) < fibers && (segment as usize) < segments {
             return Ok(());
         }
         let why = "each needs a fibre, a segment and a fraction in 0..=1";

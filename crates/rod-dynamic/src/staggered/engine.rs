@@ -13,6 +13,7 @@ use crate::{Energy, Instant, Ledger, Momentum, Point, PointResponses, Rod, RodSt
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
+use std::ops::RangeInclusive;
 
 /// What a batch needs of a [`Pack`], whatever its register width.
 pub(super) trait Engine: Send + Sync {
@@ -259,7 +260,7 @@ impl<S: Simd> Engine for Pack<S> {
         // One node before is looked at too, as the end of the first segment that is solved for.
         values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
-            let node = &mut values[first::<S>(point)..];
+            let node = &mut values[both_nodes::<S>(point)];
             for i in 0..3 {
                 let behind = point.fraction * impulse[i];
                 node[i * S::F64_LANES] += impulse[i] - behind;
@@ -269,7 +270,7 @@ impl<S: Simd> Engine for Pack<S> {
         Self::respond(self, inertia, from);
         let values = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.values);
         for (point, out) in points.iter().zip(out) {
-            let node = &values[first::<S>(point)..];
+            let node = &values[both_nodes::<S>(point)];
             for i in 0..3 {
                 let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
                 out[i] = before + point.fraction * (behind - before);
@@ -354,9 +355,10 @@ impl<S: Simd> Pack<S> {
     }
 }
 
-/// Index of the first number of the node before a point, in an array of vectors.
-fn first<S: Simd>(point: &Point) -> usize {
-    3 * S::F64_LANES * point.segment as usize + point.fiber as usize
+/// From the first number of the node before a point to the last of the node behind it, in an array of vectors.
+fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
+    let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
+    first..=first + 5 * S::F64_LANES
 }
 
 /// Builds the engine for at most eight rods: two lanes for one or two, else eight. All variants

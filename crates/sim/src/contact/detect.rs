@@ -176,26 +176,27 @@ fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
     }
 }
 
-/// Some pairs by their fibres, as those of a list that is complete are already. Each task looks for those of
-/// its own first fibres, which are segments in a row.
+/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their first fibres,
+/// then each of these by itself.
 fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
-    let key = |pair: &Pair| (fibers(layout, pair)[0], pair[1], pair[0]);
-    if pairs.par_windows(2).all(|two| key(&two[0]) <= key(&two[1])) {
+    let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
+    let key = |pair: &Pair| [pair[1], pair[0]];
+    let is_sorted = |two: &[Pair]| (first(&two[0]), key(&two[0])) <= (first(&two[1]), key(&two[1]));
+    if pairs.par_windows(2).all(is_sorted) {
         return pairs;
     }
-    let parts = 4 * rayon::current_num_threads();
-    let start = |part: usize| match part * layout.fibers() / parts {
-        0 => 0,
-        fiber => layout.segment_range(fiber - 1).end,
-    };
-    let of_part = |part: usize| {
-        let own = fiber_number(start(part))..fiber_number(start(part + 1));
-        let mut own: Vec<_> = pairs.iter().filter(|pair| own.contains(&pair[0])).copied().collect();
-        own.sort_unstable_by_key(key);
-        own
-    };
-    let parts: Vec<_> = (0..parts).into_par_iter().map(of_part).collect();
-    parts.concat()
+    let mut next = vec![0; layout.fibers() + 1];
+    pairs.iter().for_each(|pair| next[first(pair) + 1] += 1);
+    (0..layout.fibers()).for_each(|fiber| next[fiber + 1] += next[fiber]);
+    let mut dealt = vec![[0; 2]; pairs.len()];
+    for pair in pairs {
+        let next = &mut next[first(&pair)];
+        dealt[*next] = pair;
+        *next += 1;
+    }
+    let of_fibers = dealt.par_chunk_by_mut(|a, b| first(a) == first(b));
+    of_fibers.for_each(|own| own.sort_unstable_by_key(key));
+    dealt
 }
 
 /// Those of some pairs of segments whose fibres are somewhere deeper than `depth`, m, in each other, or in
@@ -301,7 +302,7 @@ fn sort(
         let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
         let mut after = Vec::new();
         squared_distances(end, &numbers, &mut after);
-        let (mut near, mut fast) = (Vec::new(), Vec::new());
+        let (mut near, mut fast) = (Vec::with_capacity(pairs.len()), Vec::new());
         for (pair, (before, after)) in numbers.into_iter().zip(before.into_iter().zip(after)) {
             let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
             let reach = r + q;
@@ -319,13 +320,8 @@ fn sort(
         }
         (near, fast)
     };
-    let parts: Vec<_> = pairs.par_chunks(CHUNK).map(chunk).collect();
-    let (mut near, mut fast) = (Vec::new(), Vec::new());
-    for (n, f) in parts {
-        near.extend(n);
-        fast.extend(f);
-    }
-    (near, fast)
+    let (near, fast): (Vec<_>, Vec<_>) = pairs.par_chunks(CHUNK).map(chunk).unzip();
+    (near.concat(), fast.concat())
 }
 
 #[cfg(test)]
@@ -369,6 +365,20 @@ mod tests {
                     prop_assert!(touches.iter().any(there), "{node}: {touches:?}");
                 }
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn pairs_are_put_in_order_by_their_fibers(
+            mut pairs in prop::collection::vec([0..12_u32, 0..12_u32], 0..60),
+        ) {
+            let layout = Layout::new([3, 1, 5, 3]);
+            let dealt = by_fibers(&layout, pairs.clone());
+            let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
+            pairs.sort_unstable_by_key(|pair| (first(pair), pair[1], pair[0]));
+            prop_assert_eq!(&dealt, &pairs);
+            prop_assert_eq!(by_fibers(&layout, dealt), pairs);
         }
     }
 

@@ -32,33 +32,41 @@ impl<'a> Laws<'a> {
     }
 
     /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
-    /// over the length of the part, `before` the normal velocity then.
+    /// over the length of the part, `before` tells the relative velocity then, in the frame of the touch.
     ///
     /// A touch that would close returns with its share, if there is one, of the velocity of approach
     /// (Newton). Whether it would is told by the start of the part, with what gravity may add, so that
     /// it neither depends on the search nor is a fall stopped at the surface before it bounces. What
     /// comes no faster than gravity drives it in two parts is at rest, and stays so.
-    pub(super) fn closing(&self, touch: &Touch, gap: f64, before: f64) -> f64 {
+    pub(super) fn closing(
+        &self,
+        touch: &Touch,
+        gap: f64,
+        before: impl Fn() -> Vector3<f64>,
+    ) -> f64 {
         let own = self.own(touch, |object| object.restitution);
         let restitution = own.unwrap_or(self.settings.restitution);
-        let fast = before < -2.0 * self.fall && gap + before < self.fall;
-        let bounces = restitution > 0.0 && fast;
+        if restitution <= 0.0 {
+            return gap;
+        }
+        let before = before().x;
+        let bounces = before < -2.0 * self.fall && gap + before < self.fall;
         if bounces { gap.min(restitution * before) } else { gap }
     }
 
-    /// The limit curve of a touch with a relative velocity at the start of the part, m/s, in its
-    /// frame. Backward Euler ends with its mean velocity: the slip at the start is that of the part
+    /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its frame, `before`
+    /// tells. Backward Euler ends with its mean velocity: the slip at the start is that of the part
     /// before.
     pub(super) fn friction(
         &self,
         touch: &Touch,
-        before: &Vector3<f64>,
+        before: impl Fn() -> Vector3<f64>,
     ) -> Result<LimitCurve, ContactError> {
         let between_objects = matches!(touch.sides[0], Partner::Object(_));
         let own = self.own(touch, |object| {
             object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
         });
-        let sticks = before.yz().norm() <= self.settings.slip;
+        let sticks = || before().yz().norm() <= self.settings.slip;
         own.unwrap_or(self.settings.friction).of(touch, sticks)
     }
 

@@ -229,9 +229,14 @@ impl Object {
             } else if nearest <= radius + margin {
                 let capsule = Capsule { start: after[s], end: after[s + 1], radius };
                 let search = Search { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
-                search.contacts(&field, &capsule, &mut contacts);
                 let ends = [0, 1].map(|i| values[s + i] - radius);
-                if is_even(&contacts, ends, &field, &capsule) {
+                // A search would find nothing between them that is nearer.
+                let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
+                    && is_even(&[], ends, &field, &capsule);
+                if !known {
+                    search.contacts(&field, &capsule, &mut contacts);
+                }
+                if known || is_even(&contacts, ends, &field, &capsule) {
                     contacts.clear();
                     contacts.extend(at_ends(ends, &field, &capsule, margin));
                 } else if let [deepest] = contacts[..] {

@@ -123,15 +123,65 @@ fn turned(start: &Capsules, touch: &Touch) -> bool {
 /// a bend one segment may meet a fibre that its neighbor would pass through, and find it on its far
 /// side: between the two normals the fibre could not move at all. Touches are sorted by pair.
 pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
-    let jammed = |group: &[Touch]| {
-        let turned: Vec<_> = group.iter().map(|touch| turned(start, touch)).collect();
-        let stays = |i: usize| !turned[i];
-        let jams = |i: usize| {
-            (0..group.len()).any(|other| stays(other) && group[other].opposes(&group[i]))
-        };
-        (0..group.len()).map(|i| turned[i] && jams(i)).collect::<Vec<_>>()
+    let turned: Vec<bool> = touches.par_iter().map(|touch| turned(start, touch)).collect();
+    let jams = |i: usize| {
+        let pair = touches[i].sides;
+        let first = touches.partition_point(|touch| touch.sides < pair);
+        let from_first = touches[first..].iter().zip(&turned[first..]);
+        let mut of_pair = from_first.take_while(|(touch, _)| touch.sides == pair);
+        of_pair.any(|(touch, turned)| !turned && touch.opposes(&touches[i]))
     };
-    let jammed: Vec<_> =
-        touches.par_chunk_by(|a, b| a.sides == b.sides).flat_map_iter(jammed).collect();
+    let jammed = (0..touches.len()).into_par_iter().map(|i| turned[i] && jams(i)).collect();
     retain_others(touches, jammed);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use proptest::prelude::*;
+    use rapunzel_fiber::Layout;
+
+    proptest! {
+        /// Of touches of three fibres that lie above each other, with normals up or down, those go that have
+        /// turned beside one of their pair that has not.
+        #[test]
+        fn touches_that_jam_others_go(
+            mut all in prop::collection::vec((0..2_u32, 0..8_u32, any::<bool>()), 0..20),
+        ) {
+            const SEGMENTS: usize = 4;
+            all.sort_by_key(|&(fiber, place, _)| (fiber, place));
+            let layout = Layout::new([SEGMENTS; 3]);
+            let node = |i: usize| [(i % (SEGMENTS + 1)) as f64, 0.0, (i / (SEGMENTS + 1)) as f64];
+            let nodes: Vec<_> = (0..layout.nodes()).map(|i| Point3::from(node(i))).collect();
+            let radii = vec![0.4; layout.segments()];
+            let start = Capsules::new(&layout, &nodes, &radii).expect("one layout");
+            let touch = |&(fiber, place, turned): &(u32, u32, bool)| Touch {
+                sides: [fiber, fiber + 1].map(Partner::Fiber),
+                segments: [place / 2; 2],
+                fractions: [0.5 * f64::from(place % 2); 2],
+                normal: Vector3::z() * if turned { 1.0 } else { -1.0 },
+                arms: [Vector3::x(); 2],
+                gap: 0.2,
+                impulse: Vector3::zeros(),
+                working: false,
+                bonded: false,
+                led: false,
+            };
+            let mut touches: Vec<_> = all.iter().map(touch).collect();
+            keep_sides(&start, &mut touches);
+            let jams = |&(fiber, place, turned): &(u32, u32, bool)| {
+                // Within less than a segment.
+                let beside = |other: &(u32, u32, bool)| {
+                    other.0 == fiber && other.1.abs_diff(place) < 2 && !other.2
+                };
+                turned && all.iter().any(beside)
+            };
+            let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(touch).collect();
+            let told = |touches: &[Touch]| -> Vec<_> {
+                touches.iter().map(|one| (one.sides, one.at(), one.normal.z)).collect()
+            };
+            prop_assert_eq!(told(&touches), told(&expected));
+        }
+    }
 }

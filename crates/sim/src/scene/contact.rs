@@ -244,9 +244,13 @@ impl Friction {
         matches!(self, Self::Cuticle { .. })
     }
 
-    /// The limit curve of a touch that `sticks`, or slides. Of two fibres that touch, both have this
+    /// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
     /// friction, each by its own axis; with an object the axis is the fibre's.
-    pub(crate) fn of(&self, touch: &Touch, sticks: bool) -> Result<LimitCurve, ContactError> {
+    pub(crate) fn of(
+        &self,
+        touch: &Touch,
+        sticks: impl Fn() -> bool,
+    ) -> Result<LimitCurve, ContactError> {
         match *self {
             Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
             Self::Keratin { on, wetness } => match on.friction(wetness) {
@@ -258,7 +262,7 @@ impl Friction {
                 }),
             },
             Self::Resting { resting, sliding } => {
-                Ok(LimitCurve::Circle { mu: if sticks { resting } else { sliding } })
+                Ok(LimitCurve::Circle { mu: if sticks() { resting } else { sliding } })
             }
             Self::Cuticle { with, against, across } => {
                 let curve = LimitCurve::cuticle(with, against, across);

@@ -6,7 +6,7 @@ use crate::contact::touch::Touch;
 use crate::contact::velocities::Velocities;
 use crate::contact::work::ContactWork;
 use nalgebra::Vector3;
-use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
+use rapunzel_contact::{Bond, ContactError, Report, Violation, report};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -35,12 +35,12 @@ impl Case {
     ) -> Report {
         let near = self.near_where(world, mean);
         let mean = Velocities::new(world, mean);
-        let contacts: Vec<&Contact> = near.par_iter().map(|&i| &self.contacts[i]).collect();
-        let velocities: Vec<_> =
-            near.par_iter().map(|&i| relative(&self.contacts[i], &touches[i], &mean)).collect();
-        let impulses: Vec<_> = near.par_iter().map(|&i| self.impulses[i]).collect();
-        let weights: Vec<_> = near.par_iter().map(|&i| self.weights[i]).collect();
-        report(&contacts, &velocities, &impulses, &weights)
+        let one = |k: usize| {
+            let i = near[k];
+            let velocity = relative(&self.contacts[i], &touches[i], &mean);
+            (&self.contacts[i], velocity, self.impulses[i], self.weights[i])
+        };
+        report(near.len(), one)
     }
 
     /// Which contact is farthest from the law where all nodes have the given mean velocities.

@@ -91,8 +91,8 @@ impl Case {
             let drive = frame.tr_mul(&touch.drive());
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = touch.gap / dt - relative(&mean).x;
-            let before = relative(&before) - drive;
-            let friction = laws.friction(touch, &before).unwrap_or_else(|error| {
+            let before = || relative(&before) - drive;
+            let friction = laws.friction(touch, before).unwrap_or_else(|error| {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
                 if refused.as_ref().is_none_or(|(first, _)| i < *first) {
                     *refused = Some((i, error));
@@ -103,7 +103,7 @@ impl Case {
                 first: 2 * i,
                 second: (!touch.led).then_some(2 * i + 1),
                 frame,
-                bias: Vector3::new(laws.closing(touch, gap, before.x), -drive.y, -drive.z),
+                bias: Vector3::new(laws.closing(touch, gap, before), -drive.y, -drive.z),
                 friction,
                 adhesion: 0.0,
                 compliance: 0.0,
