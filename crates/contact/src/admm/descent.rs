@@ -59,7 +59,7 @@ where
     let most = tolerance.iterations.saturating_sub(*iterations + 1).min(attempt.most);
     let mut anderson = Anderson::new(MEMORY, 1);
     for done in 0..=most {
-        // What a part reads for the one is at hand for the other.
+        // Velocities are judged in the pass that goes on from them.
         let judges = done > 0;
         lead.order(Order::Descent(Step::Descend { judges, place: anderson.place() }));
         if judges {
