@@ -143,8 +143,8 @@ mod tests {
     use rapunzel_fiber::Layout;
 
     proptest! {
-        /// Of touches of three fibres that lie above each other, with normals up or down, those go that have
-        /// turned beside one of their pair that has not.
+        /// Of touches of three fibres that cross each other, with normals up or down, those go that have turned
+        /// beside one of their pair that has not; two that both have stay.
         #[test]
         fn touches_that_jam_others_go(
             mut all in prop::collection::vec((0..2_u32, 0..8_u32, any::<bool>()), 0..20),
@@ -152,15 +152,19 @@ mod tests {
             const SEGMENTS: usize = 4;
             all.sort_by_key(|&(fiber, place, _)| (fiber, place));
             let layout = Layout::new([SEGMENTS; 3]);
-            let node = |i: usize| [(i % (SEGMENTS + 1)) as f64, 0.0, (i / (SEGMENTS + 1)) as f64];
+            const CROSSING: f64 = 1.9;
+            let node = |i: usize| {
+                let (fiber, x) = (i / (SEGMENTS + 1), (i % (SEGMENTS + 1)) as f64);
+                [x, 0.0, fiber as f64 * (x - CROSSING)]
+            };
             let nodes: Vec<_> = (0..layout.nodes()).map(|i| Point3::from(node(i))).collect();
             let radii = vec![0.4; layout.segments()];
             let start = Capsules::new(&layout, &nodes, &radii).expect("one layout");
-            let touch = |&(fiber, place, turned): &(u32, u32, bool)| Touch {
+            let touch = |&(fiber, place, up): &(u32, u32, bool)| Touch {
                 sides: [fiber, fiber + 1].map(Partner::Fiber),
                 segments: [place / 2; 2],
                 fractions: [0.5 * f64::from(place % 2); 2],
-                normal: Vector3::z() * if turned { 1.0 } else { -1.0 },
+                normal: Vector3::z() * if up { 1.0 } else { -1.0 },
                 arms: [Vector3::x(); 2],
                 gap: 0.2,
                 impulse: Vector3::zeros(),
@@ -170,12 +174,13 @@ mod tests {
             };
             let mut touches: Vec<_> = all.iter().map(touch).collect();
             keep_sides(&start, &mut touches);
-            let jams = |&(fiber, place, turned): &(u32, u32, bool)| {
+            let turned = |&(_, place, up): &(u32, u32, bool)| up == (0.5 * f64::from(place) > CROSSING);
+            let jams = |one: &(u32, u32, bool)| {
                 // Within less than a segment.
                 let beside = |other: &(u32, u32, bool)| {
-                    other.0 == fiber && other.1.abs_diff(place) < 2 && !other.2
+                    other.0 == one.0 && other.1.abs_diff(one.1) < 2 && other.2 != one.2
                 };
-                turned && all.iter().any(beside)
+                turned(one) && all.iter().any(|other| beside(other) && !turned(other))
             };
             let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(touch).collect();
             let told = |touches: &[Touch]| -> Vec<_> {
