@@ -2,10 +2,9 @@
 
 use super::anderson::Onward;
 use super::part::{Common, Part};
-use super::wide::{Vectors, WIDTH, Wide, norm};
+use super::wide::{Eight, Vectors, WIDTH, Wide, norm};
 use crate::metric;
 use crate::residual::Sums;
-use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use rapunzel_lanes::Lane;
 
@@ -27,10 +26,11 @@ pub(super) enum Act<'p> {
     Compare,
     /// Finds how far the velocities that have been told are from the law.
     Judge,
-    /// Finds where the gradient leads, back into the cone; also what [`Self::Judge`] does if one `judges`.
-    Descend { judges: bool },
+    /// Finds where the gradient leads, back into the cone, and how far; also what [`Self::Judge`] does if one
+    /// `judges`.
+    Descend { judges: bool, ways: &'p mut Vec<f64> },
     /// Goes on, back into the cone.
-    Step(&'p Onward),
+    Step(&'p Onward, &'p mut Vec<f64>),
 }
 
 impl WithSimd for Alone<'_, '_, '_> {
@@ -43,8 +43,8 @@ impl WithSimd for Alone<'_, '_, '_> {
             Act::Obey { looked_at } => obey(simd, part, common, looked_at),
             Act::Compare => compare(simd, part, common),
             Act::Judge => judge(simd, part, common),
-            Act::Descend { judges } => descend(simd, part, common, judges),
-            Act::Step(onward) => step(simd, part, common, onward),
+            Act::Descend { judges, ways } => descend(simd, part, common, judges, ways),
+            Act::Step(onward, room) => step(simd, part, common, onward, room),
         }
     }
 }
@@ -55,16 +55,16 @@ fn obey<S: Simd>(simd: S, part: &mut Part, common: &Common, looked_at: bool) {
     let contacts = &common.contacts[part.contacts.clone()];
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let q = wide.relative(&common.h, &wide.group.sides);
         let (response, adhesion) = (wide.responses(), wide.adhesion());
+        let changes = wide.relative(&common.h, &wide.group.sides);
+        let q = less(changes, times(wide.given(), response));
         let answer = (response + wide.compliance()).recip();
         let normal = (-q[0] * answer).max(-adhesion);
         let [s, t] = wide.project([-q[1] * answer, -q[2] * answer], normal + adhesion);
         let r = [normal, s, t];
-        put(&wide, r, part.impulses, common, part.contacts.start);
+        put(&wide, r, &mut part.impulses, common, part.contacts.start);
         if looked_at {
-            let wanted = &mut part.wanted[wide.range()];
-            wide.unpack(sum(q, times(r, response)), wanted);
+            wide.store(sum(q, times(r, response)), &mut part.wanted[wide.number]);
         }
     }
 }
@@ -75,8 +75,8 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let r = wide.pack(&part.impulses[wide.range()]);
-        let wanted = wide.pack(&part.wanted[wide.range()]);
+        let r = wide.load(&part.impulses[wide.number]);
+        let wanted = wide.load(&part.wanted[wide.number]);
         let v = wide.relative(&common.v, &wide.group.points);
         let (zero, weight) = (wide.splat(0.0), wide.weights());
         // Where nothing holds it, only what closes the gap is wrong.
@@ -101,22 +101,24 @@ fn judge<S: Simd>(simd: S, part: &mut Part, common: &Common) {
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let r = wide.pack(&part.impulses[wide.range()]);
+        let r = wide.load(&part.impulses[wide.number]);
         sums.judge(&wide, told(&wide, common, r), r);
     }
     part.sums = sums.of_all();
 }
 
 #[inline(always)]
-fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool) {
+fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool, ways: &mut Vec<f64>) {
     let contacts = &common.contacts[part.contacts.clone()];
     let image = part.descents.image();
-    image.resize(3 * contacts.len(), 0.0);
-    let images = image.as_chunks_mut::<3>().0;
+    let [images, ways] = [image, ways].map(|all| {
+        all.resize(part.groups.len() * 3 * WIDTH, 0.0);
+        all.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<3>().0
+    });
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let r = wide.pack(&part.impulses[wide.range()]);
+        let r = wide.load(&part.impulses[wide.number]);
         let mut u = told(&wide, common, r);
         if judges {
             sums.judge(&wide, u, r);
@@ -125,7 +127,8 @@ fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool) {
         let mass = (bound / wide.splat(2.0 * NEARLY) + wide.compliance()).recip();
         u[0] = u[0] + wide.dissipation([u[1], u[2]]);
         let next = nearest(&wide, less(r, times(u, mass)));
-        wide.unpack(next, &mut images[wide.range()]);
+        wide.store(next, &mut images[wide.number]);
+        wide.store(times(less(next, r), wide.responses().sqrt()), &mut ways[wide.number]);
     }
     if judges {
         part.sums = sums.of_all();
@@ -139,30 +142,30 @@ fn told<S: Simd>(wide: &Wide<S>, common: &Common, impulse: Vectors<S>) -> Vector
 }
 
 #[inline(always)]
-fn step<S: Simd>(simd: S, part: &mut Part, common: &Common, onward: &Onward) {
+fn step<S: Simd>(simd: S, part: &mut Part, common: &Common, onward: &Onward, room: &mut Vec<f64>) {
     let contacts = &common.contacts[part.contacts.clone()];
-    let next = part.descents.onward(onward).as_chunks::<3>().0;
+    let next = part.descents.onward(onward, room).as_chunks::<WIDTH>().0.as_chunks::<3>().0;
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
-        let r = nearest(&wide, wide.pack(&next[wide.range()]));
-        put(&wide, r, part.impulses, common, part.contacts.start);
+        let r = nearest(&wide, wide.load(&next[wide.number]));
+        put(&wide, r, &mut part.impulses, common, part.contacts.start);
     }
 }
 
-/// Notes impulses, of contacts that come after `start` others, in their frames and in the world.
+/// Notes impulses, of contacts that come after `start` others, in their frames, and how they have changed in the
+/// world.
 #[inline(always)]
 fn put<S: Simd>(
     wide: &Wide<S>,
     r: Vectors<S>,
-    impulses: &mut [Vector3<f64>],
+    impulses: &mut [Eight],
     common: &Common,
     start: usize,
 ) {
-    wide.unpack(r, &mut impulses[wide.range()]);
-    let mut world = [Vector3::zeros(); WIDTH];
-    wide.unpack(wide.world(r), &mut world);
-    for (i, impulse) in wide.range().zip(&world) {
-        common.impulses.set(start + i, impulse);
+    wide.store(r, &mut impulses[wide.number]);
+    let changes = wide.unpack(wide.world(less(r, wide.given())));
+    for (i, change) in wide.range().zip(&changes) {
+        common.impulses.set(start + i, change);
     }
 }
 

@@ -10,7 +10,6 @@
 
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, NullaryFnOnce};
-use std::ops::Index;
 
 /// Sums that a product runs side by side.
 const LANES: usize = 32;
@@ -38,9 +37,10 @@ pub(crate) struct Anderson {
 pub(crate) struct Part {
     /// Differences of residuals and of images, the oldest overwritten first.
     differences: Vec<[Vec<f32>; 2]>,
-    /// Residual and image of the step before, and of the next.
-    last: [Vec<f64>; 2],
-    next: [Vec<f64>; 2],
+    /// The residual of the last step, times the roots of the weights.
+    residual: Vec<f64>,
+    /// Images of the step before and of the last.
+    images: [Vec<f64>; 2],
 }
 
 /// What an iteration is for.
@@ -135,29 +135,25 @@ impl Anderson {
 }
 
 impl Part {
-    /// Room for the image at the end of a step, three numbers a vector.
+    /// Room for the image at the end of a step.
     pub(crate) fn image(&mut self) -> &mut Vec<f64> {
-        &mut self.next[1]
+        &mut self.images[1]
     }
 
-    /// Remembers the step that led from a state to the image, and finds its products; `roots` are those of
-    /// the weights of the norm, by vector.
-    pub(crate) fn look<V: Index<usize, Output = f64>>(
-        &mut self,
-        start: &[V],
-        place: Option<Place>,
-        roots: &[f64],
-    ) -> Products {
-        Arch::new().dispatch(Look { part: self, start, place, roots })
+    /// Remembers the step that led to the image, with a residual times the roots of the weights of the norm, and
+    /// finds its products.
+    pub(crate) fn look(&mut self, residual: &[f64], place: Option<Place>) -> Products {
+        Arch::new().dispatch(Look { part: self, residual, place })
     }
 
-    /// The next state.
-    pub(crate) fn onward(&mut self, onward: &Onward) -> &[f64] {
+    /// The next state, or where that is mixed, room for it.
+    pub(crate) fn onward<'a>(&'a mut self, onward: &Onward, room: &'a mut Vec<f64>) -> &'a [f64] {
         match onward {
-            Onward::Back => &self.last[1],
+            Onward::Back => &self.images[0],
             Onward::Mix(shares) => {
-                Arch::new().dispatch(Mix { part: self, shares });
-                &self.next[1]
+                Arch::new().dispatch(Mix { part: self, shares, room });
+                self.images.swap(0, 1);
+                room
             }
         }
     }
@@ -184,39 +180,35 @@ impl Products {
 }
 
 /// Remembers a step and finds its products.
-struct Look<'a, V> {
+struct Look<'a> {
     part: &'a mut Part,
-    start: &'a [V],
+    residual: &'a [f64],
     place: Option<Place>,
-    roots: &'a [f64],
 }
 
-impl<V: Index<usize, Output = f64>> NullaryFnOnce for Look<'_, V> {
+impl NullaryFnOnce for Look<'_> {
     type Output = Products;
 
     #[inline(always)]
     fn call(self) -> Products {
-        let Self { part, start, place, roots } = self;
-        let [weighted, image] = &mut part.next;
-        weighted.resize(image.len(), 0.0);
-        let rooms = weighted.as_chunks_mut::<3>().0.iter_mut().zip(start);
-        for (((weighted, start), image), w) in rooms.zip(image.as_chunks::<3>().0).zip(roots) {
-            *weighted = [0, 1, 2].map(|k| (image[k] - start[k]) * w);
+        let Self { part, residual, place } = self;
+        let Part { differences, residual: last, images: [before, image] } = part;
+        let mut products = Products { norm: product(residual), with: Vec::new() };
+        if let Some(Place { newest, count }) = place {
+            differences.resize_with(differences.len().max(count), Default::default);
+            let steps = [(residual, &**last), (&**image, &**before)];
+            for (difference, (now, before)) in differences[newest].iter_mut().zip(steps) {
+                difference.resize(now.len(), 0.0);
+                let both = now.iter().zip(before);
+                difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = single(a - b));
+            }
+            let [newest, _] = &differences[newest];
+            // No closure: the sums must be inlined into what is dispatched.
+            for [other, _] in &differences[..count] {
+                products.with.push(dots(other, residual, newest));
+            }
         }
-        let mut products = Products { norm: product(weighted), with: Vec::new() };
-        let Some(Place { newest, count }) = place else { return products };
-        part.differences.resize_with(part.differences.len().max(count), Default::default);
-        let steps = part.next.iter().zip(&part.last);
-        for (difference, (next, last)) in part.differences[newest].iter_mut().zip(steps) {
-            difference.resize(next.len(), 0.0);
-            let both = next.iter().zip(last);
-            difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = single(a - b));
-        }
-        let [newest, _] = &part.differences[newest];
-        // No closure: the sums must be inlined into what is dispatched.
-        for [other, _] in &part.differences[..count] {
-            products.with.push(dots(other, &part.next[0], newest));
-        }
+        residual.clone_into(last);
         products
     }
 }
@@ -272,10 +264,11 @@ fn total(mut sums: [f64; LANES]) -> f64 {
     sums[0]
 }
 
-/// Takes shares of the differences of images from the next one, and makes that the last.
+/// Takes shares of the differences of images from the last one.
 struct Mix<'a> {
-    part: &'a mut Part,
+    part: &'a Part,
     shares: &'a [f64],
+    room: &'a mut Vec<f64>,
 }
 
 impl NullaryFnOnce for Mix<'_> {
@@ -283,13 +276,10 @@ impl NullaryFnOnce for Mix<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Part { differences, last, next, .. } = self.part;
-        std::mem::swap(last, next);
-        // The room of the next step serves for the sum.
-        let mixed = &mut next[1];
-        mixed.clone_from(&last[1]);
-        for (share, [_, image]) in self.shares.iter().zip(differences) {
-            mixed.iter_mut().zip(&*image).for_each(|(h, d)| *h -= f64::from(*d) * share);
+        let Self { part, shares, room } = self;
+        room.clone_from(&part.images[1]);
+        for (share, [_, image]) in shares.iter().zip(&part.differences) {
+            room.iter_mut().zip(image).for_each(|(h, d)| *h -= f64::from(*d) * share);
         }
     }
 }

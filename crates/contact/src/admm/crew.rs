@@ -7,7 +7,9 @@
 //! none waits for ever, whatever else the threads are used for.
 
 use rayon::Scope;
+use std::cell::RefCell;
 use std::hint::spin_loop;
+use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock, TryLockError};
 use std::thread::yield_now;
@@ -21,10 +23,11 @@ const RETURN: usize = 64;
 /// The phase after the last.
 const OVER: usize = usize::MAX;
 
-/// The parts of some work, and who does them.
-pub(super) struct Crew<P, O, A> {
+/// The parts of some work, and who does them, each in a room `R` that stays in its caches.
+pub(super) struct Crew<P, O, R, A> {
     parts: Vec<Part<P>>,
     act: A,
+    room: PhantomData<fn() -> R>,
     order: RwLock<Option<O>>,
     /// The number of the phase at hand.
     phase: AtomicUsize,
@@ -41,18 +44,20 @@ struct Part<P> {
 }
 
 /// The leader's hold of a crew.
-pub(super) struct Lead<'c, 'scope, P, O, A> {
-    crew: &'scope Crew<P, O, A>,
+pub(super) struct Lead<'c, 'scope, P, O, R, A> {
+    crew: &'scope Crew<P, O, R, A>,
     scope: &'c Scope<'scope>,
+    room: RefCell<R>,
 }
 
-impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
+impl<P: Send, O: Send + Sync, R: Default, A: Fn(&O, &mut P, &mut R) + Sync> Crew<P, O, R, A> {
     /// A crew that does `parts` of every order, in any order and side by side, by `act`.
     pub(super) fn new(parts: impl Iterator<Item = P>, act: A) -> Self {
         let number = || AtomicUsize::new(0);
         Self {
             parts: parts.map(|own| Part { phase: number(), own: Mutex::new(own) }).collect(),
             act,
+            room: PhantomData,
             order: RwLock::new(None),
             phase: number(),
             done: number(),
@@ -61,19 +66,19 @@ impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
     }
 
     /// Lets the calling thread lead.
-    pub(super) fn led<'a, R: Send>(
+    pub(super) fn led<'a, T: Send>(
         &'a self,
-        lead: impl FnOnce(&Lead<'_, 'a, P, O, A>) -> R + Send,
-    ) -> R {
+        lead: impl FnOnce(&Lead<'_, 'a, P, O, R, A>) -> T + Send,
+    ) -> T {
         rayon::scope(|scope| {
-            let result = lead(&Lead { crew: self, scope });
+            let result = lead(&Lead { crew: self, scope, room: RefCell::default() });
             self.phase.store(OVER, Ordering::Release);
             result
         })
     }
 
     /// Does what is left of a phase, from some part on.
-    fn work(&self, phase: usize, first: usize) {
+    fn work(&self, phase: usize, first: usize, room: &mut R) {
         let order = self.order.read().unwrap_or_else(PoisonError::into_inner);
         let Some(order) = &*order else { return };
         let (behind, ahead) = self.parts.split_at(first);
@@ -89,7 +94,7 @@ impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
                 Err(TryLockError::WouldBlock) => continue,
             };
             if !is_done() {
-                (self.act)(order, &mut own);
+                (self.act)(order, &mut own, room);
                 part.phase.store(phase, Ordering::Relaxed);
                 self.done.fetch_add(1, Ordering::Release);
             }
@@ -99,7 +104,7 @@ impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
     /// Does parts of all phases that are ordered.
     fn help(&self) {
         let first = self.parts.len() / 2;
-        let (mut last, mut looks) = (0, 0);
+        let (mut last, mut looks, mut room) = (0, 0, R::default());
         while looks < PATIENCE {
             let phase = self.phase.load(Ordering::Acquire);
             if phase == OVER {
@@ -108,7 +113,7 @@ impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
             if phase == last {
                 wait(&mut looks);
             } else {
-                self.work(phase, first);
+                self.work(phase, first, &mut room);
                 (last, looks) = (phase, 0);
             }
         }
@@ -116,7 +121,13 @@ impl<P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Crew<P, O, A> {
     }
 }
 
-impl<'scope, P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Lead<'_, 'scope, P, O, A> {
+impl<'scope, P, O, R, A> Lead<'_, 'scope, P, O, R, A>
+where
+    P: Send,
+    O: Send + Sync,
+    R: Default,
+    A: Fn(&O, &mut P, &mut R) + Sync,
+{
     /// Has all parts done.
     pub(super) fn order(&self, order: O) {
         let crew = self.crew;
@@ -132,7 +143,7 @@ impl<'scope, P: Send, O: Send + Sync, A: Fn(&O, &mut P) + Sync> Lead<'_, 'scope,
         loop {
             // A helper that is late may have held a part in passing.
             if looks.is_multiple_of(RETURN) {
-                crew.work(phase, 0);
+                crew.work(phase, 0, &mut self.room.borrow_mut());
             }
             if crew.done.load(Ordering::Acquire) == phase * crew.parts.len() {
                 return;
@@ -164,7 +175,7 @@ mod tests {
     fn phases_follow_one_another() {
         for count in [0, 1, 2, 7, 100] {
             let sum = AtomicUsize::new(0);
-            let act = |order: &usize, part: &mut usize| {
+            let act = |order: &usize, part: &mut usize, (): &mut ()| {
                 assert_eq!(*part, *order);
                 assert_eq!(sum.load(Ordering::Relaxed) / count, *order);
                 *part += 1;
@@ -185,7 +196,7 @@ mod tests {
     #[test]
     fn crews_share_threads() {
         let count = |phases: usize| {
-            let crew = Crew::new(0..5, |_: &(), part: &mut usize| *part += 1);
+            let crew = Crew::new(0..5, |_: &(), part: &mut usize, (): &mut ()| *part += 1);
             crew.led(|lead| {
                 for phase in 0..phases {
                     if phase % 10 == 0 {
@@ -214,7 +225,8 @@ mod tests {
     /// A part that fails is told, whoever did it.
     #[test]
     fn panics_come_back() {
-        let crew = Crew::new(0..50, |_: &(), part: &mut usize| assert!(*part < 40, "too many"));
+        let act = |_: &(), part: &mut usize, (): &mut ()| assert!(*part < 40, "too many");
+        let crew = Crew::new(0..50, act);
         let led = std::panic::AssertUnwindSafe(|| crew.led(|lead| lead.order(())));
         assert!(std::panic::catch_unwind(led).is_err());
     }

@@ -13,7 +13,7 @@
 use super::alone::Act;
 use super::anderson::{Anderson, Onward, Place, Products};
 use super::crew::Lead;
-use super::part::{Common, Order, Part, together};
+use super::part::{Common, Order, Part, Room, together};
 use crate::{Report, Tolerance};
 
 /// Steps that the acceleration remembers.
@@ -43,14 +43,14 @@ pub(super) enum Step {
 /// Descends from impulses whose velocities have been told and leave an `error`, in tolerances. The report
 /// once all are kept; `None` where that is far, or will not be in so many iterations, which are added.
 pub(super) fn descend<'a, 'b, A>(
-    lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>,
+    lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>,
     tolerance: &Tolerance,
     error: f64,
     attempt: &Attempt,
     iterations: &mut usize,
 ) -> Option<Report>
 where
-    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+    A: Fn(&Order, &mut Part<'a, 'b>, &mut Room) + Sync,
 {
     if error > attempt.near {
         return None;
@@ -85,13 +85,14 @@ where
 }
 
 impl Part<'_, '_> {
-    pub(super) fn descent(&mut self, common: &Common, step: &Step) {
+    pub(super) fn descent(&mut self, common: &Common, step: &Step, room: &mut Room) {
         match step {
             Step::Descend { judges, place } => {
-                self.alone(common, Act::Descend { judges: *judges });
-                self.products = self.descents.look(self.impulses, *place, &self.response_roots);
+                let judges = *judges;
+                self.alone(common, Act::Descend { judges, ways: &mut room.ways });
+                self.products = self.descents.look(&room.ways, *place);
             }
-            Step::Onward(onward) => self.alone(common, Act::Step(onward)),
+            Step::Onward(onward) => self.alone(common, Act::Step(onward, &mut room.mixed)),
         }
     }
 }

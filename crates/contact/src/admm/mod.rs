@@ -13,6 +13,11 @@
 //!
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
 //! difference is the error of either, `R (z - v)` in impulses. Near the answer descent takes over.
+//!
+//! Between contacts and bodies go changes, from the velocities and impulses that were given: what bodies
+//! answer in single precision is small near the end, and so are its roundings. With so many contacts that no
+//! cache holds them an iteration takes as long as it takes to read and write what it needs of each, about a
+//! kilobyte: what serves one part at a time has no room of its own.
 
 mod alone;
 mod anderson;
@@ -27,14 +32,15 @@ use crate::metric;
 use crate::solver::check;
 use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
 use anderson::{Anderson, Products, Turn};
-use crew::Crew;
+use crew::{Crew, Lead};
 use descent::{Attempt, descend};
 use nalgebra::Vector3;
-use part::{Common, Order, Part, judge, together};
+use part::{Common, Order, Part, Room, judge, together};
 use rayon::prelude::*;
 use shared::Shared;
 use sides::Sides;
 use std::ops::Range;
+use std::sync::LazyLock;
 
 /// The solver for thousands of contacts: cost linear in points and contacts an iteration.
 #[derive(Debug, Clone)]
@@ -92,75 +98,97 @@ impl Solver for Admm {
         }
         let sides = Sides::new(contacts, velocities.len());
         let ([masses, traces], crowded) = metric_of(bodies, &sides, velocities.len(), self.weight);
-        let first = |(contact, impulse): (&Contact, &Vector3<f64>)| contact.frame * impulse;
+        let count = sides.len();
         let common = Common {
             contacts,
             sides: &sides,
-            base: velocities,
+            velocities,
             masses: &masses,
             traces: &traces,
             crowded,
             weight: self.weight,
             relaxation: self.relaxation,
-            h: Shared::new(rayon::iter::repeat_n(Vector3::zeros(), sides.len())),
-            impulses: Shared::new(contacts.par_iter().zip(&*impulses).map(first)),
-            v: Shared::new(velocities.par_iter().copied()),
+            h: LazyLock::new(Box::new(move || Shared::zeros(count))),
+            impulses: Shared::zeros(contacts.len()),
+            v: Shared::zeros(velocities.len()),
         };
-        let parts = parts(bodies, impulses, &common, &mut self.steps);
-        let crew = Crew::new(parts.into_iter(), |order: &Order, part| part.act(order, &common));
-        let tolerance = self.tolerance;
+        let mut steps = std::mem::take(&mut self.steps);
+        let parts = parts(bodies, impulses, &common, &mut steps);
+        let act = |order: &Order, part: &mut Part<'_, '_>, room: &mut Room| {
+            part.act(order, &common, room);
+        };
+        let crew = Crew::new(parts.into_iter(), act);
         let period = if sides.len() > FEW { PERIOD } else { 1 };
-        let mut anderson = Anderson::new(self.memory, period);
-        let [at_start, at_end] =
-            if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
+        let attempts = if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
         let report = crew.led(|lead| {
-            let mut iterations = 0;
-            let descend = |found: &Report, attempt, iterations: &mut usize| {
-                let found = descend(lead, &tolerance, tolerance.error(found), attempt, iterations);
-                found.map(|found| Report { iterations: *iterations, converged: true, ..found })
-            };
-            if let Some(found) = descend(&judge(lead), at_start, &mut iterations) {
-                return Ok(found);
-            }
-            lead.order(Order::SetOut);
-            let mut refused = None;
-            lead.each(|part| refused = refused.take().or(part.refused.take()));
-            if let Some(error) = refused {
-                return Err(error);
-            }
-            loop {
-                iterations += 1;
-                let last = iterations >= tolerance.iterations;
-                let looked_at = last || iterations.is_multiple_of(LOOK);
-                lead.order(Order::Obey { looked_at });
-                let (sets_out, turn) = (anderson.sets_out(), anderson.turn());
-                lead.order(Order::Respond { sets_out, turn, looked_at });
-                if let Turn::Look(_) = turn {
-                    let mut products = Products::default();
-                    lead.each(|part| products.add(&part.products));
-                    lead.order(Order::Onward(anderson.onward(&products)));
-                }
-                if !looked_at {
-                    continue;
-                }
-                lead.order(Order::Compare);
-                if last || tolerance.reached(&together(lead)) {
-                    lead.order(Order::Tell);
-                    let found = judge(lead);
-                    let converged = tolerance.reached(&found);
-                    if converged || last {
-                        return Ok(Report { iterations, converged, ..found });
-                    }
-                    if let Some(found) = descend(&found, at_end, &mut iterations) {
-                        return Ok(found);
-                    }
-                }
-            }
+            let report = self.lead(lead, period, attempts);
+            lead.order(Order::End);
+            report
         });
         drop(crew);
-        self.steps.truncate(ROOMS);
+        steps.truncate(ROOMS);
+        self.steps = steps;
         bodies.par_iter_mut().for_each(|body| body.forget_weights());
         report
+    }
+}
+
+impl Admm {
+    /// Leads all parts to the end, by steps of the acceleration that are so many iterations, and descents at the
+    /// start and near the end.
+    fn lead<'a, 'b, A>(
+        &self,
+        lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>,
+        period: usize,
+        [at_start, at_end]: [&Attempt; 2],
+    ) -> Result<Report, ContactError>
+    where
+        A: Fn(&Order, &mut Part<'a, 'b>, &mut Room) + Sync,
+    {
+        let tolerance = &self.tolerance;
+        let mut iterations = 0;
+        let descend = |found: &Report, attempt, iterations: &mut usize| {
+            let found = descend(lead, tolerance, tolerance.error(found), attempt, iterations);
+            found.map(|found| Report { iterations: *iterations, converged: true, ..found })
+        };
+        if let Some(found) = descend(&judge(lead), at_start, &mut iterations) {
+            return Ok(found);
+        }
+        lead.order(Order::SetOut);
+        let mut refused = None;
+        lead.each(|part| refused = refused.take().or(part.refused.take()));
+        if let Some(error) = refused {
+            return Err(error);
+        }
+        let mut anderson = Anderson::new(self.memory, period);
+        loop {
+            iterations += 1;
+            let last = iterations >= tolerance.iterations;
+            let looked_at = last || iterations.is_multiple_of(LOOK);
+            lead.order(Order::Obey { looked_at });
+            let (sets_out, turn) = (anderson.sets_out(), anderson.turn());
+            lead.order(Order::Respond { sets_out, turn, looked_at });
+            if let Turn::Look(_) = turn {
+                let mut products = Products::default();
+                lead.each(|part| products.add(&part.products));
+                lead.order(Order::Onward(anderson.onward(&products)));
+            }
+            if !looked_at {
+                continue;
+            }
+            lead.order(Order::Compare);
+            if last || tolerance.reached(&together(lead)) {
+                lead.order(Order::Tell);
+                let found = judge(lead);
+                let converged = tolerance.reached(&found);
+                if converged || last {
+                    return Ok(Report { iterations, converged, ..found });
+                }
+                if let Some(found) = descend(&found, at_end, &mut iterations) {
+                    return Ok(found);
+                }
+            }
+        }
     }
 }
 

@@ -6,19 +6,20 @@ use super::crew::Lead;
 use super::descent::Step;
 use super::shared::Shared;
 use super::sides::Sides;
-use super::wide::{Group, WIDTH};
+use super::wide::{Eight, Group, WIDTH};
 use crate::residual::Sums;
 use crate::{Body, Contact, ContactError, Report};
 use nalgebra::Vector3;
 use pulp::Arch;
 use std::ops::Range;
+use std::sync::LazyLock;
 
 /// What all parts see.
 pub(super) struct Common<'a> {
     pub(super) contacts: &'a [Contact],
     pub(super) sides: &'a Sides,
-    /// Velocities of the points with the impulses that were given.
-    pub(super) base: &'a [Vector3<f64>],
+    /// Velocities of the points, and below how these change, with the impulses that were given.
+    pub(super) velocities: &'a [Vector3<f64>],
     /// Metric of every side at a point, kg.
     pub(super) masses: &'a [f64],
     /// Traces of the points' answers to impulses on themselves, 1/kg.
@@ -28,12 +29,23 @@ pub(super) struct Common<'a> {
     /// By which the metric was chosen.
     pub(super) weight: f64,
     pub(super) relaxation: f64,
-    /// State, by side.
-    pub(super) h: Shared,
-    /// Impulses on the first points of contacts, world.
+    /// State, by side. Where descent comes to the end there is none.
+    pub(super) h: LazyLock<Shared, Box<dyn FnOnce() -> Shared + Send>>,
+    /// By how much impulses on the first points of contacts have changed, world.
     pub(super) impulses: Shared,
-    /// Velocities of points, where they are looked at.
+    /// By how much velocities of points have, where they are looked at.
     pub(super) v: Shared,
+}
+
+/// Where a part works.
+#[derive(Default)]
+pub(super) struct Room {
+    /// Impulses to answer, and the answers, by point.
+    asked: Vec<Vector3<f64>>,
+    answer: Vec<Vector3<f64>>,
+    /// How far a step leads, and what steps are mixed in.
+    pub(super) ways: Vec<f64>,
+    pub(super) mixed: Vec<f64>,
 }
 
 /// What all parts are to do.
@@ -54,31 +66,26 @@ pub(super) enum Order {
     Judge,
     /// Does a step of the descent.
     Descent(Step),
+    /// Tells the impulses.
+    End,
 }
 
 /// Some bodies and some contacts.
 pub(super) struct Part<'a, 'b> {
     bodies: &'a mut [&'b mut dyn Body],
     points: Range<usize>,
-    /// Impulses that act in the given velocities, those to answer, and the answers, by point.
-    given: Vec<Vector3<f64>>,
-    asked: Vec<Vector3<f64>>,
-    answer: Vec<Vector3<f64>>,
-    /// Roots of the metric, by side.
-    roots: Vec<f64>,
     /// State at the start of a step of the splitting, by side, and what is remembered of steps.
     start: Vec<Vector3<f64>>,
     steps: &'a mut anderson::Part,
     pub(super) descents: &'a mut anderson::Part,
     pub(super) products: Products,
     pub(super) contacts: Range<usize>,
-    /// In the frames of the contacts.
-    pub(super) impulses: &'a mut [Vector3<f64>],
+    /// Where impulses were given, and are told.
+    told: &'a mut [Vector3<f64>],
     pub(super) groups: Vec<Group>,
-    /// Roots of the answers of the contacts to their own impulses in the metric, 1/kg.
-    pub(super) response_roots: Vec<f64>,
-    /// Relative velocities that the contacts want.
-    pub(super) wanted: Vec<Vector3<f64>>,
+    /// Impulses in the frames of the contacts, and relative velocities that these want, by group.
+    pub(super) impulses: Vec<Eight>,
+    pub(super) wanted: Vec<Eight>,
     pub(super) sums: Sums,
     /// Why a body does not take the metric.
     pub(super) refused: Option<ContactError>,
@@ -89,15 +96,10 @@ impl<'a, 'b> Part<'a, 'b> {
     pub(super) fn new(
         common: &Common,
         (bodies, points): (&'a mut [&'b mut dyn Body], Range<usize>),
-        (impulses, contacts): (&'a mut [Vector3<f64>], Range<usize>),
+        (told, contacts): (&'a mut [Vector3<f64>], Range<usize>),
         [steps, descents]: [&'a mut anderson::Part; 2],
     ) -> Self {
         let Common { sides, masses, .. } = common;
-        let given = |point: usize| sides.at(point).map(|side| common.impulse(side)).sum();
-        let root = |point: usize| std::iter::repeat_n(masses[point].sqrt(), sides.at(point).len());
-        let zeros = vec![Vector3::zeros(); points.len()];
-        let responses: Vec<f64> =
-            common.contacts[contacts.clone()].iter().map(|c| common.response(c)).collect();
         let group = |start: usize| {
             let part = start..contacts.end.min(start + WIDTH);
             let own = &common.contacts[part.clone()];
@@ -109,19 +111,18 @@ impl<'a, 'b> Part<'a, 'b> {
                     at_sides[side][lane] = sides[side];
                 }
             }
-            let responses = &responses[start - contacts.start..];
+            let velocities = own.iter().map(|contact| common.relative(contact));
+            let impulses = &told[start - contacts.start..];
+            let responses = own.iter().map(|contact| common.response(contact));
             let weights = own.iter().map(|contact| common.weight_of(contact));
-            Group::new(own, responses, weights, [at_points, at_sides])
+            Group::new(own, velocities, impulses, responses, weights, [at_points, at_sides])
         };
+        let groups: Vec<_> = contacts.clone().step_by(WIDTH).map(group).collect();
         Self {
-            groups: contacts.clone().step_by(WIDTH).map(group).collect(),
-            given: points.clone().map(given).collect(),
-            asked: zeros.clone(),
-            answer: zeros,
-            roots: points.clone().flat_map(root).collect(),
+            impulses: groups.iter().map(|group| group.impulses).collect(),
+            groups,
             products: Products::default(),
-            response_roots: responses.iter().map(|response| response.sqrt()).collect(),
-            wanted: vec![Vector3::zeros(); contacts.len()],
+            wanted: Vec::new(),
             sums: Sums::default(),
             refused: None,
             start: Vec::new(),
@@ -130,22 +131,23 @@ impl<'a, 'b> Part<'a, 'b> {
             steps,
             descents,
             contacts,
-            impulses,
+            told,
         }
     }
 
-    pub(super) fn act(&mut self, order: &Order, common: &Common) {
+    pub(super) fn act(&mut self, order: &Order, common: &Common, room: &mut Room) {
         match order {
             Order::SetOut => self.set_out(common),
             Order::Obey { looked_at } => self.alone(common, Act::Obey { looked_at: *looked_at }),
             Order::Respond { sets_out, turn, looked_at } => {
-                self.respond(common, *sets_out, *turn, *looked_at);
+                self.respond(common, *sets_out, *turn, *looked_at, room);
             }
-            Order::Onward(onward) => self.go_on(common, onward),
+            Order::Onward(onward) => self.go_on(common, onward, room),
             Order::Compare => self.alone(common, Act::Compare),
-            Order::Tell => self.tell(common),
+            Order::Tell => self.tell(common, room),
             Order::Judge => self.alone(common, Act::Judge),
-            Order::Descent(step) => self.descent(common, step),
+            Order::Descent(step) => self.descent(common, step, room),
+            Order::End => self.end(),
         }
     }
 
@@ -160,34 +162,41 @@ impl<'a, 'b> Part<'a, 'b> {
                 self.refused.get_or_insert(error);
             }
         }
+        self.wanted.resize(self.groups.len(), Eight::default());
         for point in self.points.clone() {
-            let (v, lightness) = (common.v.get(point), 1.0 / common.masses[point]);
+            let (v, mass) = (common.v.get(point), common.masses[point]);
             for side in common.sides.at(point) {
-                common.h.set(side, &(v - common.impulse(side) * lightness));
+                common.h.set(side, &(v - common.impulse(side) / mass));
             }
         }
     }
 
     /// Lets the bodies move as near to `2 z - h` as they can.
-    fn respond(&mut self, common: &Common, sets_out: bool, turn: Turn, looked_at: bool) {
-        let Common { sides, base, masses, h, .. } = common;
-        for ((point, asked), given) in self.points.clone().zip(&mut self.asked).zip(&self.given) {
-            *asked = -given;
-            for side in sides.at(point) {
-                *asked += (h.get(side) - base[point]) * masses[point] + common.impulse(side) * 2.0;
-            }
-        }
-        self.answer(|body, asked, answer| body.weighted_respond(asked, answer));
+    fn respond(
+        &mut self,
+        common: &Common,
+        sets_out: bool,
+        turn: Turn,
+        looked_at: bool,
+        room: &mut Room,
+    ) {
+        let Common { sides, masses, h, .. } = common;
+        let asked = |point: usize| {
+            let of_side = |side| h.get(side) * masses[point] + common.impulse(side) * 2.0;
+            sides.at(point).map(of_side).sum()
+        };
+        self.answer(asked, room, |body, asked, answer| body.weighted_respond(asked, answer));
         if sets_out {
             self.start.clear();
         }
         let looks = matches!(turn, Turn::Look(_));
         if looks {
             self.steps.image().clear();
+            room.ways.clear();
         }
-        for (point, answer) in self.points.clone().zip(&self.answer) {
-            let v = base[point] + answer;
-            let lightness = 1.0 / masses[point];
+        let first = common.sides.of(&self.points).start;
+        for (point, v) in self.points.clone().zip(&room.answer) {
+            let (lightness, root) = (1.0 / masses[point], masses[point].sqrt());
             for side in sides.at(point) {
                 let before = h.get(side);
                 let z = before + common.impulse(side) * lightness;
@@ -197,34 +206,38 @@ impl<'a, 'b> Part<'a, 'b> {
                 }
                 if looks {
                     self.steps.image().extend_from_slice(next.as_slice());
+                    let way = (next - self.start[side - first]) * root;
+                    room.ways.extend_from_slice(way.as_slice());
                 } else {
                     h.set(side, &next);
                 }
             }
             if looked_at {
-                common.v.set(point, &v);
+                common.v.set(point, v);
             }
         }
         if let Turn::Look(place) = turn {
-            self.products = self.steps.look(&self.start, place, &self.roots);
+            self.products = self.steps.look(&room.ways, place);
         }
     }
 
-    fn go_on(&mut self, common: &Common, onward: &Onward) {
-        let state = self.steps.onward(onward).as_chunks::<3>().0;
+    fn go_on(&mut self, common: &Common, onward: &Onward, room: &mut Room) {
+        let state = self.steps.onward(onward, &mut room.mixed).as_chunks::<3>().0;
         for (side, next) in common.sides.of(&self.points).zip(state) {
             common.h.set(side, &(*next).into());
         }
     }
 
-    fn tell(&mut self, common: &Common) {
-        for ((point, asked), given) in self.points.clone().zip(&mut self.asked).zip(&self.given) {
-            *asked = -given;
-            common.sides.at(point).for_each(|side| *asked += common.impulse(side));
-        }
-        self.answer(|body, asked, answer| body.respond(asked, answer));
-        for (point, answer) in self.points.clone().zip(&self.answer) {
-            common.v.set(point, &(common.base[point] + answer));
+    fn tell(&mut self, common: &Common, room: &mut Room) {
+        let asked = |point: usize| common.sides.at(point).map(|side| common.impulse(side)).sum();
+        self.answer(asked, room, |body, asked, answer| body.respond(asked, answer));
+        self.points.clone().zip(&room.answer).for_each(|(point, v)| common.v.set(point, v));
+    }
+
+    fn end(&mut self) {
+        let all = self.impulses.iter().flat_map(|[n, s, t]| n.iter().zip(s).zip(t));
+        for (told, ((n, s), t)) in self.told.iter_mut().zip(all) {
+            *told = Vector3::new(*n, *s, *t);
         }
     }
 
@@ -233,31 +246,38 @@ impl<'a, 'b> Part<'a, 'b> {
         Arch::new().dispatch(Alone { part: self, common, act });
     }
 
-    /// Lets all bodies answer what is asked.
-    fn answer(&mut self, how: impl Fn(&mut dyn Body, &[Vector3<f64>], &mut [Vector3<f64>])) {
-        let (mut asked, mut answer) = (&self.asked[..], &mut self.answer[..]);
+    /// Lets all bodies answer what is asked of each point.
+    fn answer(
+        &mut self,
+        of_point: impl Fn(usize) -> Vector3<f64>,
+        Room { asked, answer, .. }: &mut Room,
+        how: impl Fn(&mut dyn Body, &[Vector3<f64>], &mut [Vector3<f64>]),
+    ) {
+        asked.clear();
+        asked.extend(self.points.clone().map(of_point));
+        answer.resize(asked.len(), Vector3::zeros());
+        let mut start = 0;
         for body in &mut *self.bodies {
-            let points = body.points();
-            let (own, rest) = std::mem::take(&mut answer).split_at_mut(points);
-            how(&mut **body, &asked[..points], own);
-            (asked, answer) = (&asked[points..], rest);
+            let own = start..start + body.points();
+            how(&mut **body, &asked[own.clone()], &mut answer[own.clone()]);
+            start = own.end;
         }
     }
 }
 
 /// How far the velocities that have been told are from the law.
-pub(super) fn judge<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+pub(super) fn judge<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>) -> Report
 where
-    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+    A: Fn(&Order, &mut Part<'a, 'b>, &mut Room) + Sync,
 {
     lead.order(Order::Judge);
     together(lead)
 }
 
 /// What all parts have found, together.
-pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, A>) -> Report
+pub(super) fn together<'a, 'b, A>(lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>) -> Report
 where
-    A: Fn(&Order, &mut Part<'a, 'b>) + Sync,
+    A: Fn(&Order, &mut Part<'a, 'b>, &mut Room) + Sync,
 {
     let mut parts = Vec::new();
     lead.each(|part| parts.push(part.sums));
@@ -265,7 +285,7 @@ where
 }
 
 impl Common<'_> {
-    /// The impulse of a side on its point.
+    /// By how much the impulse of a side on its point has changed.
     #[inline]
     fn impulse(&self, side: usize) -> Vector3<f64> {
         let (contact, sign) = self.sides.contact(side);
@@ -284,6 +304,12 @@ impl Common<'_> {
         let trace = of(contact.first) + contact.second.map_or(0.0, of);
         // What nothing moves has no inertia to compare with.
         if trace > 0.0 { 3.0 / trace } else { 1.0 }
+    }
+
+    /// By how much the first point of a contact is faster than the second with the impulses that were given.
+    fn relative(&self, &Contact { first, second, .. }: &Contact) -> Vector3<f64> {
+        let second = second.map_or(Vector3::zeros(), |point| self.velocities[point]);
+        self.velocities[first] - second
     }
 
     /// Answer of a contact to its own impulse in the metric, 1/kg.

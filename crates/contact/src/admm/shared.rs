@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(super) struct Shared(Vec<[AtomicU64; 3]>);
 
 impl Shared {
-    /// The vectors, and zero behind them, for what has none of them.
-    pub(super) fn new(vectors: impl IndexedParallelIterator<Item = Vector3<f64>>) -> Self {
-        let vectors = vectors.chain(rayon::iter::once(Vector3::zeros()));
-        Self(vectors.map(|v| from_fn(|k| AtomicU64::new(v[k].to_bits()))).collect())
+    /// So many vectors, all zero, and one behind them, for what has none of them.
+    pub(super) fn zeros(count: usize) -> Self {
+        let zero = || from_fn(|_| AtomicU64::new(0.0_f64.to_bits()));
+        Self(rayon::iter::repeat_n((), count + 1).map(|()| zero()).collect())
     }
 
     #[inline]

@@ -8,49 +8,59 @@ use crate::{Contact, LimitCurve};
 use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::Lane;
-use std::ops::{Index, IndexMut, Range};
+use std::array::from_fn;
+use std::ops::Range;
 
 /// Contacts of a group: what the widest register holds.
 pub(super) const WIDTH: usize = 8;
 
 type Numbers = [f64; WIDTH];
 
-/// A vector of each contact.
+/// A vector of each contact of a group, by component.
+pub(super) type Eight = [Numbers; 3];
+
+/// Those of a register.
 pub(super) type Vectors<S> = [Lane<S>; 3];
 
 /// What it takes to solve eight contacts. Lanes that are left are of contacts that bear nothing and stay so.
 #[derive(Debug, Clone)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct Group {
     /// Normals and first tangents, by component. To find the second anew is less than to read it.
-    axes: [[Numbers; 3]; 2],
-    bias: [Numbers; 3],
-    /// Adhesion and compliance, if any has some.
-    soft: Option<Box<[Numbers; 2]>>,
+    axes: [Eight; 2],
+    /// Relative velocities, bias included, and impulses that were given, in the frames.
+    velocities: Eight,
+    pub(super) impulses: Eight,
     /// Answers to their own impulses in the metric, 1/kg.
     responses: Numbers,
     /// Of what is wrong with velocities in reports, kg.
     weights: Numbers,
-    /// Coefficients of friction, if for all of them they are the same in all directions.
-    circles: Option<Numbers>,
     pub(super) points: Places,
     pub(super) sides: Places,
+    /// Coefficients of friction, if for all of them they are the same in all directions.
+    circles: Option<Numbers>,
+    /// Adhesion and compliance, if any has some.
+    soft: Option<Box<[Numbers; 2]>>,
 }
 
 /// Where something of the first side of each contact is, and of the second.
 pub(super) type Places = [[u32; WIDTH]; 2];
 
 impl Group {
-    /// At most eight contacts with their responses, 1/kg, and weights, kg.
+    /// At most eight contacts with the relative velocities of their sides, m/s, world, and impulses, N s, in their
+    /// frames, that were given; responses, 1/kg, and weights, kg.
     pub(super) fn new(
         contacts: &[Contact],
-        responses: &[f64],
+        velocities: impl Iterator<Item = Vector3<f64>>,
+        impulses: &[Vector3<f64>],
+        responses: impl Iterator<Item = f64>,
         weights: impl Iterator<Item = f64>,
         [points, sides]: [Places; 2],
     ) -> Self {
         let mut group = Self {
             axes: Default::default(),
-            bias: Default::default(),
+            velocities: Default::default(),
+            impulses: Default::default(),
             soft: None,
             responses: [1.0; WIDTH],
             weights: [1.0; WIDTH],
@@ -58,19 +68,21 @@ impl Group {
             points,
             sides,
         };
-        let both = contacts.iter().zip(responses);
-        for (lane, ((contact, response), weight)) in both.zip(weights).enumerate() {
+        let given = velocities.zip(impulses);
+        let own = responses.zip(weights);
+        for (lane, ((contact, given), own)) in contacts.iter().zip(given).zip(own).enumerate() {
+            let velocity = contact.frame.tr_mul(&given.0) + contact.bias;
             for k in 0..3 {
                 for i in 0..2 {
                     group.axes[i][k][lane] = contact.frame[(k, i)];
                 }
-                group.bias[k][lane] = contact.bias[k];
+                (group.velocities[k][lane], group.impulses[k][lane]) = (velocity[k], given.1[k]);
             }
             if contact.adhesion != 0.0 || contact.compliance != 0.0 {
                 let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
                 (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
             }
-            (group.responses[lane], group.weights[lane]) = (*response, weight);
+            (group.responses[lane], group.weights[lane]) = own;
             match (&mut group.circles, &contact.friction) {
                 (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
                 (circles, _) => *circles = None,
@@ -86,7 +98,8 @@ pub(super) struct Wide<'a, S: Simd> {
     simd: S,
     pub(super) group: &'a Group,
     contacts: &'a [Contact],
-    /// Which register of the group.
+    /// Which group, and which register of it.
+    pub(super) number: usize,
     register: usize,
     /// The first, and how many there are.
     first: usize,
@@ -109,9 +122,10 @@ impl<'a, S: Simd> Wide<'a, S> {
         register: usize,
     ) -> Self {
         let in_group = WIDTH / S::F64_LANES;
-        let (group, first) = (&groups[register / in_group], register * S::F64_LANES);
+        let (number, first) = (register / in_group, register * S::F64_LANES);
+        let (group, register) = (&groups[number], register % in_group);
         let count = (contacts.len() - first).min(S::F64_LANES);
-        Self { simd, group, contacts, register: register % in_group, first, count }
+        Self { simd, group, contacts, number, register, first, count }
     }
 
     /// Which contacts these are.
@@ -150,11 +164,22 @@ impl<'a, S: Simd> Wide<'a, S> {
         self.lane(&self.group.responses)
     }
 
-    /// Vectors of contacts, one after another, side by side.
     #[inline(always)]
-    pub(super) fn pack<V: Index<usize, Output = f64>>(&self, vectors: &[V]) -> Vectors<S> {
+    pub(super) fn load(&self, [x, y, z]: &Eight) -> Vectors<S> {
+        [self.lane(x), self.lane(y), self.lane(z)]
+    }
+
+    /// Puts vectors where [`Self::load`] finds them.
+    #[inline(always)]
+    pub(super) fn store(&self, vectors: Vectors<S>, into: &mut Eight) {
+        vectors.into_iter().zip(into).for_each(|(x, into)| x.store(into, self.register));
+    }
+
+    /// Vectors one after another, side by side.
+    #[inline(always)]
+    fn pack(&self, vectors: &[Vector3<f64>; WIDTH]) -> Vectors<S> {
         let mut numbers = [[0.0; WIDTH]; 3];
-        for (lane, vector) in vectors.iter().enumerate() {
+        for (lane, vector) in vectors.iter().take(S::F64_LANES).enumerate() {
             for k in 0..3 {
                 numbers[k][lane] = vector[k];
             }
@@ -163,38 +188,37 @@ impl<'a, S: Simd> Wide<'a, S> {
         [Lane::load(self.simd, x, 0), Lane::load(self.simd, y, 0), Lane::load(self.simd, z, 0)]
     }
 
-    /// Vectors of contacts, side by side, one after another.
+    /// Vectors side by side, one after another.
     #[inline(always)]
-    pub(super) fn unpack<V: IndexMut<usize, Output = f64>>(
-        &self,
-        vectors: Vectors<S>,
-        into: &mut [V],
-    ) {
+    pub(super) fn unpack(&self, vectors: Vectors<S>) -> [Vector3<f64>; WIDTH] {
         let mut numbers = [[0.0; WIDTH]; 3];
         for k in 0..3 {
             vectors[k].store(&mut numbers[k], 0);
         }
-        for (lane, vector) in into.iter_mut().enumerate() {
-            for k in 0..3 {
-                vector[k] = numbers[k][lane];
-            }
-        }
+        let [x, y, z] = numbers;
+        from_fn(|lane| Vector3::new(x[lane], y[lane], z[lane]))
     }
 
-    /// By how much velocities at the first places exceed those at the second, in the frames, with the bias.
+    /// The impulses that were given.
     #[inline(always)]
-    pub(super) fn relative(&self, velocities: &Shared, places: &Places) -> Vectors<S> {
-        let mut between = [Vector3::zeros(); WIDTH];
+    pub(super) fn given(&self) -> Vectors<S> {
+        self.load(&self.group.impulses)
+    }
+
+    /// The relative velocities, bias included, where those at the places have changed so from what was given.
+    #[inline(always)]
+    pub(super) fn relative(&self, changes: &Shared, places: &Places) -> Vectors<S> {
         let from = self.register * S::F64_LANES;
+        let mut between = [Vector3::zeros(); WIDTH];
         for lane in 0..S::F64_LANES {
             let [first, second] = [places[0][from + lane], places[1][from + lane]];
-            between[lane] = velocities.get(first as usize) - velocities.get(second as usize);
+            between[lane] = changes.get(first as usize) - changes.get(second as usize);
         }
-        let [x, y, z] = self.pack(&between[..S::F64_LANES]);
+        let [x, y, z] = self.pack(&between);
         let (frame, mut relative) = (self.frame(), [self.splat(0.0); 3]);
         for i in 0..3 {
             let [a, b, c] = frame[i];
-            relative[i] = a * x + b * y + c * z + self.lane(&self.group.bias[i]);
+            relative[i] = a * x + b * y + c * z + self.lane(&self.group.velocities[i]);
         }
         relative
     }
@@ -202,9 +226,7 @@ impl<'a, S: Simd> Wide<'a, S> {
     /// Normals and both tangents.
     #[inline(always)]
     fn frame(&self) -> [Vectors<S>; 3] {
-        let [normal, along] = &self.group.axes;
-        let [a, b, c] = [self.lane(&normal[0]), self.lane(&normal[1]), self.lane(&normal[2])];
-        let [x, y, z] = [self.lane(&along[0]), self.lane(&along[1]), self.lane(&along[2])];
+        let [[a, b, c], [x, y, z]] = [0, 1].map(|axis| self.load(&self.group.axes[axis]));
         [[a, b, c], [x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
     }
 
@@ -225,12 +247,11 @@ impl<'a, S: Simd> Wide<'a, S> {
         if let Some(circles) = &self.group.circles {
             return self.lane(circles) * norm([s, t]);
         }
-        let mut all = [Vector3::zeros(); WIDTH];
-        self.unpack([s, t, s], &mut all);
+        let mut all = self.unpack([s, t, s]);
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             found.z = contact.friction.dissipation(&found.xy());
         }
-        let [_, _, power] = self.pack(&all[..self.count]);
+        let [_, _, power] = self.pack(&all);
         power
     }
 
@@ -244,13 +265,12 @@ impl<'a, S: Simd> Wide<'a, S> {
             let share = scale.at_most(zero, zero, share);
             return [s * share, t * share];
         }
-        let mut all = [Vector3::zeros(); WIDTH];
-        self.unpack([s, t, scale], &mut all);
+        let mut all = self.unpack([s, t, scale]);
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             let nearest = contact.friction.project(&found.xy(), found.z);
             (found.x, found.y) = (nearest.x, nearest.y);
         }
-        let [s, t, _] = self.pack(&all[..self.count]);
+        let [s, t, _] = self.pack(&all);
         [s, t]
     }
 
@@ -270,12 +290,11 @@ impl<'a, S: Simd> Wide<'a, S> {
                 outer.at_most(zero, zero, t * share),
             ];
         }
-        let mut all = [Vector3::zeros(); WIDTH];
-        self.unpack([n, s, t], &mut all);
+        let mut all = self.unpack([n, s, t]);
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             *found = contact.friction.project_cone(found);
         }
-        self.pack(&all[..self.count])
+        self.pack(&all)
     }
 }
 
@@ -305,11 +324,15 @@ mod tests {
             let mut found = [q.to_vec(), q.to_vec()];
             for register in 0..Wide::<S>::registers(contacts.len()) {
                 let wide = Wide::new(simd, groups, contacts, register);
-                let [n, s, t] = wide.pack(&q[wide.range()]);
-                wide.unpack(wide.project_cone([n, s, t]), &mut found[0][wide.range()]);
+                let own = &q[wide.range()];
+                let [n, s, t] = wide.pack(&from_fn(|i| own.get(i).copied().unwrap_or_default()));
+                let cone = wide.unpack(wide.project_cone([n, s, t]));
                 let power = wide.dissipation([s, t]);
                 let [s, t] = wide.project([s, t], n);
-                wide.unpack([power, s, t], &mut found[1][wide.range()]);
+                let others = wide.unpack([power, s, t]);
+                for (found, all) in found.iter_mut().zip([cone, others]) {
+                    found[wide.range()].copy_from_slice(&all[..own.len()]);
+                }
             }
             found
         }
@@ -353,7 +376,12 @@ mod tests {
             let q: Vec<_> = all.iter().map(|(_, q)| *q).collect();
             let groups: Vec<_> = contacts
                 .chunks(WIDTH)
-                .map(|some| Group::new(some, &[1.0; WIDTH], repeat(1.0), Default::default()))
+                                .map(|some| {
+                    let zeros = repeat(Vector3::zeros());
+                    let given = [Vector3::zeros(); WIDTH];
+                    let ones = repeat(1.0);
+                    Group::new(some, zeros, &given, ones.clone(), ones, Default::default())
+                })
                 .collect();
             let both = [
                 Arch::new().dispatch(All(&groups, &contacts, &q)),
