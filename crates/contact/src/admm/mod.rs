@@ -14,10 +14,10 @@
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
 //! difference is the error of either, `R (z - v)` in impulses. Near the answer descent takes over.
 //!
-//! Between contacts and bodies go changes, from the velocities and impulses that were given: what bodies
-//! answer in single precision is small near the end, and so are its roundings. With so many contacts that no
-//! cache holds them an iteration takes as long as it takes to read and write what it needs of each, about a
-//! kilobyte: what serves one part at a time has no room of its own.
+//! Between contacts and bodies go changes, from the velocities and impulses that were given, and of `h` from
+//! what these make of it: what bodies answer in single precision is small near the end, and so are its roundings.
+//! An iteration reads and writes about a kilobyte of each contact, more in all than caches hold where contacts
+//! are many: what serves one part at a time has no room of its own.
 
 mod alone;
 mod anderson;

@@ -229,7 +229,11 @@ impl<'a, 'b> Part<'a, 'b> {
     }
 
     fn tell(&mut self, common: &Common, room: &mut Room) {
-        let asked = |point: usize| common.sides.at(point).map(|side| common.impulse(side)).sum();
+        let asked = |point: usize| {
+            let mut sides = common.sides.at(point).map(|side| common.impulse(side));
+            let first = sides.next().unwrap_or_default();
+            sides.fold(first, |sum, impulse| sum + impulse)
+        };
         self.answer(asked, room, |body, asked, answer| body.respond(asked, answer));
         self.points.clone().zip(&room.answer).for_each(|(point, v)| common.v.set(point, v));
     }
@@ -289,7 +293,7 @@ impl Common<'_> {
     #[inline]
     fn impulse(&self, side: usize) -> Vector3<f64> {
         let (contact, sign) = self.sides.contact(side);
-        self.impulses.get(contact) * sign
+        self.impulses.get(contact).map(|x| f64::from_bits(x.to_bits() ^ sign))
     }
 
     /// The mass, kg, with which a report compares what is wrong with impulses and with velocities. In a crowd that

@@ -11,8 +11,9 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Sides {
     /// Where those at each point start; one more than there are points.
     starts: Vec<usize>,
-    /// Contact of each, and the sign of its impulse there.
-    all: Vec<(u32, f32)>,
+    /// Contact of each, and the bits in which its impulse there differs from that on its first point: none, or the
+    /// highest.
+    all: Vec<[u32; 2]>,
     /// Those of each contact; behind the last where it has no second.
     of_contact: Vec<[u32; 2]>,
 }
@@ -32,18 +33,18 @@ impl Sides {
         }
         let mut next = starts.clone();
         let none = starts[points] as u32;
-        let mut all = vec![(0, 0.0); starts[points]];
-        let mut sort = |contact: u32, point: u32, sign: f32| {
+        let mut all = vec![[0; 2]; starts[points]];
+        let mut sort = |contact: u32, point: u32, sign: u32| {
             if point == NONE {
                 return none;
             }
             let next = &mut next[point as usize];
-            all[*next] = (contact, sign);
+            all[*next] = [contact, sign];
             *next += 1;
             *next as u32 - 1
         };
         for (i, [first, second]) in (0..).zip(&mut of_contact) {
-            (*first, *second) = (sort(i, *first, 1.0), sort(i, *second, -1.0));
+            (*first, *second) = (sort(i, *first, 0), sort(i, *second, 1 << 31));
         }
         Self { starts, all, of_contact }
     }
@@ -62,10 +63,11 @@ impl Sides {
         self.starts[points.start]..self.starts[points.end]
     }
 
-    /// The contact of a side, and the sign of its impulse there.
-    pub(super) fn contact(&self, side: usize) -> (usize, f64) {
-        let (contact, sign) = self.all[side];
-        (contact as usize, f64::from(sign))
+    /// The contact of a side, and the bits in which numbers of its impulse there differ from those on the
+    /// contact's first point.
+    pub(super) fn contact(&self, side: usize) -> (usize, u64) {
+        let [contact, sign] = self.all[side];
+        (contact as usize, u64::from(sign) << 32)
     }
 
     /// The sides of some contacts; behind the last of all where one has no second.
