@@ -11,6 +11,10 @@ use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
 const PASS: usize = 160;
 const LANES: usize = 8;
 
+/// Numbers of a segment that are kept for passes with added masses. In their room a matrix in single precision has its
+/// place with masses and without: where many contacts must share what memory there is, it takes no more.
+const KEPT: usize = 31;
+
 /// The fibres of a group, whose step has been predicted, with the points at which they touch.
 pub(super) struct Fibers<'a> {
     batch: &'a mut StaggeredBatch,
@@ -18,8 +22,8 @@ pub(super) struct Fibers<'a> {
     /// How the points answer, by fibre, where there are so few that this is cheaper than to go
     /// through the fibres.
     written: &'a mut Option<Written>,
-    /// Whether answers with added masses are kept for the same masses.
-    keeps: bool,
+    /// Whether contacts are so few that answers with added masses are kept for the same masses.
+    few: bool,
 }
 
 /// Answers that are written out.
@@ -33,12 +37,13 @@ pub(super) struct Written {
 
 impl<'a> Fibers<'a> {
     /// What has been `written` out of the same points before is used again, as long as it is `exact` enough;
-    /// with masses added only if one `keeps` that.
+    /// with masses added only where contacts are `few`. Where they are not, only what takes no more room than
+    /// passes through the fibres is written out.
     pub(super) fn new(
         batch: &'a mut StaggeredBatch,
         points: &'a [Point],
         exact: bool,
-        keeps: bool,
+        few: bool,
         written: &'a mut Option<Written>,
     ) -> Result<Self, ContactError> {
         if written.as_ref().is_none_or(|written| exact && !written.exact) {
@@ -47,7 +52,8 @@ impl<'a> Fibers<'a> {
             points.iter().for_each(|point| counts[point.fiber as usize] += 1);
             let squares: usize = counts.iter().map(|count| 9 * count * count).sum();
             let nodes = ImpulseResponse::nodes(batch) / batch.rods().len();
-            if squares < PASS * LANES * nodes {
+            let most = if few { PASS } else { KEPT };
+            if squares < most * LANES * nodes {
                 let answers = batch.write_out(points).map_err(|error| refused(&error))?;
                 let answers = answers
                     .into_iter()
@@ -56,7 +62,7 @@ impl<'a> Fibers<'a> {
                 *written = Some(Written { answers, exact, masses: Vec::new() });
             }
         }
-        Ok(Self { batch, points, written, keeps })
+        Ok(Self { batch, points, written, few })
     }
 }
 
@@ -110,7 +116,7 @@ impl Body for Fibers<'_> {
     }
 
     fn forget_weights(&mut self) {
-        if let Some(written) = self.written.as_mut().filter(|_| !self.keeps) {
+        if let Some(written) = self.written.as_mut().filter(|_| !self.few) {
             written.masses.clear();
             written.answers.iter_mut().for_each(Explicit::forget_weights);
         }
@@ -145,20 +151,45 @@ mod tests {
     use rapunzel_fiber::{Fiber, Material, Section};
     use rapunzel_rod_dynamic::{Conditions, Instant, Rod, Steady, StepReport};
 
-    /// Whether the answers are written out or not, or were before, is only a matter of time.
-    #[test]
-    fn answers_that_are_written_out_are_those_of_the_fibers() {
-        let (segments, count) = (25, 3);
+    const SEGMENTS: usize = 25;
+
+    /// So many fibres in a step that has been linearised.
+    fn batch(count: usize) -> StaggeredBatch {
         let section = Section::Circle { radius: 3.5e-5 };
-        let fiber = Fiber::uniform(0.05, segments, section, &Material::HAIR).expect("a fiber");
+        let fiber = Fiber::uniform(0.05, SEGMENTS, section, &Material::HAIR).expect("a fiber");
         let rods = vec![Rod::new(fiber); count];
         let mut batch = StaggeredBatch::new(rods, 0.3).expect("a batch");
         let hold = Steady(Instant::clamped(Isometry3::identity(), Vector3::new(0.0, 2.0, -9.81)));
         let conditions: Vec<&dyn Conditions> = vec![&hold; count];
         let mut reports = vec![StepReport::default(); count];
-        let impulses = vec![Vector3::zeros(); count * (segments + 1)];
+        let impulses = vec![Vector3::zeros(); count * (SEGMENTS + 1)];
         batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
         batch.linearize().expect("sound");
+        batch
+    }
+
+    /// A matrix may be quicker than passes and yet take more room.
+    #[test]
+    fn where_contacts_are_many_large_matrices_are_not_written_out() {
+        let mut batch = batch(1);
+        for (count, written_out) in [(25, [true, true]), (30, [true, false]), (65, [false, false])]
+        {
+            let point = |i: u32| Point { fiber: 0, segment: i % 25, fraction: 0.5 };
+            let points: Vec<_> = (0..count).map(point).collect();
+            let is_written = |few: bool| {
+                let mut written = None;
+                Fibers::new(&mut batch, &points, false, few, &mut written).expect("points on it");
+                written.is_some()
+            };
+            assert_eq!([true, false].map(is_written), written_out, "{count} points");
+        }
+    }
+
+    /// Whether the answers are written out or not, or were before, is only a matter of time.
+    #[test]
+    fn answers_that_are_written_out_are_those_of_the_fibers() {
+        let count = 3;
+        let mut batch = batch(count);
 
         let points = [(2, 24, 1.0), (0, 5, 0.5), (2, 7, 0.3), (0, 5, 0.6), (0, 0, 0.0)]
             .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
@@ -168,10 +199,10 @@ mod tests {
         let mut answers = Vec::new();
         let mut written = None;
         let mut again = None;
-        for (written_out, exact, keeps) in
+        for (written_out, exact, few) in
             [(true, false, true), (true, false, false), (true, true, true), (false, true, true)]
         {
-            let fibers = Fibers::new(&mut batch, &points, exact, keeps, &mut written);
+            let fibers = Fibers::new(&mut batch, &points, exact, few, &mut written);
             let mut fibers = fibers.expect("points on the fibers");
             assert!(fibers.written.is_some());
             if !written_out {
@@ -181,14 +212,14 @@ mod tests {
             // Weights that are not kept are found again.
             fibers.forget_weights();
             let kept = fibers.written.as_ref().is_some_and(|written| !written.masses.is_empty());
-            assert_eq!(kept, written_out && keeps);
+            assert_eq!(kept, written_out && few);
             fibers.set_weights(&masses).expect("positive");
             let (mut free, mut weighted) = ([Vector3::zeros(); 5], [Vector3::zeros(); 5]);
             fibers.respond(&asked, &mut free);
             fibers.weighted_respond(&asked, &mut weighted);
             let mut traces = [0.0; 5];
             fibers.own_traces(&mut traces);
-            if keeps {
+            if few {
                 answers.push((free, weighted, traces));
             } else {
                 again = Some((free, weighted, traces));

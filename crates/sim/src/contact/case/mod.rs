@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-5;
 /// Openings are found anew where more than one in so many contacts may close.
 const MANY: usize = 8;
 
-/// From so many contacts on, to keep answers with added masses takes more memory than it saves time: they
-/// are used again in one of seven solves, and take some 2 kB a contact.
+/// From so many contacts on, memory counts. To keep answers with added masses takes more of it than it saves time:
+/// they are used again in one of seven solves, and take some 2 kB a contact.
 const MANY_WORKING: usize = 50_000;
 
 /// Answers of fibres that turn by less, rad, are used again.
@@ -267,11 +267,11 @@ impl Case {
         let mut free = world.free_bodies(&levers)?;
         let Tolerance { residual, normal, slip, .. } = solver.tolerance;
         let exact = residual.min(normal).min(slip) < ROUNDING;
-        let keeps = working.len() < MANY_WORKING;
+        let few = working.len() < MANY_WORKING;
         let groups = world.groups.par_iter_mut().zip(&points).zip(&mut self.written);
         let mut fibers: Vec<Fibers> = groups
             .filter_map(|((group, points), written)| {
-                Some(Fibers::new(group.batch.coupled()?, points, exact, keeps, written))
+                Some(Fibers::new(group.batch.coupled()?, points, exact, few, written))
             })
             .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
