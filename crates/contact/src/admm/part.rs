@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 pub(super) struct Common<'a> {
     pub(super) contacts: &'a [Contact],
     pub(super) sides: &'a Sides,
-    /// Velocities of the points, and below how these change, with the impulses that were given.
+    /// Velocities of the points with the impulses that were given.
     pub(super) velocities: &'a [Vector3<f64>],
     /// Metric of every side at a point, kg.
     pub(super) masses: &'a [f64],

@@ -164,6 +164,7 @@ impl<'a, S: Simd> Wide<'a, S> {
         self.lane(&self.group.responses)
     }
 
+    /// Those of this register.
     #[inline(always)]
     pub(super) fn load(&self, [x, y, z]: &Eight) -> Vectors<S> {
         [self.lane(x), self.lane(y), self.lane(z)]
@@ -376,7 +377,7 @@ mod tests {
             let q: Vec<_> = all.iter().map(|(_, q)| *q).collect();
             let groups: Vec<_> = contacts
                 .chunks(WIDTH)
-                                .map(|some| {
+                .map(|some| {
                     let zeros = repeat(Vector3::zeros());
                     let given = [Vector3::zeros(); WIDTH];
                     let ones = repeat(1.0);
