@@ -3,13 +3,15 @@ use crate::failure::{Failure, INTERRUPTED, UNRESOLVED};
 use crate::words::say;
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
-use rapunzel_sim::{Control, Existing, Outcome, Progress, RunFolder, SimError, Summary};
+use rapunzel_sim::{
+    ContactTimes, Control, Existing, Outcome, Progress, RunFolder, SimError, Summary,
+};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
 
@@ -28,11 +30,12 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
 
     let bar = if json { ProgressBar::hidden() } else { progress_bar() };
     let start = Instant::now();
-    let mut before: Option<Progress> = None;
+    let (mut first, mut before): (Option<u64>, Option<Progress>) = (None, None);
     let mut progress = |now: &Progress| {
         match before {
             // A resumed run begins in the middle, which must not count as speed.
             None => {
+                first = Some(now.steps);
                 bar.set_length(now.planned_steps);
                 bar.set_position(now.steps);
                 bar.reset_eta();
@@ -56,10 +59,14 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
     let result = rapunzel_sim::run(&scene, &folder, control);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();
+    let steps = first.zip(before).map_or_else(Steps::default, |(first, last)| Steps {
+        taken: last.steps - first,
+        times: last.statistics.contact_times,
+    });
     match result {
         Ok(summary) => {
             tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
-            tell(&summary, &path, wall, json)?;
+            tell(&summary, &path, wall, &steps, json)?;
             let unresolved = summary.contact.is_some_and(|contact| contact.unresolved > 0)
                 || summary.charge.is_some_and(|charge| charge.unsettled > 0);
             Ok(ExitCode::from(match summary.outcome {
@@ -92,15 +99,65 @@ fn advise(error: SimError, scene: &Path) -> Failure {
     }
 }
 
-fn tell(summary: &Summary, folder: &Path, wall: f64, json: bool) -> Result<(), Failure> {
+/// The steps that this process has taken.
+#[derive(Default)]
+struct Steps {
+    taken: u64,
+    times: ContactTimes,
+}
+
+impl Steps {
+    /// What a step took, s, and for contacts the shares of its phases.
+    fn report(&self, wall: f64, contacts: bool) -> String {
+        let mut text = format!("{wall:.2} s, {:.4} s a step", wall / self.taken.max(1) as f64);
+        if contacts {
+            let ContactTimes { detection, laws, solver, rods } = self.times;
+            let share = |phase: Duration| 100.0 * phase.as_secs_f64() / wall;
+            text += &format!(
+                ": solver {:.0} %, detection {:.0} %, laws {:.0} %, rods {:.0} %, other {:.0} %",
+                share(solver),
+                share(detection),
+                share(laws),
+                share(rods),
+                100.0 - share(self.times.total())
+            );
+        }
+        text
+    }
+}
+
+fn tell(
+    summary: &Summary,
+    folder: &Path,
+    wall: f64,
+    steps: &Steps,
+    json: bool,
+) -> Result<(), Failure> {
     if json {
+        let ContactTimes { detection, laws, solver, rods } = steps.times;
         let object = serde_json::json!({
-            "folder": folder, "wall_seconds": wall, "summary": summary,
+            "folder": folder, "wall_seconds": wall, "steps": steps.taken,
+            "peak_memory_bytes": peak_memory(),
+            "contact_seconds": {
+                "solver": solver.as_secs_f64(), "detection": detection.as_secs_f64(),
+                "laws": laws.as_secs_f64(), "rods": rods.as_secs_f64(),
+            },
+            "summary": summary,
         });
         return say(&object.to_string());
     }
     let report = info::report(summary, false);
-    say(&format!("{report}\n  took        {wall:.2} s\n  results     {}", folder.display()))
+    let took = steps.report(wall, summary.contact.is_some());
+    let memory = peak_memory()
+        .map_or(String::new(), |bytes| format!("\n  memory      {:.3} GB at most", bytes * 1e-9));
+    say(&format!("{report}\n  took        {took}{memory}\n  results     {}", folder.display()))
+}
+
+/// The most memory that this process has had, bytes, where the system tells it as Linux does.
+fn peak_memory() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024.0 * line.trim().strip_suffix(" kB")?.parse::<f64>().ok()?)
 }
 
 fn progress_bar() -> ProgressBar {

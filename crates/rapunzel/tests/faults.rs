@@ -65,6 +65,29 @@ fn problems_can_be_read_by_machines() {
     assert_eq!(object["problems"][0]["line"], 4);
 }
 
+/// A ball is driven into a clamped root, which cannot give way: the run goes on, keeps its frames and says so.
+#[test]
+fn contacts_that_miss_their_tolerances_have_a_code_of_their_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(
+        folder.path(),
+        "(format: 1, duration: 0.002, fibers: [(length: 0.03, segments: 10,
+        section: Circle(radius: 3.5e-5), root: (orientation: Along(direction: (0, 0, 1))))],
+        objects: [(shape: Ball(radius: 0.01), position: (0.0, 0.0, -0.0101),
+        motion: Translate(velocity: (0, 0, 0.5), until: 1))],
+        contact: (friction: Isotropic(0.3), iterations: 20),
+        environment: (gravity: (0, 0, 0)), stepper: (dt: 1e-3), output: (frame_rate: 1000))",
+    );
+    let out = folder.path().join("out");
+    let output = run_in(&scene, &out).output().expect("runs");
+    assert_eq!(output.status.code(), Some(5), "{}", stderr(&output));
+    for told in [String::from_utf8_lossy(&output.stdout).into_owned(), info(&out)] {
+        assert!(told.contains("parts of steps missed the tolerances of `contact`"), "{told}");
+        assert!(told.contains("first at 0 s: fibre 0, segment 0"), "{told}");
+    }
+    assert!(out.join("frames/frame-000002.vtp").exists());
+}
+
 #[test]
 fn a_folder_in_use_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

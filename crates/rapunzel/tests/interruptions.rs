@@ -10,9 +10,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Long enough to be hit in the middle.
+/// Long enough to be hit in the middle, with hairs that touch each other and a ball.
 fn long_scene() -> String {
-    SCENE.replace("duration: 0.5", "duration: 3").replace("count: 2", "count: 20")
+    let ball = "objects: [(shape: Ball(radius: 0.02), position: (0.0, 0.0, -0.06))],
+        contact: (friction: Isotropic(0.3)), stepper";
+    let long = SCENE.replace("duration: 0.5", "duration: 1").replace("count: 2", "count: 12");
+    long.replace("stepper", ball)
 }
 
 /// The finished frames of a run, each of them whole.

@@ -1,5 +1,5 @@
 use crate::charging::ChargeReport;
-use crate::contact::ContactReport;
+use crate::contact::{ContactReport, ContactTimes};
 use crate::{SimError, World};
 use rapunzel_rod_dynamic::Ledger;
 use rayon::prelude::*;
@@ -19,6 +19,8 @@ pub struct StepReport {
     pub missed: usize,
     /// What the contacts were and cost, if there are any.
     pub contact: ContactReport,
+    /// What their phases took.
+    pub contact_times: ContactTimes,
     /// How charged fibres came to rest, if there are any.
     pub charge: ChargeReport,
 }
@@ -32,8 +34,7 @@ impl StepReport {
             worst_iterations: iterations,
             halvings,
             missed,
-            contact: ContactReport::default(),
-            charge: ChargeReport::default(),
+            ..Self::default()
         }
     }
 
@@ -45,6 +46,7 @@ impl StepReport {
         self.halvings += other.halvings;
         self.missed += other.missed;
         self.contact.add(&other.contact);
+        self.contact_times += other.contact_times;
         self.charge.add(&other.charge);
     }
 }

@@ -1,6 +1,6 @@
 use crate::folder::{RunFolder, SUMMARY};
 use crate::storage::write_atomically;
-use crate::{ChargeReport, ContactReport, Plan, Scene, SimError, StepReport, World};
+use crate::{ChargeReport, ContactReport, ContactTimes, Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -22,6 +22,9 @@ pub struct Statistics {
     /// What the contacts were and cost.
     #[serde(default)]
     pub contact: ContactReport,
+    /// What their phases took since the program began.
+    #[serde(skip)]
+    pub contact_times: ContactTimes,
     /// How charged fibres came to rest, if there are any.
     #[serde(default)]
     pub charge: ChargeReport,
@@ -36,6 +39,7 @@ impl Statistics {
         self.halvings += report.halvings as u64;
         self.missed += report.missed as u64;
         self.contact.add(&report.contact);
+        self.contact_times += report.contact_times;
         self.charge.add(&report.charge);
     }
 

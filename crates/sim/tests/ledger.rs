@@ -16,7 +16,7 @@ struct Books {
     moved: f64,
 }
 
-fn works(world: &World) -> [f64; 10] {
+fn works(world: &World) -> [f64; 13] {
     let works = world.works().expect("the scene asks for it");
     let contacts = world.contact_work();
     [
@@ -28,7 +28,10 @@ fn works(world: &World) -> [f64; 10] {
         works.integrator,
         works.solver,
         contacts.friction,
-        contacts.normal,
+        contacts.closing,
+        contacts.repair,
+        contacts.restitution,
+        contacts.adhesion,
         contacts.led,
     ]
 }

@@ -75,3 +75,37 @@ fn steps_do_not_depend_on_the_threads() {
     assert_eq!(scene.fibers[0].arrangement.fibers(), 181, "a scene with many groups");
     assert_eq!(after(1), after(3));
 }
+
+/// A heap of hairs that falls on the ground, with both solvers: several groups, and contacts between them.
+#[test]
+fn contacts_do_not_depend_on_the_threads() {
+    for solver in ["Splitting", "Polished"] {
+        let scene = Scene::from_ron(&format!(
+            "(format: 1, duration: 1.0, fibers: [(length: 0.03, segments: 10,
+            section: Circle(radius: 3.5e-5), root_joint: Free, shape: Helix(radius: 0.002, pitch: 0.01),
+            arrangement: Ellipse(semi_axes: (2e-3, 2e-3), count: 40),
+            root: (orientation: Along(direction: (1, 0, 0))))],
+            objects: [(shape: Plane(normal: (0, 0, 1)), position: (0, 0, -0.0045))],
+            contact: (friction: Isotropic(0.3), solver: {solver}), stepper: (dt: 1e-3))"
+        ))
+        .expect("a sound scene");
+        let after = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("threads").install(|| {
+                let mut world = scene.build().expect("a sound scene");
+                let mut stepper = scene.stepper_of(&world).expect("a stepper");
+                let mut most = 0;
+                for _ in 0..40 {
+                    let report = stepper.step(&mut world, 1e-3).expect("a step");
+                    most = most.max(report.contact.active);
+                }
+                (most, world.snapshot())
+            })
+        };
+        let (most, one) = after(1);
+        assert!(most > 100, "{solver}: at most {most} contacts");
+        for threads in [2, 3] {
+            assert!(after(threads).1 == one, "{solver} with {threads} threads");
+        }
+    }
+}

@@ -33,7 +33,7 @@ impl Film {
     /// The film of a scene, if it has one, between fibres of a `radius`, m.
     pub(super) fn new(adhesion: Adhesion, radius: f64) -> Result<Option<Self>, ContactError> {
         Ok(match adhesion {
-            Adhesion::Bonds { .. } => None,
+            Adhesion::Bonds { .. } | Adhesion::Spray { .. } => None,
             Adhesion::Line { force, range } => {
                 Some(Self { pulls: vec![force; 2], range, crossing: None })
             }

@@ -78,8 +78,8 @@ impl<'a> Laws<'a> {
         touches: &[Touch],
         gaps: &[f64],
     ) -> Result<Vec<f64>, ContactError> {
-        if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
-            let bears = Bond::new(strength)?.adhesion(self.dt);
+        if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
+            let bears = Bond::new(bonds.strength)?.adhesion(self.dt);
             return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
         }
         let Some(film) = self.film else { return Ok(Vec::new()) };

@@ -45,6 +45,12 @@ pub struct Unresolved {
 }
 
 impl ContactReport {
+    /// Tells that a part was taken although it missed a tolerance, and where.
+    pub(super) fn miss(&mut self, worst: Option<Unresolved>) {
+        self.unresolved = 1;
+        self.first_unresolved = worst;
+    }
+
     /// Adds another part or step: what it cost is summed, of the rest the largest stays.
     pub(crate) fn add(&mut self, other: &Self) {
         self.listed = self.listed.max(other.listed);

@@ -9,6 +9,7 @@ use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
 use super::start;
+use super::times::{Clock, ContactTimes};
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactMethod, ContactSettings};
@@ -60,6 +61,8 @@ pub(crate) struct Touching {
     touches: Vec<Touch>,
     /// That of its last case.
     room: Room,
+    /// What the phases of the step at hand have taken.
+    times: ContactTimes,
 }
 
 impl Touching {
@@ -70,10 +73,9 @@ impl Touching {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let film = settings.adhesion.map(|adhesion| Film::new(adhesion, radius)).transpose()?;
         let film = film.flatten();
-        let range = match settings.adhesion {
-            Some(Adhesion::Bonds { range, .. }) => range,
-            _ => film.as_ref().map_or(0.0, Film::reach),
-        };
+        let bonds = settings.adhesion.and_then(Adhesion::bonds);
+        let of_film = || film.as_ref().map_or(0.0, Film::reach);
+        let range = bonds.map_or_else(of_film, |bonds| bonds.range);
         let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         let mut solver = Polished::new(Tolerance::EXACT);
         if settings.solver == ContactMethod::Splitting {
@@ -89,11 +91,12 @@ impl Touching {
             bonds: Vec::new(),
             touches: Vec::new(),
             room: Room::default(),
+            times: ContactTimes::default(),
         };
         let depths = [radius, touching.depth()];
         let touches = start::touches(world, &mut touching.detector, &touching.radii, depths)?;
-        if let Some(Adhesion::Bonds { range, .. }) = touching.settings.adhesion {
-            touching.bonds = glue(&touches, range);
+        if let Some(bonds) = bonds {
+            touching.bonds = glue(&touches, bonds.range);
         }
         Ok(touching)
     }
@@ -112,6 +115,7 @@ impl Touching {
     fn step_in_parts(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
         let start = world.time();
         refuse_leaps(world, dt)?;
+        self.times = ContactTimes::default();
         let mut report =
             StepReport { fibers: world.assembly().fibers().len(), ..Default::default() };
         // In shortest parts, so that the last ends exactly.
@@ -141,13 +145,14 @@ impl Touching {
                 }
             }
         }
+        report.contact_times = self.times;
         world.contacts.report = report.contact;
         world.advance_clock(dt);
         Ok(report)
     }
 
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
-    /// as it comes, unless it leads nowhere.
+    /// as it comes, unless it leads nowhere or through a fibre.
     fn take(
         &mut self,
         world: &mut World,
@@ -195,13 +200,17 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
+        let mut clock = Clock::start();
         world.push(expected.pushes(), time, dt)?;
         world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
+        clock.book(&mut self.times.rods);
         self.list(world, part, expected)?;
         let mean = world.mean_velocities();
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(world, part, &mean, room)?;
+        let mut clock = Clock::start();
         let start = case.certificate(world, &part.touches, &mean);
+        clock.book(&mut self.times.laws);
         drop(mean);
         let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
@@ -210,8 +219,10 @@ impl Touching {
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
             let deepest = self.look_at_end(world, part)?;
+            let mut clock = Clock::start();
             let mean = world.mean_velocities();
             part.work = case.work(world, &bearing, &mean);
+            clock.book(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
@@ -223,13 +234,16 @@ impl Touching {
                 let through = self.detector.leads_through();
                 // About a bend or each other, two that are fast may turn so far that a step drives them.
                 let errors = [self.depth() / dt, self.settings.slip];
-                let drives = || case.drives(world, &part.touches, &mean, errors);
-                if (through || drives()) && !last {
-                    return Err(Cut::Contacts(worst_touch.or_else(|| worst(world, part, &case))));
+                if through || case.drives(world, &part.touches, &mean, errors) {
+                    worst_touch = worst_touch.or_else(|| worst(world, part, &case));
+                    // No part is so short that fibres may go through each other.
+                    if through || !last {
+                        return Err(Cut::Contacts(worst_touch));
+                    }
+                    part.report.contact.miss(worst_touch);
                 }
-                report.unresolved = usize::from(through);
-                if let Some(Adhesion::Bonds { strength, .. }) = self.settings.adhesion {
-                    let bounds = [strength, self.settings.slip];
+                if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
+                    let bounds = [bonds.strength, self.settings.slip];
                     case.tear(world, &mut part.touches, &mean, bounds)?;
                 }
                 self.room = case.into_room();
@@ -241,9 +255,11 @@ impl Touching {
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| worst(world, part, &case));
-        part.report.contact.unresolved = 1;
-        part.report.contact.first_unresolved = worst_touch;
-        if last { Ok(()) } else { Err(Cut::Contacts(worst_touch)) }
+        if !last || self.detector.leads_through() {
+            return Err(Cut::Contacts(worst_touch));
+        }
+        part.report.contact.miss(worst_touch);
+        Ok(())
     }
 
     /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
@@ -294,7 +310,9 @@ impl Touching {
             if list == 0 && !solved && error < CLOSE && self.strays(world, part, case)? {
                 return Ok(false);
             }
+            let mut clock = Clock::start();
             let own = largest(world.for_groups(|group| group.linearize())?);
+            clock.book(&mut self.times.rods);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
@@ -313,11 +331,13 @@ impl Touching {
 
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
     /// solution with these contacts would be found to be none.
-    fn strays(&self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
+    fn strays(&mut self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
+        let mut clock = Clock::start();
         let mean = world.mean_velocities();
         let ends = part.ends(world, &mean);
         let near = case.near(world, &part.touches, &mean, part.dt);
         let found = detect::gaps(&part.motion(world, &self.radii, &ends), &near)?;
+        clock.book(&mut self.times.detection);
         let deeper = |(touch, found): (&Touch, f64)| touch.gap.min(0.0) - found > self.depth();
         Ok(near.iter().zip(found).any(deeper))
     }
@@ -325,18 +345,21 @@ impl Touching {
     /// The contacts of a part whose touches were listed where nodes have the given mean velocities. Their
     /// impulses act from now on and no others: some may have been expected of touches that are gone.
     fn case(
-        &self,
+        &mut self,
         world: &mut World,
         part: &Part,
         mean: &[Vector3<f64>],
         room: Room,
     ) -> Result<Case, Cut> {
+        let mut clock = Clock::start();
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
         let case = Case::new(world, &part.touches, mean, part.dt, &laws, room)?;
+        clock.book(&mut self.times.laws);
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
         world.with_impulses(pushes, |group, own| group.press(own))?;
+        clock.book(&mut self.times.rods);
         Ok(case)
     }
 
@@ -357,14 +380,18 @@ impl Touching {
         patient: bool,
     ) -> Result<(f64, bool), Cut> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
+        let mut clock = Clock::start();
         let one = case.solve(world, &part.touches, &mut self.solver, patient)?;
+        clock.book(&mut self.times.solver);
         let pushes = case.pushes(&part.touches);
         let turns = world.with_impulses(pushes.clone(), |group, own| group.advance(own))?;
         world.push(pushes, part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(turns);
+        clock.book(&mut self.times.rods);
         let found = case.certificate(world, &part.touches, &world.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
+        clock.book(&mut self.times.laws);
         part.report.iterations += world.assembly().fibers().len();
         part.report.worst_iterations += 1;
         let report = &mut part.report.contact;
@@ -383,6 +410,7 @@ impl Touching {
         part: &mut Part,
         expected: &Expected,
     ) -> Result<(), CollisionError> {
+        let mut clock = Clock::start();
         let mut touches = std::mem::take(&mut part.touches);
         // Lists take much room: the velocities go before, and come again.
         let ends = part.ends(world, &world.mean_velocities());
@@ -390,17 +418,20 @@ impl Touching {
         self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
+        clock.book(&mut self.times.detection);
         Ok(())
     }
 
     /// Lists those that overlap where the step has been solved to. Returns by how much at most, m.
     fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
+        let mut clock = Clock::start();
         let mut touches = Vec::new();
         let ends = part.ends(world, &world.mean_velocities());
         let motion = part.motion(world, &self.radii, &ends);
         let deepest =
             self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;
+        clock.book(&mut self.times.detection);
         Ok(deepest)
     }
 }

@@ -8,17 +8,34 @@ use std::ops::AddAssign;
 pub struct ContactWork {
     /// Of friction against the slip, not positive but for the solver's tolerance.
     pub friction: f64,
-    /// Of what acts along the normals against the opening of contacts: gaps that close by the end of
-    /// a step or are repaired, restitution, adhesion.
-    pub normal: f64,
+    /// Of what stops those that come together, as far as the gap lets them: never positive.
+    pub closing: f64,
+    /// Of what drives apart those that were in each other when the step began.
+    pub repair: f64,
+    /// Of what lets those that meet rebound.
+    pub restitution: f64,
+    /// Of what holds together those that would part.
+    pub adhesion: f64,
     /// Of objects that are led: all of their impulses times the velocities of their surfaces.
     pub led: f64,
+}
+
+impl ContactWork {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        let along = self.closing + self.repair + self.restitution + self.adhesion;
+        self.friction + along + self.led
+    }
 }
 
 impl AddAssign for ContactWork {
     fn add_assign(&mut self, other: Self) {
         self.friction += other.friction;
-        self.normal += other.normal;
+        self.closing += other.closing;
+        self.repair += other.repair;
+        self.restitution += other.restitution;
+        self.adhesion += other.adhesion;
         self.led += other.led;
     }
 }

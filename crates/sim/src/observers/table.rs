@@ -27,7 +27,7 @@ pub(crate) struct Table {
 pub(crate) enum Column {
     /// Kinetic, elastic, gravitational energy and their sum.
     Energies,
-    /// Work of contacts since the start: friction, normal, led objects.
+    /// Work of contacts since the start: see [`crate::ContactWork`].
     ContactWork,
     /// All other work since the start.
     Works,
@@ -125,9 +125,12 @@ impl Column {
     fn names(&self) -> String {
         match self {
             Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
-            Self::ContactWork => ",work of friction (J),work of normal impulses (J),\
+            Self::ContactWork => {
+                ",work of friction (J),work of closing (J),work of gap repair (J),\
+                                  work of restitution (J),work of adhesion (J),\
                                   work of led objects (J)"
-                .to_owned(),
+                    .to_owned()
+            }
             Self::Works => ",work of gravity (J),work of loads (J),work of drag (J),\
                             work of damping (J),work of supports (J),work of the integrator (J),\
                             work of the solver (J)"
@@ -167,7 +170,14 @@ impl Column {
             }
             Self::ContactWork => {
                 let work = world.contact_work();
-                vec![work.friction, work.normal, work.led]
+                vec![
+                    work.friction,
+                    work.closing,
+                    work.repair,
+                    work.restitution,
+                    work.adhesion,
+                    work.led,
+                ]
             }
             Self::Works => {
                 let works = world.works().unwrap_or_default();

@@ -2,7 +2,7 @@ use super::check::{Allowed, Check};
 use crate::contact::{Partner, Touch};
 use rapunzel_contact::{ContactError, LimitCurve};
 use rapunzel_keratin::KeratinError;
-use rapunzel_keratin::surface::{self, Direction, Wetness};
+use rapunzel_keratin::surface::{self, Direction, Spray, Wetness};
 use serde::{Deserialize, Serialize};
 
 /// What fibres and objects do where they touch; left out, fibres pass through everything.
@@ -63,7 +63,7 @@ fn iterations() -> usize {
     2000
 }
 
-/// What holds fibres to each other and to objects; of these only `Bonds` holds objects to each other.
+/// What holds fibres to each other and to objects; of these only bonds hold objects to each other.
 /// Friction grows with it: a touch slides where the
 /// friction exceeds its coefficient times what presses it and what it could bear in tension together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,14 +90,30 @@ pub enum Adhesion {
         #[serde(default)]
         volume: f64,
     },
-    /// Hair spray (thesis Table 2.12): one rigid bond for every two things that touch at the start,
-    /// where they are nearest, which once broken is gone. It holds a place, about which they may turn.
+    /// One rigid bond for every two things that touch at the start, where they are nearest, which once
+    /// broken is gone. It holds a place, about which they may turn.
     Bonds {
         /// Tensile force under which it breaks, N.
         strength: f64,
         /// Largest gap at the start of the run, m.
         range: f64,
     },
+    /// Bonds of hair spray, which break at the middle of what thesis Table 2.12 has for them.
+    Spray {
+        /// Which spray.
+        hold: Spray,
+        /// Largest gap at the start of the run, m.
+        range: f64,
+    },
+}
+
+/// Bonds between what touches at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bonds {
+    /// Tensile force under which one breaks, N.
+    pub(crate) strength: f64,
+    /// Largest gap at the start of the run, m.
+    pub(crate) range: f64,
 }
 
 /// Coefficients of friction of a fibre.
@@ -187,6 +203,18 @@ impl ContactSettings {
 }
 
 impl Adhesion {
+    /// The bonds, if it is these that hold.
+    pub(crate) fn bonds(self) -> Option<Bonds> {
+        match self {
+            Self::Bonds { strength, range } => Some(Bonds { strength, range }),
+            Self::Spray { hold, range } => {
+                let [least, most] = surface::bond_strength(hold).map(|force| force.value);
+                Some(Bonds { strength: 0.5 * (least + most), range })
+            }
+            Self::Line { .. } | Self::Capillary { .. } => None,
+        }
+    }
+
     fn check(self, check: &mut Check) {
         let (positive, range) = (Allowed::Positive, "range");
         match self {
@@ -203,6 +231,7 @@ impl Adhesion {
                 check.number("strength", strength, positive, "N");
                 check.number(range, gap, positive, "m");
             }
+            Self::Spray { range: gap, .. } => check.number(range, gap, positive, "m"),
         }
     }
 }

@@ -72,11 +72,20 @@ impl Case {
             let drive = contact.frame.tr_mul(&touch.drive());
             // The bias along the normal is not that of the drive alone.
             let opening = velocity.x - contact.bias.x - drive.x;
-            ContactWork {
+            let mut work = ContactWork {
                 friction: impulse.yz().dot(&velocity.yz()),
-                normal: impulse.x * opening,
                 led: impulse.dot(&drive),
-            }
+                ..Default::default()
+            };
+            let gap = self.gaps[i];
+            let along = match impulse.x {
+                pull if pull < 0.0 => &mut work.adhesion,
+                _ if contact.bias.x < gap => &mut work.restitution,
+                _ if gap < 0.0 => &mut work.repair,
+                _ => &mut work.closing,
+            };
+            *along = impulse.x * opening;
+            work
         };
         self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
     }
