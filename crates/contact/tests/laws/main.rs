@@ -7,6 +7,7 @@ mod common;
 
 mod adhesion;
 mod admm;
+mod beams;
 mod between;
 mod curves;
 mod impacts;
