@@ -18,3 +18,4 @@ mod polished;
 mod rope;
 mod slopes;
 mod solver;
+mod two_projections;

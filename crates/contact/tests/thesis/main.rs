@@ -11,4 +11,5 @@ mod incline;
 mod projection;
 mod projection_defects;
 mod projection_oracle;
+mod projection_solver;
 mod rigid;
