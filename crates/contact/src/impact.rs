@@ -70,25 +70,29 @@ pub fn impact(
     let settled = respond(bodies, contacts, velocities, &plastic);
     let rest = relative(contacts, &settled);
     let loss = work(&plastic, &before, &rest);
-    if loss > 0.0 {
+    let unsure = rounding(bodies, contacts, &plastic);
+    if loss + unsure > 0.0 {
         // Only a search that ended early gains energy here: as much of it as gains none.
         let change = mixed(&before, &rest, 1.0, -1.0);
-        let scale = (2.0 * dot(&plastic, &before) / dot(&plastic, &change)).clamp(0.0, 1.0);
+        let curvature = unsure - 0.5 * dot(&plastic, &change);
+        let scale = (-dot(&plastic, &before) / curvature).clamp(0.0, 1.0);
         return Ok(Impact {
             impulses: plastic.iter().map(|r| r * scale).collect(),
             velocities: mixed(velocities, &settled, 1.0 - scale, scale),
-            energy: 0.0,
+            energy: -unsure * scale * scale,
             share: 0.0,
             report,
         });
     }
     let extra = mixed(&impulses, &plastic, 1.0, -1.0);
     let response = mixed(&after, &rest, 1.0, -1.0);
-    let share = largest_share(loss, energy, 0.5 * dot(&extra, &response));
+    let unsure = unsure.max(rounding(bodies, contacts, &impulses));
+    let curvature = 0.5 * dot(&extra, &response);
+    let share = largest_share(loss + unsure, energy + unsure, curvature);
     Ok(Impact {
         impulses: mixed(&impulses, &plastic, share, 1.0 - share),
         velocities: mixed(&struck, &settled, share, 1.0 - share),
-        energy: if share > 0.0 { 0.0 } else { loss },
+        energy: if share > 0.0 { -unsure } else { loss },
         share,
         report,
     })
@@ -194,6 +198,22 @@ fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
 
 fn mixed(a: &[Vector3<f64>], b: &[Vector3<f64>], of_a: f64, of_b: f64) -> Vec<Vector3<f64>> {
     std::iter::zip(a, b).map(|(a, b)| a * of_a + b * of_b).collect()
+}
+
+/// How far rounding may put the work of impulses off, J: those that jam each other move their points by
+/// little, which is the difference of what each does alone.
+fn rounding(bodies: &mut [&mut dyn Body], contacts: &[Contact], impulses: &[Vector3<f64>]) -> f64 {
+    let mut traces = Vec::new();
+    for body in bodies {
+        let start = traces.len();
+        traces.resize(start + body.points(), 0.0);
+        body.own_traces(&mut traces[start..]);
+    }
+    let of = |(contact, impulse): (&Contact, &Vector3<f64>)| {
+        let trace = traces[contact.first] + contact.second.map_or(0.0, |second| traces[second]);
+        trace * impulse.norm_squared()
+    };
+    f64::EPSILON * contacts.iter().zip(impulses).map(of).sum::<f64>()
 }
 
 /// The largest share at which `loss + share b + share^2 curvature`, which is `gain > 0` at one, is

@@ -1,7 +1,8 @@
 //! A fibre that lies across a bar: the references of `e_contact.json`.
 //!
 //! The crossed beams of that file are of linear theory, with deflections of a tenth to a quarter of
-//! the length and supports that slide; rods of constant length cannot show them.
+//! the length and supports that slide: rods of constant length cannot show them, but the tests of the
+//! crate `contact` run them with bodies of that theory.
 
 use nalgebra::Vector3;
 use rapunzel_sim::Scene;

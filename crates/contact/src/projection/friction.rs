@@ -1,5 +1,5 @@
-use super::group::{Group, Row};
-use super::{Differences, Form, active_set, program};
+use super::group::{Group, Link, Row};
+use super::{Differences, Form, Polygon, active_set, program};
 use crate::ContactError;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 
@@ -38,7 +38,25 @@ pub(super) fn project(
         Form::AsPrinted => plus,
         Form::Corrected => bouncing,
     };
-    let (a, b) = constraints(group, &loaded, &tangents, velocity, impulses, form);
+    let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
+    let room = |link: &Link<'_>| match form.objective {
+        // Asked of friction's own change of velocity.
+        Form::AsPrinted => 0.0,
+        Form::Corrected => link.normal.velocity(velocity) + link.closing,
+    };
+    let limit = |&i: &usize| (impulses[i], group.links[i].friction);
+    let friction = Tangential {
+        answers: group.gram(Form::Corrected, &tangents, &tangents),
+        coupling: group.gram(Form::Corrected, &normals, &tangents),
+        normals: normals.iter().map(|row| group.own(row)).collect(),
+        slip: DVector::from_iterator(
+            tangents.len(),
+            tangents.iter().map(|row| row.velocity(velocity)),
+        ),
+        room: group.links.iter().map(room).collect(),
+        limits: loaded.iter().map(limit).collect(),
+        set: form.friction_set,
+    };
     let p = match form.objective {
         Form::AsPrinted => {
             let twists = |row: &Row| {
@@ -47,66 +65,68 @@ pub(super) fn project(
             };
             let slope =
                 DVector::from_iterator(tangents.len(), tangents.iter().map(|row| twists(row)));
+            let (a, b) = friction.constraints();
             program::solve(&DMatrix::zeros(slope.len(), slope.len()), &slope, &a, &b)?
         }
-        Form::Corrected => {
-            let h = group.gram(Form::Corrected, &tangents, &tangents);
-            let slope = DVector::from_iterator(
-                tangents.len(),
-                tangents.iter().map(|row| row.velocity(velocity)),
-            );
-            match least_energy(&h, &slope, &a, &b) {
-                Some(p) => p,
-                None => program::solve(&h, &slope, &a, &b)?,
-            }
-        }
+        Form::Corrected => friction.solve()?,
     };
     Ok(group.answer(Form::Corrected, tangents.iter().copied().zip(p.iter().copied())))
 }
 
-/// `a p <= b`: every contact's limit curve, and no contact pushed together by friction. Printed,
-/// the latter is asked of friction's own change of velocity; corrected, of the velocity after it.
-fn constraints(
-    group: &Group<'_>,
-    loaded: &[usize],
-    tangents: &[&Row],
-    velocity: &[Vector6<f64>],
-    impulses: &[f64],
-    form: &Differences,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let curves: Vec<_> = loaded
-        .iter()
-        .enumerate()
-        .flat_map(|(k, &i)| {
-            let planes = group.links[i].friction.half_planes(form.friction_set);
-            planes.iter().map(move |plane| (k, impulses[i], plane))
-        })
-        .collect();
-    let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
-    let mut coupling = group.gram(Form::Corrected, &normals, tangents);
-    for (i, normal) in normals.iter().enumerate() {
-        for (j, tangent) in tangents.iter().enumerate() {
-            // Rounding in what should be orthogonal must not forbid to slide.
-            let size = group.own(normal) * group.own(tangent);
-            if coupling[(i, j)].powi(2) <= UNCOUPLED * UNCOUPLED * size {
-                coupling[(i, j)] = 0.0;
+/// Friction of contacts that bear impulses, in their own coordinates: two unknowns for each.
+pub(super) struct Tangential<'a> {
+    /// What impulses along the tangents do along them, `D^T M^-1 D`.
+    pub(super) answers: DMatrix<f64>,
+    /// What they do along the normals of all contacts, `J M^-1 D`.
+    pub(super) coupling: DMatrix<f64>,
+    /// What an impulse along each normal does there.
+    pub(super) normals: Vec<f64>,
+    /// Velocities along the tangents.
+    pub(super) slip: DVector<f64>,
+    /// By how much each normal velocity may fall; less than zero is none.
+    pub(super) room: Vec<f64>,
+    /// Normal impulses, and the limit curves for a unit of each.
+    pub(super) limits: Vec<(f64, &'a Polygon)>,
+    /// Whose half planes friction is in.
+    pub(super) set: Form,
+}
+
+impl Tangential<'_> {
+    /// The impulses that leave the least energy.
+    pub(super) fn solve(&self) -> Result<DVector<f64>, ContactError> {
+        let (a, b) = self.constraints();
+        match least_energy(&self.answers, &self.slip, &a, &b) {
+            Some(p) => Ok(p),
+            None => program::solve(&self.answers, &self.slip, &a, &b),
+        }
+    }
+
+    /// `a p <= b`: every contact's limit curve, and no contact pushed together by friction.
+    fn constraints(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let mut curves = Vec::new();
+        for (k, (impulse, curve)) in self.limits.iter().enumerate() {
+            let planes = curve.half_planes(self.set).iter();
+            curves.extend(planes.map(|(direction, bound)| (k, *direction, bound * impulse)));
+        }
+        let (count, unknowns) = (curves.len() + self.normals.len(), self.slip.len());
+        let (mut a, mut b) = (DMatrix::zeros(count, unknowns), DVector::zeros(count));
+        for (i, (k, direction, bound)) in curves.iter().enumerate() {
+            a[(i, 2 * k)] = direction.x;
+            a[(i, 2 * k + 1)] = direction.y;
+            b[i] = bound.max(0.0);
+        }
+        for (i, (normal, room)) in self.normals.iter().zip(&self.room).enumerate() {
+            for j in 0..unknowns {
+                // Rounding in what should be orthogonal must not forbid to slide.
+                let (coupling, size) = (self.coupling[(i, j)], normal * self.answers[(j, j)]);
+                if coupling.powi(2) > UNCOUPLED * UNCOUPLED * size {
+                    a[(curves.len() + i, j)] = -coupling;
+                }
             }
+            b[curves.len() + i] = room.max(0.0);
         }
+        (a, b)
     }
-    let count = curves.len() + normals.len();
-    let (mut a, mut b) = (DMatrix::zeros(count, tangents.len()), DVector::zeros(count));
-    for (i, (k, impulse, (direction, bound))) in curves.iter().enumerate() {
-        a[(i, 2 * k)] = direction.x;
-        a[(i, 2 * k + 1)] = direction.y;
-        b[i] = (bound * impulse).max(0.0);
-    }
-    for (i, link) in group.links.iter().enumerate() {
-        a.row_mut(curves.len() + i).copy_from(&-coupling.row(i));
-        if form.objective.is_corrected() {
-            b[curves.len() + i] = (link.normal.velocity(velocity) + link.closing).max(0.0);
-        }
-    }
-    (a, b)
 }
 
 /// `argmin 1/2 p^T h p + g^T p` such that `a p <= b` by the active set on the dual: exact to

@@ -19,10 +19,12 @@ mod group;
 mod normal;
 mod polygon;
 mod program;
+mod solver;
 mod step;
 mod touch;
 
 pub use polygon::Polygon;
+pub use solver::TwoProjections;
 pub use step::{moreau_step, project};
 pub use touch::{Partner, Touch};
 

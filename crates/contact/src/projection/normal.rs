@@ -25,13 +25,7 @@ pub(super) fn project(
         rows.len(),
         group.links.iter().map(|link| link.normal.velocity(before) + link.closing),
     );
-    let multipliers = match active_set::minimize(&gram, &slack) {
-        Some(multipliers) => multipliers,
-        None => {
-            let positive = -DMatrix::identity(rows.len(), rows.len());
-            program::solve(&gram, &slack, &positive, &DVector::zeros(rows.len()))?
-        }
-    };
+    let multipliers = multipliers(&gram, &slack)?;
     let change = group.answer(form.metric, rows.iter().copied().zip(multipliers.iter().copied()));
     let impulses = match form.impulse {
         Form::AsPrinted => {
@@ -55,4 +49,16 @@ pub(super) fn project(
     };
     let twists = before.iter().zip(&change).map(|(u, du)| u + du).collect();
     Ok(Normal { twists, impulses })
+}
+
+/// `argmin 1/2 l^T G l + l^T c` over `l >= 0`.
+pub(super) fn multipliers(
+    gram: &DMatrix<f64>,
+    slack: &DVector<f64>,
+) -> Result<DVector<f64>, ContactError> {
+    if let Some(multipliers) = active_set::minimize(gram, slack) {
+        return Ok(multipliers);
+    }
+    let positive = -DMatrix::identity(slack.len(), slack.len());
+    program::solve(gram, slack, &positive, &DVector::zeros(slack.len()))
 }

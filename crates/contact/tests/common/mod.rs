@@ -1,6 +1,8 @@
 //! What the integration tests share: small bodies with dense answers, oracle files, random numbers.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
+pub mod incline;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rapunzel_contact::{
     Answers, Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,

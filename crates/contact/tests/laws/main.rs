@@ -7,6 +7,7 @@ mod common;
 
 mod adhesion;
 mod admm;
+mod beams;
 mod between;
 mod curves;
 mod impacts;
@@ -17,3 +18,4 @@ mod polished;
 mod rope;
 mod slopes;
 mod solver;
+mod two_projections;

@@ -104,6 +104,18 @@ fn a_polygonal_capstan_slips_at_its_ratio() {
     assert!((ratio / expected - 1.0).abs() < 1e-6, "{ratio}");
 }
 
+/// So many corners are a smooth capstan: what is left of them is `mu phi^3 (1 + mu^2) / (12 n^2)`, 4e-5.
+#[test]
+fn a_smooth_capstan_slips_at_the_exponential() {
+    let (mu, turn, n) = (0.3_f64, std::f64::consts::TAU, 400);
+    let smooth = (mu * turn).exp();
+    assert!((smooth - 6.5861).abs() < 5e-5);
+    let relative = slipping_ratio(mu, turn, n, 1.0) / smooth - 1.0;
+    let polygonal = mu * turn.powi(3) * (1.0 + mu * mu) / (12.0 * (n * n) as f64);
+    assert!(relative.abs() < 1e-3, "{relative}");
+    assert!((relative / polygonal - 1.0).abs() < 0.1, "{relative} {polygonal}");
+}
+
 /// Ten corners of 0.3 rad each hold up to 2.477 times the load and not more; both ends move freely.
 #[test]
 fn a_capstan_holds_what_it_can() {

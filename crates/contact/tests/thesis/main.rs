@@ -6,7 +6,10 @@ mod chain_defects;
 mod chains;
 mod common;
 mod harmonize;
+#[path = "../common/incline.rs"]
+mod incline;
 mod projection;
 mod projection_defects;
 mod projection_oracle;
+mod projection_solver;
 mod rigid;
