@@ -14,14 +14,22 @@ use std::time::Duration;
 fn long_scene() -> String {
     let ball = "objects: [(shape: Ball(radius: 0.02), position: (0.0, 0.0, -0.06))],
         contact: (friction: Isotropic(0.3)), stepper";
-    let long = SCENE.replace("duration: 0.5", "duration: 1").replace("count: 2", "count: 12");
+    let [few, many] = [
+        "Lock(count: 2, radius: 0.003, curvature_variation: 0.1)",
+        "Ellipse(semi_axes: (0.003, 0.003), count: 12)",
+    ];
+    let long = SCENE.replace("duration: 0.5", "duration: 1").replace(few, many);
     long.replace("stepper", ball)
 }
 
 /// The finished frames of a run, each of them whole.
 fn frames(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let files = fs::read_dir(folder.join("frames")).into_iter().flatten().flatten();
-    let paths = files.map(|file| file.path()).filter(|p| p.extension().is_some_and(|e| e == "vtp"));
+    let is_frame = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| name.starts_with("frame-") && name.ends_with(".vtp"))
+    };
+    let paths = files.map(|file| file.path()).filter(is_frame);
     let whole = paths.map(|path| {
         let bytes = fs::read(&path).expect("readable");
         vtp::read(&mut &bytes[..]).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
