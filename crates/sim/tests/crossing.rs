@@ -122,6 +122,28 @@ fn a_gram_at_each_tip_draws_a_bundle_over_a_ball() {
     }
 }
 
+/// A block of 1 g is glued to all tips of a bundle that lies level upon a ball: it falls with some 0.7 m/s
+/// and swings under the ball.
+#[test]
+fn a_block_of_a_gram_swings_on_a_bundle() {
+    let (side, gap) = (0.004, 5e-7);
+    let mut run = Run::read(&format!(
+        "(format: 1, seed: 5, duration: 1.0,
+        fibers: [(length: 0.05, segments: 40, section: Circle(radius: 3.5e-5),
+            root: (position: (-0.015, 0.0, 0.0115), orientation: Along(direction: (1, 0, 0))),
+            arrangement: Ellipse(semi_axes: (0.001, 0.001), count: 12))],
+        objects: [(shape: Ball(radius: 0.01)),
+            (shape: Cuboid(sides: ({side:?}, {side:?}, {side:?})),
+            position: ({:?}, 0.0, 0.0115), moves: Free(mass: Mass(0.001)))],
+        contact: (friction: Isotropic(0.3), adhesion: Bonds(strength: 1.0, range: 1e-6)),
+        environment: (viscosity: 1.8e-5), stepper: (dt: 1e-3))",
+        0.035 + 0.5 * DIAMETER + gap + 0.5 * side
+    ));
+    let (active, fastest) = stays_apart(&mut run, 120);
+    assert!(active > 80 && fastest > 0.5, "{active} contacts, {fastest} m/s");
+    assert_eq!(run.world.contacts().filter(|bearing| bearing.bonded).count(), run.fibers());
+}
+
 /// Hairs that have come to lie over a ball and on each other stay apart in steps of 4 ms too.
 #[test]
 fn what_lies_still_stays_apart_in_long_steps() {
