@@ -102,6 +102,44 @@ fn two_free_balls_collide() {
     }
 }
 
+/// A ball that flies at the ground and spins, and bounces with all of its normal velocity. What it bears
+/// brakes its slip by the coefficient times that until it rolls, and changes its spin at the lever of its
+/// radius. No energy comes back, whichever way it spins.
+#[test]
+fn an_oblique_bounce_turns_a_ball() {
+    let (radius, mass, speed) = (0.01_f64, 0.01, 0.03_f64);
+    // Velocity of the lowest point by the spin, in parts of that of the ball.
+    for (mu, rolling) in [(0.1, 0.0), (0.5, 0.0), (0.1, 0.7), (0.1, -0.7), (0.1, 2.0), (0.5, 3.0)] {
+        let spin = speed * rolling / radius;
+        let objects = format!(
+            "(shape: Plane(normal: (0, 0, 1))), (shape: Ball(radius: {radius:?}), position: (0, 0, {:?}), \
+             moves: Free(mass: Mass({mass:?}), velocity: ({speed:?}, 0, -{speed:?}), spin: (0, {:?}, 0)))",
+            radius + 1e-7,
+            spin.to_degrees()
+        );
+        let contact = format!("friction: Isotropic({mu:?}), restitution: 1.0");
+        let mut run = Run::new(&scene(&objects, &contact, Vector3::zeros()));
+        let before = run.world.energy().kinetic;
+        run.steps(3);
+        let (ball, after) = (body(&run, 1), run.world.energy().kinetic);
+        let slip = speed * (1.0 - rolling);
+        // At its surface a ball weighs two sevenths of what it is.
+        let braked = slip.signum() * f64::min(2.0 * mu * speed, 2.0 / 7.0 * slip.abs());
+        let velocity = Vector3::new(speed - braked, 0.0, speed);
+        let turning = Vector3::new(0.0, spin + 2.5 * braked / radius, 0.0);
+        // The lever, by which slip and spin go, is that of the end of the step, shorter by half of the way
+        // in it. A step resolves the normal velocity to half the depth over its length.
+        let lever = 0.5 * speed * DT / radius;
+        let error = lever * (speed + slip.abs()) + 0.5 * DEPTH * 2.0 * RADIUS / DT;
+        assert!((ball.velocity - velocity).norm() < error, "{mu} {rolling}: {ball:?}");
+        let found = ball.angular_velocity();
+        assert!((found - turning).norm() * radius < 2.5 * error, "{mu} {rolling}: {ball:?}");
+        let lost = mass * braked * (slip - 1.75 * braked);
+        let error = mass * error * (velocity.norm() + radius * turning.norm());
+        assert!((before - after - lost).abs() < error && after < before, "{mu} {rolling}: {lost}");
+    }
+}
+
 /// Of a pair the second says how it bounces, else the first, else the scene.
 #[test]
 fn the_second_of_two_is_asked_first() {

@@ -25,11 +25,24 @@ impl Run {
         Self::new(&Scene::from_ron(text).unwrap_or_else(|error| panic!("{error} in {text}")))
     }
 
-    /// A step whose contacts are all resolved.
+    /// A step whose contacts are all resolved, and that leaves fibres as long as they are.
     pub fn step(&mut self) -> StepReport {
         let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
         assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
+        self.assert_lengths();
         report
+    }
+
+    /// Nothing in the data of a fibre allows its segments another length: only the rounding of places,
+    /// some digits of their distance from the origin, is left of it.
+    fn assert_lengths(&self) {
+        for (i, fiber) in self.world.assembly().fibers().iter().enumerate() {
+            let nodes = self.positions(i);
+            for (ends, length) in nodes.windows(2).zip(fiber.segment_lengths()) {
+                let stretch = (ends[1] - ends[0]).norm() / length - 1.0;
+                assert!(stretch.abs() < 1e-12, "fibre {i} at {} s: {stretch:e}", self.world.time());
+            }
+        }
     }
 
     pub fn steps(&mut self, count: usize) {
