@@ -4,7 +4,7 @@ use crate::SimError;
 use crate::scene::ClosedCurve;
 use nalgebra::Point3;
 use rapunzel_fiber::generate::LongKnot;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn point(line: usize, words: &[&str]) -> Result<Point3<f64>, Fault> {
 
 /// The points of an OBJ in the order in which its lines join them.
 fn ring(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
-    let (mut points, mut joined) = (Vec::new(), HashMap::new());
+    let (mut points, mut joined) = (Vec::new(), BTreeMap::new());
     for (line, words) in lines(text) {
         match words.split_first() {
             Some((&"v", numbers)) => points.push(point(line, numbers)?),

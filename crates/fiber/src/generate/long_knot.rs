@@ -220,7 +220,7 @@ mod tests {
         let coarse = eight().nodes(&[2e-3; 100]);
         assert!(matches!(coarse, Err(FiberError::Unresolved { .. })), "{coarse:?}");
         // Back and forth on one line: nowhere to lead the ends.
-        let line = (0..8).map(|k| Point3::new(f64::from((k as i32 - 4).abs()), 0.0, 0.0)).collect();
+        let line = (0..8).map(|k| Point3::new(f64::from((k - 4_i32).abs()), 0.0, 0.0)).collect();
         let flat = LongKnot { points: line, spacing: 0.1 }.nodes(&lengths);
         assert!(matches!(flat, Err(FiberError::NoDirection { .. })), "{flat:?}");
     }
