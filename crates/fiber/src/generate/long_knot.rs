@@ -187,13 +187,15 @@ mod tests {
             }
             let last = nodes[segments];
             assert!(nodes[0].coords.norm() < 1e-15 && nodes[1].x.abs() < 1e-15);
-            assert!(
-                (last.x + 1e-3).abs() < 1e-12 && last.y.abs() < 1e-12 && last.z > 0.0,
-                "{last}"
-            );
-            // The end that comes last is alone beyond the plane of the first.
-            let beyond = nodes.iter().position(|p| p.x < -1e-9).expect("the last end");
-            assert!(nodes[beyond..].windows(2).all(|w| w[1].x <= w[0].x + 1e-12));
+            assert!(last.x.abs() < 1e-12 && (last.y.abs() - 1e-3).abs() < 1e-12, "{last}");
+            // Both ends are in a plane, and nothing is beyond it or beyond them.
+            assert!(nodes.iter().all(|p| p.x > -1e-12 && (0.0..=last.z).contains(&p.z)));
+            // Half of the spacing is left where the curve comes back beside its beginning.
+            let far = |i: usize, j: usize| i.abs_diff(j) > segments / 10;
+            let pairs = (0..=segments).flat_map(|i| (0..i).map(move |j| (i, j)));
+            let gaps =
+                pairs.filter(|(i, j)| far(*i, *j)).map(|(i, j)| (nodes[i] - nodes[j]).norm());
+            assert!(gaps.fold(f64::INFINITY, f64::min) > 0.5e-3);
         }
     }
 
