@@ -47,10 +47,16 @@ pub enum FiberError {
         /// Which vector.
         quantity: &'static str,
     },
+    /// Two points of a curve that follow each other are one.
+    #[error("points {index} and {} of the curve are the same; leave one out", index + 1)]
+    Coincident {
+        /// Index of the first of the two; one past the last point is the first of a closed curve.
+        index: usize,
+    },
     /// The segments are too long for the curve that they are to follow.
     #[error(
-        "{segments} segments cannot follow the curve; give at least {needed}, or a smaller \
-         amplitude or a longer wavelength"
+        "{segments} segments cannot follow the curve; give at least {needed}, or a curve that \
+         bends less"
     )]
     Unresolved {
         /// Number of segments that was given.

@@ -1,6 +1,7 @@
 use crate::charging::{Charged, Electric, Resting, relax, set_matter};
 use crate::conditions::{BundleConditions, FiberConditions};
 use crate::contact::{Surroundings, Touching};
+use crate::curve::knot;
 use crate::group::{Batch, Group, Rods};
 use crate::scene::{Arrangement, Bundle, Flow, Initial, Law, Method, Moves, Scene, Shape, scalp};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
@@ -57,10 +58,11 @@ impl Scene {
                 self.conditions(bundle, radius)
                     .map_err(|source| SimError::Rod { bundle: i, source })?,
             );
+            let course = course(bundle, i)?;
             for fiber in fibers {
                 starts.push(Start {
                     bundle: i,
-                    state: laid(&fiber, bundle.initial, i)?,
+                    state: laid(&fiber, &bundle.initial, course.as_deref(), i)?,
                     velocity: Vector3::from(bundle.velocity),
                     rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
                     conditions: Arc::clone(&conditions),
@@ -240,11 +242,15 @@ impl Scene {
     }
 }
 
+/// Lengths of the segments of each fibre of a bundle, m.
+fn lengths(bundle: &Bundle) -> Vec<f64> {
+    vec![bundle.length / bundle.segments as f64; bundle.segments]
+}
+
 /// The fibres of a bundle in their natural state.
 fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     let pose = bundle.root.isometry()?;
-    let lengths = vec![bundle.length / bundle.segments as f64; bundle.segments];
-    let straight = Fiber::new(pose, lengths, vec![node; bundle.segments + 1])?;
+    let straight = Fiber::new(pose, lengths(bundle), vec![node; bundle.segments + 1])?;
     let mut fiber = match bundle.shape {
         Shape::Straight => straight,
         Shape::Helix { radius, pitch, handedness } => {
@@ -263,7 +269,9 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
             let wound = Helix { radius, pitch, handedness }.bend(fiber.clone().with_root(pose))?;
             fiber = fiber.with_root(*wound.root());
         }
-        Initial::Straight | Initial::Overhand { .. } => fiber = fiber.with_root(pose),
+        Initial::Straight | Initial::Overhand { .. } | Initial::Knot { .. } => {
+            fiber = fiber.with_root(pose);
+        }
     }
     match bundle.arrangement {
         Arrangement::Single => Ok(vec![fiber]),
@@ -286,27 +294,48 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
     }
 }
 
-/// The state in which a fibre is laid from its root's frame on, at rest; `None` for its natural one.
-fn laid(fiber: &Fiber, initial: Initial, bundle: usize) -> Result<Option<RodState>, SimError> {
-    let refused = |source| SimError::Fiber { bundle, source };
-    let nodes = match initial {
-        Initial::Natural => return Ok(None),
+/// The nodes that the fibres of a bundle start with, m, in their roots' frames; `None` for those whose
+/// own shape counts.
+fn course(bundle: &Bundle, index: usize) -> Result<Option<Vec<Point3<f64>>>, SimError> {
+    let lengths = lengths(bundle);
+    let nodes = match &bundle.initial {
+        Initial::Natural | Initial::Helix { .. } => return Ok(None),
         Initial::Straight => {
-            fiber.arc_lengths().into_iter().map(|s| Point3::new(0.0, 0.0, s)).collect()
-        }
-        Initial::Helix { radius, pitch, handedness } => {
-            let wound = Helix { radius, pitch, handedness }.bend(fiber.clone()).map_err(refused)?;
-            let natural = Staggered::new(Rod::new(wound.with_root(*fiber.root())));
-            return match natural {
-                Ok(rod) => Ok(Some(rod.state())),
-                Err(source) => Err(SimError::Rod { bundle, source }),
-            };
+            let mut along = 0.0;
+            let next = lengths.iter().map(|length| {
+                along += length;
+                Point3::new(0.0, 0.0, along)
+            });
+            Ok(std::iter::once(Point3::origin()).chain(next).collect())
         }
         Initial::Overhand { radius, spacing } => {
-            Overhand { radius, spacing }.nodes(fiber.segment_lengths()).map_err(refused)?
+            Overhand { radius: *radius, spacing: *spacing }.nodes(&lengths)
+        }
+        Initial::Knot { curve, scale, spacing } => {
+            knot(curve, *scale, *spacing, index)?.nodes(&lengths)
         }
     };
-    Ok(Some(untwisted(fiber, &nodes)))
+    nodes.map(Some).map_err(|source| SimError::Fiber { bundle: index, source })
+}
+
+/// The state in which a fibre is laid from its root's frame on, at rest, along its course if it has one;
+/// `None` for its natural one.
+fn laid(
+    fiber: &Fiber,
+    initial: &Initial,
+    course: Option<&[Point3<f64>]>,
+    bundle: usize,
+) -> Result<Option<RodState>, SimError> {
+    if let Initial::Helix { radius, pitch, handedness } = *initial {
+        let wound = Helix { radius, pitch, handedness }.bend(fiber.clone());
+        let wound = wound.map_err(|source| SimError::Fiber { bundle, source })?;
+        let natural = Staggered::new(Rod::new(wound.with_root(*fiber.root())));
+        return match natural {
+            Ok(rod) => Ok(Some(rod.state())),
+            Err(source) => Err(SimError::Rod { bundle, source }),
+        };
+    }
+    Ok(course.map(|nodes| untwisted(fiber, nodes)))
 }
 
 /// A state at rest along `nodes`, m, in the root's frame, which is carried along without a twist.

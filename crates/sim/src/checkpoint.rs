@@ -34,7 +34,7 @@ pub(crate) struct Checkpoint<S = Snapshot> {
 pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(scene.to_ron()?.as_bytes());
-    for path in scene.objects.iter().filter_map(|object| object.shape.file()) {
+    for path in scene.files() {
         hasher.update(&fs::read(path).map_err(SimError::io("read", path))?);
     }
     Ok(hasher.finalize().into())

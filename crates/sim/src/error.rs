@@ -76,6 +76,21 @@ pub enum SimError {
         /// How deep, m.
         depth: f64,
     },
+    /// The file of a closed curve is not understood.
+    #[error(
+        "fibers[{bundle}], {}{}: {why}", path.display(),
+        line.map_or_else(String::new, |line| format!(", line {line}"))
+    )]
+    Curve {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1; none for what concerns the whole.
+        line: Option<usize>,
+        /// What is wrong.
+        why: &'static str,
+    },
     /// The mesh of an object is not closed, or not read.
     #[error("objects[{object}], {}: {source}", path.display())]
     Mesh {

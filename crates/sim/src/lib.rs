@@ -5,6 +5,7 @@ mod charging;
 mod checkpoint;
 mod conditions;
 mod contact;
+mod curve;
 mod error;
 pub mod export;
 mod folder;

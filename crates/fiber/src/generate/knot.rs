@@ -1,3 +1,4 @@
+use super::chords::chords;
 use crate::FiberError;
 use crate::error::positive;
 use nalgebra::Point3;
@@ -15,8 +16,6 @@ pub struct Overhand {
 
 /// Angle by which the strands wind about each other; half a turn would be a mere loop.
 const WINDING: f64 = 3.0 * PI;
-/// Halvings of an interval in which a node is looked for: to the last bit.
-const HALVINGS: usize = 60;
 
 impl Overhand {
     /// Nodes of the knot, m, for segments of the given lengths, m. It begins at the origin along z,
@@ -45,20 +44,7 @@ impl Overhand {
             let range = "[0, so small that the fibre is longer than the knot)";
             return Err(refuse("radius of the knot (m)", self.radius, range));
         }
-        let mut at = 0.0;
-        let mut nodes = vec![self.curve(at, end)];
-        for length in lengths {
-            let here = nodes[nodes.len() - 1];
-            // A chord is longer, the farther it reaches along the curve.
-            let (mut low, mut high) = (at, at + 2.0 * length);
-            for _ in 0..HALVINGS {
-                at = 0.5 * (low + high);
-                let reach = (self.curve(at, end) - here).norm();
-                *if reach < *length { &mut low } else { &mut high } = at;
-            }
-            nodes.push(self.curve(at, end));
-        }
-        Ok(nodes)
+        Ok(chords(lengths, |way| self.curve(way, end)))
     }
 
     /// Half the length over which the strands wind: so long that their curvature is at most that of

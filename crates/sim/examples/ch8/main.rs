@@ -5,6 +5,7 @@
 //! ship, with fewer fibers so that all takes some minutes; `--full` takes them as they are, and hours.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
+mod chains;
 mod comb;
 #[path = "../repro/drawing.rs"]
 mod drawing;
@@ -28,11 +29,16 @@ use std::process::ExitCode;
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn(Size) -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 5] = [
+const FIGURES: [Entry<Draw>; 6] = [
     Entry { number: "2.19", title: "The force of combing", draw: comb::force },
     Entry { number: "8.8", title: "A bundle on a ball rests or splits", draw: friction::split },
     Entry { number: "8.16", title: "Partly elastic impacts", draw: elastic::impacts },
     Entry { number: "8.18", title: "Fibers with and without stiffness", draw: elastic::stiffness },
+    Entry {
+        number: "8.18-chains",
+        title: "Chains with and without bending springs",
+        draw: chains::springs,
+    },
     Entry { number: "8.19", title: "Three kinds of friction, Table 8.1", draw: friction::volumes },
 ];
 

@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{Handedness, root_pose};
 use rapunzel_fiber::{FiberError, Section};
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// Fibres that belong together: one, or many of the same kind on one moving base.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,7 +96,7 @@ fn right() -> Handedness {
 }
 
 /// The shape of a fibre at the start; it starts at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Initial {
     /// Without load.
@@ -124,6 +125,28 @@ pub enum Initial {
         /// at most a tenth of the radius.
         spacing: f64,
     },
+    /// Untwisted along a closed curve that is cut where it is farthest from its middle: the ends pass each
+    /// other there and go on along the direction of the root; the knot stands out along d1. Prestressed.
+    Knot {
+        /// The curve.
+        curve: ClosedCurve,
+        /// Metres for its unit.
+        scale: f64,
+        /// Distance at which the ends pass each other, m: more than two diameters.
+        spacing: f64,
+    },
+}
+
+/// A closed curve that may be knotted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ClosedCurve {
+    /// A figure-eight knot, of radius 1.
+    FigureEight,
+    /// Through the points in a file, as seen from the folder of the scene, whose corners are rounded: an
+    /// `.obj` with points and lines in one ring, or a `.txt` with the three coordinates of a point in
+    /// every line, in their order.
+    File(PathBuf),
 }
 
 /// A position and an orientation.
@@ -231,17 +254,7 @@ impl Bundle {
         }
         check.number("damping_time", self.damping_time, Allowed::NonNegative, "s");
         check.within("shape", |c| self.shape.check(c));
-        match self.initial {
-            Initial::Natural | Initial::Straight => {}
-            Initial::Helix { radius, pitch, .. } => {
-                check.number("initial.radius", radius, Allowed::Positive, "m");
-                check.number("initial.pitch", pitch, Allowed::NonNegative, "m");
-            }
-            Initial::Overhand { radius, spacing } => {
-                check.number("initial.radius", radius, Allowed::Positive, "m");
-                check.number("initial.spacing", spacing, Allowed::Positive, "m");
-            }
-        }
+        check.within("initial", |c| self.initial.check(c));
         check.within("root", |c| self.root.check(c));
         check.within("arrangement", |c| self.arrangement.check(c));
         check.within("motion", |c| self.motion.check(c));
@@ -280,6 +293,41 @@ pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
         Section::Ellipse { a, b } => {
             size(check, "a", a);
             size(check, "b", b);
+        }
+    }
+}
+
+impl Initial {
+    fn check(&self, check: &mut Check) {
+        match self {
+            Self::Natural | Self::Straight => {}
+            Self::Helix { radius, pitch, .. } => {
+                check.number("radius", *radius, Allowed::Positive, "m");
+                check.number("pitch", *pitch, Allowed::NonNegative, "m");
+            }
+            Self::Overhand { radius, spacing } => {
+                check.number("radius", *radius, Allowed::Positive, "m");
+                check.number("spacing", *spacing, Allowed::Positive, "m");
+            }
+            Self::Knot { scale, spacing, .. } => {
+                check.number("scale", *scale, Allowed::Positive, "m");
+                check.number("spacing", *spacing, Allowed::Positive, "m");
+            }
+        }
+    }
+
+    /// The file that holds it, if any does.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Knot { curve: ClosedCurve::File(file), .. } => Some(file),
+            _ => None,
+        }
+    }
+
+    /// Takes a path as seen from the folder of the scene.
+    pub(super) fn seen_from(&mut self, folder: &Path) {
+        if let Self::Knot { curve: ClosedCurve::File(file), .. } = self {
+            *file = folder.join(&*file);
         }
     }
 }

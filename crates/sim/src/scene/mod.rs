@@ -24,7 +24,7 @@ pub(crate) use arrangement::scalp;
 pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, Friction, Surface};
-pub use fibers::{Bundle, Initial, Orientation, PointForce, Pose, Shape};
+pub use fibers::{Bundle, ClosedCurve, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
@@ -198,7 +198,14 @@ impl Scene {
     #[must_use]
     pub fn seen_from(mut self, folder: &Path) -> Self {
         self.objects.iter_mut().for_each(|object| object.shape.seen_from(folder));
+        self.fibers.iter_mut().for_each(|bundle| bundle.initial.seen_from(folder));
         self
+    }
+
+    /// The files that it is made of beside its text.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let meshes = self.objects.iter().filter_map(|object| object.shape.file());
+        meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
     /// Number of segments of fibre `fiber`, counted over all bundles.
