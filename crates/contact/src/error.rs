@@ -63,7 +63,7 @@ pub enum ContactError {
         chain: usize,
         /// Index of its joint with the widest gap.
         joint: usize,
-        /// The gap, m; infinite where the equations were singular.
+        /// The gap, m; infinite where the equations were singular or numbers overflowed.
         gap: f64,
         /// Iterations done.
         iterations: usize,

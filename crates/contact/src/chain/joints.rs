@@ -67,7 +67,7 @@ impl<'a> Joints<'a> {
             let open = |gap| ContactError::Joint { chain: index, joint, gap, iterations };
             let rounding = self.rounding();
             if iterations == ITERATIONS || !gap.is_finite() {
-                return Err(open(gap));
+                return Err(open(if gap.is_finite() { gap } else { f64::INFINITY }));
             }
             let done = gap <= rounding || (gap >= 0.5 * last && gap <= 1e3 * rounding);
             if done || (method == Method::Linearized && iterations == 1) {
