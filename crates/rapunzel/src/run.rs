@@ -9,11 +9,12 @@ use rapunzel_sim::{
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
+static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Runs a scene into a folder.
 pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure> {
@@ -54,6 +55,7 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         checkpoint_every: options.checkpoint_every,
         cancel: &CANCEL,
         progress: &mut progress,
+        stopwatch: Some(|| BEGIN.elapsed()),
     };
     tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
     let result = rapunzel_sim::run(&scene, &folder, control);

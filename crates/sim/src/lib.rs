@@ -24,7 +24,9 @@ mod works;
 mod world;
 
 pub use charging::ChargeReport;
-pub use contact::{Bearing, ContactReport, ContactTimes, ContactWork, Partner, Unresolved};
+pub use contact::{
+    Bearing, ContactReport, ContactTimes, ContactWork, Partner, Stopwatch, Unresolved,
+};
 pub use error::SimError;
 pub use folder::{Existing, RunFolder, in_use};
 pub use mass_spring::MassSprings;

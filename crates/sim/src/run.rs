@@ -2,7 +2,9 @@ use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
 use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
 use crate::storage::{partial, put_in_place, write_atomically};
-use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Summary, World, mass_spring};
+use crate::{
+    Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, mass_spring,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,6 +16,8 @@ pub struct Control<'a> {
     pub cancel: &'a AtomicBool,
     /// Called at the start and after every step.
     pub progress: &'a mut dyn FnMut(&Progress),
+    /// By which the statistics tell what phases took.
+    pub stopwatch: Option<Stopwatch>,
 }
 
 /// How far a run has come.
@@ -104,7 +108,8 @@ impl<'a> Run<'a> {
     }
 
     fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
-        let Control { checkpoint_every, cancel, progress } = control;
+        let Control { checkpoint_every, cancel, progress, stopwatch } = control;
+        self.world.set_stopwatch(stopwatch);
         progress(&self.progress());
         self.save()?;
         while self.world.steps() < self.plan.steps {

@@ -1,5 +1,5 @@
 use crate::charging::{ChargeReport, Electric};
-use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Way};
+use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Stopwatch, Way};
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, Works, scene::Environment};
@@ -29,6 +29,8 @@ pub struct World {
     pub(crate) springs: Option<Box<dyn Springs>>,
     /// What charge does, in a scene with charge.
     pub(crate) electric: Option<Electric>,
+    /// What tells steps how long their phases take.
+    pub(crate) stopwatch: Option<Stopwatch>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -104,6 +106,7 @@ impl World {
             objects: Vec::new(),
             springs: None,
             electric: None,
+            stopwatch: None,
         }
     }
 
@@ -280,6 +283,11 @@ impl World {
     #[must_use]
     pub fn works(&self) -> Option<Works> {
         self.works
+    }
+
+    /// By what the reports of steps tell how long their phases took; `None`, as at first, for not at all.
+    pub fn set_stopwatch(&mut self, stopwatch: Option<Stopwatch>) {
+        self.stopwatch = stopwatch;
     }
 
     /// Keeps the ledger from now on.

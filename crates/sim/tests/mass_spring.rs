@@ -70,7 +70,8 @@ fn what_is_restored_goes_on_to_the_same_bits() {
 fn run_in(scene: &Scene, folder: &std::path::Path) -> Result<Outcome, SimError> {
     let folder = RunFolder::open(folder, Existing::Refuse).expect("an empty folder");
     let (cancel, mut silent) = (AtomicBool::new(false), |_: &_| {});
-    let control = Control { checkpoint_every: 10, cancel: &cancel, progress: &mut silent };
+    let control =
+        Control { checkpoint_every: 10, cancel: &cancel, progress: &mut silent, stopwatch: None };
     run(scene, &folder, control).map(|summary| summary.outcome)
 }
 

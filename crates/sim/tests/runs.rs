@@ -37,7 +37,11 @@ fn run_until(
     let mut progress = |now: &rapunzel_sim::Progress| {
         cancel.store(now.steps >= stop, Ordering::Relaxed);
     };
-    run(scene, &folder, Control { checkpoint_every: 3, cancel: &cancel, progress: &mut progress })
+    run(
+        scene,
+        &folder,
+        Control { checkpoint_every: 3, cancel: &cancel, progress: &mut progress, stopwatch: None },
+    )
 }
 
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {

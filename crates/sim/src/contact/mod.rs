@@ -61,7 +61,7 @@ pub(crate) use object::{Object, Way};
 pub use report::{ContactReport, Unresolved};
 pub(crate) use solid::Surroundings;
 pub(crate) use stepper::Touching;
-pub use times::ContactTimes;
+pub use times::{ContactTimes, Stopwatch};
 pub use touch::Partner;
 pub(crate) use touch::Touch;
 pub use work::ContactWork;

@@ -9,7 +9,7 @@ use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
 use super::start;
-use super::times::{Clock, ContactTimes};
+use super::times::{ContactTimes, Laps};
 use super::touch::{Touch, merged};
 use super::work::ContactWork;
 use crate::scene::{Adhesion, ContactMethod, ContactSettings};
@@ -200,17 +200,17 @@ impl Touching {
         last: bool,
     ) -> Result<(), Cut> {
         let (time, dt) = (part.time, part.dt);
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         world.push(expected.pushes(), time, dt)?;
         world.with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
-        clock.book(&mut self.times.rods);
+        laps.book(&mut self.times.rods);
         self.list(world, part, expected)?;
         let mean = world.mean_velocities();
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(world, part, &mean, room)?;
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let start = case.certificate(world, &part.touches, &mean);
-        clock.book(&mut self.times.laws);
+        laps.book(&mut self.times.laws);
         drop(mean);
         let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
@@ -219,10 +219,10 @@ impl Touching {
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
             let deepest = self.look_at_end(world, part)?;
-            let mut clock = Clock::start();
+            let mut laps = Laps::start(world.stopwatch);
             let mean = world.mean_velocities();
             part.work = case.work(world, &bearing, &mean);
-            clock.book(&mut self.times.laws);
+            laps.book(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
@@ -310,9 +310,9 @@ impl Touching {
             if list == 0 && !solved && error < CLOSE && self.strays(world, part, case)? {
                 return Ok(false);
             }
-            let mut clock = Clock::start();
+            let mut laps = Laps::start(world.stopwatch);
             let own = largest(world.for_groups(|group| group.linearize())?);
-            clock.book(&mut self.times.rods);
+            laps.book(&mut self.times.rods);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
@@ -332,12 +332,12 @@ impl Touching {
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
     /// solution with these contacts would be found to be none.
     fn strays(&mut self, world: &World, part: &Part, case: &Case) -> Result<bool, CollisionError> {
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let mean = world.mean_velocities();
         let ends = part.ends(world, &mean);
         let near = case.near(world, &part.touches, &mean, part.dt);
         let found = detect::gaps(&part.motion(world, &self.radii, &ends), &near)?;
-        clock.book(&mut self.times.detection);
+        laps.book(&mut self.times.detection);
         let deeper = |(touch, found): (&Touch, f64)| touch.gap.min(0.0) - found > self.depth();
         Ok(near.iter().zip(found).any(deeper))
     }
@@ -351,15 +351,15 @@ impl Touching {
         mean: &[Vector3<f64>],
         room: Room,
     ) -> Result<Case, Cut> {
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
         let case = Case::new(world, &part.touches, mean, part.dt, &laws, room)?;
-        clock.book(&mut self.times.laws);
+        laps.book(&mut self.times.laws);
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
         world.with_impulses(pushes, |group, own| group.press(own))?;
-        clock.book(&mut self.times.rods);
+        laps.book(&mut self.times.rods);
         Ok(case)
     }
 
@@ -380,18 +380,18 @@ impl Touching {
         patient: bool,
     ) -> Result<(f64, bool), Cut> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let one = case.solve(world, &part.touches, &mut self.solver, patient)?;
-        clock.book(&mut self.times.solver);
+        laps.book(&mut self.times.solver);
         let pushes = case.pushes(&part.touches);
         let turns = world.with_impulses(pushes.clone(), |group, own| group.advance(own))?;
         world.push(pushes, part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(turns);
-        clock.book(&mut self.times.rods);
+        laps.book(&mut self.times.rods);
         let found = case.certificate(world, &part.touches, &world.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
-        clock.book(&mut self.times.laws);
+        laps.book(&mut self.times.laws);
         part.report.iterations += world.assembly().fibers().len();
         part.report.worst_iterations += 1;
         let report = &mut part.report.contact;
@@ -410,7 +410,7 @@ impl Touching {
         part: &mut Part,
         expected: &Expected,
     ) -> Result<(), CollisionError> {
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let mut touches = std::mem::take(&mut part.touches);
         // Lists take much room: the velocities go before, and come again.
         let ends = part.ends(world, &world.mean_velocities());
@@ -418,20 +418,20 @@ impl Touching {
         self.detector.touches(&motion, &world.objects, &mut touches)?;
         recall(expected, &mut touches);
         part.touches = touches;
-        clock.book(&mut self.times.detection);
+        laps.book(&mut self.times.detection);
         Ok(())
     }
 
     /// Lists those that overlap where the step has been solved to. Returns by how much at most, m.
     fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
-        let mut clock = Clock::start();
+        let mut laps = Laps::start(world.stopwatch);
         let mut touches = Vec::new();
         let ends = part.ends(world, &world.mean_velocities());
         let motion = part.motion(world, &self.radii, &ends);
         let deepest =
             self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
         part.touches = touches;
-        clock.book(&mut self.times.detection);
+        laps.book(&mut self.times.detection);
         Ok(deepest)
     }
 }

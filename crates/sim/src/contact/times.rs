@@ -1,7 +1,8 @@
 use std::ops::AddAssign;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// What the phases of steps with contacts took. Measured, so never twice the same: no file of a run has it.
+/// What the phases of steps with contacts took by the [stopwatch](crate::World::set_stopwatch), zero without
+/// one. Measured, so never twice the same: no file of a run has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ContactTimes {
     /// Lists of what touches, or may.
@@ -31,17 +32,26 @@ impl AddAssign for ContactTimes {
     }
 }
 
-/// Runs from phase to phase.
-pub(super) struct Clock(Instant);
+/// Tells the time since some moment.
+pub type Stopwatch = fn() -> Duration;
 
-impl Clock {
-    pub(super) fn start() -> Self {
-        Self(Instant::now())
+/// From phase to phase.
+pub(super) struct Laps {
+    stopwatch: Option<Stopwatch>,
+    last: Duration,
+}
+
+impl Laps {
+    /// By a stopwatch, if there is one.
+    pub(super) fn start(stopwatch: Option<Stopwatch>) -> Self {
+        Self { stopwatch, last: stopwatch.map_or(Duration::ZERO, |tell| tell()) }
     }
 
     /// Adds what has passed since the phase before.
     pub(super) fn book(&mut self, phase: &mut Duration) {
-        let before = std::mem::replace(&mut self.0, Instant::now());
-        *phase += self.0 - before;
+        let Some(tell) = self.stopwatch else { return };
+        let now = tell();
+        *phase += now.saturating_sub(self.last);
+        self.last = now;
     }
 }
