@@ -10,16 +10,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Long enough to be hit in the middle, with hairs that touch each other and a ball.
+/// Long enough to be hit in the middle, with hairs whose tips rub over the ground.
 fn long_scene() -> String {
-    let ball = "objects: [(shape: Ball(radius: 0.02), position: (0.0, 0.0, -0.06))],
+    let ground = "objects: [(shape: Plane(normal: (0, 0, 1)), position: (0.0, 0.0, -0.0271))],
         contact: (friction: Isotropic(0.3)), stepper";
     let [few, many] = [
         "Lock(count: 2, radius: 0.003, curvature_variation: 0.1)",
         "Ellipse(semi_axes: (0.003, 0.003), count: 12)",
     ];
     let long = SCENE.replace("duration: 0.5", "duration: 1").replace(few, many);
-    long.replace("stepper", ball)
+    long.replace("stepper", ground)
 }
 
 /// The finished frames of a run, each of them whole.
@@ -84,6 +84,9 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
         }
         finished = now;
     }
+    let info = rapunzel().args(["info", "--json"]).arg(&whole).output().expect("runs");
+    let info: serde_json::Value = serde_json::from_slice(&info.stdout).expect("JSON");
+    assert!(info["summary"]["contact"]["active"].as_u64() > Some(10), "{info}");
     assert!(kills >= 6, "only {kills} of 12 runs were killed before their end");
     assert!(start(&scene, &parts, "2").wait().expect("ends").success());
     assert_same(&whole, &parts);

@@ -25,11 +25,14 @@ impl Run {
         Self::new(&Scene::from_ron(text).unwrap_or_else(|error| panic!("{error} in {text}")))
     }
 
-    /// A step whose contacts are all resolved, and that leaves fibres as long as they are.
+    /// A step whose contacts are all resolved, and that leaves fibres as long as they are. Of charged ones, which
+    /// come to rest as curves, nodes are the ends of arcs.
     pub fn step(&mut self) -> StepReport {
         let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
         assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
-        self.assert_lengths();
+        if report.contact.parts > 0 {
+            self.assert_lengths();
+        }
         report
     }
 
