@@ -16,6 +16,8 @@ pub(crate) fn run() -> Result<()> {
     let seed = sh.push_env("PROPTEST_RNG_SEED", "1");
     cmd!(sh, "cargo test --locked --workspace").run()?;
     drop(seed);
+    // Two minutes: what is promised of every step of the reference scene.
+    cmd!(sh, "cargo test --locked --package rapunzel-sim --test reference -- --ignored").run()?;
     let strict = sh.push_env("RUSTDOCFLAGS", "-D warnings");
     cmd!(sh, "cargo doc --locked --workspace --no-deps").run()?;
     drop(strict);

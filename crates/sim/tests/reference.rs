@@ -47,7 +47,7 @@ fn stretch(run: &Run) -> f64 {
 }
 
 #[test]
-#[ignore = "slow: minutes, 700 steps of 355 fibres"]
+#[ignore = "slow: 140 s, 700 steps of 355 fibres"]
 fn every_step_keeps_its_promises() {
     let mut scene = Scene::from_ron(SCENE).expect("it ships");
     scene.output.ledger = true;
