@@ -8,7 +8,8 @@ use std::ops::AddAssign;
 pub struct ContactWork {
     /// Of friction against the slip, not positive but for the solver's tolerance.
     pub friction: f64,
-    /// Of what stops those that come together, as far as the gap lets them: never positive.
+    /// Of what stops those that come together, as far as the gap lets them: not positive but for the
+    /// solver's tolerance.
     pub closing: f64,
     /// Of what drives apart those that were in each other when the step began.
     pub repair: f64,
