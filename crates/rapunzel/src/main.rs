@@ -2,6 +2,7 @@
 
 mod arguments;
 mod check;
+mod cost;
 #[path = "../../sim/examples/repro/drawing.rs"]
 #[cfg_attr(not(test), expect(dead_code, reason = "of its drawings only charts are drawn here"))]
 mod drawing;

@@ -1,4 +1,5 @@
 use crate::arguments::RunOptions;
+use crate::cost::{Steps, peak_memory};
 use crate::failure::{Failure, INTERRUPTED, UNRESOLVED};
 use crate::words::say;
 use crate::{check, info};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
 static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
@@ -101,33 +102,6 @@ fn advise(error: SimError, scene: &Path) -> Failure {
     }
 }
 
-/// The steps that this process has taken.
-#[derive(Default)]
-struct Steps {
-    taken: u64,
-    times: ContactTimes,
-}
-
-impl Steps {
-    /// What a step took, s, and for contacts the shares of its phases.
-    fn report(&self, wall: f64, contacts: bool) -> String {
-        let mut text = format!("{wall:.2} s, {:.4} s a step", wall / self.taken.max(1) as f64);
-        if contacts {
-            let ContactTimes { detection, laws, solver, rods } = self.times;
-            let share = |phase: Duration| 100.0 * phase.as_secs_f64() / wall;
-            text += &format!(
-                ": solver {:.0} %, detection {:.0} %, laws {:.0} %, rods {:.0} %, other {:.0} %",
-                share(solver),
-                share(detection),
-                share(laws),
-                share(rods),
-                100.0 - share(self.times.total())
-            );
-        }
-        text
-    }
-}
-
 fn tell(
     summary: &Summary,
     folder: &Path,
@@ -153,13 +127,6 @@ fn tell(
     let memory = peak_memory()
         .map_or(String::new(), |bytes| format!("\n  memory      {:.3} GB at most", bytes * 1e-9));
     say(&format!("{report}\n  took        {took}{memory}\n  results     {}", folder.display()))
-}
-
-/// The most memory that this process has had, bytes, where the system tells it as Linux does.
-fn peak_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(1024.0 * line.trim().strip_suffix(" kB")?.parse::<f64>().ok()?)
 }
 
 fn progress_bar() -> ProgressBar {

@@ -1,4 +1,4 @@
-//! Test 8: an elastic rod over a drum. H. Singh, Planar equilibria of an elastic rod wrapped around a
+//! An elastic rod over a drum. H. Singh, Planar equilibria of an elastic rod wrapped around a
 //! circular capstan, J. Elast. 151 (2022): its loads differ without friction too, and with friction their
 //! ratio is not Euler's.
 

@@ -77,7 +77,7 @@ fn no_hair_passes_through_another() {
     }
 }
 
-/// Test 16: contacts give to one fibre what they take from the other.
+/// Contacts give to one fibre what they take from the other.
 #[test]
 fn free_hairs_that_collide_keep_their_momentum() {
     let first = hair(

@@ -119,7 +119,7 @@ fn found(case: &Crossed, segments: usize) -> Vec<Field> {
 
 /// A chain of straight segments touches the bar as much as `h^2 kappa / 8` nearer than an arc would, and
 /// its own bending is of second order, as are the mean frame and the curvature at a node: all errors fall
-/// as `h^2`, with factors of some units in the file's own. The normal alone may be that of any place of the
+/// as `h^2`. The factors are not derived: they are up to six times what is found. The normal alone may be that of any place of the
 /// segment that touches: half of what it turns by, `h kappa / 2`.
 #[test]
 fn a_fiber_across_a_bar() {

@@ -4,13 +4,14 @@
 #![expect(clippy::print_stdout, reason = "a test tells what it measured")]
 
 mod common;
+#[path = "../../collision/tests/common/data.rs"]
+mod data;
 
 use common::Run;
 use common::topology::{crossed, determinant};
+use data::data;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, SQRT_2};
-use std::io::Write;
-use std::path::PathBuf;
 
 /// Along no line of a lattice, so that no corner is seen on top of anything.
 fn view() -> Vector3<f64> {
@@ -109,23 +110,6 @@ fn tightens(name: &str, curve: &str, scale: f64, length: f64, knot: f64) {
     );
 }
 
-/// A folder of the data that is not shipped: in `RAPUNZEL_DATA`, else beside the repository.
-fn data(folder: &str) -> Option<PathBuf> {
-    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
-    let path = std::env::var_os("RAPUNZEL_DATA").map_or_else(beside, PathBuf::from).join(folder);
-    if path.exists() {
-        return Some(path);
-    }
-    // Past the capture of the test runner: nobody shall take a skipped test for one that passed.
-    let told = writeln!(
-        std::io::stderr(),
-        "SKIPPED: there is no {}; set RAPUNZEL_DATA to the folder that holds it",
-        path.display()
-    );
-    told.expect("standard error is open");
-    None
-}
-
 /// The knots of curves that do not ship, cut and pulled tight. Here their points are taken in the order of
 /// the files; they have the determinants that tables give for the knots named, and the cords keep them.
 #[test]
@@ -208,7 +192,7 @@ fn circle([a, b, c]: &[Point3<f64>; 3]) -> f64 {
     p.norm() * q.norm() * (q - p).norm() / (2.0 * p.cross(&q).norm())
 }
 
-/// Test 19: in the limit of a thin fibre the loop of a trefoil is a circle, and the tension that holds
+/// In the limit of a thin fibre the loop of a trefoil is a circle, and the tension that holds
 /// it `B / 2 R^2`; that of a thick one grows with `sqrt(h / R)` (Audoly, Clauvelin and Neukirch, Elastic
 /// knots, Phys. Rev. Lett. 99, 164301, 2007). The winding is a dozen segments long, by whose chords either
 /// tension is off by a per cent (seen where the thickness varies a little): the line through both leaves

@@ -5,67 +5,8 @@
 mod common;
 
 use common::Run;
-use rapunzel_sim::{Scene, StepReport, World};
-
-/// Energy gained since the start of a step, its works, and how far they are apart.
-struct Books {
-    run: Run,
-    start: f64,
-    /// Largest gap in a step, in parts of its works, and sum of all that those were.
-    worst: f64,
-    moved: f64,
-}
-
-fn works(world: &World) -> [f64; 13] {
-    let works = world.works().expect("the scene asks for it");
-    let contacts = world.contact_work();
-    [
-        works.gravity,
-        works.loads,
-        works.drag,
-        works.damping,
-        works.supports,
-        works.integrator,
-        works.solver,
-        contacts.friction,
-        contacts.closing,
-        contacts.repair,
-        contacts.restitution,
-        contacts.adhesion,
-        contacts.led,
-    ]
-}
-
-fn held(world: &World) -> f64 {
-    let energy = world.energy();
-    energy.kinetic + energy.elastic
-}
-
-impl Books {
-    fn new(text: &str) -> Self {
-        let run = Run::read(text);
-        let start = held(&run.world);
-        Self { run, start, worst: 0.0, moved: 0.0 }
-    }
-
-    fn step(&mut self) -> StepReport {
-        let (before, energy) = (works(&self.run.world), held(&self.run.world));
-        let report = self.run.step();
-        let after = works(&self.run.world);
-        let changes: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a - b).collect();
-        let gap = held(&self.run.world) - energy - changes.iter().sum::<f64>();
-        let moved: f64 = changes.iter().map(|x| x.abs()).sum();
-        self.moved += moved;
-        self.worst = self.worst.max(gap.abs() / moved);
-        report
-    }
-
-    /// The gap over the whole run, in parts of all that was moved.
-    fn whole(&self) -> f64 {
-        let sum: f64 = works(&self.run.world).iter().sum();
-        (held(&self.run.world) - self.start - sum).abs() / self.moved
-    }
-}
+use common::books::Books;
+use rapunzel_sim::Scene;
 
 const HAIRS: &str = "length: 0.06, segments: 20, section: Circle(radius: 3.5e-5), \
                      shape: Helix(radius: 0.005, pitch: 0.02), ";
@@ -74,7 +15,7 @@ const HAIRS: &str = "length: 0.06, segments: 20, section: Circle(radius: 3.5e-5)
 #[test]
 fn the_ledger_of_hairs_that_do_not_touch_closes() {
     for method in ["Staggered()", "BackwardEuler"] {
-        let mut books = Books::new(&format!(
+        let mut books = Books::new(Run::read(&format!(
             "(format: 1, duration: 1.0, fibers: [({HAIRS} damping_time: 1e-3,
                 initial: Straight,
                 arrangement: Lock(count: 3, radius: 0.003, curvature_variation: 0.1),
@@ -83,7 +24,7 @@ fn the_ledger_of_hairs_that_do_not_touch_closes() {
             environment: (gravity_ramp: 0.05, viscosity: 1.8e-5,
                 wind: Gusts(velocity: (0.2, 0, 0), gust: (0, 0.5, 0), period: 0.1)),
             stepper: (dt: 1e-3, method: {method}), output: (ledger: true))"
-        ));
+        )));
         for _ in 0..200 {
             books.step();
         }
@@ -121,7 +62,7 @@ fn the_ledger_of_hairs_that_touch_closes() {
             environment: (viscosity: 1.8e-5), stepper: (dt: 1e-3), output: (ledger: true))",
             hairs.join(", ")
         );
-        let mut books = Books::new(&text);
+        let mut books = Books::new(Run::read(&text));
         let mut active = 0;
         for _ in 0..80 {
             active = active.max(books.step().contact.active);

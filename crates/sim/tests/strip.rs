@@ -1,4 +1,4 @@
-//! Test 18: a strip that is clamped above a plane and pressed onto it sticks with its tip until friction
+//! A strip that is clamped above a plane and pressed onto it sticks with its tip until friction
 //! cannot hold it, and slips. The curve of V. Romero et al., Physical validation of simulators in computer
 //! graphics, ACM Trans. Graph. 40 (2021), is that of a heavy strip; here it is one of no weight, whose
 //! own elastica says when it slips.

@@ -1,10 +1,10 @@
 //! What the tests of searches share: answers that no tree gave, and data.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+pub(crate) mod data;
+
 use nalgebra::Vector3;
 use rapunzel_collision::{Capsule, Capsules, Pair};
-use std::io::Write;
-use std::path::PathBuf;
 
 /// All pairs that are not adjacent and whose axis-aligned boxes overlap (closed), sorted: by a
 /// sweep along z, independent of every tree.
@@ -40,21 +40,4 @@ pub(crate) fn bounds(capsule: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (capsule.start.coords, capsule.end.coords);
     let radius = Vector3::repeat(capsule.radius);
     (a.inf(&b) - radius, a.sup(&b) + radius)
-}
-
-/// A folder of the data that is not shipped: in `RAPUNZEL_DATA`, else beside the repository.
-pub(crate) fn data(folder: &str) -> Option<PathBuf> {
-    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
-    let path = std::env::var_os("RAPUNZEL_DATA").map_or_else(beside, PathBuf::from).join(folder);
-    if path.exists() {
-        return Some(path);
-    }
-    // Past the capture of the test runner: nobody shall take a skipped test for one that passed.
-    let told = writeln!(
-        std::io::stderr(),
-        "SKIPPED: there is no {}; set RAPUNZEL_DATA to the folder that holds it",
-        path.display()
-    );
-    told.expect("standard error is open");
-    None
 }

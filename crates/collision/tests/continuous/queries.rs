@@ -1,6 +1,6 @@
 //! Queries with exact answers: Wang, Ferguson, Schneider, Jiang, Attene, Panozzo 2020.
 
-use crate::common::data;
+use crate::common::data::data;
 use nalgebra::Point3;
 use rapunzel_collision::continuous::{MovingPoint, MovingSegment, MovingTriangle};
 

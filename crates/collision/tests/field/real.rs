@@ -1,6 +1,6 @@
 //! Scans of real surfaces, where they are at hand.
 
-use crate::common::data;
+use crate::common::data::data;
 use crate::random::Random;
 use crate::scan::{distance, winding};
 use nalgebra::Point3;

@@ -1,6 +1,7 @@
 //! A scene that is stepped, as the tests of contacts ask for it.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
+pub mod books;
 pub mod topology;
 
 use nalgebra::{Point3, Vector3};
