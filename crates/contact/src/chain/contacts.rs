@@ -1,9 +1,23 @@
 use super::Chain;
+use super::together::collide;
 use crate::projection::{Differences, Partner, Polygon, Touch, project};
 use crate::rigid::{angular, linear, stack};
-use crate::{ContactError, RigidBody};
+use crate::{ContactError, Report, RigidBody, Tolerance};
 use nalgebra::{Point3, Vector3, Vector6};
 use std::collections::BTreeMap;
+
+/// How contacts answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Response {
+    /// Alg. 6, the thesis's way. With `scope` corrected all contacts of the scene are one dense program:
+    /// for a few hundred contacts at most. As printed each segment has its own, in parallel: the
+    /// partners of a contact feel different impulses, and where a segment is squeezed between others
+    /// what it must not do may leave nothing, [`ContactError::Program`].
+    Projections(Differences),
+    /// The law of contacts for all of them together, to this tolerance, by
+    /// [`GaussSeidel`](crate::GaussSeidel), with the restitution of [`impact`](crate::impact).
+    Together(Tolerance),
+}
 
 /// What a segment touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,16 +61,16 @@ pub(super) struct Change {
     pub(super) angular: Vector3<f64>,
 }
 
-/// Alg. 6 for the touched segments: `ahead` gives a segment as it is before the contacts act, with
+/// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act, with
 /// `time` left to close gaps.
 pub(super) fn resolve(
     chains: &[Chain],
     contacts: &[SegmentContact],
     time: f64,
     restitution: f64,
-    form: &Differences,
+    response: &Response,
     ahead: impl Fn(usize, usize) -> RigidBody,
-) -> Result<Vec<Change>, ContactError> {
+) -> Result<(Vec<Change>, Option<Report>), ContactError> {
     let mut touched = BTreeMap::new();
     for (index, contact) in contacts.iter().enumerate() {
         let mut touch = |chain: usize, segment: usize| {
@@ -98,15 +112,24 @@ pub(super) fn resolve(
         })
         .collect();
     let before: Vec<Vector6<f64>> = bodies.iter().map(momenta).collect();
-    project(&mut bodies, &touches, restitution, form)?;
-    Ok(touched
+    let report = match response {
+        Response::Projections(form) => {
+            project(&mut bodies, &touches, restitution, form)?;
+            None
+        }
+        Response::Together(tolerance) => {
+            Some(collide(&mut bodies, &touches, restitution, *tolerance)?)
+        }
+    };
+    let changes = touched
         .into_keys()
         .zip(bodies.iter().zip(&before))
         .map(|((chain, segment), (body, before))| {
             let change = momenta(body) - before;
             Change { chain, segment, linear: linear(&change), angular: angular(&change) }
         })
-        .collect())
+        .collect();
+    Ok((changes, report))
 }
 
 fn momenta(body: &RigidBody) -> Vector6<f64> {

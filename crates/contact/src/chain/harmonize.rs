@@ -1,9 +1,8 @@
-use super::contacts::{SegmentContact, resolve};
+use super::contacts::{Response, SegmentContact, resolve};
 use super::joints::{Joints, Sums};
-use super::link::{Link, gyroscopic_moment};
+use super::link::Link;
 use super::{Chain, ChainForm, Method, half_way};
-use crate::projection::Differences;
-use crate::{ContactError, RigidBody};
+use crate::{ContactError, Report, RigidBody};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
@@ -34,9 +33,8 @@ pub struct Settings {
     pub restitution: f64,
     /// The chains' text.
     pub form: ChainForm,
-    /// The contacts' text. With `scope` corrected all contacts of the scene are one dense program:
-    /// for a few hundred contacts at most. As printed each segment has its own, in parallel.
-    pub projection: Differences,
+    /// How contacts answer.
+    pub response: Response,
 }
 
 /// What a [`step`] did.
@@ -46,6 +44,8 @@ pub struct StepReport {
     pub iterations: usize,
     /// Widest gap of a joint after the step, m.
     pub widest_gap: f64,
+    /// How well contacts were solved the last time; nothing where they were not solved together.
+    pub contacts: Option<Report>,
 }
 
 /// What acts on one chain in a step.
@@ -81,13 +81,13 @@ pub fn step(
             Acting { springs, joints: none.clone(), contacts: none }
         })
         .collect();
-    let mut iterations = 0;
+    let (mut iterations, mut report) = (0, None);
     for _ in 0..settings.harmonizations.max(1) {
         if settings.order == Order::JointsFirst {
             iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
-            meet_contacts(chains, &mut acting, contacts, settings)?;
+            report = meet_contacts(chains, &mut acting, contacts, settings)?;
         } else {
-            meet_contacts(chains, &mut acting, contacts, settings)?;
+            report = meet_contacts(chains, &mut acting, contacts, settings)?;
             iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
         }
     }
@@ -99,7 +99,8 @@ pub fn step(
             chain.widest_gap().0
         })
         .collect();
-    Ok(StepReport { iterations, widest_gap: gaps.into_iter().fold(0.0, f64::max) })
+    let widest_gap = gaps.into_iter().fold(0.0, f64::max);
+    Ok(StepReport { iterations, widest_gap, contacts: report })
 }
 
 fn links(chain: &Chain, acting: &Acting, settings: &Settings) -> Vec<Link> {
@@ -137,30 +138,25 @@ fn meet_contacts(
     acting: &mut [Acting],
     contacts: &[SegmentContact],
     settings: &Settings,
-) -> Result<(), ContactError> {
+) -> Result<Option<Report>, ContactError> {
     let (dt, form) = (settings.dt, &settings.form);
     let whole = form.contact_time.is_corrected();
     let ahead = |chain: usize, i: usize| {
         let (segment, acting) = (&chains[chain].segments[i], &acting[chain]);
         let [linear, angular] = acting.joints[i];
-        let (mut body, force) = if whole {
-            let mut body = segment.clone();
-            body.angular_momentum += 0.5 * dt * gyroscopic_moment(segment, form);
-            (body, 0.5 * dt)
-        } else {
-            (half_way(segment, dt), dt)
-        };
+        let (mut body, force) =
+            if whole { (segment.clone(), 0.5 * dt) } else { (half_way(segment, dt), dt) };
         body.velocity += force * settings.gravity + linear / body.mass();
         body.angular_momentum += angular + acting.springs[i];
         body
     };
     let time = if whole { dt } else { 0.5 * dt };
-    let (restitution, projection) = (settings.restitution, &settings.projection);
-    let changes = resolve(chains, contacts, time, restitution, projection, ahead)?;
+    let (restitution, response) = (settings.restitution, &settings.response);
+    let (changes, report) = resolve(chains, contacts, time, restitution, response, ahead)?;
     for change in changes {
         acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
     }
-    Ok(())
+    Ok(report)
 }
 
 fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {
@@ -169,10 +165,12 @@ fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {
     let before = printed.then(|| chain.segments.clone());
     for (i, (segment, mut link)) in chain.segments.iter_mut().zip(links).enumerate() {
         let ([linear, angular], [c, c_angular]) = (acting.joints[i], acting.contacts[i]);
-        let omega = segment.angular_velocity();
+        let (omega, inverse) = (segment.angular_velocity(), segment.inverse_inertia());
         link.move_on(&linear, &angular);
-        let turn = UnitQuaternion::from_scaled_axis(link.step_turn(&angular));
-        segment.pose.rotation = turn * segment.pose.rotation;
+        let (turn, spin) = link.step_turn(&angular);
+        let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), spin);
+        let turn = UnitQuaternion::from_scaled_axis(turn);
+        segment.pose.rotation = turn * segment.pose.rotation * spin;
         segment.pose.rotation.renormalize();
         segment.pose.translation = Translation3::from(link.center);
         segment.velocity += settings.dt * settings.gravity + (linear + c) / link.mass;
@@ -180,7 +178,7 @@ fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {
         if settings.form.gyroscopic.is_corrected() {
             segment.angular_momentum += gained;
         } else {
-            segment.set_angular_velocity(&(omega + link.inverse_inertia * gained));
+            segment.set_angular_velocity(&(omega + inverse * gained));
         }
     }
     if let Some(before) = before {

@@ -1,5 +1,5 @@
 use super::Form;
-use crate::ContactError;
+use crate::{ContactError, LimitCurve, limit_curve};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
@@ -76,6 +76,12 @@ impl Polygon {
     /// Whether there is no friction at all.
     pub(crate) fn is_frictionless(&self) -> bool {
         self.spokes.iter().all(|(_, mu)| *mu == 0.0)
+    }
+
+    /// The polygon (8.48) as other solvers see it.
+    pub(crate) fn limit_curve(&self) -> Result<LimitCurve, ContactError> {
+        let points: Vec<_> = self.spokes.iter().map(|(direction, mu)| *mu * direction).collect();
+        Ok(LimitCurve::Polygon(limit_curve::Polygon::new(&points)?))
     }
 
     /// The forces that the curve allows per unit of normal force, as `a . p <= b`: the polygon of

@@ -35,7 +35,7 @@ pub struct Touch {
 
 impl Touch {
     /// The columns n, t1, t2.
-    pub(super) fn frame(&self, index: usize) -> Result<[Vector3<f64>; 3], ContactError> {
+    pub(crate) fn frame(&self, index: usize) -> Result<[Vector3<f64>; 3], ContactError> {
         let bad = |why| ContactError::Contact { contact: index, why };
         let normal = self
             .normal
@@ -52,7 +52,7 @@ impl Touch {
         Ok([normal, tangent, normal.cross(&tangent)])
     }
 
-    pub(super) fn check(&self, index: usize, bodies: usize) -> Result<(), ContactError> {
+    pub(crate) fn check(&self, index: usize, bodies: usize) -> Result<(), ContactError> {
         let bad = |why| Err(ContactError::Contact { contact: index, why });
         if self.body >= bodies || matches!(self.partner, Partner::Body(b) if b >= bodies) {
             return bad("it is on a body that there is not");

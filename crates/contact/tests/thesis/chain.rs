@@ -1,7 +1,7 @@
 //! Kinematic chains: joints, springs, conservation.
 
 use crate::chains::{G, cantilever, momenta, run, settings, shake, springs, straight};
-use nalgebra::{DMatrix, Point3, Vector3};
+use nalgebra::{DMatrix, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_contact::ContactError;
 use rapunzel_contact::chain::{Chain, Coupling, Method, Root, Settings, step};
@@ -200,6 +200,77 @@ fn orientation_joints_make_a_rigid_body() {
     run(&mut chain, 500, &Settings { gravity: Vector3::zeros(), ..settings(1e-3) });
     assert!((shape(&chain) - before).abs() < 1e-13);
     assert!(chain.curvatures()[0].norm() > 1.0);
+}
+
+/// A hair's segment that rolls turns about its own axis by radians in a step: the axis must not care.
+#[test]
+fn a_spinning_segment_precesses_exactly() {
+    let nodes = [Point3::origin(), Point3::new(0.003, 0.0, 0.0)];
+    let mut chain = Chain::new(&nodes, 5e-6, 3.5e-5, &Vector3::y(), Root::Free).expect("valid");
+    let dt = 1e-3;
+    let segment = &mut chain.segments_mut()[0];
+    segment.set_angular_velocity(&(Vector3::new(7.0, 0.2, 0.4) / dt));
+    let (start, momentum) = (segment.pose.rotation, segment.angular_momentum);
+    let omega = segment.angular_velocity();
+    let steps = 50;
+    run(&mut chain, steps, &Settings { gravity: Vector3::zeros(), ..settings(dt) });
+    let time = dt * steps as f64;
+    // Of a thin cylinder, m (3 r^2 + l^2) / 12 across and m r^2 / 2 along.
+    let across = 1.5e-8 * (3.0 * 3.5e-5_f64.powi(2) + 9e-6) / 12.0;
+    let along = 1.5e-8 * 0.5 * 3.5e-5_f64.powi(2);
+    assert!((momentum.x / (along * omega.x) - 1.0).abs() < 1e-12);
+    let spin = momentum.x * (1.0 / along - 1.0 / across) * time;
+    let exact = UnitQuaternion::from_scaled_axis(momentum * (time / across))
+        * start
+        * UnitQuaternion::from_scaled_axis(Vector3::z() * spin);
+    let error = chain.segments()[0].pose.rotation.angle_to(&exact);
+    // Of 350 radians in 50 steps.
+    assert!(error < 1e-7, "{error:e}");
+    let axis = chain.segments()[0].pose.rotation * Vector3::z();
+    assert!((axis - exact * Vector3::z()).norm() < 1e-12);
+    assert!((chain.segments()[0].angular_momentum - momentum).norm() < 1e-12 * momentum.norm());
+}
+
+/// Torsion springs as stiff as a hair's and segments that spin against each other close all the same.
+#[test]
+fn twisted_joints_close() {
+    let mut chain = straight(12, 0.036, Vector3::x() + Vector3::z(), Root::Free);
+    chain = chain.with_springs(springs(1e-6, 11, Coupling::Implicit)).expect("valid");
+    let dt = 1e-3;
+    for (i, segment) in chain.segments_mut().iter_mut().enumerate() {
+        let axis = segment.pose.rotation * Vector3::z();
+        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        segment.set_angular_velocity(&(side * (1.2 * axis + Vector3::new(0.1, 0.2, 0.0)) / dt));
+    }
+    let widest = run(&mut chain, 50, &settings(dt));
+    assert!(widest < 1e-12, "{widest:e}");
+    let twist = chain.curvatures().iter().map(|k| k.norm() * 0.003).fold(0.0, f64::max);
+    assert!(twist < 0.2, "springs take it out: {twist}");
+}
+
+#[test]
+fn axial_moments_change_no_other() {
+    let plain = straight(5, 0.1, Vector3::y() + Vector3::x(), Root::Free);
+    let mut chain = plain.clone();
+    shake(&mut chain, 1.0, 7);
+    let before = chain.clone();
+    let chain = chain.with_axial_moments(0.5).expect("valid");
+    for (heavy, light) in chain.segments().iter().zip(before.segments()) {
+        let axis = light.pose.rotation * Vector3::z();
+        let across = light.pose.rotation * Vector3::x();
+        let moment = across.dot(&(light.inertia() * across));
+        assert!((axis.dot(&(heavy.inertia() * axis)) / (0.5 * moment) - 1.0).abs() < 1e-12);
+        assert!((across.dot(&(heavy.inertia() * across)) / moment - 1.0).abs() < 1e-12);
+        assert_eq!(
+            (heavy.mass(), heavy.velocity, heavy.pose),
+            (light.mass(), light.velocity, light.pose)
+        );
+        let turned = heavy.angular_velocity() - light.angular_velocity();
+        assert!(turned.norm() < 1e-12 * light.angular_velocity().norm());
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(plain.clone().with_axial_moments(bad).is_err());
+    }
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Chains that the tests share.
 use crate::common::Numbers;
 use nalgebra::{Isometry3, Point3, Vector3};
-use rapunzel_contact::chain::{Chain, Coupling, Method, Order, Root, Settings, Springs, step};
+use rapunzel_contact::chain::{
+    Chain, Coupling, Method, Order, Response, Root, Settings, Springs, step,
+};
 use rapunzel_contact::projection::Form;
 
 pub(crate) const G: f64 = 9.81;
@@ -15,7 +17,7 @@ pub(crate) fn settings(dt: f64) -> Settings {
         harmonizations: 1,
         restitution: 0.0,
         form: Form::Corrected.into(),
-        projection: Form::Corrected.into(),
+        response: Response::Projections(Form::Corrected.into()),
     }
 }
 

@@ -1,15 +1,17 @@
 //! Alg. 7: chains in contact.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use rapunzel_contact::ContactError;
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
+    Chain, Coupling, Method, Order, Response, Root, SegmentContact, SegmentPartner, Settings,
+    Springs, step,
 };
 use rapunzel_contact::projection::{Differences, Form, Polygon};
+use rapunzel_contact::{ContactError, Tolerance};
 
 const RADIUS: f64 = 1e-3;
 
 fn settings(order: Order, harmonizations: usize) -> Settings {
+    let alone = Differences { scope: Form::AsPrinted, ..Form::Corrected.into() };
     Settings {
         dt: 1e-3,
         gravity: Vector3::new(0.0, 0.0, -9.81),
@@ -18,9 +20,12 @@ fn settings(order: Order, harmonizations: usize) -> Settings {
         harmonizations,
         restitution: 0.0,
         form: Form::Corrected.into(),
-        projection: Differences { scope: Form::AsPrinted, ..Form::Corrected.into() },
+        response: Response::Projections(alone),
     }
 }
+
+/// All contacts by the law.
+const TOGETHER: Response = Response::Together(Tolerance::EXACT);
 
 fn line(from: Point3<f64>, to: Point3<f64>, segments: usize, root: Root) -> Chain {
     let node = |i: usize| from + (to - from) * (i as f64 / segments as f64);
@@ -101,13 +106,14 @@ fn a_sliding_chain_is_braked_by_friction() {
 /// friction would press the front ends down, and is given up. A contact in the middle has it.
 #[test]
 fn friction_along_the_axis_needs_contacts_without_a_lever() {
-    let braked = |ends: bool| {
+    let braked = |ends: bool, response: Option<Response>| {
         let at = |x: f64| Point3::new(x, 0.0, RADIUS);
         let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
         for segment in chains[0].segments_mut() {
             segment.velocity.x = 1.0;
         }
-        let settings = settings(Order::JointsFirst, 1);
+        let mut settings = settings(Order::JointsFirst, 1);
+        settings.response = response.unwrap_or(settings.response);
         for _ in 0..100 {
             let mut contacts = on_plane(&chains[0], &settings, 0.3);
             if !ends {
@@ -120,11 +126,16 @@ fn friction_along_the_axis_needs_contacts_without_a_lever() {
         }
         1.0 - chains[0].segments()[5].velocity.x
     };
-    let (middle, ends) = (braked(false), braked(true));
-    println!("braked in 0.1 s by {middle} m/s, with contacts at the ends by {ends} m/s");
+    let (middle, ends) = (braked(false, None), braked(true, None));
+    let law = braked(true, Some(TOGETHER));
+    println!(
+        "braked in 0.1 s by {middle} m/s, with contacts at the ends by {ends}, {law} by the law"
+    );
     // Less what the segments' pitching takes.
     assert!((middle / (0.3 * 9.81 * 0.1) - 1.0).abs() < 0.02, "{middle}");
     assert!(ends < 0.5 * middle, "{ends}");
+    // The mean velocity of the first step, which contacts see, has half of its weight.
+    assert!((law / (0.3 * 9.81 * 0.0995) - 1.0).abs() < 1e-9, "{law}");
 }
 
 /// A chain from a hinge over a bar along y: the widest gap of a joint and the deepest penetration.
@@ -187,7 +198,7 @@ fn the_order_decides_what_is_violated() {
 
 #[test]
 fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
-    let lost = |scope: Form| {
+    let lost = |response: Response| {
         let upper = line(Point3::new(-0.05, 0.0, 0.0), Point3::new(0.05, 0.0, 0.0), 5, Root::Free);
         let lower = line(
             Point3::new(0.003, -0.05, -2.0 * RADIUS),
@@ -216,18 +227,20 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
             (linear, angular)
         };
         let before = total(&chains);
-        let projection = Differences { scope, ..Form::Corrected.into() };
         let settings =
-            Settings { gravity: Vector3::zeros(), projection, ..settings(Order::JointsFirst, 1) };
+            Settings { gravity: Vector3::zeros(), response, ..settings(Order::JointsFirst, 1) };
         // Two points, of which one has a lever on the lower segment alone.
-        step(&mut chains, &[contact(0.0), contact(0.004)], &settings).expect("solved");
+        let report = step(&mut chains, &[contact(0.0), contact(0.004)], &settings).expect("solved");
+        assert_eq!(report.contacts.map(|c| c.converged), (response == TOGETHER).then_some(true));
         let after = total(&chains);
         let size = before.0.norm();
         ((after.0 - before.0).norm() / size).max((after.1 - before.1).norm() / (0.1 * size))
     };
-    let (together, alone) = (lost(Form::Corrected), lost(Form::AsPrinted));
-    println!("momentum lost: together {together:e}, each segment by itself {alone}");
-    assert!(together < 1e-14, "{together:e}");
+    let projected = |scope| Response::Projections(Differences { scope, ..Form::Corrected.into() });
+    let (together, alone) = (lost(projected(Form::Corrected)), lost(projected(Form::AsPrinted)));
+    let law = lost(TOGETHER);
+    println!("momentum lost: together {together:e}, each by itself {alone}, by the law {law:e}");
+    assert!(together < 1e-14 && law < 1e-14, "{together:e} {law:e}");
     assert!(alone > 1e-3, "{alone}");
 }
 
@@ -235,7 +248,7 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
 fn bad_contacts_are_refused() {
     let mut chains = [line(Point3::origin(), Point3::new(0.1, 0.0, 0.0), 4, Root::Free)];
     let before = chains.clone();
-    let settings = settings(Order::JointsFirst, 2);
+    let mut settings = settings(Order::JointsFirst, 2);
     let good = on_plane(&chains[0], &settings, 0.3)[0].clone();
     for bad in [
         SegmentContact { chain: 1, ..good.clone() },
@@ -247,9 +260,15 @@ fn bad_contacts_are_refused() {
         SegmentContact { normal: Vector3::zeros(), ..good.clone() },
         SegmentContact { gap: f64::INFINITY, ..good.clone() },
     ] {
-        let refused = step(&mut chains, &[good.clone(), bad], &settings);
-        assert!(matches!(refused, Err(ContactError::Contact { contact: 1, .. })), "{refused:?}");
-        assert_eq!(chains, before);
+        for response in [settings.response, TOGETHER] {
+            settings.response = response;
+            let refused = step(&mut chains, &[good.clone(), bad.clone()], &settings);
+            assert!(
+                matches!(refused, Err(ContactError::Contact { contact: 1, .. })),
+                "{refused:?}"
+            );
+            assert_eq!(chains, before);
+        }
     }
 }
 

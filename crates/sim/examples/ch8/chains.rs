@@ -5,26 +5,37 @@ use crate::drawing::{Chart, Curve, Drawing, Picture, Pictures};
 use crate::report::{Check, Criterion, Figure, check};
 use crate::size::Size;
 use nalgebra::{Point3, Vector3};
+use rapunzel_collision::{Candidates, Capsules};
+use rapunzel_contact::Tolerance;
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
+    Chain, Coupling, Method, Order, Response, Root, SegmentContact, SegmentPartner, Settings,
+    Springs, step,
 };
-use rapunzel_contact::projection::{Differences, Form, Polygon};
-use rapunzel_fiber::Fiber;
+use rapunzel_contact::projection::{Form, Polygon};
+use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_sim::Scene;
+use rapunzel_sim::scene::Friction;
 
 /// When pictures are taken, s.
 const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
-/// Length of a step, s. In the thesis's milliseconds an impact at an end turns a segment of 3 mm by a good
-/// part of a radian, and its joints are not closed any more.
-const DT: f64 = 1e-4;
-/// Gaps up to which contacts are looked for, m: what closes in a step at ten metres a second.
-const REACH: f64 = 1e-3;
+/// Length of a step, s: method II leaves joints open by the third power of their turn in a step.
+const DT: f64 = 1.5e-4;
+/// Gaps up to which there are contacts, m: what closes in a step at four times the speed of the fall.
+const REACH: f64 = 3.0 * DT;
+/// Axial moments of the segments over those across; see [`Chain::with_axial_moments`].
+const AXIAL: f64 = 1.0;
+/// To which contacts are solved.
+const TOLERANCE: Tolerance =
+    Tolerance { residual: 1e-3, normal: 1e-3, slip: 1e-3, iterations: 2000 };
 /// Of a hair, um.
 const DIAMETER: f64 = 70.0;
 
-/// The hairs of a scene as free chains over a plane on which they slide.
+/// The hairs of a scene as free chains over a plane.
 struct Bundle {
     chains: Vec<Chain>,
+    layout: Layout,
+    /// Pairs of segments of hairs that may touch.
+    near: Candidates,
     /// Radius of a hair, m.
     radius: f64,
     /// Height of the plane, m.
@@ -34,24 +45,32 @@ struct Bundle {
 
 impl Bundle {
     fn new(scene: &Scene, springs: bool) -> Fallible<Self> {
+        let contact = scene.contact.as_ref().ok_or("a scene with contact")?;
+        let Friction::Isotropic(mu) = contact.friction else {
+            return Err("a scene with the same friction in all directions".into());
+        };
         let world = scene.build()?;
         let fibers = world.assembly().fibers();
         let chain = |(i, fiber): (usize, &Fiber)| -> Fallible<Chain> {
             let (state, node) = (world.state(i), fiber.nodes()[0]);
             let (nodes, radius) = (state.positions, node.section.equivalent_radius());
             let first = state.frames[0] * Vector3::x();
-            let chain = Chain::new(&nodes, node.linear_density, radius, &first, Root::Free)?;
+            let chain = Chain::new(&nodes, node.linear_density, radius, &first, Root::Free)?
+                .with_axial_moments(AXIAL)?;
             if !springs {
                 return Ok(chain);
             }
             let (stiffness, natural) = (node.stiffness, chain.curvatures());
             Ok(chain.with_springs(Springs { stiffness, natural, coupling: Coupling::Implicit })?)
         };
+        let chains: Vec<Chain> = fibers.iter().enumerate().map(chain).collect::<Fallible<_>>()?;
         Ok(Self {
-            chains: fibers.iter().enumerate().map(chain).collect::<Fallible<_>>()?,
+            layout: Layout::new(chains.iter().map(|chain| chain.segments().len())),
+            chains,
+            near: Candidates::new(REACH, 1e-3)?,
             radius: *world.assembly().radii().first().ok_or("a scene with hairs")?,
             ground: scene.objects.first().ok_or("a scene with a plane")?.position[2],
-            friction: Polygon::regular(0.0, 4)?,
+            friction: Polygon::regular(mu, 8)?,
         })
     }
 
@@ -66,7 +85,7 @@ impl Bundle {
     }
 
     /// Contacts of the ends of all segments with the plane.
-    fn contacts(&self) -> Vec<SegmentContact> {
+    fn on_the_plane(&self) -> impl Iterator<Item = SegmentContact> + '_ {
         let chains = self.chains.iter().enumerate();
         let ends = chains.flat_map(|(chain, one)| {
             (0..one.segments().len()).flat_map(move |i| one.ends(i).map(|end| (chain, i, end)))
@@ -80,7 +99,34 @@ impl Bundle {
             partner: SegmentPartner::Given(Vector3::zeros()),
             friction: self.friction.clone(),
         };
-        ends.map(contact).filter(|contact| contact.gap < REACH).collect()
+        ends.map(contact).filter(|contact| contact.gap < REACH)
+    }
+
+    /// Contacts of the hairs with each other.
+    fn of_hairs(&mut self) -> Fallible<Vec<SegmentContact>> {
+        let (positions, radii) = (self.nodes().concat(), vec![self.radius; self.layout.segments()]);
+        let mut found = Vec::new();
+        self.near.contacts(&Capsules::new(&self.layout, &positions, &radii)?, &mut found)?;
+        let place = |segment: u32| {
+            let chain = self.layout.segment_fibers()[segment as usize];
+            (chain, segment as usize - self.layout.segment_range(chain).start)
+        };
+        let contact = |contact: &rapunzel_collision::Contact| {
+            let [(other, under), (chain, segment)] = contact.pair.map(place);
+            let normal = contact.normal.into_inner();
+            let [start, end] = self.chains[other].ends(under);
+            let axis = start + contact.fractions[0] * (end - start);
+            SegmentContact {
+                chain,
+                segment,
+                point: axis + (self.radius + 0.5 * contact.gap) * normal,
+                normal,
+                gap: contact.gap,
+                partner: SegmentPartner::Segment { chain: other, segment: under },
+                friction: self.friction.clone(),
+            }
+        };
+        Ok(found.iter().map(contact).collect())
     }
 
     /// Mean angle at a joint, degrees.
@@ -95,9 +141,13 @@ impl Bundle {
         sum / f64::from(joints)
     }
 
-    /// Height over the plane of what is highest, m.
+    /// From the lowest to the highest, m.
     fn height(&self) -> f64 {
-        self.nodes().concat().iter().map(|p| p.z - self.ground).fold(0.0, f64::max)
+        let heights = self.nodes().concat().into_iter().map(|p| [p.z; 2]);
+        let [low, high] = heights
+            .reduce(|[low, high], [z, _]| [low.min(z), high.max(z)])
+            .unwrap_or([f64::NAN; 2]);
+        high - low
     }
 }
 
@@ -107,11 +157,15 @@ struct Outcome {
     pictures: Vec<Picture>,
     /// Mean angle at a joint over time, degrees, by the time in s.
     bends: Vec<[f64; 2]>,
-    /// Height at the end, mm.
+    /// Height in the mean of the last fifth, mm; limp hairs never rest quite.
     height: f64,
     /// Widest gap of a joint and deepest penetration of the plane in all steps, um.
     gap: f64,
     depth: f64,
+    /// Contacts of hairs with each other in a step, in the mean, and steps whose contacts were not
+    /// solved.
+    met: f64,
+    unsolved: f64,
 }
 
 fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<Outcome> {
@@ -124,17 +178,19 @@ fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<O
         harmonizations: 1,
         restitution: contact.restitution,
         form: Form::Corrected.into(),
-        // Each segment by itself, as the thesis does it.
-        projection: Differences { scope: Form::AsPrinted, ..Form::Corrected.into() },
+        response: Response::Together(TOLERANCE),
     };
     let mut bundle = Bundle::new(scene, springs)?;
     let mut outcome = Outcome::default();
     let name = if springs { "with springs" } else { "without" };
-    let mut steps = 0;
+    let (mut steps, mut met, mut heights) = (0, 0, Vec::new());
     loop {
         let time = f64::from(steps) * DT;
         if steps % 20 == 0 {
             outcome.bends.push([time, bundle.bend()]);
+            if time > 0.8 * scene.duration {
+                heights.push(1e3 * bundle.height());
+            }
         }
         if TIMES.get(outcome.pictures.len()).is_some_and(|due| time > due - 0.5 * DT) {
             let caption = format!("{name}, t = {time:.3} s");
@@ -143,18 +199,24 @@ fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<O
         if time > scene.duration - 0.5 * DT {
             break;
         }
-        let contacts = bundle.contacts();
-        outcome.depth = contacts.iter().map(|c| -1e6 * c.gap).fold(outcome.depth, f64::max);
+        let mut contacts = bundle.of_hairs()?;
+        met += contacts.iter().filter(|contact| contact.gap < 0.0).count();
+        let hairs = contacts.len();
+        contacts.extend(bundle.on_the_plane());
+        outcome.depth =
+            contacts[hairs..].iter().map(|c| -1e6 * c.gap).fold(outcome.depth, f64::max);
         let report = step(&mut bundle.chains, &contacts, &settings)?;
         outcome.gap = outcome.gap.max(1e6 * report.widest_gap);
+        outcome.unsolved += f64::from(u8::from(report.contacts.is_some_and(|c| !c.converged)));
         steps += 1;
     }
-    outcome.height = 1e3 * bundle.height();
+    outcome.met = met as f64 / f64::from(steps);
+    outcome.height = heights.iter().sum::<f64>() / heights.len() as f64;
     Ok(outcome)
 }
 
 /// What the thesis says of a bundle with and of one without springs.
-fn judged(name: &str, order: Order, [stiff, limp]: &[Outcome; 2]) -> [Check; 6] {
+fn judged(name: &str, order: Order, [stiff, limp]: &[Outcome; 2]) -> [Check; 8] {
     let bend = |outcome: &Outcome| outcome.bends.last().map_or(f64::NAN, |last| last[1]);
     let most = |value: fn(&Outcome) -> f64| value(stiff).max(value(limp));
     let named = |what: &str| format!("{name}: {what}");
@@ -186,11 +248,11 @@ fn judged(name: &str, order: Order, [stiff, limp]: &[Outcome; 2]) -> [Check; 6] 
             smooth,
         ),
         check(
-            named("mean angle, without"),
-            bend(limp),
-            "deg",
-            Criterion::AtLeast(60.0),
-            "jagged shapes",
+            named("mean angle without over that with"),
+            bend(limp) / bend(stiff),
+            "",
+            Criterion::AtLeast(1.5),
+            "jagged shapes against smooth ones",
         ),
         check(
             named("widest gap of a joint"),
@@ -206,13 +268,29 @@ fn judged(name: &str, order: Order, [stiff, limp]: &[Outcome; 2]) -> [Check; 6] 
             depths,
             "what lies sags where joints have the last word (8.6.5.3)",
         ),
+        check(
+            named("overlaps of hairs in a step"),
+            most(|outcome| outcome.met),
+            "",
+            Criterion::AtLeast(1.0),
+            "hairs meet each other",
+        ),
+        check(
+            named("steps whose contacts were not solved"),
+            most(|outcome| outcome.unsolved),
+            "",
+            Criterion::AtMost(0.0),
+            "all are",
+        ),
     ]
 }
 
 /// Figure 8.18: springs keep loops and smooth shapes, without them fibers collapse to jagged ones. By
 /// both ways to close joints (8.5.1, 8.5.2) and both orders of Alg. 7 (8.6.5.3).
-pub(crate) fn springs(size: Size) -> Fallible<Figure> {
-    let scene = size.scene("partly-elastic", 4, 50)?;
+pub(crate) fn springs(_: Size) -> Fallible<Figure> {
+    // Crowds take hours, and limp ones that bounce break: contacts that have the last word reflect the
+    // velocity with which open joints close.
+    let scene = Size::Reduced.scene("partly-elastic", 4, 50)?;
     let (mut pictures, mut curves, mut checks) = (Vec::new(), Vec::new(), Vec::new());
     for (method, by) in [(Method::ImpulseCorrection, "I"), (Method::Linearized, "II")] {
         for (order, last) in [(Order::JointsFirst, "contacts"), (Order::ContactsFirst, "joints")] {
@@ -246,8 +324,8 @@ pub(crate) fn springs(size: Size) -> Fallible<Figure> {
     };
     Ok(Figure {
         scene: "scenes/contact/partly-elastic.ron",
-        parameters: "kinematic chains by steps of 0.1 ms; the plane is smooth, and hairs do not meet: \
-                     with friction, or contacts of hairs, chains break at the impact",
+        parameters: "kinematic chains whose segments spin as slowly as they turn, contacts by the law \
+                     and not by Alg. 6; steps of 0.15 ms; 4 of 40 hairs",
         drawings: vec![Drawing::Pictures(pictures), Drawing::Chart(chart)],
         checks,
     })
