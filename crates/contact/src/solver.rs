@@ -66,6 +66,23 @@ pub trait Solver: Send {
     ) -> Result<Report, ContactError>;
 }
 
+/// What `impulses` of contacts, in their frames, are on each of so many `points`, N s, world.
+pub(crate) fn on_points(
+    contacts: &[Contact],
+    impulses: &[Vector3<f64>],
+    points: usize,
+) -> Vec<Vector3<f64>> {
+    let mut on_points = vec![Vector3::zeros(); points];
+    for (contact, impulse) in contacts.iter().zip(impulses) {
+        let world = contact.frame * impulse;
+        on_points[contact.first] += world;
+        if let Some(second) = contact.second {
+            on_points[second] -= world;
+        }
+    }
+    on_points
+}
+
 /// Velocities of the points after changes of the contacts' impulses, all of which fit.
 pub(crate) fn respond(
     bodies: &mut [&mut dyn Body],
@@ -73,14 +90,7 @@ pub(crate) fn respond(
     velocities: &[Vector3<f64>],
     changes: &[Vector3<f64>],
 ) -> Vec<Vector3<f64>> {
-    let mut on_points = vec![Vector3::zeros(); velocities.len()];
-    for (contact, change) in contacts.iter().zip(changes) {
-        let world = contact.frame * change;
-        on_points[contact.first] += world;
-        if let Some(second) = contact.second {
-            on_points[second] -= world;
-        }
-    }
+    let on_points = on_points(contacts, changes, velocities.len());
     let mut after = velocities.to_vec();
     let mut start = 0;
     for body in bodies {

@@ -62,7 +62,7 @@ struct Acting {
 /// # Errors
 /// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
 /// step), [`ContactError::Invalid`] for the step's length, and as
-/// [`project`](crate::projection::project). The chains are then as before.
+/// [`project`](crate::projection::project) or [`impact`](crate::impact). The chains are then as before.
 pub fn step(
     chains: &mut [Chain],
     contacts: &[SegmentContact],

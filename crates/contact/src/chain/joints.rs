@@ -9,10 +9,6 @@ use rapunzel_fiber::so3;
 /// Newton's iterations for the joints of a step; three or four are usual.
 const ITERATIONS: usize = 30;
 
-/// Residuals that do not fall any more are rounding up to this many times that of positions: those of turns of
-/// radians, and of the stiff springs of short segments.
-const STALLED: f64 = 1e5;
-
 /// Distance of a joint's frames, m, and their mean at the start of the step.
 type Start = (f64, Rotation3<f64>);
 
@@ -73,7 +69,7 @@ impl<'a> Joints<'a> {
             if iterations == ITERATIONS || !gap.is_finite() {
                 return Err(open(if gap.is_finite() { gap } else { f64::INFINITY }));
             }
-            let done = gap <= rounding || (gap >= 0.5 * last && gap <= STALLED * rounding);
+            let done = gap <= rounding || (gap >= 0.5 * last && gap <= 1e3 * rounding);
             if done || (method == Method::Linearized && iterations == 1) {
                 return Ok((self.sums(&impulses), iterations));
             }

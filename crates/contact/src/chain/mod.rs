@@ -15,7 +15,7 @@
 //! the corrected turn is that of a free cylinder, exact however fast it spins:
 //!
 //! ```text
-//! R' = exp[dt l/I_1] R exp[dt (1/I_3 - 1/I_1) l_3 e_3],    l = I omega + L + c_L
+//! R' = exp[dt h/I_1] R exp[dt (1/I_3 - 1/I_1) h_3 e_3],    h = I omega + L + c_L
 //! ```
 //!
 //! The scheme is a leapfrog: velocities between steps are those after the step's forces, half a step

@@ -1,4 +1,5 @@
 use crate::projection::{Partner, Touch};
+use crate::solver::on_points;
 use crate::{
     Body, Contact, ContactError, GaussSeidel, Report, RigidBody, RigidPoints, Tolerance, impact,
 };
@@ -55,14 +56,7 @@ pub(super) fn collide(
     let shares = vec![restitution; contacts.len()];
     let found =
         impact(&mut seen, &contacts, &shares, &velocities, &mut GaussSeidel::new(tolerance))?;
-    let mut on_points = vec![Vector3::zeros(); velocities.len()];
-    for ((contact, impulse), (first, second)) in contacts.iter().zip(&found.impulses).zip(&sides) {
-        let world = contact.frame * impulse;
-        on_points[at(*first)] += world;
-        if let Some(second) = second {
-            on_points[at(*second)] -= world;
-        }
-    }
+    let on_points = on_points(&contacts, &found.impulses, velocities.len());
     for ((body, points), start) in bodies.iter_mut().zip(&points).zip(&starts) {
         body.apply_wrench(&points.wrench(&on_points[*start..][..points.points()]));
     }

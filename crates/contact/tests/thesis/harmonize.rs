@@ -103,7 +103,8 @@ fn a_sliding_chain_is_braked_by_friction() {
 }
 
 /// The fault that corrections leave (see `two_projections_do_not_hold_a_high_box`): along the axis
-/// friction would press the front ends down, and is given up. A contact in the middle has it.
+/// friction would press the front ends down, and is given up. A contact in the middle has it, and so has
+/// the law.
 #[test]
 fn friction_along_the_axis_needs_contacts_without_a_lever() {
     let braked = |ends: bool, response: Option<Response>| {
@@ -249,6 +250,7 @@ fn bad_contacts_are_refused() {
     let mut chains = [line(Point3::origin(), Point3::new(0.1, 0.0, 0.0), 4, Root::Free)];
     let before = chains.clone();
     let mut settings = settings(Order::JointsFirst, 2);
+    let projected = settings.response;
     let good = on_plane(&chains[0], &settings, 0.3)[0].clone();
     for bad in [
         SegmentContact { chain: 1, ..good.clone() },
@@ -260,7 +262,7 @@ fn bad_contacts_are_refused() {
         SegmentContact { normal: Vector3::zeros(), ..good.clone() },
         SegmentContact { gap: f64::INFINITY, ..good.clone() },
     ] {
-        for response in [settings.response, TOGETHER] {
+        for response in [projected, TOGETHER] {
             settings.response = response;
             let refused = step(&mut chains, &[good.clone(), bad.clone()], &settings);
             assert!(

@@ -143,11 +143,9 @@ impl Bundle {
 
     /// From the lowest to the highest, m.
     fn height(&self) -> f64 {
-        let heights = self.nodes().concat().into_iter().map(|p| [p.z; 2]);
-        let [low, high] = heights
-            .reduce(|[low, high], [z, _]| [low.min(z), high.max(z)])
-            .unwrap_or([f64::NAN; 2]);
-        high - low
+        let nodes = self.nodes().concat();
+        let heights = || nodes.iter().map(|p| p.z);
+        heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min)
     }
 }
 
