@@ -2,6 +2,7 @@
 use crate::{Contact, Report};
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
+use std::borrow::Borrow;
 
 /// Contacts that one task takes.
 const CHUNK: usize = 1024;
@@ -102,14 +103,14 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 /// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its velocity, impulse
 /// and weight.
 #[must_use]
-pub fn report<'a>(
+pub fn report<C: Borrow<Contact>>(
     count: usize,
-    one: impl Fn(usize) -> (&'a Contact, Vector3<f64>, Vector3<f64>, f64) + Sync,
+    one: impl Fn(usize) -> (C, Vector3<f64>, Vector3<f64>, f64) + Sync,
 ) -> Report {
     let part = |start: usize| {
         let mut sums = Sums::default();
         for (contact, velocity, impulse, weight) in (start..count.min(start + CHUNK)).map(&one) {
-            sums.add(contact, &velocity, &impulse, weight);
+            sums.add(contact.borrow(), &velocity, &impulse, weight);
         }
         sums
     };

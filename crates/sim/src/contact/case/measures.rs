@@ -1,12 +1,12 @@
 //! What the contacts of a step do where all nodes have given velocities.
 
-use super::{Case, relative};
+use super::{Case, opening};
 use crate::World;
 use crate::contact::touch::Touch;
 use crate::contact::velocities::Velocities;
 use crate::contact::work::ContactWork;
 use nalgebra::Vector3;
-use rapunzel_contact::{Bond, ContactError, Report, Violation, report};
+use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -35,12 +35,10 @@ impl Case {
     ) -> Report {
         let near = self.near_where(world, mean);
         let mean = Velocities::new(world, mean);
-        let one = |k: usize| {
-            let i = near[k];
-            let velocity = relative(&self.contacts[i], &touches[i], &mean);
-            (&self.contacts[i], velocity, self.impulses[i], self.weights[i])
-        };
-        report(near.len(), one)
+        // What opens and bears nothing is right.
+        let acting: Vec<usize> =
+            near.into_par_iter().filter(|&i| self.acts(i, touches, &mean)).collect();
+        report(acting.len(), |k| self.judged(acting[k], &touches[acting[k]], &mean))
     }
 
     /// Which contact is farthest from the law where all nodes have the given mean velocities.
@@ -52,10 +50,22 @@ impl Case {
     ) -> Option<usize> {
         let mean = Velocities::new(world, mean);
         let wrong = |i: usize| {
-            let velocity = relative(&self.contacts[i], &touches[i], &mean);
-            Violation::new(&self.contacts[i], &velocity, &self.impulses[i], self.weights[i]).impulse
+            let (contact, velocity, impulse, weight) = self.judged(i, &touches[i], &mean);
+            Violation::new(&contact, &velocity, &impulse, weight).impulse
         };
-        (0..self.contacts.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
+        (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
+    }
+
+    /// A contact with its relative velocity, its impulse and the mass that compares them.
+    fn judged(
+        &self,
+        i: usize,
+        touch: &Touch,
+        mean: &Velocities,
+    ) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
+        let contact = self.laws[i].contact(touch, [0, 1]);
+        let velocity = contact.frame.tr_mul(&mean.between(touch)) + contact.bias;
+        (contact, velocity, self.impulses[i], self.weights[i])
     }
 
     /// What the contacts do where all nodes have the given mean velocities.
@@ -67,11 +77,12 @@ impl Case {
     ) -> ContactWork {
         let mean = Velocities::new(world, mean);
         let of_one = |i: usize| {
-            let (contact, touch, impulse) = (&self.contacts[i], &touches[i], &self.impulses[i]);
-            let velocity = relative(contact, touch, &mean);
-            let drive = contact.frame.tr_mul(&touch.drive());
+            let (bias, touch, impulse) = (&self.laws[i].bias, &touches[i], &self.impulses[i]);
+            let frame = touch.frame();
+            let velocity = frame.tr_mul(&mean.between(touch)) + bias;
+            let drive = frame.tr_mul(&touch.drive());
             // The bias along the normal is not that of the drive alone.
-            let opening = velocity.x - contact.bias.x - drive.x;
+            let opening = velocity.x - bias.x - drive.x;
             let mut work = ContactWork {
                 friction: impulse.yz().dot(&velocity.yz()),
                 led: impulse.dot(&drive),
@@ -80,7 +91,7 @@ impl Case {
             let gap = self.gaps[i];
             let along = match impulse.x {
                 pull if pull < 0.0 => &mut work.adhesion,
-                _ if contact.bias.x < gap => &mut work.restitution,
+                _ if bias.x < gap => &mut work.restitution,
                 _ if gap < 0.0 => &mut work.repair,
                 _ => &mut work.closing,
             };
@@ -119,7 +130,8 @@ impl Case {
                 return 0.0;
             }
             let impulse = &self.impulses[i];
-            let slides = relative(&self.contacts[i], &touches[i], &velocities).yz();
+            let (_, velocity, ..) = self.judged(i, &touches[i], &velocities);
+            let slides = velocity.yz();
             let friction = impulse.yz().dot(&slides) - impulse.yz().norm() * slip;
             impulse.x.max(0.0) * (-self.gaps[i] - repair).max(0.0) + friction
         };
@@ -139,8 +151,8 @@ impl Case {
         let mean = Velocities::new(world, mean);
         for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
             let mut bond = Bond::new(strength)?;
-            let velocity = relative(&self.contacts[i], touch, &mean);
-            bond.update(&self.contacts[i], &velocity, &self.impulses[i], tolerance);
+            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            bond.update(&contact, &velocity, &impulse, tolerance);
             touch.bonded = bond.is_intact();
         }
         Ok(())
@@ -175,8 +187,8 @@ impl Case {
 
     /// The gap along the normal, m, where nodes have the given mean velocities.
     fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
-        let contact = &self.contacts[i];
+        let law = &self.laws[i];
         // The bias may be another than that of the gap.
-        dt * (relative(contact, touch, mean).x - contact.bias.x + self.gaps[i])
+        dt * (opening(law, touch, mean) - law.bias.x + self.gaps[i])
     }
 }

@@ -36,11 +36,33 @@ const NONE: usize = usize::MAX;
 /// A side of a contact: that one's number, and 0 or 1.
 type Side = (usize, usize);
 
+/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than twice as large,
+/// and most of a dense list are never solved.
+struct Law {
+    bias: Vector3<f64>,
+    friction: LimitCurve,
+    adhesion: f64,
+}
+
+impl Law {
+    /// The contact of a touch, as a solver takes it, between two points.
+    fn contact(&self, touch: &Touch, [first, second]: [usize; 2]) -> Contact {
+        Contact {
+            first,
+            second: (!touch.led).then_some(second),
+            frame: touch.frame(),
+            bias: self.bias,
+            friction: self.friction.clone(),
+            adhesion: self.adhesion,
+            compliance: 0.0,
+        }
+    }
+}
+
 /// All contacts of a list, in the order of the touches they are made of. As long as it stands these keep
 /// their order; what is asked of it takes them.
 pub(super) struct Case {
-    /// Each as if its sides were points of their own, two a contact.
-    contacts: Vec<Contact>,
+    laws: Vec<Law>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
     /// The gaps at the start of the step over its length, m/s.
@@ -65,7 +87,7 @@ pub(super) struct Case {
 /// What takes most room in a case, for that of the next step.
 #[derive(Default)]
 pub(super) struct Room {
-    contacts: Vec<Contact>,
+    laws: Vec<Law>,
     solved: Vec<Contact>,
     gaps: Vec<f64>,
 }
@@ -81,11 +103,11 @@ impl Case {
         laws: &Laws,
         room: Room,
     ) -> Result<Self, ContactError> {
-        let Room { mut contacts, solved, mut gaps } = room;
+        let Room { laws: mut own, solved, mut gaps } = room;
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = world.velocities();
         let (before, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
-        let contact = |(i, touch): (usize, &Touch)| {
+        let law = |(i, touch): (usize, &Touch)| {
             let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
             let drive = frame.tr_mul(&touch.drive());
@@ -99,47 +121,42 @@ impl Case {
                 }
                 LimitCurve::Circle { mu: 0.0 }
             });
-            let contact = Contact {
-                first: 2 * i,
-                second: (!touch.led).then_some(2 * i + 1),
-                frame,
-                bias: Vector3::new(laws.closing(touch, gap, before), -drive.y, -drive.z),
-                friction,
-                adhesion: 0.0,
-                compliance: 0.0,
-            };
-            (contact, gap)
+            let bias = Vector3::new(laws.closing(touch, gap, before), -drive.y, -drive.z);
+            (Law { bias, friction, adhesion: 0.0 }, gap)
         };
-        let made = touches.par_iter().enumerate().map(contact);
+        let made = touches.par_iter().enumerate().map(law);
         // Twice the room, as they would grow by, is much.
-        contacts.clear();
-        contacts.reserve_exact(touches.len());
-        made.unzip_into_vecs(&mut contacts, &mut gaps);
+        own.clear();
+        own.reserve_exact(touches.len());
+        made.unzip_into_vecs(&mut own, &mut gaps);
         drop(start);
         if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
         }
         let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
-        contacts.iter_mut().zip(pulls).for_each(|(contact, pull)| contact.adhesion = pull);
-        let impulses: Vec<_> =
-            touches.par_iter().zip(&contacts).map(|(t, c)| c.frame.tr_mul(&t.impulse)).collect();
+        own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
+        let impulse = |touch: &Touch| match touch.impulse {
+            none if none == Vector3::zeros() => none,
+            world => touch.frame().tr_mul(&world),
+        };
+        let impulses = touches.par_iter().map(impulse).collect();
         let acts = |touch: &Touch| touch.working || touch.impulse != Vector3::zeros();
         let openings = (touches.len() > nodes.len()).then(|| {
-            let both = touches.par_iter().zip(&contacts).zip(&gaps);
-            let speeds = both.map(|((touch, contact), gap)| {
-                let always = acts(touch) || contact.adhesion > 0.0;
-                if always { ALWAYS } else { touch.gap / dt + contact.bias.x - gap }
+            let both = touches.par_iter().zip(&own).zip(&gaps);
+            let speeds = both.map(|((touch, law), gap)| {
+                let always = acts(touch) || law.adhesion > 0.0;
+                if always { ALWAYS } else { touch.gap / dt + law.bias.x - gap }
             });
             Openings::new(world, touches, speeds.collect(), nodes)
         });
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working = (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        let weights = vec![mass; contacts.len()];
+        let weights = vec![mass; touches.len()];
         let written = world.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); world.groups.len()]);
         Ok(Self {
-            contacts,
+            laws: own,
             impulses,
             gaps,
             working,
@@ -154,11 +171,11 @@ impl Case {
 
     /// Leaves its room for the next.
     pub(super) fn into_room(self) -> Room {
-        Room { contacts: self.contacts, solved: self.solved, gaps: self.gaps }
+        Room { laws: self.laws, solved: self.solved, gaps: self.gaps }
     }
 
     pub(super) fn contacts(&self) -> usize {
-        self.contacts.len()
+        self.laws.len()
     }
 
     /// What the last iteration left, in tolerances; `None` before the first.
@@ -195,7 +212,7 @@ impl Case {
     /// The contacts that may close where nodes are so fast, in their order.
     fn near_where(&self, world: &World, nodes: &[Vector3<f64>]) -> Vec<usize> {
         let layout = world.assembly().layout();
-        let all = || (0..self.contacts.len()).collect();
+        let all = || (0..self.laws.len()).collect();
         self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
     }
 
@@ -206,8 +223,8 @@ impl Case {
         else {
             return near;
         };
-        let one = |(touch, contact): (&Touch, &Contact)| relative(contact, touch, nodes).x;
-        let speeds = touches.par_iter().zip(&self.contacts).map(one);
+        let one = |(touch, law): (&Touch, &Law)| opening(law, touch, nodes);
+        let speeds = touches.par_iter().zip(&self.laws).map(one);
         openings.renew(speeds, nodes.nodes());
         openings.near(world.assembly().layout(), nodes.nodes())
     }
@@ -227,10 +244,7 @@ impl Case {
         let linear = Velocities::new(world, &nodes);
         let near = self.look(world, touches, &linear);
         let works = near.par_iter().map(|&i| {
-            patient && self.working.binary_search(&i).is_ok()
-                || self.impulses[i] != Vector3::zeros()
-                || self.contacts[i].adhesion > 0.0
-                || relative(&self.contacts[i], &touches[i], &linear).x < 0.0
+            patient && self.working.binary_search(&i).is_ok() || self.acts(i, touches, &linear)
         });
         let works: Vec<bool> = works.collect();
         let working = near.into_iter().zip(works).filter_map(|(i, works)| works.then_some(i));
@@ -241,7 +255,7 @@ impl Case {
         let [mut used, on_objects] = self.sides(world, touches, &working);
         self.keep(&mut used);
         let sides: Vec<Side> = used.iter().chain(&on_objects).flatten().copied().collect();
-        let mut place = vec![NONE; self.contacts.len()];
+        let mut place = vec![NONE; self.laws.len()];
         working.iter().enumerate().for_each(|(k, &i)| place[i] = k);
         let mut index = vec![[0; 2]; working.len()];
         for (point, &(i, side)) in sides.iter().enumerate() {
@@ -253,11 +267,8 @@ impl Case {
         let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         drop(nodes);
-        let solved = working.par_iter().zip(&index).map(|(&i, index)| {
-            let contact = self.contacts[i].clone();
-            let second = contact.second.map(|_| index[1]);
-            Contact { first: index[0], second, ..contact }
-        });
+        let (laws, all) = (&self.laws, working.par_iter().zip(&index));
+        let solved = all.map(|(&i, points)| laws[i].contact(&touches[i], *points));
         self.solved.clear();
         self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
@@ -305,7 +316,7 @@ impl Case {
         let mut on_objects = vec![Vec::new(); world.objects.len()];
         let moving = |&i: &usize| {
             let [first, second] = touches[i].sides;
-            [Some(first), self.contacts[i].second.map(|_| second)]
+            [Some(first), (!touches[i].led).then_some(second)]
         };
         let moving: Vec<_> = contacts.par_iter().map(moving).collect();
         for (&i, sides) in contacts.iter().zip(moving) {
@@ -321,7 +332,7 @@ impl Case {
 
     /// The touches that bear something or that the solver looked at last, with their impulses.
     pub(super) fn pushes(&self, touches: &[Touch]) -> impl Iterator<Item = Push> + Clone {
-        self.working.iter().map(|&i| touches[i].push(self.impulse(i)))
+        self.working.iter().map(|&i| touches[i].push(self.impulse(i, &touches[i])))
     }
 
     /// Gives the impulses back to the touches, and tells which the solver looked at last.
@@ -329,13 +340,24 @@ impl Case {
         let mut works = vec![false; touches.len()];
         self.working.iter().for_each(|&i| works[i] = true);
         touches.par_iter_mut().zip(works).enumerate().for_each(|(i, (touch, works))| {
-            (touch.impulse, touch.working) = (self.impulse(i), works);
+            (touch.impulse, touch.working) = (self.impulse(i, touch), works);
         });
     }
 
     /// That on the first side of a contact, N s, world.
-    fn impulse(&self, contact: usize) -> Vector3<f64> {
-        self.contacts[contact].frame * self.impulses[contact]
+    fn impulse(&self, contact: usize, touch: &Touch) -> Vector3<f64> {
+        match self.impulses[contact] {
+            none if none == Vector3::zeros() => none,
+            own => touch.frame() * own,
+        }
+    }
+
+    /// Whether a contact bears something, pulls, or closes where things are so fast.
+    fn acts(&self, i: usize, touches: &[Touch], velocities: &Velocities) -> bool {
+        let law = &self.laws[i];
+        self.impulses[i] != Vector3::zeros()
+            || law.adhesion > 0.0
+            || opening(law, &touches[i], velocities) < 0.0
     }
 }
 
@@ -349,9 +371,9 @@ fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
     bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
 }
 
-/// The relative velocity of a contact, in its frame and with its bias, m/s.
-fn relative(contact: &Contact, touch: &Touch, velocities: &Velocities) -> Vector3<f64> {
-    contact.frame.tr_mul(&velocities.between(touch)) + contact.bias
+/// The relative velocity of a contact along its normal, with its bias, m/s.
+fn opening(law: &Law, touch: &Touch, velocities: &Velocities) -> f64 {
+    touch.normal.dot(&velocities.between(touch)) + law.bias.x
 }
 
 /// A side of a touch that is a fibre, as a point of its group.
