@@ -251,6 +251,7 @@ fn bonds_of_hair_spray_break_as_the_table_has_it() {
 fn laws_that_make_no_sense_are_refused() {
     for (laws, what) in [
         ("friction: Isotropic(0.3), restitution: 1.5", "restitution"),
+        ("friction: Isotropic(0.3), compliance: -1.0", "compliance"),
         ("friction: Resting(resting: 0.2, sliding: 0.3)", "sliding"),
         ("friction: Isotropic(0.3), adhesion: Line(force: -1.0, range: 1e-6)", "force"),
         ("friction: Isotropic(0.3), adhesion: Bonds(strength: 0.1, range: 0.0)", "range"),

@@ -41,10 +41,11 @@ fn the_ledger_of_hairs_that_touch_closes() {
     let flying = "(shape: Ball(radius: 0.01), position: (0, 0.004, 0.03), \
                   moves: Free(mass: Mass(1e-5), velocity: (0, 0, 0.5), spin: (0, 50, 20)))";
     let swing = "motion: Swing(angle: 30, radius: 0.05, period: 0.2)";
-    for (name, object, rest) in [
-        ("landing", ball, "root_joint: Free"),
-        ("flying", flying, "root_joint: Free"),
-        ("swinging", ball, swing),
+    for (name, object, rest, compliance) in [
+        ("landing", ball, "root_joint: Free", 0.0),
+        ("flying", flying, "root_joint: Free", 0.0),
+        ("swinging", ball, swing, 0.0),
+        ("sinking in", flying, "root_joint: Free", 1e-2),
     ] {
         // Further apart than their coils are wide.
         let places = [(-6, 45), (0, 45), (6, 45), (-6, 51), (0, 51), (6, 51)];
@@ -58,7 +59,7 @@ fn the_ledger_of_hairs_that_touch_closes() {
         });
         let text = format!(
             "(format: 1, duration: 1.0, fibers: [{}], objects: [{object}],
-            contact: (friction: Isotropic(0.3), restitution: 0.3),
+            contact: (friction: Isotropic(0.3), restitution: 0.3, compliance: {compliance:?}),
             environment: (viscosity: 1.8e-5), stepper: (dt: 1e-3), output: (ledger: true))",
             hairs.join(", ")
         );
@@ -75,6 +76,8 @@ fn the_ledger_of_hairs_that_touch_closes() {
         );
         assert!(active > 3, "{name}: they touch");
         assert!(books.worst < 1e-9, "{name}: {:e}", books.worst);
+        let given = books.run.world.contact_work().compliance;
+        assert!((given < 0.0) == (compliance > 0.0), "{name}: {given:e}");
     }
 }
 

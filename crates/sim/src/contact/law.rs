@@ -31,6 +31,11 @@ impl<'a> Laws<'a> {
         Self { settings, film, objects, fall: gravity * dt, dt }
     }
 
+    /// By how much more slowly two that touch come together for an impulse between them, 1/kg.
+    pub(super) fn compliance(&self) -> f64 {
+        self.settings.compliance / (self.dt * self.dt)
+    }
+
     /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
     /// over the length of the part, `before` tells the relative velocity then, in the frame of the touch.
     ///

@@ -84,6 +84,13 @@ pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
     });
 }
 
+/// The impulses that are expected of touches, N s, world.
+pub(crate) fn recalled(expected: &Expected, touches: &[Touch]) -> Vec<Vector3<f64>> {
+    let mut touches = touches.to_vec();
+    recall(expected, &mut touches);
+    touches.into_iter().map(|touch| touch.impulse).collect()
+}
+
 /// The same for the contacts of one pair.
 fn recall_pair<'a>(
     known: impl Iterator<Item = &'a Remembered>,

@@ -4,7 +4,7 @@ use super::detect::{self, Detector};
 use super::effort::Effort;
 use super::film::Film;
 use super::law::Laws;
-use super::memory::{Expected, Remembered, glue, recall, remember};
+use super::memory::{Expected, Remembered, glue, recall, recalled, remember};
 use super::object::refuse_leaps;
 use super::part::Part;
 use super::report::Unresolved;
@@ -207,7 +207,7 @@ impl Touching {
         self.list(world, part, expected)?;
         let mean = world.mean_velocities();
         let room = std::mem::take(&mut self.room);
-        let mut case = self.case(world, part, &mean, room)?;
+        let mut case = self.case(world, part, expected, &mean, room)?;
         let mut laps = Laps::start(world.stopwatch);
         let start = case.certificate(world, &part.touches, &mean);
         laps.book(&mut self.times.laws);
@@ -218,7 +218,7 @@ impl Touching {
             let solved = self.converge(world, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
-            let deepest = self.look_at_end(world, part)?;
+            let deepest = self.look_at_end(world, part, &bearing)?;
             let mut laps = Laps::start(world.stopwatch);
             let mean = world.mean_velocities();
             part.work = case.work(world, &bearing, &mean);
@@ -251,7 +251,7 @@ impl Touching {
             }
             case.set_gaps(world, &mut bearing, &mean, dt);
             part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
-            case = self.case(world, part, &mean, case.into_room())?;
+            case = self.case(world, part, expected, &mean, case.into_room())?;
             effort = self.rough(Effort::where_off(deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| worst(world, part, &case));
@@ -348,13 +348,16 @@ impl Touching {
         &mut self,
         world: &mut World,
         part: &Part,
+        expected: &Expected,
         mean: &[Vector3<f64>],
         room: Room,
     ) -> Result<Case, Cut> {
         let mut laps = Laps::start(world.stopwatch);
         let gravity = world.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws = Laws::new(&self.settings, self.film.as_ref(), &world.objects, gravity, part.dt);
-        let case = Case::new(world, &part.touches, mean, part.dt, &laws, room)?;
+        let gives = self.settings.compliance > 0.0;
+        let before = if gives { recalled(expected, &part.touches) } else { Vec::new() };
+        let case = Case::new(world, &part.touches, mean, part.dt, &laws, before, room)?;
         laps.book(&mut self.times.laws);
         let pushes = case.pushes(&part.touches);
         world.push(pushes.clone(), part.time, part.dt)?;
@@ -422,14 +425,32 @@ impl Touching {
         Ok(())
     }
 
-    /// Lists those that overlap where the step has been solved to. Returns by how much at most, m.
-    fn look_at_end(&mut self, world: &World, part: &mut Part) -> Result<f64, CollisionError> {
+    /// Lists those that overlap where the step has been solved to, with such touches. Returns by how much at
+    /// most, m, where these do not give way.
+    fn look_at_end(
+        &mut self,
+        world: &World,
+        part: &mut Part,
+        bearing: &[Touch],
+    ) -> Result<f64, CollisionError> {
         let mut laps = Laps::start(world.stopwatch);
         let mut touches = Vec::new();
         let ends = part.ends(world, &world.mean_velocities());
         let motion = part.motion(world, &self.radii, &ends);
-        let deepest =
-            self.detector.overlaps(&motion, &world.objects, self.shallow(), &mut touches)?;
+        let shallow = self.shallow();
+        let mut deepest = self.detector.overlaps(&motion, &world.objects, shallow, &mut touches)?;
+        if self.settings.compliance > 0.0 {
+            // What is not listed is no deeper.
+            let mut known = Vec::new();
+            remember(bearing, &mut known);
+            let impulses = recalled(&Expected { known: &known, scale: 1.0 }, &touches);
+            let gives = self.settings.compliance / part.dt;
+            let depth = |(touch, impulse): (&Touch, Vector3<f64>)| {
+                -touch.gap - gives * impulse.dot(&touch.normal)
+            };
+            let depths = touches.iter().zip(impulses).map(depth);
+            deepest = depths.fold(deepest.min(shallow), f64::max);
+        }
         part.touches = touches;
         laps.book(&mut self.times.detection);
         Ok(deepest)

@@ -17,6 +17,9 @@ pub struct ContactWork {
     pub restitution: f64,
     /// Of what holds together those that would part.
     pub adhesion: f64,
+    /// Of what gives way under pressure and friction. It takes what it holds, and what backward Euler damps of
+    /// it: it is not positive.
+    pub compliance: f64,
     /// Of objects that are led: all of their impulses times the velocities of their surfaces.
     pub led: f64,
 }
@@ -26,7 +29,7 @@ impl ContactWork {
     #[must_use]
     pub fn total(&self) -> f64 {
         let along = self.closing + self.repair + self.restitution + self.adhesion;
-        self.friction + along + self.led
+        self.friction + along + self.compliance + self.led
     }
 }
 
@@ -37,6 +40,7 @@ impl AddAssign for ContactWork {
         self.repair += other.repair;
         self.restitution += other.restitution;
         self.adhesion += other.adhesion;
+        self.compliance += other.compliance;
         self.led += other.led;
     }
 }

@@ -128,7 +128,7 @@ impl Column {
             Self::ContactWork => {
                 ",work of friction (J),work of closing (J),work of gap repair (J),\
                                   work of restitution (J),work of adhesion (J),\
-                                  work of led objects (J)"
+                                  work of compliance (J),work of led objects (J)"
                     .to_owned()
             }
             Self::Works => ",work of gravity (J),work of loads (J),work of drag (J),\
@@ -176,6 +176,7 @@ impl Column {
                     work.repair,
                     work.restitution,
                     work.adhesion,
+                    work.compliance,
                     work.led,
                 ]
             }

@@ -19,6 +19,11 @@ pub struct ContactSettings {
     /// What holds together what touches; left out, nothing does.
     #[serde(default)]
     pub adhesion: Option<Adhesion>,
+    /// How far two that touch give way, m per N of what presses them, and of friction before it slides; zero
+    /// is rigid. It is that of a spring, which backward Euler damps: a touch that bounces does not give way.
+    /// What is pressed in so does not count as `depth`.
+    #[serde(default)]
+    pub compliance: f64,
     /// Largest Coulomb residual of a step: how far impulses are from the law, relative to all
     /// impulses.
     #[serde(default = "residual")]
@@ -195,6 +200,7 @@ impl ContactSettings {
         if let Some(adhesion) = self.adhesion {
             check.within("adhesion", |c| adhesion.check(c));
         }
+        check.number("compliance", self.compliance, Allowed::NonNegative, "m/N");
         check.number("residual", self.residual, Allowed::Within(1e-14, 0.1), "");
         check.number("slip", self.slip, Allowed::Positive, "m/s");
         check.number("depth", self.depth, Allowed::Within(1e-9, 0.1), "diameters");

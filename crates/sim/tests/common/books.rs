@@ -12,7 +12,7 @@ pub struct Books {
     moved: f64,
 }
 
-fn works(world: &World) -> [f64; 13] {
+fn works(world: &World) -> [f64; 14] {
     let works = world.works().expect("the scene asks for it");
     let contacts = world.contact_work();
     [
@@ -28,6 +28,7 @@ fn works(world: &World) -> [f64; 13] {
         contacts.repair,
         contacts.restitution,
         contacts.adhesion,
+        contacts.compliance,
         contacts.led,
     ]
 }

@@ -56,7 +56,7 @@ impl Case {
         (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }
 
-    /// A contact with its relative velocity, its impulse and the mass that compares them.
+    /// A contact with its relative velocity, what gives way included, its impulse and the mass that compares them.
     fn judged(
         &self,
         i: usize,
@@ -64,8 +64,10 @@ impl Case {
         mean: &Velocities,
     ) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
         let contact = self.laws[i].contact(touch, [0, 1]);
+        let impulse = self.impulses[i];
         let velocity = contact.frame.tr_mul(&mean.between(touch)) + contact.bias;
-        (contact, velocity, self.impulses[i], self.weights[i])
+        let velocity = velocity + impulse * contact.compliance;
+        (contact, velocity, impulse, self.weights[i])
     }
 
     /// What the contacts do where all nodes have the given mean velocities.
@@ -77,25 +79,27 @@ impl Case {
     ) -> ContactWork {
         let mean = Velocities::new(world, mean);
         let of_one = |i: usize| {
-            let (bias, touch, impulse) = (&self.laws[i].bias, &touches[i], &self.impulses[i]);
-            let frame = touch.frame();
-            let velocity = frame.tr_mul(&mean.between(touch)) + bias;
-            let drive = frame.tr_mul(&touch.drive());
-            // The bias along the normal is not that of the drive alone.
-            let opening = velocity.x - bias.x - drive.x;
+            let touch = &touches[i];
+            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            let drive = contact.frame.tr_mul(&touch.drive());
+            let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
+            let given = (before - impulse) * contact.compliance;
             let mut work = ContactWork {
                 friction: impulse.yz().dot(&velocity.yz()),
+                compliance: impulse.dot(&given),
                 led: impulse.dot(&drive),
                 ..Default::default()
             };
-            let gap = self.gaps[i];
+            // What is pressed in without having given way.
+            let gap = self.gaps[i] + before.x * contact.compliance;
             let along = match impulse.x {
                 pull if pull < 0.0 => &mut work.adhesion,
-                _ if bias.x < gap => &mut work.restitution,
+                _ if contact.bias.x < gap => &mut work.restitution,
                 _ if gap < 0.0 => &mut work.repair,
                 _ => &mut work.closing,
             };
-            *along = impulse.x * opening;
+            let opening = contact.frame.tr_mul(&mean.between(touch)).x - drive.x;
+            *along = impulse.x * (opening - given.x);
             work
         };
         self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
@@ -129,11 +133,10 @@ impl Case {
             if touches[i].drive() != Vector3::zeros() {
                 return 0.0;
             }
-            let impulse = &self.impulses[i];
-            let (_, velocity, ..) = self.judged(i, &touches[i], &velocities);
-            let slides = velocity.yz();
-            let friction = impulse.yz().dot(&slides) - impulse.yz().norm() * slip;
-            impulse.x.max(0.0) * (-self.gaps[i] - repair).max(0.0) + friction
+            let (contact, velocity, impulse, _) = self.judged(i, &touches[i], &velocities);
+            let friction = impulse.yz().dot(&velocity.yz()) - impulse.yz().norm() * slip;
+            let gap = self.gaps[i] + impulse.x * contact.compliance;
+            impulse.x.max(0.0) * (-gap - repair).max(0.0) + friction
         };
         let gain: f64 = self.summed(given);
         gain > 0.0 && gain > MUCH * world.energy().kinetic

@@ -42,6 +42,7 @@ struct Law {
     bias: Vector3<f64>,
     friction: LimitCurve,
     adhesion: f64,
+    compliance: f64,
 }
 
 impl Law {
@@ -54,7 +55,7 @@ impl Law {
             bias: self.bias,
             friction: self.friction.clone(),
             adhesion: self.adhesion,
-            compliance: 0.0,
+            compliance: self.compliance,
         }
     }
 }
@@ -67,6 +68,8 @@ pub(super) struct Case {
     impulses: Vec<Vector3<f64>>,
     /// The gaps at the start of the step over its length, m/s.
     gaps: Vec<f64>,
+    /// Impulses as those of the step before, N s, world; none where nothing gives way.
+    before: Vec<Vector3<f64>>,
     /// Those that bear something or that the solver looked at last, in their order.
     working: Vec<usize>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
@@ -94,35 +97,43 @@ pub(super) struct Room {
 
 impl Case {
     /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the given mean
-    /// velocities.
+    /// velocities. What gives way has done so already under impulses as those of the step `before`, N s, world:
+    /// along tangents only the rest of them moves it; along normals the gap tells.
     pub(super) fn new(
         world: &World,
         touches: &[Touch],
         nodes: &[Vector3<f64>],
         dt: f64,
         laws: &Laws,
+        before: Vec<Vector3<f64>>,
         room: Room,
     ) -> Result<Self, ContactError> {
         let Room { laws: mut own, solved, mut gaps } = room;
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = world.velocities();
-        let (before, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
+        let (first, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
         let law = |(i, touch): (usize, &Touch)| {
             let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
             let drive = frame.tr_mul(&touch.drive());
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = touch.gap / dt - relative(&mean).x;
-            let before = || relative(&before) - drive;
-            let friction = laws.friction(touch, before).unwrap_or_else(|error| {
+            let first = || relative(&first) - drive;
+            let friction = laws.friction(touch, first).unwrap_or_else(|error| {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
                 if refused.as_ref().is_none_or(|(first, _)| i < *first) {
                     *refused = Some((i, error));
                 }
                 LimitCurve::Circle { mu: 0.0 }
             });
-            let bias = Vector3::new(laws.closing(touch, gap, before), -drive.y, -drive.z);
-            (Law { bias, friction, adhesion: 0.0 }, gap)
+            let closing = laws.closing(touch, gap, first);
+            let compliance = if closing < gap { 0.0 } else { laws.compliance() };
+            let mut bias = Vector3::new(closing, -drive.y, -drive.z);
+            if compliance > 0.0 {
+                let given = frame.tr_mul(&before[i]) * compliance;
+                bias -= Vector3::new(0.0, given.y, given.z);
+            }
+            (Law { bias, friction, adhesion: 0.0, compliance }, gap)
         };
         let made = touches.par_iter().enumerate().map(law);
         // Twice the room, as they would grow by, is much.
@@ -159,6 +170,7 @@ impl Case {
             laws: own,
             impulses,
             gaps,
+            before,
             working,
             openings,
             weights,
