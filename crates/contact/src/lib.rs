@@ -15,6 +15,7 @@ mod metric;
 mod polished;
 pub mod projection;
 mod residual;
+mod response;
 pub mod rigid;
 mod solver;
 
@@ -30,5 +31,6 @@ pub use limit_curve::{Friction, LimitCurve, Polygon};
 pub use local::solve_contact;
 pub use polished::Polished;
 pub use residual::{Violation, report};
+pub use response::Response;
 pub use rigid::{RigidBody, RigidPoints};
 pub use solver::{Report, Solver, Tolerance};

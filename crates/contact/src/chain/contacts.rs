@@ -1,23 +1,9 @@
 use super::Chain;
-use super::together::collide;
-use crate::projection::{Differences, Partner, Polygon, Touch, project};
+use crate::projection::{Partner, Polygon, Touch};
 use crate::rigid::{angular, linear, stack};
-use crate::{ContactError, Report, RigidBody, Tolerance};
+use crate::{ContactError, Report, Response, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
 use std::collections::BTreeMap;
-
-/// How contacts answer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Response {
-    /// Alg. 6, the thesis's way. With `scope` corrected all contacts of the scene are one dense program:
-    /// for a few hundred contacts at most. As printed each segment has its own, in parallel: the
-    /// partners of a contact feel different impulses, and where a segment is squeezed between others
-    /// what it must not do may leave nothing, [`ContactError::Program`].
-    Projections(Differences),
-    /// The law of contacts for all of them together, to this tolerance, by
-    /// [`GaussSeidel`](crate::GaussSeidel), with the restitution of [`impact`](crate::impact).
-    Together(Tolerance),
-}
 
 /// What a segment touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +54,7 @@ pub(super) fn resolve(
     contacts: &[SegmentContact],
     time: f64,
     restitution: f64,
-    response: &Response,
+    response: &mut dyn Response,
     ahead: impl Fn(usize, usize) -> RigidBody,
 ) -> Result<(Vec<Change>, Option<Report>), ContactError> {
     let mut touched = BTreeMap::new();
@@ -112,15 +98,7 @@ pub(super) fn resolve(
         })
         .collect();
     let before: Vec<Vector6<f64>> = bodies.iter().map(momenta).collect();
-    let report = match response {
-        Response::Projections(form) => {
-            project(&mut bodies, &touches, restitution, form)?;
-            None
-        }
-        Response::Together(tolerance) => {
-            Some(collide(&mut bodies, &touches, restitution, *tolerance)?)
-        }
-    };
+    let report = response.collide(&mut bodies, &touches, restitution)?;
     let changes = touched
         .into_keys()
         .zip(bodies.iter().zip(&before))

@@ -1,8 +1,8 @@
-use super::contacts::{Response, SegmentContact, resolve};
+use super::contacts::{SegmentContact, resolve};
 use super::joints::{Joints, Sums};
 use super::link::Link;
 use super::{Chain, ChainForm, Method, half_way};
-use crate::{ContactError, Report, RigidBody};
+use crate::{ContactError, Report, Response, RigidBody};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
@@ -33,8 +33,6 @@ pub struct Settings {
     pub restitution: f64,
     /// The chains' text.
     pub form: ChainForm,
-    /// How contacts answer.
-    pub response: Response,
 }
 
 /// What a [`step`] did.
@@ -44,7 +42,7 @@ pub struct StepReport {
     pub iterations: usize,
     /// Widest gap of a joint after the step, m.
     pub widest_gap: f64,
-    /// How well contacts were solved the last time; nothing where they were not solved together.
+    /// How well contacts were solved the last time; nothing where that is not known.
     pub contacts: Option<Report>,
 }
 
@@ -55,18 +53,19 @@ struct Acting {
     contacts: Sums,
 }
 
-/// One step of all `chains`: Alg. 7 with the contacts given. Parallel over the chains, and over the
+/// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by `response`. Parallel over the chains, and over the
 /// touched segments where these are projected by themselves; the result does not depend on the
 /// number of threads. Costs O(segments) but for the contacts.
 ///
 /// # Errors
 /// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
 /// step), [`ContactError::Invalid`] for the step's length, and as
-/// [`project`](crate::projection::project) or [`impact`](crate::impact). The chains are then as before.
+/// [`Response::collide`]. The chains are then as before.
 pub fn step(
     chains: &mut [Chain],
     contacts: &[SegmentContact],
     settings: &Settings,
+    response: &mut dyn Response,
 ) -> Result<StepReport, ContactError> {
     let dt = settings.dt;
     if !(dt > 0.0 && dt.is_finite()) {
@@ -85,9 +84,9 @@ pub fn step(
     for _ in 0..settings.harmonizations.max(1) {
         if settings.order == Order::JointsFirst {
             iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
-            report = meet_contacts(chains, &mut acting, contacts, settings)?;
+            report = meet_contacts(chains, &mut acting, contacts, settings, response)?;
         } else {
-            report = meet_contacts(chains, &mut acting, contacts, settings)?;
+            report = meet_contacts(chains, &mut acting, contacts, settings, response)?;
             iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
         }
     }
@@ -138,6 +137,7 @@ fn meet_contacts(
     acting: &mut [Acting],
     contacts: &[SegmentContact],
     settings: &Settings,
+    response: &mut dyn Response,
 ) -> Result<Option<Report>, ContactError> {
     let (dt, form) = (settings.dt, &settings.form);
     let whole = form.contact_time.is_corrected();
@@ -151,8 +151,7 @@ fn meet_contacts(
         body
     };
     let time = if whole { dt } else { 0.5 * dt };
-    let (restitution, response) = (settings.restitution, &settings.response);
-    let (changes, report) = resolve(chains, contacts, time, restitution, response, ahead)?;
+    let (changes, report) = resolve(chains, contacts, time, settings.restitution, response, ahead)?;
     for change in changes {
         acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
     }

@@ -28,11 +28,10 @@ mod harmonize;
 mod joints;
 mod link;
 mod springs;
-mod together;
 mod tridiagonal;
 
 pub use collision_matrix::collision_matrix;
-pub use contacts::{Response, SegmentContact, SegmentPartner};
+pub use contacts::{SegmentContact, SegmentPartner};
 pub use harmonize::{Order, Settings, StepReport, step};
 pub use springs::{Coupling, Springs};
 

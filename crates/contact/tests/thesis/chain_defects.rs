@@ -1,10 +1,8 @@
 //! What the printed chains of thesis 8.5 do, by numbers, and that their corrections do not.
 
-use crate::chains::{momenta, run, settings, shake, straight};
+use crate::chains::{momenta, run, settings, shake, step, straight};
 use nalgebra::{Point3, Vector3};
-use rapunzel_contact::chain::{
-    ChainForm, Coupling, Root, Settings, Springs, collision_matrix, step,
-};
+use rapunzel_contact::chain::{ChainForm, Coupling, Root, Settings, Springs, collision_matrix};
 use rapunzel_contact::projection::Form;
 
 #[test]
@@ -27,7 +25,7 @@ fn printed_signs_do_not_close_the_joints() {
     let mut widest = 0.0_f64;
     let mut failed = None;
     for i in 0..100 {
-        match step(std::slice::from_mut(&mut chain), &[], &Settings { form, ..settings(1e-3) }) {
+        match step(std::slice::from_mut(&mut chain), &Settings { form, ..settings(1e-3) }) {
             Ok(report) => widest = widest.max(report.widest_gap),
             Err(error) => {
                 failed = Some((i, error));

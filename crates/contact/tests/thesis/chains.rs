@@ -1,10 +1,11 @@
 //! Chains that the tests share.
 use crate::common::Numbers;
 use nalgebra::{Isometry3, Point3, Vector3};
+use rapunzel_contact::ContactError;
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Response, Root, Settings, Springs, step,
+    self, Chain, Coupling, Method, Order, Root, Settings, Springs, StepReport,
 };
-use rapunzel_contact::projection::Form;
+use rapunzel_contact::projection::{Differences, Form};
 
 pub(crate) const G: f64 = 9.81;
 
@@ -17,8 +18,12 @@ pub(crate) fn settings(dt: f64) -> Settings {
         harmonizations: 1,
         restitution: 0.0,
         form: Form::Corrected.into(),
-        response: Response::Projections(Form::Corrected.into()),
     }
+}
+
+/// A step without contacts.
+pub(crate) fn step(chains: &mut [Chain], settings: &Settings) -> Result<StepReport, ContactError> {
+    chain::step(chains, &[], settings, &mut Differences::from(Form::Corrected))
 }
 
 /// A chain of total `length` along `direction` from the origin.
@@ -45,7 +50,7 @@ pub(crate) fn springs(stiffness: f64, joints: usize, coupling: Coupling) -> Spri
 pub(crate) fn run(chain: &mut Chain, steps: usize, settings: &Settings) -> f64 {
     let mut widest = 0.0_f64;
     for _ in 0..steps {
-        let report = step(std::slice::from_mut(chain), &[], settings).expect("closed");
+        let report = step(std::slice::from_mut(chain), settings).expect("closed");
         widest = widest.max(report.widest_gap);
     }
     widest

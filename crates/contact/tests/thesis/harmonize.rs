@@ -2,16 +2,14 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Response, Root, SegmentContact, SegmentPartner, Settings,
-    Springs, step,
+    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
 };
 use rapunzel_contact::projection::{Differences, Form, Polygon};
-use rapunzel_contact::{ContactError, Tolerance};
+use rapunzel_contact::{ContactError, GaussSeidel, Response, Tolerance};
 
 const RADIUS: f64 = 1e-3;
 
 fn settings(order: Order, harmonizations: usize) -> Settings {
-    let alone = Differences { scope: Form::AsPrinted, ..Form::Corrected.into() };
     Settings {
         dt: 1e-3,
         gravity: Vector3::new(0.0, 0.0, -9.81),
@@ -20,12 +18,18 @@ fn settings(order: Order, harmonizations: usize) -> Settings {
         harmonizations,
         restitution: 0.0,
         form: Form::Corrected.into(),
-        response: Response::Projections(alone),
     }
 }
 
+/// Alg. 6, corrected but for its scope.
+fn alone() -> Differences {
+    Differences { scope: Form::AsPrinted, ..Form::Corrected.into() }
+}
+
 /// All contacts by the law.
-const TOGETHER: Response = Response::Together(Tolerance::EXACT);
+fn together() -> GaussSeidel {
+    GaussSeidel::new(Tolerance::EXACT)
+}
 
 fn line(from: Point3<f64>, to: Point3<f64>, segments: usize, root: Root) -> Chain {
     let node = |i: usize| from + (to - from) * (i as f64 / segments as f64);
@@ -75,7 +79,7 @@ fn a_chain_lies_still_on_a_plane() {
     for _ in 0..1000 {
         let contacts = on_plane(&chains[0], &settings, 0.3);
         assert_eq!(contacts.len(), 20);
-        step(&mut chains, &contacts, &settings).expect("solved");
+        step(&mut chains, &contacts, &settings, &mut alone()).expect("solved");
     }
     for (now, then) in chains[0].segments().iter().zip(start.segments()) {
         assert!((now.center() - then.center()).norm() < 1e-10);
@@ -92,7 +96,7 @@ fn a_sliding_chain_is_braked_by_friction() {
     let settings = settings(Order::JointsFirst, 1);
     for _ in 0..100 {
         let contacts = on_plane(&chains[0], &settings, 0.3);
-        step(&mut chains, &contacts, &settings).expect("solved");
+        step(&mut chains, &contacts, &settings, &mut alone()).expect("solved");
     }
     // Friction acts below the centers, where it would roll the segments: the full law would let
     // them roll, the second projection must not press an end into the plane.
@@ -107,14 +111,13 @@ fn a_sliding_chain_is_braked_by_friction() {
 /// the law.
 #[test]
 fn friction_along_the_axis_needs_contacts_without_a_lever() {
-    let braked = |ends: bool, response: Option<Response>| {
+    let braked = |ends: bool, response: &mut dyn Response| {
         let at = |x: f64| Point3::new(x, 0.0, RADIUS);
         let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
         for segment in chains[0].segments_mut() {
             segment.velocity.x = 1.0;
         }
-        let mut settings = settings(Order::JointsFirst, 1);
-        settings.response = response.unwrap_or(settings.response);
+        let settings = settings(Order::JointsFirst, 1);
         for _ in 0..100 {
             let mut contacts = on_plane(&chains[0], &settings, 0.3);
             if !ends {
@@ -123,12 +126,12 @@ fn friction_along_the_axis_needs_contacts_without_a_lever() {
                     contact.point = segment.center() - RADIUS * Vector3::z();
                 }
             }
-            step(&mut chains, &contacts, &settings).expect("solved");
+            step(&mut chains, &contacts, &settings, response).expect("solved");
         }
         1.0 - chains[0].segments()[5].velocity.x
     };
-    let (middle, ends) = (braked(false, None), braked(true, None));
-    let law = braked(true, Some(TOGETHER));
+    let (middle, ends) = (braked(false, &mut alone()), braked(true, &mut alone()));
+    let law = braked(true, &mut together());
     println!(
         "braked in 0.1 s by {middle} m/s, with contacts at the ends by {ends}, {law} by the law"
     );
@@ -168,7 +171,7 @@ fn over_a_bar(settings: &Settings) -> (f64, f64) {
                 });
             }
         }
-        let report = step(&mut chains, &contacts, settings).expect("solved");
+        let report = step(&mut chains, &contacts, settings, &mut alone()).expect("solved");
         widest = widest.max(report.widest_gap);
     }
     (widest, deepest)
@@ -199,7 +202,7 @@ fn the_order_decides_what_is_violated() {
 
 #[test]
 fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
-    let lost = |response: Response| {
+    let lost = |response: &mut dyn Response, tells: bool| {
         let upper = line(Point3::new(-0.05, 0.0, 0.0), Point3::new(0.05, 0.0, 0.0), 5, Root::Free);
         let lower = line(
             Point3::new(0.003, -0.05, -2.0 * RADIUS),
@@ -228,20 +231,19 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
             (linear, angular)
         };
         let before = total(&chains);
-        let settings =
-            Settings { gravity: Vector3::zeros(), response, ..settings(Order::JointsFirst, 1) };
+        let settings = Settings { gravity: Vector3::zeros(), ..settings(Order::JointsFirst, 1) };
         // Two points, of which one has a lever on the lower segment alone.
-        let report = step(&mut chains, &[contact(0.0), contact(0.004)], &settings).expect("solved");
-        assert_eq!(report.contacts.map(|c| c.converged), (response == TOGETHER).then_some(true));
+        let contacts = [contact(0.0), contact(0.004)];
+        let report = step(&mut chains, &contacts, &settings, response).expect("solved");
+        assert_eq!(report.contacts.map(|c| c.converged), tells.then_some(true));
         let after = total(&chains);
         let size = before.0.norm();
         ((after.0 - before.0).norm() / size).max((after.1 - before.1).norm() / (0.1 * size))
     };
-    let projected = |scope| Response::Projections(Differences { scope, ..Form::Corrected.into() });
-    let (together, alone) = (lost(projected(Form::Corrected)), lost(projected(Form::AsPrinted)));
-    let law = lost(TOGETHER);
-    println!("momentum lost: together {together:e}, each by itself {alone}, by the law {law:e}");
-    assert!(together < 1e-14 && law < 1e-14, "{together:e} {law:e}");
+    let projected = lost(&mut Differences::from(Form::Corrected), false);
+    let (alone, law) = (lost(&mut alone(), false), lost(&mut together(), true));
+    println!("momentum lost: together {projected:e}, each by itself {alone}, by the law {law:e}");
+    assert!(projected < 1e-14 && law < 1e-14, "{projected:e} {law:e}");
     assert!(alone > 1e-3, "{alone}");
 }
 
@@ -249,8 +251,7 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
 fn bad_contacts_are_refused() {
     let mut chains = [line(Point3::origin(), Point3::new(0.1, 0.0, 0.0), 4, Root::Free)];
     let before = chains.clone();
-    let mut settings = settings(Order::JointsFirst, 2);
-    let projected = settings.response;
+    let settings = settings(Order::JointsFirst, 2);
     let good = on_plane(&chains[0], &settings, 0.3)[0].clone();
     for bad in [
         SegmentContact { chain: 1, ..good.clone() },
@@ -262,9 +263,9 @@ fn bad_contacts_are_refused() {
         SegmentContact { normal: Vector3::zeros(), ..good.clone() },
         SegmentContact { gap: f64::INFINITY, ..good.clone() },
     ] {
-        for response in [projected, TOGETHER] {
-            settings.response = response;
-            let refused = step(&mut chains, &[good.clone(), bad.clone()], &settings);
+        let (mut alone, mut together) = (alone(), together());
+        for response in [&mut alone as &mut dyn Response, &mut together] {
+            let refused = step(&mut chains, &[good.clone(), bad.clone()], &settings, response);
             assert!(
                 matches!(refused, Err(ContactError::Contact { contact: 1, .. })),
                 "{refused:?}"
@@ -317,7 +318,7 @@ fn cost_of_the_reference_size() {
                 })
                 .collect();
             let start = std::time::Instant::now();
-            let report = step(&mut chains, &contacts, &settings).expect("solved");
+            let report = step(&mut chains, &contacts, &settings, &mut alone()).expect("solved");
             spent += start.elapsed();
             assert!(touching || report.widest_gap < 1e-13);
         }

@@ -6,12 +6,11 @@ use crate::report::{Check, Criterion, Figure, check};
 use crate::size::Size;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{Candidates, Capsules};
-use rapunzel_contact::Tolerance;
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Response, Root, SegmentContact, SegmentPartner, Settings,
-    Springs, step,
+    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
 };
 use rapunzel_contact::projection::{Form, Polygon};
+use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_sim::Scene;
 use rapunzel_sim::scene::Friction;
@@ -176,8 +175,8 @@ fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<O
         harmonizations: 1,
         restitution: contact.restitution,
         form: Form::Corrected.into(),
-        response: Response::Together(TOLERANCE),
     };
+    let mut solver = GaussSeidel::new(TOLERANCE);
     let mut bundle = Bundle::new(scene, springs)?;
     let mut outcome = Outcome::default();
     let name = if springs { "with springs" } else { "without" };
@@ -203,7 +202,7 @@ fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<O
         contacts.extend(bundle.on_the_plane());
         outcome.depth =
             contacts[hairs..].iter().map(|c| -1e6 * c.gap).fold(outcome.depth, f64::max);
-        let report = step(&mut bundle.chains, &contacts, &settings)?;
+        let report = step(&mut bundle.chains, &contacts, &settings, &mut solver)?;
         outcome.gap = outcome.gap.max(1e6 * report.widest_gap);
         outcome.unsolved += f64::from(u8::from(report.contacts.is_some_and(|c| !c.converged)));
         steps += 1;

@@ -1,17 +1,54 @@
-use crate::projection::{Partner, Touch};
+use crate::projection::{Differences, Partner, Touch, project};
 use crate::solver::on_points;
-use crate::{
-    Body, Contact, ContactError, GaussSeidel, Report, RigidBody, RigidPoints, Tolerance, impact,
-};
+use crate::{Body, Contact, ContactError, Report, RigidBody, RigidPoints, Solver, impact};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// Replaces the velocities of `bodies` by those after the impacts `touches`, all of them together: the
-/// law of contacts to `tolerance`, by [`GaussSeidel`], with the restitution of [`impact`].
-pub(super) fn collide(
+/// How rigid bodies answer what touches them: by any [`Solver`], with the restitution of [`impact`], or by
+/// Alg. 6, as printed and corrected, which changes twists and is for rigid bodies alone.
+pub trait Response {
+    /// Replaces the velocities of `bodies` by those after the impacts `touches`, with one coefficient of
+    /// `restitution`, 0 to 1. Tells how well the law of contacts is obeyed where that is known.
+    ///
+    /// # Errors
+    /// As [`impact`] or [`project`]. The bodies are then as before.
+    fn collide(
+        &mut self,
+        bodies: &mut [RigidBody],
+        touches: &[Touch],
+        restitution: f64,
+    ) -> Result<Option<Report>, ContactError>;
+}
+
+/// As [`project`]: with `scope` corrected all contacts are one dense program, for a few hundred at most; as
+/// printed each body has its own, in parallel: the partners of a contact feel different impulses, and where a
+/// body is squeezed between others what it must not do may leave nothing, [`ContactError::Program`].
+impl Response for Differences {
+    fn collide(
+        &mut self,
+        bodies: &mut [RigidBody],
+        touches: &[Touch],
+        restitution: f64,
+    ) -> Result<Option<Report>, ContactError> {
+        project(bodies, touches, restitution, self).map(|()| None)
+    }
+}
+
+impl<S: Solver> Response for S {
+    fn collide(
+        &mut self,
+        bodies: &mut [RigidBody],
+        touches: &[Touch],
+        restitution: f64,
+    ) -> Result<Option<Report>, ContactError> {
+        together(bodies, touches, restitution, self).map(Some)
+    }
+}
+
+fn together(
     bodies: &mut [RigidBody],
     touches: &[Touch],
     restitution: f64,
-    tolerance: Tolerance,
+    solver: &mut dyn Solver,
 ) -> Result<Report, ContactError> {
     let mut on_body: Vec<Vec<Point3<f64>>> = vec![Vec::new(); bodies.len()];
     // Body, and place among its points, of the two sides.
@@ -54,8 +91,7 @@ pub(super) fn collide(
         .collect();
     let mut seen: Vec<&mut dyn Body> = points.iter_mut().map(|points| points as _).collect();
     let shares = vec![restitution; contacts.len()];
-    let found =
-        impact(&mut seen, &contacts, &shares, &velocities, &mut GaussSeidel::new(tolerance))?;
+    let found = impact(&mut seen, &contacts, &shares, &velocities, solver)?;
     let on_points = on_points(&contacts, &found.impulses, velocities.len());
     for ((body, points), start) in bodies.iter_mut().zip(&points).zip(&starts) {
         body.apply_wrench(&points.wrench(&on_points[*start..][..points.points()]));
