@@ -47,12 +47,12 @@ pub(super) struct Change {
     pub(super) angular: Vector3<f64>,
 }
 
-/// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act, with
-/// `time` left to close gaps.
+/// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act, `closing` the
+/// velocity at which a contact may close.
 pub(super) fn resolve(
     chains: &[Chain],
     contacts: &[SegmentContact],
-    time: f64,
+    closing: impl Fn(&SegmentContact) -> f64,
     restitution: f64,
     response: &mut dyn Response,
     ahead: impl Fn(usize, usize) -> RigidBody,
@@ -92,7 +92,7 @@ pub(super) fn resolve(
                 point: contact.point,
                 normal: contact.normal,
                 tangent: tangent(&bodies[body], &contact.normal),
-                closing: contact.gap.max(0.0) / time,
+                closing: closing(contact),
                 friction: contact.friction.clone(),
             }
         })
@@ -108,6 +108,19 @@ pub(super) fn resolve(
         })
         .collect();
     Ok((changes, report))
+}
+
+/// How fast the two sides of a contact part, m/s.
+pub(super) fn parting(chains: &[Chain], contact: &SegmentContact) -> f64 {
+    let of = |chain: usize, segment: usize| {
+        let segment: &RigidBody = &chains[chain].segments[segment];
+        segment.velocity_at(&contact.point)
+    };
+    let other = match contact.partner {
+        SegmentPartner::Given(velocity) => velocity,
+        SegmentPartner::Segment { chain, segment } => of(chain, segment),
+    };
+    contact.normal.dot(&(of(contact.chain, contact.segment) - other))
 }
 
 fn momenta(body: &RigidBody) -> Vector6<f64> {

@@ -1,4 +1,4 @@
-use super::contacts::{SegmentContact, resolve};
+use super::contacts::{SegmentContact, parting, resolve};
 use super::joints::{Joints, Sums};
 use super::link::Link;
 use super::{Chain, ChainForm, Method, half_way};
@@ -29,7 +29,7 @@ pub struct Settings {
     pub order: Order,
     /// How often both are done, at least 1; the thesis does 1 to 3.
     pub harmonizations: usize,
-    /// Coefficient of restitution, 0 to 1.
+    /// Coefficient of restitution, 0 to 1; see [`ChainForm::rebound`].
     pub restitution: f64,
     /// The chains' text.
     pub form: ChainForm,
@@ -59,7 +59,7 @@ struct Acting {
 ///
 /// # Errors
 /// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
-/// step), [`ContactError::Invalid`] for the step's length, and as
+/// step), [`ContactError::Invalid`] for the step's length and the restitution, and as
 /// [`Response::collide`]. The chains are then as before.
 pub fn step(
     chains: &mut [Chain],
@@ -71,6 +71,10 @@ pub fn step(
     if !(dt > 0.0 && dt.is_finite()) {
         let why = "must be > 0 s";
         return Err(ContactError::Invalid { what: "length of a step", value: dt, why });
+    }
+    if !(0.0..=1.0).contains(&settings.restitution) {
+        let (why, value) = ("must be between 0 and 1", settings.restitution);
+        return Err(ContactError::Invalid { what: "restitution", value, why });
     }
     let mut acting: Vec<Acting> = chains
         .iter()
@@ -151,11 +155,24 @@ fn meet_contacts(
         body
     };
     let time = if whole { dt } else { 0.5 * dt };
-    let (changes, report) = resolve(chains, contacts, time, settings.restitution, response, ahead)?;
+    let closing = |contact: &SegmentContact| {
+        let gap = contact.gap.max(0.0) / time;
+        if form.rebound.is_corrected() { rebound(chains, contact, gap, settings) } else { gap }
+    };
+    let restitution = if form.rebound.is_corrected() { 0.0 } else { settings.restitution };
+    let (changes, report) = resolve(chains, contacts, closing, restitution, response, ahead)?;
     for change in changes {
         acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
     }
     Ok(report)
+}
+
+/// The velocity at which a contact may close its gap, m/s, given over the step's length; negative for one that
+/// rebounds. What comes no faster than gravity drives it in two steps comes to rest.
+fn rebound(chains: &[Chain], contact: &SegmentContact, gap: f64, settings: &Settings) -> f64 {
+    let (before, fall) = (parting(chains, contact), settings.gravity.norm() * settings.dt);
+    let bounces = settings.restitution > 0.0 && before < -2.0 * fall && gap + before < fall;
+    if bounces { gap.min(settings.restitution * before) } else { gap }
 }
 
 fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {

@@ -75,11 +75,16 @@ pub struct ChainForm {
     /// Corrected (not in the errata): contacts act from the start of the step as the joints do, and
     /// it is the mean velocity `w` that must not close the gap.
     pub contact_time: Form,
+    /// Restitution in Alg. 7. Printed: that of Alg. 6, of the velocity that contacts find, with which the
+    /// joints' impulses also close what is open: it is reflected, and opens them further. Corrected (not in the
+    /// errata): of the velocity at the start of the step, contact by contact; with friction that has no bound
+    /// on the energy of several oblique contacts.
+    pub rebound: Form,
 }
 
 impl From<Form> for ChainForm {
     fn from(form: Form) -> Self {
-        Self { gyroscopic: form, signs: form, curvature: form, contact_time: form }
+        Self { gyroscopic: form, signs: form, curvature: form, contact_time: form, rebound: form }
     }
 }
 

@@ -26,8 +26,8 @@ pub struct Touch {
     /// the normal. On a fiber its axis, root to tip (thesis after (8.48)). The other is
     /// `t2 = normal x t1`.
     pub tangent: Vector3<f64>,
-    /// Velocity at which the contact may still close, m/s, not negative: an open gap divided by
-    /// the time that is left; zero where the bodies touch or overlap.
+    /// Velocity at which the contact may still close, m/s: an open gap divided by the time that is
+    /// left; zero where the bodies touch or overlap; negative where they must part.
     pub closing: f64,
     /// Limit curve of the friction that acts on the body.
     pub friction: Polygon,
@@ -63,8 +63,8 @@ impl Touch {
         if !self.point.iter().all(|x| x.is_finite()) {
             return bad("its point is not finite");
         }
-        if !(self.closing >= 0.0 && self.closing.is_finite()) {
-            return bad("its closing velocity must be finite and >= 0");
+        if !self.closing.is_finite() {
+            return bad("its closing velocity must be finite");
         }
         Ok(())
     }

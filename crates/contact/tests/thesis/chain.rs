@@ -296,6 +296,7 @@ fn bad_chains_and_steps_are_refused() {
     assert_eq!(sprung.root(), Root::Free);
     let mut chains = [chain];
     assert!(step(&mut chains, &settings(0.0)).is_err());
+    assert!(step(&mut chains, &Settings { restitution: 1.1, ..settings(1e-3) }).is_err());
     chains[0].segments_mut()[0].velocity.z = f64::INFINITY;
     let before = chains.clone();
     let result = step(&mut chains, &settings(1e-3));

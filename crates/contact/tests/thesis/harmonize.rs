@@ -247,6 +247,67 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
     assert!(alone > 1e-3, "{alone}");
 }
 
+/// A chain that falls flat leaves with its share of the velocity with which it came, whoever answers and
+/// whatever comes last; one that comes no faster than gravity makes it in two steps stays.
+#[test]
+fn a_chain_rebounds_by_its_restitution() {
+    let after = |speed: f64, order: Order, response: &mut dyn Response| {
+        let at = |x: f64| Point3::new(x, 0.0, RADIUS);
+        let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
+        for segment in chains[0].segments_mut() {
+            segment.velocity.z = -speed;
+        }
+        let settings = Settings { restitution: 0.5, ..settings(order, 1) };
+        let contacts = on_plane(&chains[0], &settings, 0.3);
+        step(&mut chains, &contacts, &settings, response).expect("solved");
+        chains[0].segments()[5].velocity.z
+    };
+    for order in [Order::JointsFirst, Order::ContactsFirst] {
+        let (mut alone, mut together) = (alone(), together());
+        for response in [&mut alone as &mut dyn Response, &mut together] {
+            // The mean of the step rebounds; half of its fall is still to come.
+            let fast = after(1.0, order, response) - 0.5;
+            assert!((fast + 0.5 * 9.81e-3).abs() < 1e-9, "{order:?}: {fast}");
+            let slow = after(1.9 * 9.81e-3, order, response);
+            assert!((slow + 0.5 * 9.81e-3).abs() < 1e-9, "{order:?}: {slow}");
+        }
+    }
+}
+
+/// Joints that are open and close press segments on what they lie on. Reflected, that velocity opens them again:
+/// a chain every other segment of which lies lower, as penetration is not repaired, never rests.
+#[test]
+fn joints_that_close_do_not_rebound() {
+    let jumps = |rebound: Form| {
+        let at = |x: f64| Point3::new(x, 0.0, RADIUS);
+        let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
+        let mut settings = Settings { restitution: 0.9, ..settings(Order::JointsFirst, 1) };
+        settings.form.rebound = rebound;
+        for (i, segment) in chains[0].segments_mut().iter_mut().enumerate() {
+            let lift = if i % 2 == 0 { -1e-4 } else { 0.0 };
+            segment.pose.translation.z += lift;
+        }
+        let (mut widest, mut fastest) = (0.0_f64, 0.0_f64);
+        // It has come to rest, or never will.
+        for i in 0..300 {
+            let contacts = on_plane(&chains[0], &settings, 0.3);
+            let report = step(&mut chains, &contacts, &settings, &mut together()).expect("solved");
+            if i >= 100 {
+                widest = widest.max(report.widest_gap);
+                let speeds = chains[0].segments().iter().map(|segment| segment.velocity.norm());
+                fastest = speeds.fold(fastest, f64::max);
+            }
+        }
+        [widest, fastest]
+    };
+    let [printed, corrected] = [Form::AsPrinted, Form::Corrected].map(jumps);
+    println!("gaps (m) and speeds (m/s) as printed {printed:?}, corrected {corrected:?}");
+    // Velocities are those half a step of fall ahead of rest.
+    let rest = 0.5 * 9.81e-3;
+    assert!((corrected[1] - rest).abs() < 1e-9, "{corrected:?}");
+    assert!(printed[1] > 2.0 * rest && printed[0] > corrected[0], "{printed:?}");
+}
+
 #[test]
 fn bad_contacts_are_refused() {
     let mut chains = [line(Point3::origin(), Point3::new(0.1, 0.0, 0.0), 4, Root::Free)];
