@@ -81,14 +81,14 @@ impl<'a> Laws<'a> {
         &self,
         assembly: &Assembly,
         touches: &[Touch],
-        gaps: &[f64],
+        gaps: impl Iterator<Item = f64>,
     ) -> Result<Vec<f64>, ContactError> {
         if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
             let bears = Bond::new(bonds.strength)?.adhesion(self.dt);
             return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
         }
         let Some(film) = self.film else { return Ok(Vec::new()) };
-        let gaps: Vec<_> = gaps.iter().map(|gap| gap * self.dt).collect();
+        let gaps: Vec<_> = gaps.map(|gap| gap * self.dt).collect();
         let forces = film.forces(assembly, touches, &gaps);
         Ok(forces.into_iter().map(|force| force * self.dt).collect())
     }

@@ -91,7 +91,7 @@ impl Case {
                 ..Default::default()
             };
             // What is pressed in without having given way.
-            let gap = self.gaps[i] + before.x * contact.compliance;
+            let gap = self.laws[i].gap + before.x * contact.compliance;
             let along = match impulse.x {
                 pull if pull < 0.0 => &mut work.adhesion,
                 _ if contact.bias.x < gap => &mut work.restitution,
@@ -135,7 +135,7 @@ impl Case {
             }
             let (contact, velocity, impulse, _) = self.judged(i, &touches[i], &velocities);
             let friction = impulse.yz().dot(&velocity.yz()) - impulse.yz().norm() * slip;
-            let gap = self.gaps[i] + impulse.x * contact.compliance;
+            let gap = self.laws[i].gap + impulse.x * contact.compliance;
             impulse.x.max(0.0) * (-gap - repair).max(0.0) + friction
         };
         let gain: f64 = self.summed(given);
@@ -192,6 +192,6 @@ impl Case {
     fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
         let law = &self.laws[i];
         // The bias may be another than that of the gap.
-        dt * (opening(law, touch, mean) - law.bias.x + self.gaps[i])
+        dt * (opening(law, touch, mean) - law.bias.x + law.gap)
     }
 }

@@ -43,6 +43,8 @@ struct Law {
     friction: LimitCurve,
     adhesion: f64,
     compliance: f64,
+    /// The gap at the start of the step over its length, m/s.
+    gap: f64,
 }
 
 impl Law {
@@ -66,12 +68,12 @@ pub(super) struct Case {
     laws: Vec<Law>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
-    /// The gaps at the start of the step over its length, m/s.
-    gaps: Vec<f64>,
     /// Impulses as those of the step before, N s, world; none where nothing gives way.
     before: Vec<Vector3<f64>>,
     /// Those that bear something or that the solver looked at last, in their order.
     working: Vec<usize>,
+    /// Their impulses on their first sides, N s, world.
+    pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<Openings>,
     /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of those that
@@ -92,7 +94,6 @@ pub(super) struct Case {
 pub(super) struct Room {
     laws: Vec<Law>,
     solved: Vec<Contact>,
-    gaps: Vec<f64>,
 }
 
 impl Case {
@@ -108,7 +109,7 @@ impl Case {
         before: Vec<Vector3<f64>>,
         room: Room,
     ) -> Result<Self, ContactError> {
-        let Room { laws: mut own, solved, mut gaps } = room;
+        let Room { laws: mut own, solved } = room;
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = world.velocities();
         let (first, mean) = (Velocities::before(world, &start), Velocities::new(world, nodes));
@@ -133,35 +134,36 @@ impl Case {
                 let given = frame.tr_mul(&before[i]) * compliance;
                 bias -= Vector3::new(0.0, given.y, given.z);
             }
-            (Law { bias, friction, adhesion: 0.0, compliance }, gap)
+            let impulse = match touch.impulse {
+                none if none == Vector3::zeros() => none,
+                world => frame.tr_mul(&world),
+            };
+            (Law { bias, friction, adhesion: 0.0, compliance, gap }, impulse)
         };
         let made = touches.par_iter().enumerate().map(law);
         // Twice the room, as they would grow by, is much.
         own.clear();
         own.reserve_exact(touches.len());
-        made.unzip_into_vecs(&mut own, &mut gaps);
+        let mut impulses = Vec::new();
+        made.unzip_into_vecs(&mut own, &mut impulses);
         drop(start);
         if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
         }
-        let pulls = laws.adhesion(world.assembly(), touches, &gaps)?;
+        let pulls = laws.adhesion(world.assembly(), touches, own.iter().map(|law| law.gap))?;
         own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
-        let impulse = |touch: &Touch| match touch.impulse {
-            none if none == Vector3::zeros() => none,
-            world => touch.frame().tr_mul(&world),
-        };
-        let impulses = touches.par_iter().map(impulse).collect();
         let acts = |touch: &Touch| touch.working || touch.impulse != Vector3::zeros();
         let openings = (touches.len() > nodes.len()).then(|| {
-            let both = touches.par_iter().zip(&own).zip(&gaps);
-            let speeds = both.map(|((touch, law), gap)| {
+            let speeds = touches.par_iter().zip(&own).map(|(touch, law)| {
                 let always = acts(touch) || law.adhesion > 0.0;
-                if always { ALWAYS } else { touch.gap / dt + law.bias.x - gap }
+                if always { ALWAYS } else { touch.gap / dt + law.bias.x - law.gap }
             });
             Openings::new(world, touches, speeds.collect(), nodes)
         });
         let masses = world.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        let working = (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
+        let working: Vec<usize> =
+            (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
+        let pushes = working.iter().map(|&i| touches[i].impulse).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
         let weights = vec![mass; touches.len()];
         let written = world.groups.iter().map(|_| None).collect();
@@ -169,9 +171,9 @@ impl Case {
         Ok(Self {
             laws: own,
             impulses,
-            gaps,
             before,
             working,
+            pushes,
             openings,
             weights,
             error,
@@ -183,7 +185,7 @@ impl Case {
 
     /// Leaves its room for the next.
     pub(super) fn into_room(self) -> Room {
-        Room { laws: self.laws, solved: self.solved, gaps: self.gaps }
+        Room { laws: self.laws, solved: self.solved }
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -302,6 +304,8 @@ impl Case {
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
         let traces = traces(&mut bodies);
         let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
+        let world = self.solved.par_iter().zip(&impulses).map(|(contact, own)| contact.frame * own);
+        world.collect_into_vec(&mut self.pushes);
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
         self.weigh(touches, &working, &traces);
         self.working = working;
@@ -344,23 +348,16 @@ impl Case {
 
     /// The touches that bear something or that the solver looked at last, with their impulses.
     pub(super) fn pushes(&self, touches: &[Touch]) -> impl Iterator<Item = Push> + Clone {
-        self.working.iter().map(|&i| touches[i].push(self.impulse(i, &touches[i])))
+        self.working.iter().zip(&self.pushes).map(|(&i, push)| touches[i].push(*push))
     }
 
     /// Gives the impulses back to the touches, and tells which the solver looked at last.
     pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
-        let mut works = vec![false; touches.len()];
-        self.working.iter().for_each(|&i| works[i] = true);
-        touches.par_iter_mut().zip(works).enumerate().for_each(|(i, (touch, works))| {
-            (touch.impulse, touch.working) = (self.impulse(i, touch), works);
+        touches.par_iter_mut().for_each(|touch| {
+            (touch.impulse, touch.working) = (Vector3::zeros(), false);
         });
-    }
-
-    /// That on the first side of a contact, N s, world.
-    fn impulse(&self, contact: usize, touch: &Touch) -> Vector3<f64> {
-        match self.impulses[contact] {
-            none if none == Vector3::zeros() => none,
-            own => touch.frame() * own,
+        for (&i, push) in self.working.iter().zip(&self.pushes) {
+            (touches[i].impulse, touches[i].working) = (*push, true);
         }
     }
 
