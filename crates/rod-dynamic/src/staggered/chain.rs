@@ -14,7 +14,7 @@
 //! symmetric quasi-definite and block tridiagonal; see [`super::factor`].
 
 use super::ends::{Ends, Held};
-use super::factor::{Block, close};
+use super::factor::{Block, Right, close};
 use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
 use super::laws::{Laws, Turns};
 use super::model::Model;
@@ -238,7 +238,7 @@ impl<S: Simd> Chain<S> {
                 store(&mut self.room.rhs, 2 * e, rhs[0]);
                 store(&mut self.room.rhs, 2 * e + 1, rhs[1]);
                 for i in 0..3 {
-                    store(&mut self.room.coupling, 3 * e + i, coupling.0[i]);
+                    store(&mut self.kept.coupling, 3 * e + i, coupling.0[i]);
                 }
                 carry = passed;
                 signature = signature + signs;
@@ -247,7 +247,8 @@ impl<S: Simd> Chain<S> {
             before = after;
             directors = next;
         }
-        self.kept.factor.back_substitute(simd, &self.room.rhs, &mut self.kept.step);
+        let Kept { factor, coupling, w, step, .. } = &mut self.kept;
+        factor.back_substitute(simd, &Right { b: coupling, w }, &self.room.rhs, step);
         (potential, signature)
     }
 

@@ -53,19 +53,25 @@ impl<S: Simd> Sub for Block<S> {
 }
 
 /// The factors of all segments. `D` is a diagonal block from which what its predecessors take away
-/// has been taken. Interleaved, a segment has
+/// has been taken. Interleaved, a segment has `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn
+/// (6, symmetric).
 ///
-/// - `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn (6, symmetric),
-/// - the block to its right: `B` (9), `w`.
-///
-/// Their product at hand would spare a substitution one product of a matrix and a vector a segment, but what
-/// it waits for is to read the factors: of many fibres these lie far away.
+/// The product with the block to its right at hand would spare a substitution one product of a matrix and a
+/// vector a segment, but what it waits for is to read the factors: of many fibres these lie far away.
 pub(super) struct Factor<S: Simd> {
     data: Array<S>,
     n: usize,
 }
 
-const STRIDE: usize = 31;
+const STRIDE: usize = 21;
+
+/// The blocks to the right of all segments. Masses at points leave `B` as it is.
+pub(super) struct Right<'a, S: Simd> {
+    /// `B`, by rows (9 a segment).
+    pub(super) b: &'a [S::f64s],
+    /// Inverse masses of all nodes: `w` of a segment is that of the node behind it.
+    pub(super) w: &'a [S::f64s],
+}
 
 impl<S: Simd> Factor<S> {
     pub(super) fn new(n: usize) -> Self {
@@ -113,40 +119,38 @@ impl<S: Simd> Factor<S> {
         for i in 0..3 {
             for j in 0..3 {
                 row[6 + 3 * i + j] = (-x.0[i].0[j]).value;
-                row[21 + 3 * i + j] = b.0[i].0[j].value;
             }
         }
-        row[30] = w.value;
         (next, [force, turn], of_forces + of_turns)
     }
 
     #[inline(always)]
-    fn matrix(&self, simd: S, i: usize) -> M3<S> {
-        let a = &self.data[i..];
-        M3([V3::load(simd, a, 0), V3::load(simd, a, 1), V3::load(simd, a, 2)])
-    }
-
-    #[inline(always)]
-    fn row(&self, simd: S, e: usize) -> Row<S> {
-        let (at, row) = (STRIDE * e, &self.data[STRIDE * e..STRIDE * (e + 1)]);
+    fn row(&self, simd: S, right: &Right<S>, e: usize) -> Row<S> {
+        let row = &self.data[STRIDE * e..STRIDE * (e + 1)];
         Row {
             inverse: Inverse {
                 ff: Sym::load(simd, row, 0),
-                ft: self.matrix(simd, at + 6),
+                ft: matrix(simd, &row[6..15]),
                 tt: Sym::load(simd, &row[15..], 0),
             },
-            b: self.matrix(simd, at + 21),
-            w: Lane::new(simd, row[30]),
+            b: matrix(simd, &right.b[9 * e..9 * (e + 1)]),
+            w: Lane::new(simd, right.w[e + 1]),
         }
     }
 
     /// Solves backward from the eliminated right-hand sides; both have 6 entries a segment.
     #[inline(always)]
-    pub(super) fn back_substitute(&self, simd: S, rhs: &[S::f64s], x: &mut [S::f64s]) {
+    pub(super) fn back_substitute(
+        &self,
+        simd: S,
+        right: &Right<S>,
+        rhs: &[S::f64s],
+        x: &mut [S::f64s],
+    ) {
         let mut behind = [V3::splat(simd, 0.0); 2];
         for e in (0..self.n).rev() {
             let rhs = [V3::load(simd, rhs, 2 * e), V3::load(simd, rhs, 2 * e + 1)];
-            behind = self.row(simd, e).substitute(rhs, behind);
+            behind = self.row(simd, right, e).substitute(rhs, behind);
             store(x, 2 * e, behind[0]);
             store(x, 2 * e + 1, behind[1]);
         }
@@ -158,6 +162,7 @@ impl<S: Simd> Factor<S> {
     pub(super) fn solve<const K: usize>(
         &self,
         simd: S,
+        right: &Right<S>,
         first: usize,
         loads: &[S::f64s],
         x: &mut [S::f64s],
@@ -165,7 +170,7 @@ impl<S: Simd> Factor<S> {
         let zero = V3::splat(simd, 0.0);
         let mut carry = [[zero; 2]; K];
         for e in first..self.n {
-            let row = self.row(simd, e);
+            let row = self.row(simd, right, e);
             for (k, carry) in carry.iter_mut().enumerate() {
                 let i = K * e + k;
                 let (load, torque) = (V3::load(simd, loads, i) - carry[0], zero - carry[1]);
@@ -177,7 +182,7 @@ impl<S: Simd> Factor<S> {
         }
         let mut behind = [[zero; 2]; K];
         for e in (first..self.n).rev() {
-            let row = self.row(simd, e);
+            let row = self.row(simd, right, e);
             for (k, behind) in behind.iter_mut().enumerate() {
                 let i = 2 * (K * e + k);
                 *behind = row.substitute([V3::load(simd, x, i), V3::load(simd, x, i + 1)], *behind);
@@ -191,16 +196,22 @@ impl<S: Simd> Factor<S> {
     /// segment before, to its right (9). Diagonal blocks are kept symmetric: without that the
     /// recursion loses its digits along the fibre.
     #[inline(always)]
-    pub(super) fn inverse_blocks(&self, simd: S, diagonal: &mut [S::f64s], right: &mut [S::f64s]) {
+    pub(super) fn inverse_blocks(
+        &self,
+        simd: S,
+        right: &Right<S>,
+        diagonal: &mut [S::f64s],
+        beside: &mut [S::f64s],
+    ) {
         let zero = Lane::splat(simd, 0.0);
         let mut behind =
             Inverse { ff: Sym::diagonal(zero), ft: M3::splat(simd, 0.0), tt: Sym::diagonal(zero) };
         for e in (0..self.n).rev() {
-            let row = self.row(simd, e);
+            let row = self.row(simd, right, e);
             let (here, side) = row.behind(&behind);
             for i in 0..3 {
                 for j in 0..3 {
-                    right[9 * e + 3 * i + j] = (-side.0[i].0[j]).value;
+                    beside[9 * e + 3 * i + j] = (-side.0[i].0[j]).value;
                 }
             }
             behind = here;
@@ -209,6 +220,11 @@ impl<S: Simd> Factor<S> {
             }
         }
     }
+}
+
+#[inline(always)]
+fn matrix<S: Simd>(simd: S, a: &[S::f64s]) -> M3<S> {
+    M3([V3::load(simd, a, 0), V3::load(simd, a, 1), V3::load(simd, a, 2)])
 }
 
 /// The right-hand side of a last segment with loads that have no potential, which make its block

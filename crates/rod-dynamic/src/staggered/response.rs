@@ -6,7 +6,7 @@
 //! are the same up to transposition, so the response is symmetric.
 
 use super::chain::{Chain, hat, store};
-use super::factor::{Block, Factor};
+use super::factor::{Block, Factor, Right};
 use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
@@ -61,17 +61,17 @@ impl<S: Simd> Columns<S> {
 }
 
 /// Replaces `K` sets of impulses by the mean velocities that they cause, from node `from` on, with
-/// the inverse masses `w` and the factors of their inertia. The columns are the values, and room for
+/// the inverse masses and the factors of their inertia. The columns are the values, and room for
 /// loads and solutions.
 #[inline(always)]
 fn answer<S: Simd, const K: usize>(
     stage: &Stage<S>,
-    w: &[S::f64s],
     factor: &Factor<S>,
+    right: &Right<S>,
     from: usize,
     [values, loads, solution]: [&mut [S::f64s]; 3],
 ) {
-    let simd = stage.dt.simd();
+    let (simd, w) = (stage.dt.simd(), right.w);
     let n = w.len() - 1;
     let gain = stage.c1 * stage.dt;
     let first = from.saturating_sub(1);
@@ -82,7 +82,7 @@ fn answer<S: Simd, const K: usize>(
             store(loads, i, (before.scale(w0) - here.scale(w1)).scale(gain));
         }
     }
-    factor.solve::<K>(simd, first, loads, solution);
+    factor.solve::<K>(simd, right, first, loads, solution);
     let rate = stage.dt.recip();
     for a in from..=n {
         for i in K * a..K * (a + 1) {
@@ -133,9 +133,10 @@ impl<S: Simd> Pack<S> {
                     }
                     Question::RespondThrice(from, columns) => {
                         let Columns { values, loads, solution } = columns;
-                        let chain = &self.0.chain;
+                        let kept = &self.0.chain.kept;
+                        let right = kept.right(&kept.w);
                         let columns = [&mut values[..], &mut loads[..], &mut solution[..]];
-                        answer::<S, 3>(&stage, &chain.kept.w, &chain.kept.factor, from, columns);
+                        answer::<S, 3>(&stage, &kept.factor, &right, from, columns);
                     }
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
@@ -155,14 +156,15 @@ impl<S: Simd> Pack<S> {
             _ => (&kept.w, &kept.factor),
         };
         let columns = [&mut room.values[..], &mut room.loads[..], &mut room.solution[..]];
-        answer::<S, 1>(stage, w, factor, from, columns);
+        answer::<S, 1>(stage, factor, &kept.right(w), from, columns);
     }
 
     #[inline(always)]
     fn solve_blocks(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let Chain { kept, room, .. } = &mut self.chain;
-        kept.factor.inverse_blocks(simd, &mut room.diagonal, &mut room.right);
+        let right = kept.right(&kept.w);
+        kept.factor.inverse_blocks(simd, &right, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
         for a in 0..=n {
             let w = Lane::new(simd, kept.w[a]);
@@ -229,7 +231,7 @@ impl<S: Simd> Pack<S> {
                 load: zero,
                 torque: zero,
             };
-            let row = |i: usize| V3::load(simd, &room.coupling, 3 * e + i);
+            let row = |i: usize| V3::load(simd, &kept.coupling, 3 * e + i);
             let coupling = M3([row(0), row(1), row(2)]);
             (carry, _, _) = weighted.factor.eliminate(e, block - carry, w1, coupling);
         }

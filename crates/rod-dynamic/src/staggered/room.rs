@@ -4,7 +4,7 @@
 //! after the call that wrote them, so that each thread has room for one pack, and a pack in which
 //! nothing is being solved holds none.
 
-use super::factor::Factor;
+use super::factor::{Factor, Right};
 use super::lanes::{Array, zeros};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
@@ -33,7 +33,6 @@ pub(super) struct Room<S: Simd> {
     /// The last assembly: Hessians of the segments (6), blocks to their right between turns (9), and
     /// eliminated right-hand sides (6).
     pub(super) hessian: Array<S>,
-    pub(super) coupling: Array<S>,
     pub(super) rhs: Array<S>,
     /// The turns of the segments along which is searched (3), and the rotations from where (4).
     pub(super) direction: Array<S>,
@@ -60,8 +59,9 @@ pub(super) struct Kept<S: Simd> {
     pub(super) r: Array<S>,
     /// Inverses of the mass coefficients of the nodes (zero where a node is held).
     pub(super) w: Array<S>,
-    /// Of Newton's matrix at the last assembly.
+    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments (9).
     pub(super) factor: Factor<S>,
+    pub(super) coupling: Array<S>,
     /// Increments of the last solve (6), and how far the tip was from where it is held.
     pub(super) step: Array<S>,
     pub(super) gap: [S::f64s; 3],
@@ -81,7 +81,6 @@ impl<S: Simd> Room<S> {
             d_start: none(),
             phi: none(),
             hessian: none(),
-            coupling: none(),
             rhs: none(),
             direction: none(),
             origin: none(),
@@ -116,7 +115,6 @@ impl<S: Simd> Room<S> {
             (&mut self.d, 9),
             (&mut self.d_start, 9),
             (&mut self.hessian, 6),
-            (&mut self.coupling, 9),
             (&mut self.rhs, 6),
             (&mut self.direction, 3),
             (&mut self.origin, 4),
@@ -132,16 +130,22 @@ impl<S: Simd> Room<S> {
 }
 
 impl<S: Simd> Kept<S> {
+    /// The blocks beside those of the factors, with these inverse masses of the nodes.
+    pub(super) fn right<'a>(&'a self, w: &'a [S::f64s]) -> Right<'a, S> {
+        Right { b: &self.coupling, w }
+    }
+
     pub(super) fn empty() -> Self {
         let none = || zeros::<S>(0);
         let gap = [S::f64s::zeroed(); 3];
-        Self { r: none(), w: none(), factor: Factor::new(0), step: none(), gap }
+        Self { r: none(), w: none(), factor: Factor::new(0), coupling: none(), step: none(), gap }
     }
 
     /// Makes it fit rods of `n` segments.
     pub(super) fn fit(&mut self, n: usize) {
         let of_nodes = [(&mut self.r, 3), (&mut self.w, 1)];
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
+        fit::<S>(&mut self.coupling, 9 * n);
         fit::<S>(&mut self.step, 6 * n);
         self.factor.fit(n);
     }
