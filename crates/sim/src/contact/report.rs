@@ -27,7 +27,7 @@ pub struct ContactReport {
     pub normal_error: f64,
     /// Largest slip that the friction does not allow, m/s.
     pub slip_error: f64,
-    /// Deepest penetration that a step left, m.
+    /// Deepest penetration that a step left, m, beside what has given way by its compliance.
     pub depth: f64,
 }
 
