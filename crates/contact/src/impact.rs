@@ -21,6 +21,23 @@ pub struct Impact {
     pub report: Report,
 }
 
+/// The speed at which a contact may close in a step, m/s: minus the least normal velocity, and a contact's
+/// [bias](Contact::bias) along its normal. `gap` is that at the start over the length of the step, `before` tells
+/// the normal velocity then, `fall` is what gravity adds to a velocity in the step.
+///
+/// A contact that would close returns with its share, if there is a `restitution`, of the velocity of
+/// approach (Newton). Whether it would is told by the start of the step, with what gravity may add, so that
+/// it neither depends on the search nor is a fall stopped at the surface before it bounces. What comes no
+/// faster than gravity drives it in two steps is at rest, and stays so.
+pub fn closing(gap: f64, restitution: f64, fall: f64, before: impl FnOnce() -> f64) -> f64 {
+    if restitution <= 0.0 {
+        return gap;
+    }
+    let before = before();
+    let bounces = before < -2.0 * fall && gap + before < fall;
+    if bounces { gap.min(restitution * before) } else { gap }
+}
+
 /// Approach slower than this, relative to the fastest contact, is none.
 const STILL: f64 = 1e-12;
 

@@ -26,7 +26,7 @@ pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;
 pub use gauss_seidel::GaussSeidel;
-pub use impact::{Impact, impact, impact_in_turn};
+pub use impact::{Impact, closing, impact, impact_in_turn};
 pub use limit_curve::{Friction, LimitCurve, Polygon};
 pub use local::solve_contact;
 pub use polished::Polished;

@@ -2,7 +2,8 @@ use super::contacts::{SegmentContact, parting, resolve};
 use super::joints::{Joints, Sums};
 use super::link::Link;
 use super::{Chain, ChainForm, Method, half_way};
-use crate::{ContactError, Report, Response, RigidBody};
+use crate::projection::Form;
+use crate::{ContactError, Report, Response, RigidBody, closing};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
@@ -53,9 +54,9 @@ struct Acting {
     contacts: Sums,
 }
 
-/// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by `response`. Parallel over the chains, and over the
-/// touched segments where these are projected by themselves; the result does not depend on the
-/// number of threads. Costs O(segments) but for the contacts.
+/// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by `response`.
+/// Parallel over the chains, and over the touched segments where these are projected by themselves; the
+/// result does not depend on the number of threads. Costs O(segments) but for the contacts.
 ///
 /// # Errors
 /// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
@@ -155,24 +156,20 @@ fn meet_contacts(
         body
     };
     let time = if whole { dt } else { 0.5 * dt };
-    let closing = |contact: &SegmentContact| {
-        let gap = contact.gap.max(0.0) / time;
-        if form.rebound.is_corrected() { rebound(chains, contact, gap, settings) } else { gap }
+    let fall = settings.gravity.norm() * dt;
+    // Of the velocity at the start, and of that which the response finds.
+    let [first, found] = match form.rebound {
+        Form::Corrected => [settings.restitution, 0.0],
+        Form::AsPrinted => [0.0, settings.restitution],
     };
-    let restitution = if form.rebound.is_corrected() { 0.0 } else { settings.restitution };
-    let (changes, report) = resolve(chains, contacts, closing, restitution, response, ahead)?;
+    let may_close = |contact: &SegmentContact| {
+        closing(contact.gap.max(0.0) / time, first, fall, || parting(chains, contact))
+    };
+    let (changes, report) = resolve(chains, contacts, may_close, found, response, ahead)?;
     for change in changes {
         acting[change.chain].contacts[change.segment] = [change.linear, change.angular];
     }
     Ok(report)
-}
-
-/// The velocity at which a contact may close its gap, m/s, given over the step's length; negative for one that
-/// rebounds. What comes no faster than gravity drives it in two steps comes to rest.
-fn rebound(chains: &[Chain], contact: &SegmentContact, gap: f64, settings: &Settings) -> f64 {
-    let (before, fall) = (parting(chains, contact), settings.gravity.norm() * settings.dt);
-    let bounces = settings.restitution > 0.0 && before < -2.0 * fall && gap + before < fall;
-    if bounces { gap.min(settings.restitution * before) } else { gap }
 }
 
 fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {

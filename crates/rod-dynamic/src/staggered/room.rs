@@ -30,8 +30,7 @@ pub(super) struct Room<S: Simd> {
     pub(super) d_start: Array<S>,
     /// Rotation vectors of the joints (3).
     pub(super) phi: Array<S>,
-    /// The last assembly: Hessians of the segments (6), blocks to their right between turns (9), and
-    /// eliminated right-hand sides (6).
+    /// The last assembly: Hessians of the segments (6), and eliminated right-hand sides (6).
     pub(super) hessian: Array<S>,
     pub(super) rhs: Array<S>,
     /// The turns of the segments along which is searched (3), and the rotations from where (4).
@@ -59,7 +58,7 @@ pub(super) struct Kept<S: Simd> {
     pub(super) r: Array<S>,
     /// Inverses of the mass coefficients of the nodes (zero where a node is held).
     pub(super) w: Array<S>,
-    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments (9).
+    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments, between turns (9).
     pub(super) factor: Factor<S>,
     pub(super) coupling: Array<S>,
     /// Increments of the last solve (6), and how far the tip was from where it is held.

@@ -5,7 +5,7 @@ use super::object::Object;
 use super::touch::{Partner, Touch};
 use crate::scene::{Adhesion, ContactSettings};
 use nalgebra::Vector3;
-use rapunzel_contact::{Bond, ContactError, LimitCurve};
+use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
 use rapunzel_fiber::Assembly;
 
 /// The laws of contact in one part of a step.
@@ -36,13 +36,8 @@ impl<'a> Laws<'a> {
         self.settings.compliance / (self.dt * self.dt)
     }
 
-    /// The least normal velocity of a touch is the negative of this, m/s. `gap` is that at the start
-    /// over the length of the part, `before` tells the relative velocity then, in the frame of the touch.
-    ///
-    /// A touch that would close returns with its share, if there is one, of the velocity of approach
-    /// (Newton). Whether it would is told by the start of the part, with what gravity may add, so that
-    /// it neither depends on the search nor is a fall stopped at the surface before it bounces. What
-    /// comes no faster than gravity drives it in two parts is at rest, and stays so.
+    /// [`closing`] of a touch in the part. `gap` is that at the start over the length of the part, `before` tells
+    /// the relative velocity then, in the frame of the touch.
     pub(super) fn closing(
         &self,
         touch: &Touch,
@@ -51,12 +46,7 @@ impl<'a> Laws<'a> {
     ) -> f64 {
         let own = self.own(touch, |object| object.restitution);
         let restitution = own.unwrap_or(self.settings.restitution);
-        if restitution <= 0.0 {
-            return gap;
-        }
-        let before = before().x;
-        let bounces = before < -2.0 * self.fall && gap + before < self.fall;
-        if bounces { gap.min(restitution * before) } else { gap }
+        closing(gap, restitution, self.fall, || before().x)
     }
 
     /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its frame, `before`
