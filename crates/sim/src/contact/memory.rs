@@ -84,13 +84,6 @@ pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
     });
 }
 
-/// The impulses that are expected of touches, N s, world.
-pub(crate) fn recalled(expected: &Expected, touches: &[Touch]) -> Vec<Vector3<f64>> {
-    let mut touches = touches.to_vec();
-    recall(expected, &mut touches);
-    touches.into_iter().map(|touch| touch.impulse).collect()
-}
-
 /// The same for the contacts of one pair.
 fn recall_pair<'a>(
     known: impl Iterator<Item = &'a Remembered>,
@@ -113,6 +106,13 @@ fn recall_pair<'a>(
             touch.bonded |= one.bonded;
         }
     }
+}
+
+/// The impulses that are expected of touches, N s, world.
+pub(crate) fn recalled(expected: &Expected, touches: &[Touch]) -> Vec<Vector3<f64>> {
+    let mut touches = touches.to_vec();
+    recall(expected, &mut touches);
+    touches.into_iter().map(|touch| touch.impulse).collect()
 }
 
 /// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
