@@ -68,16 +68,21 @@ pub(crate) struct RunOptions {
     /// Go on with the run in the folder, from its last checkpoint.
     #[arg(long, conflicts_with = "force")]
     pub(crate) resume: bool,
-    /// Remove the run that is in the folder, and start anew.
+    /// Start anew. The run that is in the folder is removed once the new one has a frame.
     #[arg(long)]
     pub(crate) force: bool,
     /// Threads [default: all cores]. The results do not depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
-    /// Frames from checkpoint to checkpoint.
-    #[arg(long, value_name = "FRAMES", default_value_t = 10)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) checkpoint_every: u64,
+    /// Seconds of computing that a loss of power may cost: so often all is written through to the disk.
+    /// A kill costs no whole frame.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
+    pub(crate) sync_every: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let within = |x: &f64| (0.0..=86400.0).contains(x);
+    text.parse().ok().filter(within).ok_or_else(|| "it must be 0 to 86400 seconds".to_owned())
 }
 
 #[derive(Debug, Args)]

@@ -1,20 +1,19 @@
 use crate::arguments::RunOptions;
 use crate::cost::{Steps, peak_memory};
 use crate::failure::{Failure, INTERRUPTED, UNRESOLVED};
-use crate::words::say;
+use crate::words::{complain, say};
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
 use rapunzel_sim::{
-    ContactTimes, Control, Existing, Outcome, Progress, RunFolder, SimError, Summary,
+    Cancel, ContactTimes, Control, Existing, Outcome, Progress, RunFolder, SimError, Summary,
 };
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-static CANCEL: AtomicBool = AtomicBool::new(false);
+static CANCEL: Cancel = Cancel::new();
 static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Runs a scene into a folder.
@@ -26,8 +25,10 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         _ => Existing::Refuse,
     };
     let path = options.out.clone().unwrap_or_else(|| default_folder(&options.scene));
-    let folder = RunFolder::open(&path, existing).map_err(|error| advise(error, &options.scene))?;
-    start_log(&folder.file("run.log"))?;
+    let mut folder =
+        RunFolder::open(&path, existing).map_err(|error| advise(error, &options.scene))?;
+    folder.protect(&options.scene);
+    start_log(&folder.log())?;
     set_up(options.threads)?;
 
     let bar = if json { ProgressBar::hidden() } else { progress_bar() };
@@ -52,14 +53,22 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         bar.set_message(format!("t = {:.3} s", now.time));
         before = Some(*now);
     };
+    let (interval, mut synced) = (Duration::from_secs_f64(options.sync_every), Instant::now());
+    let mut sync_is_due = || {
+        let due = synced.elapsed() >= interval;
+        if due {
+            synced = Instant::now();
+        }
+        due
+    };
     let control = Control {
-        checkpoint_every: options.checkpoint_every,
+        sync_is_due: &mut sync_is_due,
         cancel: &CANCEL,
         progress: &mut progress,
         stopwatch: Some(|| BEGIN.elapsed()),
     };
     tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
-    let result = rapunzel_sim::run(&scene, &folder, control);
+    let result = rapunzel_sim::run(&scene, &mut folder, control);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();
     let steps = first.zip(before).map_or_else(Steps::default, |(first, last)| Steps {
@@ -70,6 +79,13 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         Ok(summary) => {
             tracing::info!(wall_seconds = wall, outcome = ?summary.outcome, "end");
             tell(&summary, &path, wall, &steps, json)?;
+            if folder.holds_older_run() {
+                complain(&format!(
+                    "stopped before the first frame after its start: nothing of this run is kept, and \
+                     {} still holds the run before",
+                    path.display()
+                ));
+            }
             let unresolved = summary.contact.is_some_and(|contact| contact.unresolved > 0)
                 || summary.charge.is_some_and(|charge| charge.unsettled > 0);
             Ok(ExitCode::from(match summary.outcome {
@@ -148,8 +164,12 @@ fn start_log(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, the
-/// second leaves at once.
+/// How long an interrupt waits for the step at hand.
+const PATIENCE: Duration = Duration::from_millis(800);
+
+/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, and leaves
+/// at once if a step does not end soon; so does the second. The run then is as a kill leaves it, and
+/// goes on from its last frame.
 fn set_up(threads: Option<u16>) -> Result<(), Failure> {
     // This thread is one of them: beside them it would have memory of its own, which it hardly uses.
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
@@ -157,7 +177,10 @@ fn set_up(threads: Option<u16>) -> Result<(), Failure> {
         .build_global()
         .map_err(|error| Failure::File(format!("cannot start threads: {error}")))?;
     ctrlc::set_handler(|| {
-        if CANCEL.swap(true, Ordering::Relaxed) {
+        let asked_before = CANCEL.ask();
+        std::thread::sleep(if asked_before { Duration::ZERO } else { PATIENCE });
+        if asked_before || !CANCEL.is_heard() {
+            complain("interrupted within a step: --resume goes on from the last frame");
             std::process::exit(INTERRUPTED.into());
         }
     })

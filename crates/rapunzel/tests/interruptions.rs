@@ -60,7 +60,7 @@ fn assert_same(a: &Path, b: &Path) {
 
 fn start(scene: &Path, out: &Path, threads: &str) -> Child {
     let mut command = run_in(scene, out);
-    command.args(["--resume", "--checkpoint-every", "2", "--threads", threads]);
+    command.args(["--resume", "--sync-every", "0.02", "--threads", threads]);
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("starts")
 }
 

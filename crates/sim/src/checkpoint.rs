@@ -1,4 +1,4 @@
-use crate::storage::prepare;
+use crate::storage::replace;
 use crate::{Scene, SimError, Snapshot, Statistics};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -41,13 +41,13 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
 }
 
 impl<S: Serialize> Checkpoint<S> {
-    /// Prepares the checkpoint beside the one before, which stays. It goes through the numbers twice, so
-    /// that no copy of them is needed for the hash.
-    pub(crate) fn prepare(&self, path: &Path) -> Result<(), SimError> {
+    /// Writes the checkpoint atomically, without waiting for the disk. It goes through the numbers twice,
+    /// so that no copy of them is needed for the hash.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
         let mut hasher = BufWriter::new(blake3::Hasher::new());
         self.put(&mut hasher).map_err(SimError::io("write", path))?;
         let hasher = hasher.into_inner().map_err(|e| unusable(path, &e))?;
-        prepare(path, |to| {
+        replace(path, |to| {
             to.write_all(MAGIC)?;
             to.write_all(hasher.finalize().as_bytes())?;
             self.put(to)
@@ -55,17 +55,40 @@ impl<S: Serialize> Checkpoint<S> {
     }
 
     fn put(&self, to: &mut impl Write) -> io::Result<()> {
-        postcard::to_io(&(VERSION, self), to).map(|_| ()).map_err(io::Error::other)
+        let mut to = Telling { to, error: None };
+        let written = postcard::to_io(&(VERSION, self), &mut to).map(|_| ());
+        written.map_err(|error| to.error.unwrap_or_else(|| io::Error::other(error)))
+    }
+}
+
+/// A writer that keeps its error, which postcard replaces by one of its own.
+struct Telling<W> {
+    to: W,
+    error: Option<io::Error>,
+}
+
+impl<W: Write> Write for Telling<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.to.write(bytes).map_err(|error| self.keep(error))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush().map_err(|error| self.keep(error))
+    }
+}
+
+impl<W> Telling<W> {
+    fn keep(&mut self, error: io::Error) -> io::Error {
+        let kind = error.kind();
+        self.error = Some(error);
+        kind.into()
     }
 }
 
 impl Checkpoint {
-    /// Reads a checkpoint; `None` if there is none. It goes through the file twice, so that it is never
-    /// held beside the numbers in it.
-    pub(crate) fn read(path: &Path) -> Result<Option<Self>, SimError> {
-        if !path.exists() {
-            return Ok(None);
-        }
+    /// Reads a checkpoint. It goes through the file twice, so that it is never held beside the numbers
+    /// in it.
+    pub(crate) fn read(path: &Path) -> Result<Self, SimError> {
         let broken = || unusable(path, &"it is damaged");
         let mut file = BufReader::new(File::open(path).map_err(SimError::io("read", path))?);
         let (mut magic, mut hash) = ([0; 12], [0; 32]);
@@ -90,7 +113,7 @@ impl Checkpoint {
         }
         let mut room = [0; TEXT];
         let taken = postcard::from_io((file, &mut room));
-        taken.map(|(checkpoint, _)| Some(checkpoint)).map_err(|_| broken())
+        taken.map(|(checkpoint, _)| checkpoint).map_err(|_| broken())
     }
 }
 

@@ -243,6 +243,38 @@ pub enum SimError {
     /// The folder has contents that would be overwritten.
     #[error("{} is not empty: resume the run in it, or force a new one, or choose another folder", .0.display())]
     FolderNotEmpty(PathBuf),
+    /// The run in the folder has results, but nothing to go on from.
+    #[error(
+        "{} holds a run without a checkpoint: there is nothing to go on from; force a new run, which \
+         replaces its files, or choose another folder",
+        .0.display()
+    )]
+    NoCheckpoint(PathBuf),
+    /// A file that is not of a run is where one of a run belongs.
+    #[error(
+        "{} is not a file that a run made, and a run would overwrite it; move it away, or choose \
+         another folder",
+        .0.display()
+    )]
+    ForeignFile(PathBuf),
+    /// A file that the run reads is where one of its own belongs.
+    #[error("{} is read by the run, which would overwrite it; choose another folder", .0.display())]
+    OverInput(PathBuf),
+    /// A link, or something else that is no plain file or folder, is where one of a run belongs.
+    #[error(
+        "{} is {}, and a run would have a {} there; remove it, or choose another folder",
+        path.display(),
+        if *link { "a link, which is not followed" } else { "something else" },
+        if *folder { "folder" } else { "file" }
+    )]
+    NotPlain {
+        /// Where.
+        path: PathBuf,
+        /// Whether it is a link.
+        link: bool,
+        /// Whether a folder should be there, not a file.
+        folder: bool,
+    },
     /// The folder holds a run of a different scene.
     #[error(
         "{} holds a run of a different scene (or of one that has changed since); resume with the \

@@ -1,7 +1,8 @@
 use crate::SimError;
-use crate::storage::PARTIAL;
+use crate::manifest::Manifest;
+use crate::storage::{require_plain, sync, write_atomically};
 use std::fs::{self, File, TryLockError};
-use std::io::{Read, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// What to do with a folder that already holds something.
@@ -12,19 +13,29 @@ pub enum Existing {
     Refuse,
     /// Go on with the run in it.
     Resume,
-    /// Remove the files of the run in it, and only those, and start anew.
+    /// Start anew. The files of the run in it, and only those, go when the new run has its first frame
+    /// after the start.
     Overwrite,
 }
 
 /// The folder of a run, held by this process alone until it is dropped.
 ///
-/// It holds `scene.ron` (the scene with all defaults), `summary.json`, `energies.csv`, `contacts.csv`,
-/// `charge.csv`, `probes.csv`, `objects.csv`, `frames.pvd` with `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one
-/// file where none of them moves), `preview.png`, the formats that the scene
-/// asks for, `checkpoint.bin`, and `run.log` if the program keeps one.
+/// It holds `scene.ron` (the scene with all defaults), `summary.json`, `energies.csv`,
+/// `contacts.csv`, `charge.csv`, `probes.csv`, `objects.csv`, `frames.pvd` with
+/// `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one file where none of them moves),
+/// `preview.png`, the formats that the scene asks for, `checkpoint.bin`, and `run.log` if the program
+/// keeps one. The file `.rapunzel` lists all of them, before they are written: what it does not list is
+/// somebody else's, and is never changed. Links are not followed.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    /// Where the files of the run are: the folder, or the one in it for a run that is to take the
+    /// place of an older one.
+    files: PathBuf,
+    /// What the older run lists.
+    old: Option<Manifest>,
+    /// Files that are read, and must not be written.
+    inputs: Vec<PathBuf>,
     /// Holds the operating system's lock, which goes when the process does, however it ends: a
     /// lock file without that lock is stale. The file stays, because removing it would race with
     /// the next process that locks it.
@@ -33,6 +44,8 @@ pub struct RunFolder {
 
 pub(crate) const SCENE: &str = "scene.ron";
 pub(crate) const CHECKPOINT: &str = "checkpoint.bin";
+/// The checkpoint of the last frame, until it is safe from a loss of power.
+pub(crate) const NEXT_CHECKPOINT: &str = "checkpoint-next.bin";
 pub(crate) const ENERGIES: &str = "energies.csv";
 pub(crate) const CONTACTS: &str = "contacts.csv";
 pub(crate) const CHARGE: &str = "charge.csv";
@@ -43,54 +56,66 @@ pub(crate) const PVD: &str = "frames.pvd";
 pub(crate) const PREVIEW: &str = "preview.png";
 pub(crate) const USD: &str = "fibers.usda";
 pub(crate) const OBJECTS_USD: &str = "objects.usda";
-/// The files of a run beside the frames.
-const FILES: [&str; 13] = [
-    SCENE,
-    CHECKPOINT,
-    ENERGIES,
-    CONTACTS,
-    CHARGE,
-    PROBES,
-    OBJECTS,
-    SUMMARY,
-    PVD,
-    PREVIEW,
-    USD,
-    OBJECTS_USD,
-    "run.log",
-];
+pub(crate) const LOG: &str = "run.log";
 pub(crate) const FRAMES: &str = "frames";
 const LOCK: &str = ".lock";
+const MANIFEST: &str = ".rapunzel";
+/// Where a run waits for its first frame before it takes the place of an older one.
+const STAGED: &str = ".rapunzel-staged";
+/// Where it is once it is taking that place: a kill cannot undo this, the next run goes on with it.
+const READY: &str = ".rapunzel-ready";
 
 impl RunFolder {
     /// Takes hold of a folder, which is made if it is not there.
     ///
     /// # Errors
-    /// [`SimError::FolderInUse`], [`SimError::FolderNotEmpty`], or [`SimError::Io`].
+    /// [`SimError::FolderInUse`], [`SimError::FolderNotEmpty`], [`SimError::NoCheckpoint`],
+    /// [`SimError::ForeignFile`], [`SimError::NotPlain`] for links, or [`SimError::Io`].
     pub fn open(path: &Path, existing: Existing) -> Result<Self, SimError> {
         fs::create_dir_all(path).map_err(SimError::io("make the folder", path))?;
-        let folder = Self { path: path.to_owned(), _lock: lock(path)? };
-        let files = fs::read_dir(path).map_err(SimError::io("read the folder", path))?;
-        let names = files.flatten().map(|file| file.file_name().to_string_lossy().into_owned());
-        let foreign = |name: &String| {
-            let name = name.trim_end_matches(PARTIAL);
-            ![LOCK, FRAMES].contains(&name) && !FILES.contains(&name)
+        let lock = lock(path)?;
+        finish_exchange(path)?;
+        let old = read_manifest(path)?;
+        // A run that could not be built leaves its log, and the list with it.
+        let nothing = |name: &String| match &old {
+            None => name == LOCK,
+            Some(_) => [LOCK, MANIFEST, LOG].contains(&name.as_str()),
         };
+        let is_empty = names(path)?.iter().all(nothing);
         let refused = match existing {
-            Existing::Refuse => names.into_iter().any(|name| name != LOCK),
-            // A run that was killed early has not written its scene yet.
-            Existing::Resume => {
-                !folder.file(SCENE).exists() && names.into_iter().any(|n| foreign(&n))
-            }
+            Existing::Refuse => !is_empty,
+            Existing::Resume => old.is_none() && !is_empty,
             Existing::Overwrite => false,
         };
         if refused {
             return Err(SimError::FolderNotEmpty(path.to_owned()));
         }
-        if existing == Existing::Overwrite {
-            folder.clear()?;
+        let holds = |name: &str| path.join(name).exists();
+        if existing == Existing::Resume
+            // A run that was killed before its first summary has nothing to lose.
+            && holds(SUMMARY)
+            && ![CHECKPOINT, NEXT_CHECKPOINT].into_iter().any(holds)
+        {
+            return Err(SimError::NoCheckpoint(path.to_owned()));
         }
-        Ok(folder)
+        if old.is_none() && holds(LOG) {
+            return Err(SimError::ForeignFile(path.join(LOG)));
+        }
+        require_plain(&path.join(LOG), false)?;
+        let mut files = path.to_owned();
+        match &old {
+            None => write_manifest(path, &Manifest::from_iter([LOG.into()]))?,
+            Some(old) if existing == Existing::Overwrite => {
+                files.push(STAGED);
+                discard(&files)?;
+                // Nothing that is worth waiting for.
+                if !listed(path, old)?.iter().any(|name| name != LOG) {
+                    files.pop();
+                }
+            }
+            Some(_) => {}
+        }
+        Ok(Self { path: path.to_owned(), files, old, inputs: Vec::new(), _lock: lock })
     }
 
     /// Where the folder is.
@@ -99,31 +124,220 @@ impl RunFolder {
         &self.path
     }
 
-    /// The path of a file in the folder.
+    /// The path of a log, which is appended to whatever becomes of the run.
     #[must_use]
-    pub fn file(&self, name: &str) -> PathBuf {
-        self.path.join(name)
+    pub fn log(&self) -> PathBuf {
+        self.path.join(LOG)
     }
 
-    fn clear(&self) -> Result<(), SimError> {
-        let frames = fs::read_dir(self.file(FRAMES)).into_iter().flatten().flatten();
-        let frames = frames
-            .filter(|file| {
-                let name = file.file_name().to_string_lossy().into_owned();
-                ["frame-", "objects-", "field-"].iter().any(|kind| name.starts_with(kind))
-            })
-            .map(|file| file.path());
-        let files = frames.chain(FILES.iter().map(|name| self.file(name)));
-        for file in files.filter(|file| file.exists()) {
-            fs::remove_file(&file).map_err(SimError::io("remove", &file))?;
-        }
-        Ok(())
+    /// Notes a file that is read: a run that would write or remove it is refused.
+    pub fn protect(&mut self, input: &Path) {
+        self.inputs.push(input.to_owned());
     }
+
+    /// Whether the folder still holds an older run, whose place the new one takes with its first frame
+    /// after the start.
+    #[must_use]
+    pub fn holds_older_run(&self) -> bool {
+        self.files != self.path
+    }
+
+    /// Where the files of the run are now.
+    pub(crate) fn files(&self) -> &Path {
+        &self.files
+    }
+
+    /// The path of a file of the run.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.files.join(name)
+    }
+
+    /// Makes ready for the files of a new run, and lists them.
+    ///
+    /// # Errors
+    /// [`SimError::ForeignFile`] where a file of somebody else's has the name of one,
+    /// [`SimError::NotPlain`] where a link has, [`SimError::OverInput`] where it is one that is read;
+    /// [`SimError::Io`].
+    pub(crate) fn begin(&mut self, manifest: &Manifest) -> Result<(), SimError> {
+        let old = self.old.take().unwrap_or_default();
+        for name in listed(&self.path, manifest)? {
+            if !old.owns(&name) && name != LOG {
+                return Err(SimError::ForeignFile(self.path.join(name)));
+            }
+        }
+        listed(&self.path, &old)?;
+        let folder = self.path.canonicalize().map_err(SimError::io("read", &self.path))?;
+        for input in &self.inputs {
+            let whole = input.canonicalize().map_err(SimError::io("read", input))?;
+            let within = whole.strip_prefix(&folder).ok().and_then(Path::to_str);
+            let within = within.map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
+            if within.is_some_and(|name| manifest.owns(&name) || old.owns(&name)) {
+                return Err(SimError::OverInput(input.clone()));
+            }
+        }
+        if !self.holds_older_run() {
+            clear(&self.path, &old)?;
+        }
+        make_folders(&self.files, manifest)?;
+        write_manifest(&self.files, manifest)
+    }
+
+    /// Looks for links among the files of the run that goes on.
+    pub(crate) fn go_on(&mut self) -> Result<(), SimError> {
+        let manifest = self.old.take().unwrap_or_default();
+        listed(&self.path, &manifest)?;
+        make_folders(&self.path, &manifest)
+    }
+
+    /// Removes the older run and puts the new one into its place; false if there is none.
+    pub(crate) fn exchange(&mut self) -> Result<bool, SimError> {
+        if !self.holds_older_run() {
+            return Ok(false);
+        }
+        sync(&self.path)?;
+        let ready = self.path.join(READY);
+        fs::rename(&self.files, &ready).map_err(SimError::io("write", &ready))?;
+        self.files.clone_from(&self.path);
+        finish_exchange(&self.path)?;
+        Ok(true)
+    }
+}
+
+impl Drop for RunFolder {
+    /// Removes a run that has not come to its first frame.
+    fn drop(&mut self) {
+        if self.holds_older_run() {
+            // Where this fails, the next run in the folder tries it again and tells.
+            let _ = discard(&self.files);
+        }
+    }
+}
+
+/// Goes on with an exchange that was begun: the old files go, their list last, then the new ones come,
+/// their list last. So each list is there as long as it is needed.
+fn finish_exchange(path: &Path) -> Result<(), SimError> {
+    let ready = path.join(READY);
+    require_plain(&ready, true)?;
+    let Some(new) = read_manifest(&ready)? else {
+        // Nothing is left in it but folders.
+        remove_folders(&ready, &Manifest::default());
+        return Ok(());
+    };
+    if let Some(old) = read_manifest(path)? {
+        clear(path, &old)?;
+    }
+    make_folders(path, &new)?;
+    for name in listed(&ready, &new)?.into_iter().chain([MANIFEST.into()]) {
+        let to = path.join(&name);
+        fs::rename(ready.join(&name), &to).map_err(SimError::io("write", &to))?;
+    }
+    remove_folders(&ready, &new);
+    Ok(())
+}
+
+/// Removes a run that never took its place, and the folder in which it waited.
+fn discard(staged: &Path) -> Result<(), SimError> {
+    require_plain(staged, true)?;
+    let manifest = read_manifest(staged)?.unwrap_or_default();
+    clear(staged, &manifest)?;
+    match fs::remove_dir(staged) {
+        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {
+            Err(SimError::FolderNotEmpty(staged.to_owned()))
+        }
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(SimError::io("remove", staged)(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Removes the files of a run but its log, then the folders that it leaves empty, then its list.
+fn clear(path: &Path, manifest: &Manifest) -> Result<(), SimError> {
+    let remove = |name: &str| {
+        let file = path.join(name);
+        match fs::remove_file(&file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(SimError::io("remove", &file)(error))
+            }
+            _ => Ok(()),
+        }
+    };
+    let files = listed(path, manifest)?;
+    files.iter().filter(|name| *name != LOG).try_for_each(|name| remove(name))?;
+    for folder in manifest.folders() {
+        // One that holds a file of somebody else's stays.
+        let _ = fs::remove_dir(path.join(folder));
+    }
+    remove(MANIFEST)
+}
+
+fn make_folders(path: &Path, manifest: &Manifest) -> Result<(), SimError> {
+    for folder in manifest.folders().into_iter().chain([""]) {
+        let folder = path.join(folder);
+        fs::create_dir_all(&folder).map_err(SimError::io("make the folder", &folder))?;
+    }
+    Ok(())
+}
+
+/// Removes a folder and those of a run in it, as far as they are empty.
+fn remove_folders(path: &Path, manifest: &Manifest) {
+    for folder in manifest.folders().into_iter().chain([""]) {
+        let _ = fs::remove_dir(path.join(folder));
+    }
+}
+
+/// Names of the files of a run that are in its folder, and parts of them that a kill left.
+///
+/// # Errors
+/// [`SimError::NotPlain`] where a link or something else has the name of one.
+fn listed(path: &Path, manifest: &Manifest) -> Result<Vec<String>, SimError> {
+    let mut found = Vec::new();
+    for folder in manifest.folders().into_iter().chain([""]) {
+        let whole = path.join(folder);
+        require_plain(&whole, true)?;
+        let within =
+            |name: String| if folder.is_empty() { name } else { format!("{folder}/{name}") };
+        let ours = names(&whole)?.into_iter().map(within).filter(|name| manifest.owns(name));
+        for name in ours {
+            require_plain(&path.join(&name), false)?;
+            found.push(name);
+        }
+    }
+    Ok(found)
+}
+
+/// Names in a folder; none if it is not there.
+fn names(folder: &Path) -> Result<Vec<String>, SimError> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries,
+    };
+    let names = entries.and_then(|entries| {
+        entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
+    });
+    names.map_err(SimError::io("read the folder", folder))
+}
+
+/// What the run in a folder lists; nothing where there is none.
+fn read_manifest(folder: &Path) -> Result<Option<Manifest>, SimError> {
+    let path = folder.join(MANIFEST);
+    require_plain(&path, false)?;
+    match fs::read_to_string(&path) {
+        Ok(text) => Manifest::parse(&text).map(Some).ok_or(SimError::ForeignFile(path)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(SimError::io("read", &path)(error)),
+    }
+}
+
+fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<(), SimError> {
+    let text = manifest.to_string();
+    write_atomically(&folder.join(MANIFEST), |to| to.write_all(text.as_bytes()))
 }
 
 /// Takes the lock of a folder and writes this process's number into it.
 fn lock(folder: &Path) -> Result<File, SimError> {
     let path = folder.join(LOCK);
+    require_plain(&path, false)?;
     let mut file = File::options()
         .read(true)
         .write(true)
@@ -131,14 +345,16 @@ fn lock(folder: &Path) -> Result<File, SimError> {
         .truncate(false)
         .open(&path)
         .map_err(SimError::io("write", &path))?;
+    let mut process = String::new();
+    // The holder may be about to write its number; what is no number is not from here.
+    let read = Read::by_ref(&mut file).take(64).read_to_string(&mut process);
+    let process = process.trim().to_owned();
+    let is_ours = read.is_ok() && process.bytes().all(|byte| byte.is_ascii_digit());
     match file.try_lock() {
-        Ok(()) => {}
+        Ok(()) if is_ours => {}
+        Ok(()) => return Err(SimError::ForeignFile(path)),
         Err(TryLockError::WouldBlock) => {
-            let mut process = String::new();
-            // Only for the message; the holder may be about to write it.
-            let _ = file.read_to_string(&mut process);
-            let (path, process) = (folder.to_owned(), process.trim().to_owned());
-            return Err(SimError::FolderInUse { path, process });
+            return Err(SimError::FolderInUse { path: folder.to_owned(), process });
         }
         Err(TryLockError::Error(source)) => return Err(SimError::io("lock", &path)(source)),
     }

@@ -1,23 +1,62 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
-use crate::folder::{CHARGE, CHECKPOINT, CONTACTS, ENERGIES, OBJECTS, PROBES, RunFolder, SCENE};
+use crate::folder::{
+    CHARGE, CHECKPOINT, CONTACTS, ENERGIES, LOG, NEXT_CHECKPOINT, OBJECTS, PROBES, RunFolder,
+    SCENE, SUMMARY,
+};
+use crate::manifest::{Entry, Manifest};
 use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
-use crate::storage::{partial, put_in_place, write_atomically};
+use crate::storage::{rename_durably, replace, sync};
 use crate::{
     Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, mass_spring,
 };
+use rapunzel_electrostatics::FieldGrid;
 use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run is watched and stopped.
 pub struct Control<'a> {
-    /// Frames from checkpoint to checkpoint.
-    pub checkpoint_every: u64,
-    /// Stops the run with a checkpoint after the step at hand, once it is true.
-    pub cancel: &'a AtomicBool,
+    /// Asked at every frame whether the run is to be made safe from a loss of power; a kill costs no
+    /// more than what was not yet a frame in any case.
+    pub sync_is_due: &'a mut dyn FnMut() -> bool,
+    /// Stops the run with a checkpoint after the step at hand, once it is asked to.
+    pub cancel: &'a Cancel,
     /// Called at the start and after every step.
     pub progress: &'a mut dyn FnMut(&Progress),
     /// By which the statistics tell what phases took.
     pub stopwatch: Option<Stopwatch>,
+}
+
+/// By what a run is asked to stop, from any thread.
+#[derive(Debug, Default)]
+pub struct Cancel {
+    asked: AtomicBool,
+    heard: AtomicBool,
+}
+
+impl Cancel {
+    /// Of a run that is to go on.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { asked: AtomicBool::new(false), heard: AtomicBool::new(false) }
+    }
+
+    /// Asks the run to stop; true if it has been asked before.
+    pub fn ask(&self) -> bool {
+        self.asked.swap(true, Ordering::Relaxed)
+    }
+
+    /// Whether the run has heard that it is to stop, and is about to.
+    #[must_use]
+    pub fn is_heard(&self) -> bool {
+        self.heard.load(Ordering::Relaxed)
+    }
+
+    fn hear(&self) -> bool {
+        let asked = self.asked.load(Ordering::Relaxed);
+        self.heard.store(asked, Ordering::Relaxed);
+        asked
+    }
 }
 
 /// How far a run has come.
@@ -36,12 +75,13 @@ pub struct Progress {
 /// Runs a scene in a folder, from its checkpoint if there is one and from its start if not.
 ///
 /// The contents of all files depend on the scene alone, not on the number of threads nor on
-/// interruptions; only `run.log`, which this function does not write, tells of them.
+/// interruptions; only the log, which this function does not write, tells of them. An older run that the
+/// folder was opened to overwrite is there until the new one has its first frame after the start.
 ///
 /// # Errors
 /// [`SimError`]; where a step could not be taken, the last checkpoint is that of the frame before.
-/// After every error a run can be resumed once its cause is removed.
-pub fn run(scene: &Scene, folder: &RunFolder, control: Control) -> Result<Summary, SimError> {
+/// After every error a run that has a frame can be resumed once its cause is removed.
+pub fn run(scene: &Scene, folder: &mut RunFolder, control: Control) -> Result<Summary, SimError> {
     let mut run = Run::start(scene, folder)?;
     let result = run.go(control);
     let outcome = match &result {
@@ -50,13 +90,13 @@ pub fn run(scene: &Scene, folder: &RunFolder, control: Control) -> Result<Summar
     };
     let summary = run.summary(outcome);
     // Of an error in the run and one in telling of it, the first is the one to report.
-    let written = summary.write(folder);
+    let written = summary.write(run.folder);
     result.and(written).map(|()| summary)
 }
 
 struct Run<'a> {
     scene: &'a Scene,
-    folder: &'a RunFolder,
+    folder: &'a mut RunFolder,
     plan: Plan,
     world: World,
     stepper: Box<dyn Stepper>,
@@ -64,58 +104,59 @@ struct Run<'a> {
     observers: Vec<Box<dyn Observer>>,
     /// Of the scene.
     hash: [u8; 32],
-    /// Whether the run at the last frame waits beside the checkpoint, to take its place.
-    remembered: bool,
 }
 
 impl<'a> Run<'a> {
-    fn start(scene: &'a Scene, folder: &'a RunFolder) -> Result<Self, SimError> {
+    fn start(scene: &'a Scene, folder: &'a mut RunFolder) -> Result<Self, SimError> {
         let plan = Plan::new(scene);
-        let mut world = scene.build()?;
+        let world = scene.build()?;
         let stepper = scene.stepper_of(&world)?;
-        let mut observers = observers(scene, folder, &plan)?;
         let hash = scene_hash(scene)?;
-        let last = Checkpoint::read(&folder.file(CHECKPOINT))?;
-        let statistics = last.as_ref().map_or_else(Statistics::default, |last| last.statistics);
-        let fresh = last.is_none();
-        if let Some(last) = last {
-            if last.scene != hash {
-                return Err(SimError::DifferentScene(folder.path().to_owned()));
-            }
-            world.restore(&last.snapshot)?;
-            if scene.charging.is_some() {
-                let time = world.time();
-                scene.load_at(&mut world, time)?;
-            }
-            for (observer, mark) in observers.iter_mut().zip(&last.marks) {
-                observer.rewind(*mark)?;
-            }
-        } else {
-            let text = scene.to_ron()?;
-            write_atomically(&folder.file(SCENE), |to| to.write_all(text.as_bytes()))?;
-            for observer in &mut observers {
-                observer.rewind(0)?;
-                observer.observe(&world)?;
-            }
-        }
-        let remembered = false;
-        let mut run =
-            Self { scene, folder, plan, world, stepper, statistics, observers, hash, remembered };
+        let mut checkpoints = vec![folder.file(NEXT_CHECKPOINT), folder.file(CHECKPOINT)];
+        checkpoints.retain(|path| path.exists());
+        let fresh = checkpoints.is_empty();
         if fresh {
-            run.remember()?;
+            scene.files().for_each(|file| folder.protect(file));
+            folder.begin(&files(scene, &plan))?;
+        } else {
+            folder.go_on()?;
+        }
+        let observers = observers(scene, folder, plan)?;
+        let statistics = Statistics::default();
+        let mut run = Self { scene, folder, plan, world, stepper, statistics, observers, hash };
+        // Only a loss of power damages the newer one.
+        let mut resumed = checkpoints.iter().map(|path| run.resume(path));
+        match resumed.next() {
+            None => run.begin()?,
+            Some(first) => {
+                first.or_else(|error| resumed.next().and_then(Result::ok).ok_or(error))?
+            }
         }
         Ok(run)
     }
 
+    /// Writes what is known at the start.
+    fn begin(&mut self) -> Result<(), SimError> {
+        let text = self.scene.to_ron()?;
+        replace(&self.folder.file(SCENE), |to| to.write_all(text.as_bytes()))?;
+        for observer in &mut self.observers {
+            observer.rewind(0)?;
+            observer.observe(&self.world)?;
+        }
+        self.remember()
+    }
+
     fn go(&mut self, control: Control) -> Result<Outcome, SimError> {
-        let Control { checkpoint_every, cancel, progress, stopwatch } = control;
+        let Control { sync_is_due, cancel, progress, stopwatch } = control;
         self.world.set_stopwatch(stopwatch);
         progress(&self.progress());
-        self.save()?;
+        self.tell()?;
         while self.world.steps() < self.plan.steps {
-            if cancel.load(Ordering::Relaxed) {
-                self.remember()?;
-                self.save()?;
+            if cancel.hear() {
+                if !self.folder.holds_older_run() {
+                    self.remember()?;
+                    self.save()?;
+                }
                 return Ok(Outcome::Cancelled);
             }
             if let Err(error) = self.step() {
@@ -124,54 +165,76 @@ impl<'a> Run<'a> {
                 let _ = self.go_back().and_then(|()| self.save());
                 return Err(error);
             }
-            if self.world.steps().is_multiple_of(self.plan.steps_per_frame) {
+            if self.plan.is_frame(self.world.steps()) {
                 self.remember()?;
-                let frame = self.world.steps() / self.plan.steps_per_frame;
-                if frame.is_multiple_of(checkpoint_every) {
+                if self.folder.exchange()? {
+                    let files = self.folder.files();
+                    self.observers.iter_mut().for_each(|observer| observer.relocate(files));
+                }
+                if sync_is_due() {
                     self.save()?;
                 }
             }
             progress(&self.progress());
         }
-        self.remember()?;
         self.save()?;
         self.observers.iter_mut().try_for_each(|observer| observer.finish())?;
         Ok(Outcome::Complete)
     }
 
     fn step(&mut self) -> Result<(), SimError> {
-        let report = self.stepper.step(&mut self.world, self.plan.dt)?;
+        let dt = self.plan.step_after(self.world.steps());
+        let report = self.stepper.step(&mut self.world, dt)?;
         self.statistics.add(&report);
         self.observers.iter_mut().try_for_each(|observer| observer.observe(&self.world))
     }
 
     /// Goes back to where the run was last remembered.
     fn go_back(&mut self) -> Result<(), SimError> {
-        let checkpoint = self.folder.file(CHECKPOINT);
-        let path = if self.remembered { partial(&checkpoint) } else { checkpoint };
-        let Some(last) = Checkpoint::read(&path)? else { return Ok(()) };
+        let newer = self.folder.file(NEXT_CHECKPOINT);
+        let path = if newer.exists() { newer } else { self.folder.file(CHECKPOINT) };
+        let last = Checkpoint::read(&path)?;
         self.statistics = last.statistics;
         self.world.restore(&last.snapshot)
     }
 
-    /// Remembers the run as it is now, in a file that the next checkpoint is made of.
+    /// Goes on from a checkpoint, with all outputs.
+    fn resume(&mut self, path: &Path) -> Result<(), SimError> {
+        let last = Checkpoint::read(path)?;
+        if last.scene != self.hash {
+            return Err(SimError::DifferentScene(self.folder.path().to_owned()));
+        }
+        self.statistics = last.statistics;
+        self.world.restore(&last.snapshot)?;
+        if self.scene.charging.is_some() {
+            let time = self.world.time();
+            self.scene.load_at(&mut self.world, time)?;
+        }
+        let mut outputs = self.observers.iter_mut().zip(&last.marks);
+        outputs.try_for_each(|(observer, mark)| observer.rewind(*mark))
+    }
+
+    /// Remembers the run as it is now, in the checkpoint that a kill leaves.
     fn remember(&mut self) -> Result<(), SimError> {
         let marks = self.observers.iter_mut().map(|observer| observer.mark());
         let marks = marks.collect::<Result<_, _>>()?;
         let (snapshot, statistics) = (self.world.present(), self.statistics);
         let now = Checkpoint { scene: self.hash, snapshot, statistics, marks };
-        now.prepare(&self.folder.file(CHECKPOINT))?;
-        self.remembered = true;
-        Ok(())
+        now.write(&self.folder.file(NEXT_CHECKPOINT))
     }
 
-    /// Makes what was last remembered the checkpoint: the outputs first, so that it never knows more
-    /// than they hold.
+    /// Makes what was last remembered the checkpoint that a loss of power leaves, once the outputs are
+    /// on the disk, so that it never knows more than they hold.
     fn save(&mut self) -> Result<(), SimError> {
-        self.observers.iter_mut().try_for_each(|observer| observer.sync())?;
-        if std::mem::take(&mut self.remembered) {
-            put_in_place(&self.folder.file(CHECKPOINT))?;
-        }
+        self.tell()?;
+        sync(self.folder.path())?;
+        let newer = self.folder.file(NEXT_CHECKPOINT);
+        if newer.exists() { rename_durably(&newer, &self.folder.file(CHECKPOINT)) } else { Ok(()) }
+    }
+
+    /// Writes how far the run has come.
+    fn tell(&mut self) -> Result<(), SimError> {
+        self.observers.iter_mut().try_for_each(|observer| observer.list())?;
         self.summary(Outcome::Unfinished).write(self.folder)
     }
 
@@ -189,43 +252,57 @@ impl<'a> Run<'a> {
     }
 }
 
+/// The files of a run.
+fn files(scene: &Scene, plan: &Plan) -> Manifest {
+    let shown = Shown::of(&scene.objects);
+    let mut files = FrameWriter::files(&scene.output.formats, shown, plan.frames());
+    files.extend([SCENE, SUMMARY, CHECKPOINT, NEXT_CHECKPOINT, LOG].map(Entry::from));
+    files.extend(tables(scene).into_iter().map(|(name, _)| name.into()));
+    files.extend(field_grid(scene).map(|_| FieldWriter::files(plan.frames())));
+    files.into_iter().collect()
+}
+
 fn observers(
     scene: &Scene,
     folder: &RunFolder,
-    plan: &Plan,
+    plan: Plan,
 ) -> Result<Vec<Box<dyn Observer>>, SimError> {
-    let output = &scene.output;
-    let every = plan.steps_per_record;
-    let interval = plan.dt * plan.steps_per_frame as f64;
     let shown = Shown::of(&scene.objects);
     let wind = scene.mass_spring.as_ref().map_or(scene.environment.wind, |springs| springs.wind);
-    let (formats, every_frame) = (&output.formats, plan.steps_per_frame);
-    let frames = FrameWriter::open(folder, formats, shown, wind, every_frame, interval)?;
+    let frames = FrameWriter::new(folder, &scene.output.formats, shown, wind, plan);
+    let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames)];
+    for (name, columns) in tables(scene) {
+        observers.push(Box::new(Table::open(&folder.file(name), columns, plan)?));
+    }
+    if let Some(grid) = field_grid(scene) {
+        observers.push(Box::new(FieldWriter::new(folder, grid, plan)));
+    }
+    Ok(observers)
+}
+
+fn field_grid(scene: &Scene) -> Option<FieldGrid> {
+    scene.charging.as_ref()?.grid.map(Into::into)
+}
+
+/// The tables of a run: their files and what is in them.
+fn tables(scene: &Scene) -> Vec<(&'static str, Vec<Column>)> {
+    let output = &scene.output;
     let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
     let work = scene.contact.as_ref().map(|_| Column::ContactWork);
     let works = output.ledger.then_some(Column::Works);
     let columns = [Column::Energies].into_iter().chain(work).chain(works);
-    let columns = columns.chain(readings.map(Column::Springs)).collect();
-    let energies = Table::open(&folder.file(ENERGIES), columns, every)?;
-    let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames), Box::new(energies)];
+    let mut tables = vec![(ENERGIES, columns.chain(readings.map(Column::Springs)).collect())];
     if scene.contact.is_some() {
-        let file = folder.file(CONTACTS);
-        observers.push(Box::new(Table::open(&file, vec![Column::Contacts], every)?));
-    }
-    if let Some(grid) = scene.charging.as_ref().and_then(|charging| charging.grid) {
-        observers.push(Box::new(FieldWriter::new(folder, grid.into(), every_frame)));
+        tables.push((CONTACTS, vec![Column::Contacts]));
     }
     if scene.charging.is_some() {
-        let file = folder.file(CHARGE);
-        observers.push(Box::new(Table::open(&file, vec![Column::Charge], every)?));
+        tables.push((CHARGE, vec![Column::Charge]));
     }
     if !output.probes.is_empty() {
-        let columns = output.probes.iter().map(|probe| Column::Probe(*probe)).collect();
-        observers.push(Box::new(Table::open(&folder.file(PROBES), columns, every)?));
+        tables.push((PROBES, output.probes.iter().copied().map(Column::Probe).collect()));
     }
     if scene.contact.is_some() && !scene.objects.is_empty() {
-        let columns = (0..scene.objects.len()).map(Column::ObjectForce).collect();
-        observers.push(Box::new(Table::open(&folder.file(OBJECTS), columns, every)?));
+        tables.push((OBJECTS, (0..scene.objects.len()).map(Column::ObjectForce).collect()));
     }
-    Ok(observers)
+    tables
 }

@@ -1,5 +1,5 @@
 use crate::folder::{RunFolder, SUMMARY};
-use crate::storage::write_atomically;
+use crate::storage::replace;
 use crate::{ChargeReport, ContactReport, ContactTimes, Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -133,7 +133,7 @@ impl Summary {
             steps: world.steps(),
             planned_steps: plan.steps,
             time: world.time(),
-            frames: 1 + world.steps() / plan.steps_per_frame,
+            frames: 1 + plan.frames_after(world.steps()),
             mean_iterations: statistics.mean_iterations(),
             worst_iterations: statistics.worst_iterations,
             halvings: statistics.halvings,
@@ -148,7 +148,7 @@ impl Summary {
     }
 
     pub(crate) fn write(&self, folder: &RunFolder) -> Result<(), SimError> {
-        write_atomically(&folder.file(SUMMARY), |to| {
+        replace(&folder.file(SUMMARY), |to| {
             serde_json::to_writer_pretty(&mut *to, self)?;
             to.write_all(b"\n")
         })

@@ -2,11 +2,10 @@
 
 use rapunzel_sim::scene::{Integrator, Mass, Model, Motion, Moves, ObjectShape};
 use rapunzel_sim::{
-    Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper, run,
+    Cancel, Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper, run,
 };
 use std::fs;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 fn shipped() -> Vec<(PathBuf, Scene)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/mass-spring");
@@ -68,11 +67,10 @@ fn what_is_restored_goes_on_to_the_same_bits() {
 }
 
 fn run_in(scene: &Scene, folder: &std::path::Path) -> Result<Outcome, SimError> {
-    let folder = RunFolder::open(folder, Existing::Refuse).expect("an empty folder");
-    let (cancel, mut silent) = (AtomicBool::new(false), |_: &_| {});
-    let control =
-        Control { checkpoint_every: 10, cancel: &cancel, progress: &mut silent, stopwatch: None };
-    run(scene, &folder, control).map(|summary| summary.outcome)
+    let mut folder = RunFolder::open(folder, Existing::Refuse).expect("an empty folder");
+    let (cancel, progress) = (&Cancel::new(), &mut |_: &_| {});
+    let control = Control { sync_is_due: &mut || false, cancel, progress, stopwatch: None };
+    run(scene, &mut folder, control).map(|summary| summary.outcome)
 }
 
 #[test]

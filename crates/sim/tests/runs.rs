@@ -1,12 +1,12 @@
 //! Runs in folders: their files, and what interruptions and errors leave.
 
 use rapunzel_sim::{
-    Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary, run,
+    Cancel, Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary,
+    run,
 };
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Three short hairs that swing: 0.2 s in 40 steps, 11 frames.
 const SCENE: &str = "(
@@ -32,16 +32,20 @@ fn run_until(
     existing: Existing,
     stop: u64,
 ) -> Result<Summary, SimError> {
-    let cancel = AtomicBool::new(false);
-    let folder = RunFolder::open(path, existing)?;
+    let cancel = Cancel::new();
+    let mut folder = RunFolder::open(path, existing)?;
     let mut progress = |now: &rapunzel_sim::Progress| {
-        cancel.store(now.steps >= stop, Ordering::Relaxed);
+        if now.steps >= stop {
+            cancel.ask();
+        }
     };
-    run(
-        scene,
-        &folder,
-        Control { checkpoint_every: 3, cancel: &cancel, progress: &mut progress, stopwatch: None },
-    )
+    let mut frames = 0;
+    let mut sync_is_due = || {
+        frames += 1;
+        frames % 3 == 0
+    };
+    let (sync_is_due, progress) = (&mut sync_is_due, &mut progress);
+    run(scene, &mut folder, Control { sync_is_due, cancel: &cancel, progress, stopwatch: None })
 }
 
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {

@@ -21,7 +21,7 @@ pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<(
     let mut stepper = scene.stepper_of(&world)?;
     observe(&world);
     while world.steps() < plan.steps {
-        stepper.step(&mut world, plan.dt)?;
+        stepper.step(&mut world, plan.step_after(world.steps()))?;
         observe(&world);
     }
     Ok(())

@@ -1,13 +1,14 @@
 use super::Observer;
 use crate::export::{self, ExportError, Frame, Strand};
 use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, USD};
+use crate::manifest::Entry;
 use crate::scene::{Format, Motion, Moves, Object, Wind};
 use crate::storage::save;
-use crate::{SimError, World};
+use crate::{Plan, SimError, World};
 use rapunzel_collision::field::Soup;
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Frames on the contact sheet.
 const PREVIEW_FRAMES: usize = 12;
@@ -54,28 +55,44 @@ pub(crate) struct FrameWriter {
     objects: Shown,
     /// Which previews show.
     wind: Wind,
-    /// Steps between frames.
-    every: u64,
-    /// Time between frames, s.
-    interval: f64,
+    plan: Plan,
     /// Frames written.
     count: usize,
 }
 
 impl FrameWriter {
-    /// Makes the folder of the frames.
-    pub(crate) fn open(
+    /// The files of a run with so many frames.
+    pub(crate) fn files(formats: &[Format], objects: Shown, frames: u64) -> Vec<Entry> {
+        let of_frames = |extension| Entry::series(&format!("{FRAMES}/frame"), extension, frames);
+        let mut files = vec![of_frames("vtp"), PVD.into(), PREVIEW.into()];
+        for format in formats {
+            match format {
+                Format::Hair => files.push(of_frames("hair")),
+                Format::Pov => files.push(of_frames("pov")),
+                Format::Usd => files.extend([USD.into(), OBJECTS_USD.into()]),
+            }
+        }
+        let of_objects = match objects {
+            Shown::None => 0,
+            Shown::Once => 1,
+            Shown::Always => frames,
+        };
+        if of_objects > 0 {
+            files.push(Entry::series(&format!("{FRAMES}/objects"), "vtp", of_objects));
+        }
+        files
+    }
+
+    /// The folder of the frames must be there.
+    pub(crate) fn new(
         folder: &RunFolder,
         formats: &[Format],
         objects: Shown,
         wind: Wind,
-        every: u64,
-        interval: f64,
-    ) -> Result<Self, SimError> {
-        let frames = folder.file(FRAMES);
-        fs::create_dir_all(&frames).map_err(SimError::io("make the folder", &frames))?;
-        let (folder, formats) = (folder.path().to_owned(), formats.to_vec());
-        Ok(Self { folder, formats, objects, wind, every, interval, count: 0 })
+        plan: Plan,
+    ) -> Self {
+        let (folder, formats) = (folder.files().to_owned(), formats.to_vec());
+        Self { folder, formats, objects, wind, plan, count: 0 }
     }
 
     fn file(&self, index: usize, extension: &str) -> PathBuf {
@@ -86,7 +103,7 @@ impl FrameWriter {
     fn write_pvd(&self) -> Result<(), SimError> {
         let mut files = Vec::new();
         for index in 0..self.count {
-            let time = index as f64 * self.interval;
+            let time = self.plan.frame_time(index as u64);
             files.push((time, 0, name(index, "vtp")));
             files.extend(self.objects.file(index).map(|file| (time, 1, objects_name(file))));
         }
@@ -109,13 +126,13 @@ impl FrameWriter {
             Shown::Once => 1,
             Shown::Always => self.count,
         };
-        let times: Vec<f64> = (0..files).map(|i| i as f64 * self.interval).collect();
+        let times: Vec<f64> = (0..files).map(|i| self.plan.frame_time(i as u64)).collect();
         let frames = (0..files).map(|file| self.read_objects(file));
         save(&self.folder.join(OBJECTS_USD), |to| export::surface::write_usda(to, &times, frames))
     }
 
     fn write_usd(&self) -> Result<(), SimError> {
-        let times: Vec<f64> = (0..self.count).map(|i| i as f64 * self.interval).collect();
+        let times: Vec<f64> = (0..self.count).map(|i| self.plan.frame_time(i as u64)).collect();
         let frames = (0..self.count).map(|i| self.read(i));
         // Straight lines between the nodes are what was simulated.
         save(&self.folder.join(USD), |to| {
@@ -140,7 +157,7 @@ impl FrameWriter {
 
 impl Observer for FrameWriter {
     fn observe(&mut self, world: &World) -> Result<(), SimError> {
-        if !world.steps().is_multiple_of(self.every) {
+        if !self.plan.is_frame(world.steps()) {
             return Ok(());
         }
         let index = self.count;
@@ -177,13 +194,25 @@ impl Observer for FrameWriter {
         Ok(self.count as u64)
     }
 
-    fn sync(&mut self) -> Result<(), SimError> {
+    fn list(&mut self) -> Result<(), SimError> {
         self.write_pvd()
+    }
+
+    fn relocate(&mut self, folder: &Path) {
+        self.folder = folder.to_owned();
     }
 
     fn rewind(&mut self, mark: u64) -> Result<(), SimError> {
         self.count = usize::try_from(mark).unwrap_or(usize::MAX);
-        Ok(())
+        // A loss of power can cost files that were written just before.
+        let is_there = |path: &PathBuf| fs::metadata(path).is_ok_and(|data| data.len() > 0);
+        match (0..self.count).map(|i| self.file(i, "vtp")).find(|path| !is_there(path)) {
+            Some(path) => {
+                let why = format!("does not fit the folder: {} is lost", path.display());
+                Err(SimError::Checkpoint { path, why })
+            }
+            None => Ok(()),
+        }
     }
 
     fn finish(&mut self) -> Result<(), SimError> {

@@ -9,6 +9,7 @@ pub(crate) use frames::{FrameWriter, Shown};
 pub(crate) use table::{Column, Table};
 
 use crate::{SimError, World};
+use std::path::Path;
 
 /// Looks at a world at the start and after every step.
 pub(crate) trait Observer {
@@ -18,8 +19,11 @@ pub(crate) trait Observer {
     /// How far the output has come.
     fn mark(&mut self) -> Result<u64, SimError>;
 
-    /// Makes what has been written so far safe from a loss of power.
-    fn sync(&mut self) -> Result<(), SimError>;
+    /// Writes what tells of all that has been written so far.
+    fn list(&mut self) -> Result<(), SimError>;
+
+    /// Follows the files of the run, which have moved to another folder.
+    fn relocate(&mut self, folder: &Path);
 
     /// Goes back to where [`Observer::mark`] was; to the very start for 0.
     fn rewind(&mut self, mark: u64) -> Result<(), SimError>;

@@ -1,6 +1,6 @@
 use super::Observer;
 use crate::scene::{Node, Probe, Quantity};
-use crate::{SimError, Works, World};
+use crate::{Plan, SimError, Works, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ pub(crate) struct Table {
     file: File,
     header: String,
     columns: Vec<Column>,
-    /// Steps between rows.
-    every: u64,
+    /// Has a row when a record is due.
+    plan: Plan,
     /// Rows that are not in the file yet.
     pending: String,
     /// Length of the file, bytes.
@@ -48,7 +48,7 @@ const BUFFER: usize = 1 << 16;
 
 impl Table {
     /// Opens the file of a table without changing it; [`Observer::rewind`] says where to begin.
-    pub(crate) fn open(path: &Path, columns: Vec<Column>, every: u64) -> Result<Self, SimError> {
+    pub(crate) fn open(path: &Path, columns: Vec<Column>, plan: Plan) -> Result<Self, SimError> {
         let file = File::options()
             .write(true)
             .create(true)
@@ -58,7 +58,7 @@ impl Table {
         let names: String = columns.iter().map(|c| c.names()).collect();
         let header = format!("time (s){names}\n");
         let pending = String::new();
-        Ok(Self { path: path.to_owned(), file, header, columns, every, pending, length: 0 })
+        Ok(Self { path: path.to_owned(), file, header, columns, plan, pending, length: 0 })
     }
 
     fn flush(&mut self) -> Result<(), SimError> {
@@ -71,7 +71,7 @@ impl Table {
 
 impl Observer for Table {
     fn observe(&mut self, world: &World) -> Result<(), SimError> {
-        if !world.steps().is_multiple_of(self.every) {
+        if !self.plan.is_record(world.steps()) {
             return Ok(());
         }
         self.pending += &format!("{:?}", world.time());
@@ -89,8 +89,13 @@ impl Observer for Table {
         Ok(self.length)
     }
 
-    fn sync(&mut self) -> Result<(), SimError> {
-        self.file.sync_data().map_err(SimError::io("write", &self.path))
+    fn list(&mut self) -> Result<(), SimError> {
+        Ok(())
+    }
+
+    /// The file itself stays open.
+    fn relocate(&mut self, folder: &Path) {
+        self.path = folder.join(self.path.file_name().unwrap_or_default());
     }
 
     fn rewind(&mut self, mark: u64) -> Result<(), SimError> {
@@ -115,8 +120,7 @@ impl Observer for Table {
     }
 
     fn finish(&mut self) -> Result<(), SimError> {
-        self.flush()?;
-        self.sync()
+        self.flush()
     }
 }
 
