@@ -27,7 +27,8 @@ or, for a rod at rest:
 
 Exit codes:
   0    done
-  1    a fibre's step could not be solved, or a case has no answer
+  1    the physics does not come out: a step could not be solved, energy came from nowhere, or a case
+       has no answer
   2    the command line is wrong
   3    the scene or the case is wrong
   4    a file or folder cannot be used

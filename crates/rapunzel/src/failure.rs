@@ -19,7 +19,8 @@ pub(crate) enum Failure {
     File(String),
 }
 
-/// A step could not be taken, or an equilibrium not be found.
+/// The physics does not come out: a step could not be taken, energy came from nowhere, an equilibrium
+/// was not found.
 const FAILED: u8 = 1;
 /// The scene is wrong.
 const SCENE: u8 = 3;
@@ -41,11 +42,28 @@ impl Failure {
             Self::Sim {
                 error:
                     SimError::Step { .. }
+                    | SimError::NotFinite { .. }
+                    | SimError::Created { .. }
                     | SimError::Lost { .. }
+                    | SimError::Leap { .. }
+                    | SimError::Collision(_)
+                    | SimError::Contact(_)
                     | SimError::Static(_)
+                    | SimError::Equilibrium(_)
+                    | SimError::Rest { .. }
+                    | SimError::InHead { .. }
+                    | SimError::Electrostatics { .. }
                     | SimError::NoLength { .. },
                 ..
             } => FAILED,
+            // At the start the system is that of the scene.
+            Self::Sim { error: SimError::MassSpring { time, .. }, .. } => {
+                if *time > 0.0 {
+                    FAILED
+                } else {
+                    SCENE
+                }
+            }
             Self::Sim {
                 error:
                     SimError::Scene { .. }
@@ -53,6 +71,7 @@ impl Failure {
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)
                     | SimError::Rod { .. }
+                    | SimError::Object { .. }
                     | SimError::Overlap { .. },
                 ..
             } => SCENE,

@@ -94,7 +94,7 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         let mut world = World::new(self.environment.clone(), assembly, groups);
-        if self.output.ledger {
+        if self.output.ledger || self.stepper.may_create_energy() {
             world.keep_works();
         }
         if let Some(springs) = &self.mass_spring {
@@ -114,6 +114,9 @@ impl Scene {
             self.load_at(&mut world, 0.0)?;
             let gravity = world.gravity();
             relax(&mut world, &gravity)?;
+        }
+        if world.works().is_some() || self.is_closed() {
+            world.keep_budget();
         }
         Ok(world)
     }

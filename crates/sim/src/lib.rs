@@ -6,6 +6,7 @@ mod checkpoint;
 mod conditions;
 mod contact;
 mod curve;
+mod energy;
 mod error;
 pub mod export;
 mod folder;

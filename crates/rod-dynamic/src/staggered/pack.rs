@@ -213,7 +213,7 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(super) fn stage(&self, dt: &[f64; 8], problem: Problem) -> Stage<S> {
-        let dt = Lane::load(self.chain.simd, &dt, 0);
+        let dt = Lane::load(self.chain.simd, dt, 0);
         self.scheme.stage(dt, problem)
     }
 

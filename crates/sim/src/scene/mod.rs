@@ -208,6 +208,30 @@ impl Scene {
         meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
+    /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No motion
+    /// of it may gain any.
+    pub(crate) fn is_closed(&self) -> bool {
+        let still = |bundle: &Bundle| {
+            bundle.motion == Motion::Fixed
+                && matches!(bundle.tip, Tip::Free | Tip::Held)
+                && bundle.point_forces.is_empty()
+                && match &bundle.root_joint {
+                    Joint::Clamped | Joint::Free => true,
+                    Joint::Ball { moment } => *moment == Load::default(),
+                }
+        };
+        let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;
+        let air = &self.environment;
+        self.fibers.iter().all(still)
+            && self.objects.iter().all(unmoved)
+            && self.contact.as_ref().is_none_or(|contact| contact.adhesion.is_none())
+            && air.gravity_ramp == 0.0
+            && air.wind == Wind::default()
+            && !air.climate.changes()
+            && self.charging.is_none()
+            && self.mass_spring.is_none()
+    }
+
     /// Number of segments of fibre `fiber`, counted over all bundles.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {
