@@ -200,6 +200,12 @@ impl Chain {
         Ok(())
     }
 
+    /// Whether the last node keeps the frame that it has in the shape to start from, which
+    /// [`Chain::relax`] is given: with a target that holds its place, a clamp.
+    pub fn hold_tip_frame(&mut self, held: bool) {
+        self.tip = if held { Tip::Held } else { Tip::Free };
+    }
+
     /// The places that nodes are held at or pulled to.
     #[must_use]
     pub fn targets(&self) -> &[Target] {

@@ -171,31 +171,54 @@ impl Problem {
     /// The equilibrium that [`Problem::solve`] tells.
     fn any(&self, elements: &[Element], effort: &Effort) -> Option<Equilibrium> {
         let mut unstable = None;
-        let starts = self.starts(elements, effort).map(|nodes| Start { nodes, factor: 0.0, turns: 0.0 });
-        for start in starts {
-            let free = matches!(self.goal, Goal::Free { .. });
-            let down = || self.descend(elements, &start.nodes, effort);
-            let mut found = if free { down() } else { None };
-            if found.as_ref().is_none_or(|found| !found.is_stable()) {
-                let followed = self.follow(elements, &start, effort);
-                found = match followed {
-                    Some(saddle) if !saddle.is_stable() => {
-                        self.descend(&saddle.elements, &saddle.nodes, effort).or(Some(saddle))
-                    }
-                    // Where the loads block the way, they are put on at its end.
-                    None if !free => self
-                        .continued(elements, &start, 0.0, effort)
-                        .and_then(|nodes| self.descend(elements, &nodes, effort)),
-                    followed => followed,
-                };
-            }
-            match found {
+        let starts = self.starts(elements, effort);
+        for start in starts.map(|nodes| Start { nodes, factor: 0.0, turns: 0.0 }) {
+            match self.reach(elements, &start, effort) {
                 Some(found) if found.is_stable() => return Some(found),
                 Some(found) => unstable = unstable.or(Some(found)),
                 None => {}
             }
         }
         unstable
+    }
+
+    /// The equilibrium that `start` leads to, stable if one is found.
+    fn reach(&self, elements: &[Element], start: &Start, effort: &Effort) -> Option<Equilibrium> {
+        let free = matches!(self.goal, Goal::Free { .. });
+        let stable = |found: &Option<Equilibrium>| found.as_ref().is_some_and(|f| f.is_stable());
+        if free {
+            let found = self.descend(elements, &start.nodes, effort);
+            if stable(&found) {
+                return found;
+            }
+        }
+        let found = self.follow(elements, start, effort);
+        if stable(&found) {
+            return found;
+        }
+        let (elements, nodes) = match &found {
+            Some(saddle) => (saddle.elements.clone(), saddle.nodes.clone()),
+            // Where the loads block the way, they are put on at its end.
+            None if free => (elements.to_vec(), start.nodes.clone()),
+            None => (elements.to_vec(), self.continued(elements, start, 0.0, effort)?),
+        };
+        let down = self.descend(&elements, &nodes, effort).filter(Equilibrium::is_stable);
+        down.or_else(|| self.around(&elements, &nodes, effort)).or(found)
+    }
+
+    /// The equilibrium that a push leads to, which is then taken away: near a load that buckles the
+    /// rod the minimum in segments is not that of the rod, and a push that breaks the symmetry makes
+    /// it one.
+    fn around(&self, elements: &[Element], nodes: &[Node], effort: &Effort) -> Option<Equilibrium> {
+        let pushed = Self { goal: self.goal.pushed(), ..self.clone() };
+        let start = Start { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
+        let nodes = match self.goal {
+            Goal::Free { .. } => start.nodes,
+            _ => pushed.continued(elements, &start, 1.0, effort)?,
+        };
+        let leaning = pushed.descend(elements, &nodes, effort)?;
+        let start = Start { nodes: leaning.nodes, factor: 1.0, turns: 0.0 };
+        self.follow(&leaning.elements, &start, effort)
     }
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
