@@ -32,7 +32,8 @@ Exit codes:
   2    the command line is wrong
   3    the scene or the case is wrong
   4    a file or folder cannot be used
-  5    done, but contacts or charged fibres missed their tolerances in some steps, as the report says
+  5    done, but contacts or charged fibres missed their tolerances in some steps, or a case has no
+       stable equilibrium that was found, as the report says
   130  interrupted; the run can be resumed";
 
 #[derive(Debug, Subcommand)]

@@ -28,7 +28,8 @@ const SCENE: u8 = 3;
 const FILE: u8 = 4;
 /// Interrupted by the user: 128 and the number of the signal, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
-/// Complete, but contacts or charged fibres missed their tolerances in some steps.
+/// Complete, but contacts or charged fibres missed their tolerances in some steps, or no equilibrium
+/// that was found is stable.
 pub(crate) const UNRESOLVED: u8 = 5;
 
 impl Failure {
