@@ -52,6 +52,7 @@ impl Failure {
                     | SimError::Fiber { .. }
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)
+                    | SimError::Memory { .. }
                     | SimError::Rod { .. }
                     | SimError::Overlap { .. },
                 ..

@@ -7,7 +7,9 @@ mod conditions;
 mod contact;
 mod curve;
 mod error;
+mod estimate;
 pub mod export;
+mod file;
 mod folder;
 mod group;
 pub mod lab;
@@ -28,6 +30,8 @@ pub use contact::{
     Bearing, ContactReport, ContactTimes, ContactWork, Partner, Stopwatch, Unresolved,
 };
 pub use error::SimError;
+pub use estimate::{Estimate, Part};
+pub use file::read_text;
 pub use folder::{Existing, RunFolder, in_use};
 pub use mass_spring::MassSprings;
 pub use plan::Plan;
