@@ -71,6 +71,7 @@ impl Failure {
                     | SimError::Fiber { .. }
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)
+                    | SimError::Memory { .. }
                     | SimError::Rod { .. }
                     | SimError::Object { .. }
                     | SimError::Overlap { .. },

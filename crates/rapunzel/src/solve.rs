@@ -1,7 +1,7 @@
 use crate::arguments::SolveOptions;
-use crate::check;
 use crate::failure::{Failure, UNRESOLVED};
 use crate::words::{complain, say};
+use rapunzel_sim::read_text;
 use rapunzel_sim::statics::{Answer, Case, Equilibrium, Stability, Wished};
 use std::path::Path;
 use std::process::ExitCode;
@@ -9,7 +9,7 @@ use std::process::ExitCode;
 /// Solves a case for a rod at rest, into a folder.
 pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Failure> {
     let path = &options.case;
-    let text = check::read_text(path, "case")?;
+    let text = read_text(path).map_err(Failure::of(path))?;
     let case = Case::from_ron(&text).map_err(Failure::of(path))?;
     let answer = case.solve().map_err(Failure::of(path))?;
     let folder = options

@@ -116,7 +116,7 @@ pub enum SimError {
         /// Line, from 1; none for what concerns the whole.
         line: Option<usize>,
         /// What is wrong.
-        why: &'static str,
+        why: String,
     },
     /// The mesh of an object is not closed, or not read.
     #[error("objects[{object}], {}: {source}", path.display())]
@@ -229,6 +229,21 @@ pub enum SimError {
         time: f64,
         /// What is wrong, and where.
         source: SpringError,
+    },
+    /// A scene would take too much memory.
+    #[error(
+        "{path}: {what} take some {:.2} GB of memory, and {:.2} GB are allowed; ask for less, or allow more",
+        bytes * 1e-9, most * 1e-9
+    )]
+    Memory {
+        /// Path of the field that asks for most.
+        path: String,
+        /// What it makes.
+        what: String,
+        /// What all of the scene takes, bytes.
+        bytes: f64,
+        /// What it may take, bytes.
+        most: f64,
     },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]

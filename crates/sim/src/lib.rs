@@ -8,7 +8,9 @@ mod contact;
 mod curve;
 mod energy;
 mod error;
+mod estimate;
 pub mod export;
+mod file;
 mod folder;
 mod group;
 pub mod lab;
@@ -30,6 +32,8 @@ pub use contact::{
     Bearing, ContactReport, ContactTimes, ContactWork, Partner, Stopwatch, Unresolved,
 };
 pub use error::SimError;
+pub use estimate::{Estimate, Part};
+pub use file::read_text;
 pub use folder::{Existing, RunFolder, in_use};
 pub use mass_spring::MassSprings;
 pub use plan::Plan;
