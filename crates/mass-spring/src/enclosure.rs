@@ -57,6 +57,12 @@ impl<const D: usize> Enclosure<D> {
         Ok(enclosure)
     }
 
+    /// The facets that it was made of.
+    #[must_use]
+    pub fn facets(&self) -> &[[usize; D]] {
+        &self.facets
+    }
+
     /// Area (m^2) or volume (m^3) enclosed now: A.
     ///
     /// # Panics

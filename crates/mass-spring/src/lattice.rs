@@ -75,6 +75,27 @@ impl Lattice {
         Ok(system)
     }
 
+    /// The surface: the nodes of its whole cells, counter-clockwise as seen with the first axis to
+    /// the right and the last one up; of `Triangular` ones both halves.
+    #[must_use]
+    pub fn faces(&self) -> Vec<Vec<usize>> {
+        let (rows, columns) = (self.place.rows(), self.place.columns());
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        let faces = cells.filter(|&(row, column)| self.is_whole(row, column));
+        let faces = faces.flat_map(|(row, column)| {
+            let left = [row, row + 1].map(|row| self.node(row, column));
+            let [[a, b], [d, c]] = [left, left.map(|node| node + 1)];
+            match self.cells {
+                Cells::Triangular if self.has_diagonal(row, column, true) => {
+                    vec![vec![a, b, c], vec![a, c, d]]
+                }
+                Cells::Triangular => vec![vec![a, b, d], vec![b, c, d]],
+                Cells::Rectangular | Cells::Braced { .. } => vec![vec![a, b, c, d]],
+            }
+        });
+        faces.collect()
+    }
+
     /// Row by row, kind by kind, so that they follow each other in long runs.
     fn springs(&self) -> Result<Vec<Spring>, SpringError> {
         let place = &self.place;
@@ -110,18 +131,24 @@ impl Lattice {
         Ok(springs)
     }
 
-    /// Whether the cell to the right and below of a node is whole and has the diagonal from its top
-    /// left (`down`) or its bottom left corner.
-    fn has_diagonal(&self, row: usize, column: usize, down: bool) -> bool {
+    /// Whether the cell to the right and below of a node has all its sides.
+    fn is_whole(&self, row: usize, column: usize) -> bool {
         let place = &self.place;
-        let whole = place.connected(row, column, 0, 1)
+        place.connected(row, column, 0, 1)
             && place.connected(row, column, 1, 0)
             && place.connected(row + 1, column, 0, 1)
-            && place.connected(row, column + 1, 1, 0);
+            && place.connected(row, column + 1, 1, 0)
+    }
+
+    /// Whether that cell is whole and has the diagonal from its top left (`down`) or its bottom left
+    /// corner.
+    fn has_diagonal(&self, row: usize, column: usize, down: bool) -> bool {
+        let place = &self.place;
         // Which half of the lattice the middle of the cell lies in.
         let upper = 2 * row + 2 <= place.rows();
         let left = 2 * column + 2 <= place.columns();
-        whole && (matches!(self.cells, Cells::Braced { .. }) || down == (upper == left))
+        self.is_whole(row, column)
+            && (matches!(self.cells, Cells::Braced { .. }) || down == (upper == left))
     }
 
     fn support<const D: usize>(&self, system: &mut System<D>) -> Result<(), SpringError> {

@@ -145,6 +145,12 @@ impl<const D: usize> Supports<D> {
 }
 
 impl<const D: usize> System<D> {
+    /// Whether the velocity of a node is given in every direction.
+    #[must_use]
+    pub fn is_held(&self, node: usize) -> bool {
+        (0..D).all(|axis| self.supports.driven(node, axis))
+    }
+
     /// Fixes `node` where it is.
     ///
     /// # Errors

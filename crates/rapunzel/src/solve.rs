@@ -16,7 +16,7 @@ pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Fail
         .out
         .clone()
         .unwrap_or_else(|| Path::new("runs").join(path.file_stem().unwrap_or_default()));
-    answer.save(&folder).map_err(Failure::of(path))?;
+    answer.save(&folder, &case).map_err(Failure::of(path))?;
     let stable = answer.holds();
     if json {
         say(&serde_json::json!({ "folder": folder, "answer": answer, "stable": stable })

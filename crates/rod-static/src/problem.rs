@@ -318,12 +318,7 @@ impl Problem {
     }
 
     /// Continuation from `start` in the loads and in the condition on the end together.
-    fn follow(
-        &self,
-        elements: &[Element],
-        start: &Start,
-        effort: &Effort,
-    ) -> Option<Equilibrium> {
+    fn follow(&self, elements: &[Element], start: &Start, effort: &Effort) -> Option<Equilibrium> {
         let nodes = self.continued(elements, start, 1.0, effort)?;
         self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
     }

@@ -143,7 +143,10 @@ fn columns_just_above_greenhills_load_lean() {
             assert!(found.is_stable(), "{excess} {sides:?}: {}", found.conjugate_points());
             // Of second order in the lean, whose square grows with the excess.
             let fallen = 1.0 - found.tip().position.z;
-            assert!((0.1..10.0).contains(&(fallen / excess.min(0.1))), "{excess} {sides:?}: {fallen:e}");
+            assert!(
+                (0.1..10.0).contains(&(fallen / excess.min(0.1))),
+                "{excess} {sides:?}: {fallen:e}"
+            );
         }
     }
 }

@@ -29,7 +29,9 @@ fn arcs(force: f64, inner: &[f64]) -> Vec<f64> {
     for &at in inner.iter().chain(&[0.0, 1.0]) {
         let mut distance = 0.01 / (1.0 + force).sqrt();
         while distance < 1.0 {
-            all.extend([at - distance, at + distance].into_iter().filter(|s| (0.0..1.0).contains(s)));
+            all.extend(
+                [at - distance, at + distance].into_iter().filter(|s| (0.0..1.0).contains(s)),
+            );
             distance = (1.04 * distance).min(distance + 0.004);
         }
         all.push(at);
@@ -40,7 +42,12 @@ fn arcs(force: f64, inner: &[f64]) -> Vec<f64> {
 }
 
 /// The force in the rod just beyond `s`, from the loads alone.
-fn carried(s: f64, load: Vector3<f64>, beads: &[(f64, Vector3<f64>)], end: Vector3<f64>) -> Vector3<f64> {
+fn carried(
+    s: f64,
+    load: Vector3<f64>,
+    beads: &[(f64, Vector3<f64>)],
+    end: Vector3<f64>,
+) -> Vector3<f64> {
     let beyond = beads.iter().filter(|(at, _)| *at > s).map(|(_, force)| force);
     end + load * (1.0 - s) + beyond.sum::<Vector3<f64>>()
 }

@@ -1,7 +1,7 @@
 //! Simulates a swinging lock and writes it in every format into the folder that is named on the command line.
 
 use rapunzel_fiber::Fiber;
-use rapunzel_sim::export::{Frame, Strand, hair, pov, preview, pvd, usda, vtp};
+use rapunzel_sim::export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
 use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -62,15 +62,17 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
         times.iter().zip(&names).map(|(time, name)| (*time, 0, name.as_str())),
     )?;
     // As after a crash: from the files of the frames.
-    let read = |name: &String| vtp::read(&mut BufReader::new(File::open(folder.join(name))?));
-    for (name, curve) in
-        [("linear.usda", usda::Curve::Linear), ("smooth.usda", usda::Curve::CatmullRom)]
-    {
-        usda::write(&mut create(name)?, curve, &times, names.iter().map(read))?;
-    }
+    let (frames_per_second, end) = (30.0, times[FRAMES - 1]);
+    let timeline = usd::Timeline { frames: FRAMES, rate: frames_per_second, end };
+    let shape = usd::Shape::Curves { strands: 0..frames[0].strands.len(), guide: false };
+    let prim = usd::Prim { name: "Lock".to_owned(), shape, color: [0.09, 0.045, 0.02] };
+    let open = |index: usize| Ok(BufReader::new(File::open(folder.join(&names[index]))?));
+    let strands = usd::Strands::new(timeline, "Fibers", vec![prim], open)?;
+    strands.write(&mut create("fibers.usda")?, None)?;
+    usd::root(&mut create("scene.usda")?, &timeline, &["fibers.usda"])?;
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
-    pov::write(&mut create("frame4.inc")?, &frames[4])?;
-    let pictures = frames.iter().cloned().map(preview::Picture::new);
+    pov::write(&mut create("frame4.pov")?, &frames[4], &[])?;
+    let pictures = frames.iter().cloned().map(|frame| preview::Picture::new(frame, Vec::new()));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
     preview::write(&mut create("preview.png")?, &pictures, &[], &[])?;
     Ok(())

@@ -263,6 +263,17 @@ pub enum SimError {
         /// Why.
         source: ExportError,
     },
+    /// The simulation is at its end, but some of its files could not be written.
+    #[error(
+        "the simulation is complete, but {} not written; mend the cause and resume the run, which \
+         writes them:{}",
+        if faults.len() == 1 { "a file was".into() } else { format!("{} files were", faults.len()) },
+        first_of(faults)
+    )]
+    Unwritten {
+        /// Why each was not.
+        faults: Vec<Self>,
+    },
     /// Another run holds the folder.
     #[error(
         "{} is in use by the run with process number {process}; wait for it, stop it, or choose \
@@ -340,6 +351,11 @@ impl SimError {
         move |source| Self::Electrostatics { time, source }
     }
 
+    /// An [`SimError::Export`] of a file.
+    pub(crate) fn export(path: &Path) -> impl FnOnce(ExportError) -> Self {
+        move |source| Self::Export { path: path.to_owned(), source }
+    }
+
     /// An [`SimError::Io`] from what was tried on which path.
     pub(crate) fn io<'a>(
         action: &'static str,
@@ -366,6 +382,15 @@ fn meeting(worst: Option<&Unresolved>) -> String {
 
 fn listed(problems: &[Problem]) -> String {
     problems.iter().map(|p| format!("\n  {p}")).collect()
+}
+
+/// Most faults that a message tells.
+const TOLD: usize = 10;
+
+fn first_of(faults: &[SimError]) -> String {
+    let told: String = faults.iter().take(TOLD).map(|fault| format!("\n  {fault}")).collect();
+    let more = faults.len().saturating_sub(TOLD);
+    if more == 0 { told } else { format!("{told}\n  and {more} more") }
 }
 
 /// The operating system's words, with what to do where that is known.

@@ -54,7 +54,9 @@ pub(crate) const OBJECTS: &str = "objects.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const PVD: &str = "frames.pvd";
 pub(crate) const PREVIEW: &str = "preview.png";
+pub(crate) const STAGE: &str = "scene.usda";
 pub(crate) const USD: &str = "fibers.usda";
+pub(crate) const SPRINGS_USD: &str = "springs.usda";
 pub(crate) const OBJECTS_USD: &str = "objects.usda";
 pub(crate) const LOG: &str = "run.log";
 pub(crate) const FRAMES: &str = "frames";
@@ -422,7 +424,9 @@ mod tests {
     fn make_run(path: &Path, existing: Existing, text: &str) -> Result<RunFolder, SimError> {
         let mut folder = RunFolder::open(path, existing)?;
         folder.begin(&small())?;
-        for name in [SCENE, SUMMARY, CHECKPOINT, "frames/frame-000000.vtp", "frames/frame-000001.vtp"] {
+        for name in
+            [SCENE, SUMMARY, CHECKPOINT, "frames/frame-000000.vtp", "frames/frame-000001.vtp"]
+        {
             fs::write(folder.file(name), text).expect("writes");
         }
         Ok(folder)

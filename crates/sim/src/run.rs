@@ -4,7 +4,7 @@ use crate::folder::{
     SCENE, SUMMARY,
 };
 use crate::manifest::{Entry, Manifest};
-use crate::observers::{Column, FieldWriter, FrameWriter, Observer, Shown, Table};
+use crate::observers::{Column, FieldWriter, FrameWriter, Objects, Observer, Show, Table};
 use crate::storage::{rename_durably, replace, sync};
 use crate::{
     Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, mass_spring,
@@ -121,7 +121,7 @@ impl<'a> Run<'a> {
         } else {
             folder.go_on()?;
         }
-        let observers = observers(scene, folder, plan)?;
+        let observers = observers(scene, &world, folder, plan)?;
         let statistics = Statistics::default();
         let mut run = Self { scene, folder, plan, world, stepper, statistics, observers, hash };
         // Only a loss of power damages the newer one.
@@ -178,8 +178,8 @@ impl<'a> Run<'a> {
             progress(&self.progress());
         }
         self.save()?;
-        self.observers.iter_mut().try_for_each(|observer| observer.finish())?;
-        Ok(Outcome::Complete)
+        let faults: Vec<_> = self.observers.iter_mut().flat_map(|one| one.finish()).collect();
+        if faults.is_empty() { Ok(Outcome::Complete) } else { Err(SimError::Unwritten { faults }) }
     }
 
     fn step(&mut self) -> Result<(), SimError> {
@@ -257,8 +257,8 @@ impl<'a> Run<'a> {
 
 /// The files of a run.
 fn files(scene: &Scene, plan: &Plan) -> Manifest {
-    let shown = Shown::of(&scene.objects);
-    let mut files = FrameWriter::files(&scene.output.formats, shown, plan.frames());
+    let objects = Objects::of(&scene.objects);
+    let mut files = FrameWriter::files(&scene.output.formats, objects, plan.frames());
     files.extend([SCENE, SUMMARY, CHECKPOINT, NEXT_CHECKPOINT, LOG].map(Entry::from));
     files.extend(tables(scene).into_iter().map(|(name, _)| name.into()));
     files.extend(field_grid(scene).map(|_| FieldWriter::files(plan.frames())));
@@ -267,12 +267,11 @@ fn files(scene: &Scene, plan: &Plan) -> Manifest {
 
 fn observers(
     scene: &Scene,
+    world: &World,
     folder: &RunFolder,
     plan: Plan,
 ) -> Result<Vec<Box<dyn Observer>>, SimError> {
-    let shown = Shown::of(&scene.objects);
-    let wind = scene.mass_spring.as_ref().map_or(scene.environment.wind, |springs| springs.wind);
-    let frames = FrameWriter::new(folder, &scene.output.formats, shown, wind, plan);
+    let frames = FrameWriter::new(folder, Show::of(scene, world), plan);
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames)];
     for (name, columns) in tables(scene) {
         observers.push(Box::new(Table::open(&folder.file(name), columns, plan)?));

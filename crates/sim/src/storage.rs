@@ -95,7 +95,7 @@ pub(crate) fn save(
         }
     });
     match refused {
-        Some(source) => Err(SimError::Export { path: path.to_owned(), source }),
+        Some(source) => Err(SimError::export(path)(source)),
         None => written,
     }
 }

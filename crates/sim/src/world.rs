@@ -1,11 +1,11 @@
 use crate::charging::{ChargeReport, Electric};
 use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Stopwatch, Way};
 use crate::energy::EnergyBudget;
+use crate::export::surface::Placed;
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, Works, scene::Environment};
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
 use rapunzel_electrostatics::Fields;
 use rapunzel_fiber::Assembly;
@@ -170,10 +170,10 @@ impl World {
         self.environment.gravity_at(t)
     }
 
-    /// Surfaces of all objects where they are now (world), as far as they are shown: of a plane a
-    /// square of twice the longest fibre, or the length of a mass-spring system. Copies them.
-    pub fn surfaces(&self) -> impl Iterator<Item = Soup> {
-        self.objects.iter().map(|object| object.surface(self.time()))
+    /// All objects where they are now (world), as far as they are shown: of a plane a square of twice
+    /// the longest fibre, or the length of a mass-spring system. Copies their surfaces.
+    pub fn surfaces(&self) -> impl Iterator<Item = Placed> {
+        self.objects.iter().map(|object| object.placed(self.time()))
     }
 
     /// Object `i` of the scene as a rigid body, if it is one that moves freely.

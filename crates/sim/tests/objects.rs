@@ -93,7 +93,7 @@ fn hairs_land_on_a_terrain() {
         let gap = field.value(&(p + Vector3::new(0.0, 0.0, 0.012))) - RADIUS;
         assert!(gap > -0.02 * 2.0 * RADIUS, "{gap}");
     }
-    let shown = run.world.surfaces().next().expect("an object");
+    let shown = run.world.surfaces().next().expect("an object").surface;
     assert!(shown.vertices.iter().all(|p| (p.z + 0.012).abs() <= 0.01));
 }
 

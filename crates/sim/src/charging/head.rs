@@ -101,7 +101,7 @@ impl Head {
         if let ObjectShape::Ball { radius } = shapes[object].shape {
             return Ok(Self::Ball { center: shapes[object].position.into(), radius, held });
         }
-        let mut surface = objects[object].surface(0.0);
+        let mut surface = objects[object].placed(0.0).surface;
         while shapes[object].shape.file().is_none() && surface.triangles.len() < TRIANGLES {
             surface = refined(&surface);
         }

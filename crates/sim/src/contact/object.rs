@@ -3,6 +3,7 @@
 use super::free::FreeBody;
 use super::pair::{Pair, pairs};
 use super::touch::{Partner, Touch};
+use crate::export::surface::Placed;
 use crate::scene::Friction;
 use crate::{SimError, World};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -115,14 +116,14 @@ impl Object {
         Self { field, skeleton, surface, corners, size, friction, restitution, way }
     }
 
-    /// Its surface where it is at the time `t`, s.
-    pub(crate) fn surface(&self, t: f64) -> Soup {
+    /// It where it is at the time `t`, s.
+    pub(crate) fn placed(&self, t: f64) -> Placed {
         let pose = match &self.way {
             Way::Led(pose) => pose(t),
             Way::Free(body) => body.poses()[0],
         };
         let vertices = self.surface.vertices.iter().map(|p| pose * p).collect();
-        Soup { vertices, triangles: self.surface.triangles.clone() }
+        Placed { pose, surface: Soup { vertices, triangles: self.surface.triangles.clone() } }
     }
 
     pub(super) fn is_free(&self) -> bool {

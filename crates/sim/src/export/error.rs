@@ -30,6 +30,12 @@ pub enum ExportError {
         /// Index in the array.
         index: usize,
     },
+    /// A number is NaN, infinite, or too large for a format in single precision.
+    #[error("the number {value} cannot be written in single precision; are lengths in metres?")]
+    Single {
+        /// The number.
+        value: f64,
+    },
     /// The surface of an object cannot be shown.
     #[error("a surface {what}")]
     Surface {

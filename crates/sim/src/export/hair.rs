@@ -1,4 +1,5 @@
-//! Cem Yuksel's binary hair format: little endian, single precision, a header of 128 bytes.
+//! Cem Yuksel's binary hair format: little endian, single precision, a header of 128 bytes. It holds
+//! strands and nothing else: no objects, no velocities.
 //!
 //! After the header come the segment counts (`u16`), the points (three `f32` each) and the
 //! thicknesses (`f32`), which are diameters. Lengths are in metres; readers that expect another
@@ -10,17 +11,20 @@ use std::io::Write;
 /// Which arrays follow the header: bit 0 segments, bit 1 points, bit 2 thickness.
 const ARRAYS: u32 = 0b111;
 
+/// The most segments of a strand that the format can count.
+pub const MOST_SEGMENTS: usize = u16::MAX as usize;
+
 /// Writes `frame`.
 ///
 /// # Errors
-/// Refuses unsound frames and strands of more than 65535 segments; fails if `out` does.
+/// Refuses unsound frames and strands of more than [`MOST_SEGMENTS`]; fails if `out` does.
 pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
     frame.validate()?;
     out.write_all(&header(frame)?)?;
     for strand in &frame.strands {
         let segments = strand.frames.len();
         let count = u16::try_from(segments)
-            .map_err(|_| too_many("segments in a strand", segments, u16::MAX.into()))?;
+            .map_err(|_| too_many("segments in a strand", segments, MOST_SEGMENTS))?;
         out.write_all(&count.to_le_bytes())?;
     }
     for x in frame.strands.iter().flat_map(|s| &s.points).flat_map(|p| p.coords.iter()) {

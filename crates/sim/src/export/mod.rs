@@ -4,10 +4,10 @@
 //! |---|---|---|
 //! | [`vtp`] | VTK poly data, everything at full precision; the one format that is read back | ParaView |
 //! | [`pvd`] | the times of a series of them | ParaView |
-//! | [`usda`] | USD `BasisCurves`, all frames in one file | Blender, Houdini, usdview |
-//! | [`hair`] | Cem Yuksel's binary format | LuxCore, hair tools |
-//! | [`pov`] | POV-Ray scene description | POV-Ray |
-//! | [`surface`] | surfaces of objects, as VTK poly data and as USD `Mesh` | the same |
+//! | [`usd`] | USD as text, all frames in one stage, with objects | Blender, Houdini, usdview |
+//! | [`hair`] | Cem Yuksel's binary format; it holds fibres alone | LuxCore, hair tools |
+//! | [`pov`] | POV-Ray scene description, with objects | POV-Ray |
+//! | [`surface`] | surfaces of objects as VTK poly data, and their poses | ParaView |
 //! | [`preview`] | a contact sheet as PNG | eyes |
 //!
 //! Writers take any [`std::io::Write`], [`vtp`] one that can [seek](std::io::Seek), check what they are given and never touch a file system.
@@ -23,7 +23,7 @@ pub mod pvd;
 #[cfg(test)]
 mod sample;
 pub mod surface;
-pub mod usda;
+pub mod usd;
 pub mod vtp;
 
 pub use error::ExportError;

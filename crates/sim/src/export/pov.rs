@@ -1,34 +1,36 @@
-//! POV-Ray scene description: a `#declare` of all fibres, to be included in a scene.
+//! POV-Ray scene description: a `#declare` of all fibres and one of all objects.
 //!
 //! POV-Ray is left-handed with y up, and its tolerances are made for scenes of unit size: points
 //! are written as `<x, z, y>`, which keeps what is right on the right, and in millimetres.
 
+use super::surface::{self, Placed};
 use super::{ExportError, Frame};
+use nalgebra::{Point3, Vector3};
 use std::io::Write;
 
 /// Millimetres per metre.
 const SCALE: f64 = 1e3;
 
 /// Writes `frame` as the object `Hair`, a cone per segment: POV-Ray finds its way through many
-/// small objects far sooner than along one long sphere sweep. Use it by `#include "frame.inc"` and
-/// `object { Hair texture { ... } }`.
+/// small objects far sooner than along one long sphere sweep; and `objects`, if there are any, as
+/// the mesh `Objects`. By itself the file is a picture of both; for a scene of your own,
+/// `#declare Included = 1;` and `#include` it before `object { Hair texture { ... } }`.
 ///
 /// # Errors
-/// Refuses unsound and empty frames; fails if `out` does.
-pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
+/// Refuses unsound and empty frames, and surfaces that are not finite; fails if `out` does.
+pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
     frame.validate()?;
+    objects.iter().try_for_each(|object| surface::check(&object.surface))?;
     if frame.strands.is_empty() {
         return Err(ExportError::Empty);
     }
+    let (fibers, count) = (frame.strands.len(), objects.len());
     writeln!(out, "// Frame {} at {} s, in millimetres, y up.", frame.index, frame.time)?;
+    writeln!(out, "// Hair: {fibers} fibres. Objects: {count}.")?;
     writeln!(out, "#declare Hair = union {{")?;
     for strand in &frame.strands {
-        let place = |i: usize| {
-            let [x, y, z] = strand.points[i].coords.data.0[0].map(|x| SCALE * x);
-            format!("<{x:.6}, {z:.6}, {y:.6}>")
-        };
         for j in 0..strand.frames.len() {
-            let (a, b) = (place(j), place(j + 1));
+            let [a, b] = [j, j + 1].map(|i| vector(&strand.points[i]));
             let [thick, thin] = [j, j + 1].map(|i| SCALE * strand.radii[i]);
             // POV-Ray stops at a cone without length.
             if a != b {
@@ -37,7 +39,59 @@ pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
         }
     }
     writeln!(out, "}}")?;
-    Ok(())
+    if !objects.is_empty() {
+        mesh(out, objects)?;
+    }
+    picture(out, frame, objects)
+}
+
+/// A point as POV-Ray has it.
+fn vector(p: &Point3<f64>) -> String {
+    let [x, y, z] = p.coords.data.0[0].map(|x| SCALE * x);
+    format!("<{x:.6}, {z:.6}, {y:.6}>")
+}
+
+/// Declares the objects, all as one mesh.
+fn mesh(out: &mut impl Write, objects: &[Placed]) -> Result<(), ExportError> {
+    let vertices: usize = objects.iter().map(|object| object.surface.vertices.len()).sum();
+    let triangles: usize = objects.iter().map(|object| object.surface.triangles.len()).sum();
+    write!(out, "#declare Objects = mesh2 {{\n  vertex_vectors {{ {vertices}")?;
+    for p in objects.iter().flat_map(|object| &object.surface.vertices) {
+        write!(out, ",\n    {}", vector(p))?;
+    }
+    write!(out, " }}\n  face_indices {{ {triangles}")?;
+    let mut first = 0;
+    for Placed { surface, .. } in objects {
+        for corners in &surface.triangles {
+            let [a, b, c] = corners.map(|corner| first + corner as usize);
+            write!(out, ",\n    <{a}, {b}, {c}>")?;
+        }
+        first += surface.vertices.len();
+    }
+    Ok(writeln!(out, " }}\n}}")?)
+}
+
+/// Shows everything, where the file is not included in another.
+fn picture(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
+    let points = || {
+        let fibers = frame.strands.iter().flat_map(|strand| &strand.points);
+        fibers.chain(objects.iter().flat_map(|object| &object.surface.vertices))
+    };
+    let first = points().next().copied().unwrap_or_default();
+    let [low, high] = points().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    let (middle, radius) = (nalgebra::center(&low, &high), 0.5 * (high - low).norm());
+    // From where an angle of 40 degrees takes it all in.
+    let away = 3.0 * radius.max(1.0 / SCALE);
+    let eye = middle + away * Vector3::new(0.3, -0.9, 0.3);
+    let lamp = middle + away * Vector3::new(-1.0, -1.0, 2.0);
+    writeln!(out, "#ifndef (Included)")?;
+    writeln!(out, "camera {{ location {} look_at {} angle 40 }}", vector(&eye), vector(&middle))?;
+    writeln!(out, "light_source {{ {} rgb 1 }}\nbackground {{ rgb 1 }}", vector(&lamp))?;
+    writeln!(out, "object {{ Hair pigment {{ rgb <0.30, 0.17, 0.09> }} }}")?;
+    if !objects.is_empty() {
+        writeln!(out, "object {{ Objects pigment {{ rgb <0.66, 0.71, 0.76> }} }}")?;
+    }
+    Ok(writeln!(out, "#end")?)
 }
 
 #[cfg(test)]
@@ -45,31 +99,42 @@ mod tests {
     use super::super::sample;
     use super::*;
 
-    #[test]
-    fn every_segment_is_a_cone() {
-        let frame = sample::frame(2);
+    fn text(frame: &Frame, objects: &[Placed]) -> String {
         let mut out = Vec::new();
-        write(&mut out, &frame).expect("memory");
-        let text = String::from_utf8(out).expect("text");
+        write(&mut out, frame, objects).expect("memory");
+        String::from_utf8(out).expect("text")
+    }
+
+    #[test]
+    fn every_segment_is_a_cone_and_every_object_in_the_mesh() {
+        let (frame, objects) = (sample::frame(2), sample::objects(0.1));
+        let text = text(&frame, &objects);
         assert_eq!(text.matches("cone").count(), 5 + 8 + 11);
         assert_eq!(text.matches('{').count(), text.matches('}').count());
         let p = frame.strands[0].points[5];
         let line = format!("<{:.6}, 300.000000, {:.6}>", 1e3 * p.x, 1e3 * p.y);
         assert!(text.contains(&line), "{line} not in {text}");
+        let [a, b] = [0, 1].map(|i| &objects[i].surface);
+        let vertices = a.vertices.len() + b.vertices.len();
+        assert!(text.contains(&format!("vertex_vectors {{ {vertices},\n")), "{text}");
+        let last = b.triangles.last().expect("one").map(|v| v as usize + a.vertices.len());
+        let last = format!("<{}, {}, {}> }}", last[0], last[1], last[2]);
+        assert!(text.contains(&last), "{last} not in {text}");
+        assert!(text.contains("// Hair: 3 fibres. Objects: 2."), "{text}");
     }
 
     #[test]
     fn a_segment_without_length_is_left_out() {
         let mut frame = sample::frame(0);
         frame.strands[0].points[3] = frame.strands[0].points[2];
-        let mut out = Vec::new();
-        write(&mut out, &frame).expect("memory");
-        assert_eq!(String::from_utf8(out).expect("text").matches("cone").count(), 23);
+        let text = text(&frame, &[]);
+        assert_eq!(text.matches("cone").count(), 23);
+        assert!(!text.contains("object { Objects"), "{text}");
     }
 
     #[test]
     fn no_fiber_is_no_object() {
         let frame = Frame { index: 0, time: 0.0, strands: vec![] };
-        assert!(matches!(write(&mut Vec::new(), &frame), Err(ExportError::Empty)));
+        assert!(matches!(write(&mut Vec::new(), &frame, &[]), Err(ExportError::Empty)));
     }
 }

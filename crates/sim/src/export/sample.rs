@@ -1,7 +1,9 @@
-//! A few fibres in motion, for the tests of the formats.
+//! A few fibres and objects in motion, for the tests of the formats.
 
+use super::surface::Placed;
 use super::{Frame, Strand};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
+use rapunzel_collision::field::shapes;
 use rapunzel_fiber::so3;
 
 /// Frame `index` of three strands with 5, 8 and 11 segments whose numbers fill all bits.
@@ -26,4 +28,16 @@ fn strand(segments: usize, time: f64) -> Strand {
         curvatures: points.map(|i| Vector3::new(wave(at(i)), 1.0 / 3.0, -2.0)).collect(),
         forces: (0..segments).map(|i| 1e-5 * Vector3::new(0.1, at(i), 1.0)).collect(),
     }
+}
+
+/// A box that rests and a ball that moves and turns, at a time, s.
+pub(super) fn objects(time: f64) -> Vec<Placed> {
+    let shapes = [shapes::cuboid(Vector3::new(0.1, 1.0 / 3.0, 2.0)), shapes::sphere(0.7, 2)];
+    let still = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 2.0, 0.5));
+    let moved = Isometry3::new(Vector3::new(time, 0.0, 1.0 / 3.0), 3.0 * time * Vector3::z());
+    let place = |(mut surface, pose): (rapunzel_collision::field::Soup, Isometry3<f64>)| {
+        surface.vertices.iter_mut().for_each(|p| *p = pose * *p);
+        Placed { pose, surface }
+    };
+    shapes.into_iter().zip([still, moved]).map(place).collect()
 }

@@ -19,7 +19,7 @@ pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn Springs>, SpringError>
                 rigid: *inextensible,
             };
             let system = rope.build(Point3::from(scene.position), Vector3::from(*direction))?;
-            moving(scene, system, None)
+            moving(scene, system, Vec::new(), None)
         }
         Model::Net { place, spacing, triangular } => {
             let place = match place {
@@ -32,22 +32,25 @@ pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn Springs>, SpringError>
             }?;
             let cells = if *triangular { Cells::Triangular } else { Cells::Rectangular };
             let net = Lattice { place, spacing: *spacing, element, cells };
-            moving::<3>(scene, net.build(Point3::from(scene.position))?, None)
+            moving::<3>(scene, net.build(Point3::from(scene.position))?, net.faces(), None)
         }
         Model::Body { shape, spacing } => {
             let corner = Point::from(flat::<2>(&scene.position));
-            let system = shape.body().lattice(*spacing, element)?.build(corner)?;
-            moving(scene, system, None)
+            let body = shape.body().lattice(*spacing, element)?;
+            moving(scene, body.build(corner)?, body.faces(), None)
         }
         Model::Ring { count, radius, tau } => {
             let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
             let (system, area) = ball.ring(flat::<2>(&scene.position).into(), *count)?;
-            moving(scene, system, Some(area))
+            // With the mass in the middle, where its springs lead.
+            let faces = area.facets().iter().map(|&[a, b]| vec![0, a, b]).collect();
+            moving(scene, system, faces, Some(area))
         }
         Model::Ball { radius, fineness, tau } => {
             let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
             let (system, volume) = ball.sphere(scene.position.into(), *fineness)?;
-            moving(scene, system, Some(volume))
+            let faces = volume.facets().iter().map(|facet| facet.to_vec()).collect();
+            moving(scene, system, faces, Some(volume))
         }
     }
 }
@@ -69,6 +72,7 @@ pub(crate) fn spatial<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64> 
 fn moving<const D: usize>(
     scene: &MassSpring,
     mut system: System<D>,
+    faces: Vec<Vec<usize>>,
     enclosure: Option<Enclosure<D>>,
 ) -> Result<Box<dyn Springs>, SpringError>
 where
@@ -93,7 +97,7 @@ where
     };
     let contacts = scene.contacts.as_ref().map(touching).transpose()?;
     let chain = matches!(scene.model, Model::Rope { inextensible: true, .. });
-    Ok(Box::new(Moving::new(scene, system, enclosure, contacts, chain)))
+    Ok(Box::new(Moving::new(scene, system, faces, enclosure, contacts, chain)))
 }
 
 fn wind<const D: usize>(wind: &Wind) -> spring::Wind<D> {

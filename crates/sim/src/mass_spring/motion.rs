@@ -1,7 +1,7 @@
 use super::build::{flat, in_world, spatial};
-use super::strands::{Polyline, polylines, strand};
+use super::strands::{Polyline, places, polylines, strand, surface};
 use crate::contact::Object;
-use crate::export::Strand;
+use crate::export::{Strand, usd};
 use crate::scene::{Hold, Integrator, MassSpring};
 use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, SVector, Vector3};
@@ -11,6 +11,7 @@ use rapunzel_mass_spring::{
     StepTooLong, System, runge_kutta,
 };
 use rapunzel_rod_dynamic::Energy;
+use std::collections::BTreeMap;
 
 /// Moves the mass-spring system of a world.
 #[derive(Debug, Clone, Copy, Default)]
@@ -51,6 +52,12 @@ pub(crate) trait Springs: Send + Sync {
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
     /// Its springs as lines.
     fn strands(&self) -> Vec<Strand>;
+    /// What it is bounded by, of points of these lines, if it has a surface.
+    fn surface(&self) -> Option<usd::Shape>;
+    /// In which of these lines every node is, and where in it.
+    fn places(&self) -> BTreeMap<usize, [usize; 2]>;
+    /// Whether something holds a node now.
+    fn is_held(&self, node: usize) -> bool;
     /// Energy of the loads (J), which is not in that of the system; power that is dissipated and
     /// power of the supports (W), by which the sum of both changes; wind (world, m/s), and area or
     /// volume now and at rest.
@@ -74,6 +81,8 @@ pub(crate) struct Moving<const D: usize> {
     enclosure: Option<Enclosure<D>>,
     yields: bool,
     lines: Vec<Polyline>,
+    /// Nodes of the faces.
+    faces: Vec<Vec<usize>>,
     /// With which lines are drawn, m.
     radius: f64,
 }
@@ -92,6 +101,7 @@ impl<const D: usize> Moving<D> {
     pub(crate) fn new(
         scene: &MassSpring,
         system: System<D>,
+        faces: Vec<Vec<usize>>,
         enclosure: Option<Enclosure<D>>,
         contacts: Option<Contacts>,
         chain: bool,
@@ -118,6 +128,7 @@ impl<const D: usize> Moving<D> {
             enclosure,
             yields: scene.yield_strain.is_some(),
             lines,
+            faces,
             radius: DRAWN * mean,
         }
     }
@@ -213,6 +224,18 @@ where
     fn strands(&self) -> Vec<Strand> {
         let force = |s| spatial(&self.system.spring_force(s));
         self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
+    }
+
+    fn surface(&self) -> Option<usd::Shape> {
+        surface(&self.places(), &self.faces)
+    }
+
+    fn places(&self) -> BTreeMap<usize, [usize; 2]> {
+        places(&self.lines)
+    }
+
+    fn is_held(&self, node: usize) -> bool {
+        self.system.is_held(node)
     }
 
     fn readings(&self) -> Vec<f64> {

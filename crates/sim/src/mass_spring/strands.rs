@@ -1,8 +1,8 @@
 //! Springs as lines: what frames show.
 
-use crate::export::Strand;
+use crate::export::{Strand, usd};
 use nalgebra::{Point3, Rotation3, Vector3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Springs that follow each other.
 pub(crate) struct Polyline {
@@ -52,6 +52,32 @@ pub(crate) fn strand(
     }
 }
 
+/// The strand of every node of the lines, the first of them, and its number there.
+pub(crate) fn places(lines: &[Polyline]) -> BTreeMap<usize, [usize; 2]> {
+    let mut places = BTreeMap::new();
+    for (l, line) in lines.iter().enumerate() {
+        for (point, &node) in line.nodes.iter().enumerate() {
+            places.entry(node).or_insert([l, point]);
+        }
+    }
+    places
+}
+
+/// The faces, of nodes that have places, as a surface of points of strands; `None` without faces.
+pub(crate) fn surface(
+    places: &BTreeMap<usize, [usize; 2]>,
+    faces: &[Vec<usize>],
+) -> Option<usd::Shape> {
+    let nodes: BTreeSet<usize> = faces.iter().flatten().copied().collect();
+    let vertices: BTreeMap<usize, usize> = nodes.into_iter().zip(0..).collect();
+    let face = |face: &Vec<usize>| face.iter().map(|node| vertices[node]).collect();
+    let shape = usd::Shape::Surface {
+        vertices: vertices.keys().map(|node| places[node]).collect(),
+        faces: faces.iter().map(face).collect(),
+    };
+    (!faces.is_empty()).then_some(shape)
+}
+
 /// A frame with its d3 along a direction; that of the world for none.
 fn frame(direction: &Vector3<f64>) -> Rotation3<f64> {
     let back = || Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
@@ -73,5 +99,10 @@ mod tests {
         let nodes: Vec<_> = lines.iter().map(|line| line.nodes.clone()).collect();
         assert_eq!(nodes, [vec![0, 1, 2], vec![0, 3], vec![1, 4], vec![2, 5], vec![3, 4, 5]]);
         assert_eq!(lines.iter().map(|line| line.springs.len()).sum::<usize>(), springs.len());
+        let faces = [vec![1, 4, 5, 2]];
+        let vertices = vec![[0, 1], [0, 2], [2, 1], [3, 1]];
+        let expected = usd::Shape::Surface { vertices, faces: vec![vec![0, 2, 3, 1]] };
+        assert_eq!(surface(&places(&lines), &faces), Some(expected));
+        assert_eq!(surface(&places(&lines), &[]), None);
     }
 }

@@ -54,8 +54,4 @@ impl Observer for FieldWriter {
     fn rewind(&mut self, _: u64) -> Result<(), SimError> {
         Ok(())
     }
-
-    fn finish(&mut self) -> Result<(), SimError> {
-        Ok(())
-    }
 }

@@ -1,60 +1,36 @@
-use super::Observer;
-use crate::export::{self, ExportError, Frame, Strand};
-use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, USD};
+use super::{Objects, Observer, Show};
+use crate::export::preview::Picture;
+use crate::export::surface::Placed;
+use crate::export::{self, ExportError, Frame, Strand, usd};
+use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, SPRINGS_USD, STAGE, USD};
 use crate::manifest::Entry;
-use crate::scene::{Format, Motion, Moves, Object, Wind};
+use crate::scene::Format;
 use crate::storage::save;
 use crate::{Plan, SimError, World};
-use rapunzel_collision::field::Soup;
+use nalgebra::Isometry3;
 use std::fs::{self, File};
 use std::io::BufReader;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Frames on the contact sheet.
 const PREVIEW_FRAMES: usize = 12;
-
-/// Which files hold the objects.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shown {
-    /// There are none.
-    None,
-    /// One for all frames: none moves.
-    Once,
-    /// One for each frame.
-    Always,
-}
-
-impl Shown {
-    pub(crate) fn of(objects: &[Object]) -> Self {
-        let still = |one: &Object| one.moves == Moves::Led && one.motion == Motion::Fixed;
-        match objects {
-            [] => Self::None,
-            _ if objects.iter().all(still) => Self::Once,
-            _ => Self::Always,
-        }
-    }
-
-    /// The number of the file for a frame.
-    fn file(self, frame: usize) -> Option<usize> {
-        match self {
-            Self::None => None,
-            Self::Once => Some(0),
-            Self::Always => Some(frame),
-        }
-    }
-}
+/// Most bytes of a USD layer before its samples go into clips.
+const LARGEST: usize = 200_000_000;
+/// Bytes that are read at once.
+const BUFFER: usize = 1 << 16;
+/// What the clips of the USD layer hold.
+const MANIFEST: &str = "frames/frame-manifest.usda";
 
 /// Writes a file for every frame, and at the end those that hold many.
 ///
 /// A frame's VTP holds it at full precision; what needs all frames reads them back from there, so
-/// that neither memory nor a restart matters.
+/// that neither memory nor a restart matters. All other files are made of those, each by itself: one
+/// that cannot be written costs no other.
 #[derive(Debug)]
 pub(crate) struct FrameWriter {
     folder: PathBuf,
-    formats: Vec<Format>,
-    objects: Shown,
-    /// Which previews show.
-    wind: Wind,
+    show: Show,
     plan: Plan,
     /// Frames written.
     count: usize,
@@ -62,21 +38,21 @@ pub(crate) struct FrameWriter {
 
 impl FrameWriter {
     /// The files of a run with so many frames.
-    pub(crate) fn files(formats: &[Format], objects: Shown, frames: u64) -> Vec<Entry> {
+    pub(crate) fn files(formats: &[Format], objects: Objects, frames: u64) -> Vec<Entry> {
         let of_frames = |extension| Entry::series(&format!("{FRAMES}/frame"), extension, frames);
         let mut files = vec![of_frames("vtp"), PVD.into(), PREVIEW.into()];
         for format in formats {
             match format {
                 Format::Hair => files.push(of_frames("hair")),
                 Format::Pov => files.push(of_frames("pov")),
-                Format::Usd => files.extend([USD.into(), OBJECTS_USD.into()]),
+                Format::Usd => {
+                    let layers = [STAGE, USD, SPRINGS_USD, OBJECTS_USD, MANIFEST];
+                    files.extend(layers.map(Entry::from));
+                    files.push(of_frames("usda"));
+                }
             }
         }
-        let of_objects = match objects {
-            Shown::None => 0,
-            Shown::Once => 1,
-            Shown::Always => frames,
-        };
+        let of_objects = objects.count(frames);
         if of_objects > 0 {
             files.push(Entry::series(&format!("{FRAMES}/objects"), "vtp", of_objects));
         }
@@ -84,15 +60,8 @@ impl FrameWriter {
     }
 
     /// The folder of the frames must be there.
-    pub(crate) fn new(
-        folder: &RunFolder,
-        formats: &[Format],
-        objects: Shown,
-        wind: Wind,
-        plan: Plan,
-    ) -> Self {
-        let (folder, formats) = (folder.files().to_owned(), formats.to_vec());
-        Self { folder, formats, objects, wind, plan, count: 0 }
+    pub(crate) fn new(folder: &RunFolder, show: Show, plan: Plan) -> Self {
+        Self { folder: folder.files().to_owned(), show, plan, count: 0 }
     }
 
     fn file(&self, index: usize, extension: &str) -> PathBuf {
@@ -104,53 +73,134 @@ impl FrameWriter {
         let mut files = Vec::new();
         for index in 0..self.count {
             let time = self.plan.frame_time(index as u64);
+            let objects = self.show.objects.file(index);
             files.push((time, 0, name(index, "vtp")));
-            files.extend(self.objects.file(index).map(|file| (time, 1, objects_name(file))));
+            files.extend(objects.map(|file| (time, 1, objects_name(file))));
         }
         let entries = files.iter().map(|(time, part, name)| (*time, *part, name.as_str()));
         save(&self.folder.join(PVD), |to| export::pvd::write(to, entries))
     }
 
-    fn read(&self, index: usize) -> Result<Frame, ExportError> {
-        export::vtp::read(&mut BufReader::new(File::open(self.file(index, "vtp"))?))
+    fn open_frame(&self, index: usize) -> Result<BufReader<File>, ExportError> {
+        Ok(BufReader::with_capacity(BUFFER, File::open(self.file(index, "vtp"))?))
     }
 
-    fn read_objects(&self, file: usize) -> Result<Soup, ExportError> {
-        let path = self.folder.join(objects_name(file));
-        export::surface::read_vtp(&mut BufReader::new(File::open(path)?))
+    fn open_objects(&self, file: usize) -> Result<BufReader<File>, ExportError> {
+        Ok(BufReader::new(File::open(self.folder.join(objects_name(file)))?))
     }
 
-    fn write_objects_usd(&self) -> Result<(), SimError> {
-        let files = match self.objects {
-            Shown::None => return Ok(()),
-            Shown::Once => 1,
-            Shown::Always => self.count,
+    fn read_objects(&self, frame: usize) -> Result<Vec<Placed>, ExportError> {
+        let file = self.show.objects.file(frame);
+        let read = |file| export::surface::read(&mut self.open_objects(file)?);
+        file.map_or_else(|| Ok(Vec::new()), read)
+    }
+
+    /// Writes one of the formats that have a file for each frame.
+    fn write_frame(
+        &self,
+        format: Format,
+        frame: &Frame,
+        objects: &[Placed],
+    ) -> Result<(), SimError> {
+        match format {
+            Format::Hair => {
+                save(&self.file(frame.index, "hair"), |to| export::hair::write(to, frame))
+            }
+            Format::Pov => {
+                save(&self.file(frame.index, "pov"), |to| export::pov::write(to, frame, objects))
+            }
+            Format::Usd => Ok(()),
+        }
+    }
+
+    /// Writes what is missing of those.
+    fn write_missing(&self, format: Format, index: usize) -> Result<(), SimError> {
+        let extension = match format {
+            Format::Hair => "hair",
+            Format::Pov => "pov",
+            Format::Usd => return Ok(()),
         };
-        let times: Vec<f64> = (0..files).map(|i| self.plan.frame_time(i as u64)).collect();
-        let frames = (0..files).map(|file| self.read_objects(file));
-        save(&self.folder.join(OBJECTS_USD), |to| export::surface::write_usda(to, &times, frames))
+        if self.file(index, extension).exists() {
+            return Ok(());
+        }
+        let path = self.file(index, "vtp");
+        let frame = self.open_frame(index).and_then(|mut file| export::vtp::read(&mut file));
+        let frame = frame.map_err(SimError::export(&path))?;
+        let objects = self.read_objects(index).map_err(SimError::export(&path))?;
+        self.write_frame(format, &frame, &objects)
     }
 
-    fn write_usd(&self) -> Result<(), SimError> {
-        let times: Vec<f64> = (0..self.count).map(|i| self.plan.frame_time(i as u64)).collect();
-        let frames = (0..self.count).map(|i| self.read(i));
-        // Straight lines between the nodes are what was simulated.
-        save(&self.folder.join(USD), |to| {
-            export::usda::write(to, export::usda::Curve::Linear, &times, frames)
+    /// Writes the USD stage, of those layers that can be written.
+    fn write_usd(&self) -> Vec<SimError> {
+        let timeline = usd::Timeline {
+            frames: self.count,
+            rate: self.plan.frame_rate,
+            end: self.plan.frame_time(self.count.saturating_sub(1) as u64),
+        };
+        let strands = self.write_strands(timeline);
+        let objects = (self.show.objects != Objects::None).then(|| self.write_objects(&timeline));
+        let layers = [(self.show.layer.0, Some(strands)), (OBJECTS_USD, objects)];
+        let (mut written, mut faults) = (Vec::new(), Vec::new());
+        for (layer, result) in layers {
+            match result {
+                Some(Ok(())) => written.push(layer),
+                Some(Err(fault)) => faults.push(fault),
+                None => (),
+            }
+        }
+        if !written.is_empty() {
+            let root = save(&self.folder.join(STAGE), |to| usd::root(to, &timeline, &written));
+            faults.extend(root.err());
+        }
+        faults
+    }
+
+    fn write_strands(&self, timeline: usd::Timeline) -> Result<(), SimError> {
+        let (layer, scope) = self.show.layer;
+        let path = self.folder.join(layer);
+        let prims = self.show.prims.clone();
+        let strands = usd::Strands::new(timeline, scope, prims, |index| self.open_frame(index))
+            .map_err(SimError::export(&path))?;
+        let clip = |frames: Range<usize>| {
+            let file = name(frames.start, "usda");
+            (frames, file)
+        };
+        let files: Vec<_> = strands.clips(LARGEST).into_iter().map(clip).collect();
+        if files.is_empty() {
+            return save(&path, |to| strands.write(to, None));
+        }
+        for (frames, file) in &files {
+            save(&self.folder.join(file), |to| strands.write_clip(to, frames.clone()))?;
+        }
+        let clips = usd::Clips { manifest: MANIFEST.to_owned(), files };
+        save(&self.folder.join(&clips.manifest), |to| strands.write_manifest(to))?;
+        save(&path, |to| strands.write(to, Some(&clips)))
+    }
+
+    fn write_objects(&self, timeline: &usd::Timeline) -> Result<(), SimError> {
+        save(&self.folder.join(OBJECTS_USD), |to| {
+            let files = (0..self.count).filter(|&i| self.show.objects.file(i) == Some(i));
+            let poses = |file| export::surface::read_poses(&mut self.open_objects(file)?);
+            let poses: Vec<Vec<Isometry3<f64>>> = files.map(poses).collect::<Result<_, _>>()?;
+            usd::objects(to, timeline, &self.read_objects(0)?, &poses)
         })
     }
 
     fn write_preview(&self) -> Result<(), SimError> {
         let shown = self.count.min(PREVIEW_FRAMES);
         let indices = || (0..shown).map(|i| i * (self.count - 1) / (shown - 1).max(1));
-        let surfaces = indices().filter_map(|index| self.objects.file(index));
         save(&self.folder.join(PREVIEW), |to| {
-            let picture = |index| export::preview::Picture::new(self.read(index)?);
+            let picture = |index| {
+                let frame = export::vtp::read(&mut self.open_frame(index)?)?;
+                let supports = self.show.supports(frame.time);
+                Picture::new(frame, supports)
+            };
             let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
-            let surfaces =
-                surfaces.map(|file| self.read_objects(file)).collect::<Result<Vec<_>, _>>()?;
-            let winds: Vec<_> = frames.iter().map(|frame| self.wind.at(frame.time)).collect();
-            export::preview::write(to, &frames, &surfaces, &winds)
+            let shown = indices().filter_map(|index| self.show.objects.file(index));
+            let objects = shown.map(|file| self.read_objects(file));
+            let objects = objects.collect::<Result<Vec<_>, _>>()?;
+            let winds: Vec<_> = frames.iter().map(|frame| self.show.wind.at(frame.time)).collect();
+            export::preview::write(to, &frames, &objects, &winds)
         })
     }
 }
@@ -160,32 +210,24 @@ impl Observer for FrameWriter {
         if !self.plan.is_frame(world.steps()) {
             return Ok(());
         }
-        let index = self.count;
-        let whole = self.formats.iter().any(|format| *format != Format::Usd);
-        let (time, strands) = (world.time(), || strands(world));
-        let frame = whole.then(|| Frame { index, time, strands: strands().collect() });
-        for format in &self.formats {
-            match (format, &frame) {
-                (Format::Hair, Some(frame)) => {
-                    save(&self.file(index, "hair"), |to| export::hair::write(to, frame))?;
-                }
-                (Format::Pov, Some(frame)) => {
-                    save(&self.file(index, "pov"), |to| export::pov::write(to, frame))?;
-                }
-                _ => (),
-            }
-        }
-        drop(frame);
-        if self.objects.file(index) == Some(index) {
-            let surfaces: Vec<_> = world.surfaces().collect();
-            save(&self.folder.join(objects_name(index)), |to| {
-                export::surface::write_vtp(to, world.time(), &surfaces)
-            })?;
+        let (index, time) = (self.count, world.time());
+        let objects: Vec<_> = world.surfaces().collect();
+        let file = self.show.objects.file(index).filter(|&file| file == index);
+        if let Some(file) = file {
+            let path = self.folder.join(objects_name(file));
+            save(&path, |to| export::surface::write(to, time, &objects))?;
         }
         let counts = counts(world);
         save(&self.file(index, "vtp"), |to| {
-            export::vtp::write_strands(to, (index, time), &counts, strands())
+            export::vtp::write_strands(to, (index, time), &counts, strands(world))
         })?;
+        if self.show.formats.iter().any(|format| *format != Format::Usd) {
+            let frame = Frame { index, time, strands: strands(world).collect() };
+            for format in &self.show.formats {
+                // What fails is tried again at the end, and told then.
+                let _ = self.write_frame(*format, &frame, &objects);
+            }
+        }
         self.count += 1;
         Ok(())
     }
@@ -215,13 +257,17 @@ impl Observer for FrameWriter {
         }
     }
 
-    fn finish(&mut self) -> Result<(), SimError> {
-        self.write_pvd()?;
-        if self.formats.contains(&Format::Usd) {
-            self.write_usd()?;
-            self.write_objects_usd()?;
+    fn finish(&mut self) -> Vec<SimError> {
+        let formats = &self.show.formats;
+        let files = (0..self.count).flat_map(|i| formats.iter().map(move |format| (*format, i)));
+        let missing = files.map(|(format, index)| self.write_missing(format, index));
+        let mut faults: Vec<_> =
+            [self.write_pvd()].into_iter().chain(missing).filter_map(Result::err).collect();
+        if formats.contains(&Format::Usd) {
+            faults.extend(self.write_usd());
         }
-        self.write_preview()
+        faults.extend(self.write_preview().err());
+        faults
     }
 }
 

@@ -2,10 +2,12 @@
 
 mod fields;
 mod frames;
+mod show;
 mod table;
 
 pub(crate) use fields::FieldWriter;
-pub(crate) use frames::{FrameWriter, Shown};
+pub(crate) use frames::FrameWriter;
+pub(crate) use show::{Objects, Show};
 pub(crate) use table::{Column, Table};
 
 use crate::{SimError, World};
@@ -28,6 +30,8 @@ pub(crate) trait Observer {
     /// Goes back to where [`Observer::mark`] was; to the very start for 0.
     fn rewind(&mut self, mark: u64) -> Result<(), SimError>;
 
-    /// Writes what can be written only when all has been seen.
-    fn finish(&mut self) -> Result<(), SimError>;
+    /// Writes what can be written only when all has been seen, and tells which files could not be.
+    fn finish(&mut self) -> Vec<SimError> {
+        Vec::new()
+    }
 }

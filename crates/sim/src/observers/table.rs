@@ -118,10 +118,6 @@ impl Observer for Table {
         }
         Ok(())
     }
-
-    fn finish(&mut self) -> Result<(), SimError> {
-        self.flush()
-    }
 }
 
 impl Column {

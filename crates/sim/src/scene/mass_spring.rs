@@ -260,6 +260,20 @@ impl MassSpring {
         }
     }
 
+    /// The most segments that a line of springs has in frames, where no limit bounds them, and the
+    /// field that says so.
+    pub(crate) fn longest_line(&self) -> Option<(&'static str, usize)> {
+        match &self.model {
+            Model::Rope { nodes, .. } => Some(("model.nodes", nodes.saturating_sub(1))),
+            Model::Ring { count, .. } => Some(("model.count", count.saturating_sub(1))),
+            Model::Net { place: NodePlaces::Matrix { rows }, .. } => {
+                let columns = rows.iter().map(|row| row.chars().count()).max().unwrap_or(0);
+                Some(("model.place.rows", rows.len().max(columns).saturating_sub(1)))
+            }
+            Model::Net { .. } | Model::Body { .. } | Model::Ball { .. } => None,
+        }
+    }
+
     /// Notes what makes no sense by itself; building the model finds the rest.
     pub(crate) fn check(&self, check: &mut Check) {
         check.vector("position", &self.position, "m");

@@ -37,11 +37,12 @@ impl Default for Output {
 /// A file format for frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
-    /// One USD file with all frames as `BasisCurves`: for Blender, Houdini.
+    /// One USD stage with all frames, of fibres, springs and objects, as text: for Blender, Houdini.
     Usd,
-    /// Cem Yuksel's binary format, a file for each frame.
+    /// Cem Yuksel's binary format, a file for each frame. It holds fibres and springs, no objects, and
+    /// at most 65535 segments of each.
     Hair,
-    /// POV-Ray scene description, a file for each frame.
+    /// POV-Ray scene description, a file for each frame, of fibres, springs and objects.
     Pov,
 }
 

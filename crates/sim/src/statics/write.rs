@@ -1,6 +1,8 @@
 use super::answer::{Answer, Equilibrium};
+use super::case::{Case, End};
 use crate::SimError;
-use crate::export::{Frame, Strand, preview, vtp};
+use crate::export::preview::{self, Support};
+use crate::export::{Frame, Strand, vtp};
 use crate::storage::{save, write_atomically};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::fs;
@@ -13,11 +15,12 @@ nz (N),mx (N m),my (N m),mz (N m),kappa1 (1/m),kappa2 (1/m),kappa3 (1/m)";
 
 impl Answer {
     /// Writes the answer into a folder, which is made: `rod-0.csv` and so on, a table for each
-    /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`; and `answer.json`.
+    /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`, with what holds the rod of
+    /// the case; and `answer.json`.
     ///
     /// # Errors
     /// Files that cannot be written.
-    pub fn save(&self, folder: &Path) -> Result<(), SimError> {
+    pub fn save(&self, folder: &Path, case: &Case) -> Result<(), SimError> {
         fs::create_dir_all(folder).map_err(SimError::io("make the folder", folder))?;
         for (i, found) in self.equilibria.iter().enumerate() {
             let path = folder.join(format!("rod-{i}.csv"));
@@ -26,8 +29,10 @@ impl Answer {
         let strands = self.equilibria.iter().map(|found| found.strand(self.radius));
         let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
         save(&folder.join("rods.vtp"), |to| vtp::write(to, &frame))?;
+        let supports = self.equilibria.iter().enumerate();
+        let supports = supports.flat_map(|(strand, found)| found.supports(strand, case)).collect();
         save(&folder.join("preview.png"), |to| {
-            preview::write(to, &[preview::Picture::new(frame)?], &[], &[])
+            preview::write(to, &[preview::Picture::new(frame, supports)?], &[], &[])
         })?;
         write_atomically(&folder.join("answer.json"), |to| Ok(serde_json::to_writer(to, self)?))
     }
@@ -47,6 +52,22 @@ impl Equilibrium {
             format!("{:?}{}\n", station.s, numbers.collect::<String>())
         });
         format!("{COLUMNS}\n{}", rows.collect::<String>())
+    }
+
+    /// What holds it as a strand of the picture: clamps, and joints where it can turn.
+    fn supports(&self, strand: usize, case: &Case) -> Vec<Support> {
+        let end = match case.end {
+            End::Free { .. } => None,
+            End::Joint { .. } => Some(false),
+            End::Bearing { .. } | End::Clamped { .. } => Some(true),
+        };
+        let end = end.map(|clamped| (self.stations.len() - 1, clamped));
+        let places = case.places.iter().filter(|place| place.stiffness.is_none()).map(|place| {
+            let before = self.stations.partition_point(|station| station.s < place.at);
+            (before.min(self.stations.len() - 1), false)
+        });
+        let supports = [(0, true)].into_iter().chain(places).chain(end);
+        supports.map(|(point, clamped)| Support { strand, point, clamped }).collect()
     }
 
     fn strand(&self, radius: f64) -> Strand {

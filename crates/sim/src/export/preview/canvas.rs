@@ -1,6 +1,7 @@
 use super::font;
 use crate::export::ExportError;
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Point3, Rotation2, Vector2};
+use std::f64::consts::TAU;
 use std::io::Write;
 
 /// Red, green and blue in `[0, 1]`, as shown.
@@ -8,6 +9,8 @@ pub(super) type Color = [f64; 3];
 
 /// Size of a pixel of the font.
 const LETTER_SCALE: usize = 2;
+/// Sides of the polygon that stands for a ring.
+const SIDES: usize = 24;
 
 /// An image to draw on; places are in pixels from the upper left corner.
 pub(super) struct Canvas {
@@ -57,14 +60,17 @@ impl Canvas {
         }
     }
 
-    /// A triangle, as far as it lies in a window and no other hides it; the third coordinate is the
-    /// distance from the eye.
-    pub(super) fn triangle(
-        &mut self,
-        corners: [Point3<f64>; 3],
-        [low, high]: [[f64; 2]; 2],
-        color: Color,
-    ) {
+    /// A ring in front of everything.
+    pub(super) fn ring(&mut self, center: Point2<f64>, radius: f64, color: Color) {
+        let rim = |k: usize| {
+            let turn = Rotation2::new(TAU * k as f64 / SIDES as f64);
+            center + radius * turn.transform_vector(&Vector2::x())
+        };
+        (0..SIDES).for_each(|k| self.line(rim(k), rim(k + 1), 1.0, color));
+    }
+
+    /// A triangle, as far as no other hides it; the third coordinate is the distance from the eye.
+    pub(super) fn triangle(&mut self, corners: [Point3<f64>; 3], color: Color) {
         let [a, b, c] = corners.map(|p| p.xy());
         let (ab, ac) = (b - a, c - a);
         let area = ab.perp(&ac);
@@ -73,8 +79,8 @@ impl Canvas {
         }
         let range = |k: usize, limit: usize| {
             let (least, most) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
-            let first = clamped((least - 0.5).ceil().max(low[k]), limit);
-            first..clamped((most + 0.5).floor().min(high[k]), limit).max(first)
+            let first = clamped((least - 0.5).ceil(), limit);
+            first..clamped((most + 0.5).floor(), limit).max(first)
         };
         let (columns, rows) = (range(0, self.width), range(1, self.height));
         for y in rows {

@@ -5,9 +5,10 @@ mod font;
 mod rose;
 mod view;
 
-use super::{ExportError, Frame, Strand, surface};
+use super::surface::{self, Placed};
+use super::{ExportError, Frame, Strand};
 use canvas::{Canvas, Color};
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 use rapunzel_collision::field::Soup;
 use std::io::Write;
 use view::View;
@@ -24,6 +25,10 @@ const THINNEST: f64 = 1.3;
 /// Thinnest line where fibres are few and need not leave room for each other, pixels.
 const THINNEST_OF_FEW: f64 = 2.2;
 const FEW: usize = 10;
+/// Half of the length of a mark, pixels.
+const MARK: f64 = 3.0;
+/// The same where fibres are few.
+const MARK_OF_FEW: f64 = 7.0;
 
 const PAPER: Color = [0.965, 0.96, 0.95];
 const INK: Color = [0.25, 0.25, 0.27];
@@ -31,15 +36,24 @@ const FRAME: Color = [0.84, 0.83, 0.81];
 const FIBER: Color = [0.33, 0.19, 0.10];
 const GLOSS: Color = [0.75, 0.58, 0.38];
 const SURFACE: Color = [0.66, 0.71, 0.76];
-/// How much a surface is seen beyond the box around all fibres, in largest sides of that.
-const BEYOND: f64 = 0.25;
-
 /// What a sheet shows of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Simulated time, s.
     pub time: f64,
     lines: Vec<Line>,
+    supports: Vec<Support>,
+}
+
+/// What holds a point of a strand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Support {
+    /// Number of the strand in the frame.
+    pub strand: usize,
+    /// Number of the point in the strand.
+    pub point: usize,
+    /// Whether the strand cannot turn there: a clamp is a bar across it, a joint a ring.
+    pub clamped: bool,
 }
 
 /// A fibre: its points (world) and the radii there, m, to a small part of a pixel.
@@ -56,40 +70,49 @@ impl Line {
 }
 
 impl Picture {
-    /// The picture of a frame: a tenth of its bytes.
+    /// The picture of a frame and of what holds its strands: a tenth of its bytes.
     ///
     /// # Errors
-    /// Refuses unsound frames.
-    pub fn new(frame: Frame) -> Result<Self, ExportError> {
+    /// Refuses unsound frames, and supports of points that are not there.
+    pub fn new(frame: Frame, supports: Vec<Support>) -> Result<Self, ExportError> {
         frame.validate()?;
+        let there = |support: &Support| {
+            frame.strands.get(support.strand).is_some_and(|s| support.point < s.points.len())
+        };
+        if !supports.iter().all(there) {
+            let what = "a support is of a point that is not there";
+            return Err(ExportError::Series { index: frame.index, what });
+        }
         #[expect(clippy::cast_possible_truncation, reason = "it is more than is seen")]
         let line = |Strand { points, radii, .. }: Strand| Line {
             points: points.iter().map(|point| point.cast()).collect(),
             radii: radii.iter().map(|&radius| radius as f32).collect(),
         };
-        Ok(Self { time: frame.time, lines: frame.strands.into_iter().map(line).collect() })
+        let lines = frame.strands.into_iter().map(line).collect();
+        Ok(Self { time: frame.time, lines, supports })
     }
 }
 
 /// Writes a sheet of up to twelve of `frames`, evenly chosen, the first and the last among them.
 ///
 /// All pictures share one orthographic view, from the side that shows the most of the box around
-/// all frames, and one scale, which the bar at the bottom gives for lengths across the view. Near
-/// fibres are dark, far ones fade; a gloss shows how they lie. Behind and between the fibres are
-/// `surfaces`: one for each frame, or one for all, or none; what of them is far from all fibres is
-/// cut off. `winds`, velocities of the air (world), m/s, one for each frame or none, are shown by a
-/// wind rose each. Cost: linear in the pixels that fibres and surfaces cover.
+/// all frames and objects, and one scale, which the bar at the bottom gives for lengths across the
+/// view: nothing is cut off. Near fibres are dark, far ones fade; a gloss shows how they lie, and
+/// marks what holds them. Behind and between the fibres are `objects`: those of each frame, or of
+/// all alike, or none. `winds`, velocities of the air (world), m/s, one for each frame or none, are
+/// shown by a wind rose each. Cost: linear in the pixels that fibres and objects cover.
 ///
 /// # Errors
-/// Refuses no frames, frames without strands, unsound surfaces, surfaces that are neither one nor as many as the frames, and winds that are not as many or not finite; fails if `out` does.
+/// Refuses no frames, frames without strands, unsound surfaces, objects that are neither for one
+/// frame nor for all, and winds that are not as many or not finite; fails if `out` does.
 pub fn write(
     out: &mut impl Write,
     frames: &[Picture],
-    surfaces: &[Soup],
+    objects: &[Vec<Placed>],
     winds: &[Vector3<f64>],
 ) -> Result<(), ExportError> {
-    surfaces.iter().try_for_each(surface::check)?;
-    if surfaces.len() > 1 && surfaces.len() != frames.len() {
+    objects.iter().flatten().try_for_each(|object| surface::check(&object.surface))?;
+    if objects.len() > 1 && objects.len() != frames.len() {
         return Err(ExportError::Surface { what: "is missing for some of the frames" });
     }
     if !winds.is_empty() && winds.len() != frames.len() {
@@ -101,17 +124,17 @@ pub fn write(
     }
     let lines = frames.iter().flat_map(|frame| &frame.lines);
     let points = lines.clone().flat_map(Line::points);
-    let seen = seen(points.clone(), surfaces);
-    let points = points.chain(seen.iter().copied());
+    let vertices = objects.iter().flatten().flat_map(|object| &object.surface.vertices);
+    let points = points.chain(vertices.copied());
     let radii = lines.flat_map(|line| &line.radii);
     let thickest = radii.fold(0.0, |a: f32, r| a.max(*r)).into();
-    let view = View::of(points, thickest, !surfaces.is_empty()).ok_or(ExportError::Empty)?;
+    let view = View::of(points, thickest, !objects.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
     let grid = Grid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
     for cell in 0..count {
         let index = cell * (frames.len() - 1) / (count - 1).max(1);
-        let (frame, surface) = (&frames[index], surfaces.get(index).or(surfaces.first()));
+        let (frame, objects) = (&frames[index], objects.get(index).or(objects.first()));
         let corner = grid.corner(cell);
         canvas.rectangle(corner, grid.picture, FRAME);
         // One picture alone is of no certain time.
@@ -119,8 +142,11 @@ pub fn write(
             let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
             canvas.text(caption, &format!("{:.3} s", frame.time), INK);
         }
-        surface.iter().for_each(|surface| draw_surface(&mut canvas, surface, &view, &grid, corner));
+        for object in objects.into_iter().flatten() {
+            draw_surface(&mut canvas, &object.surface, &view, &grid, corner);
+        }
         draw(&mut canvas, frame, &view, &grid, corner);
+        mark(&mut canvas, frame, &view, &grid, corner);
         if let Some(wind) = winds.get(index).filter(|_| strongest > 0.0) {
             let corner = [corner[0] + grid.picture[0], corner[1]];
             rose::draw(&mut canvas, corner, &view, wind, strongest, INK);
@@ -128,15 +154,6 @@ pub fn write(
     }
     grid.scale_bar(&mut canvas);
     canvas.write(out)
-}
-
-/// The vertices of surfaces, moved into the box that is seen around some points.
-fn seen(mut points: impl Iterator<Item = Point3<f64>>, surfaces: &[Soup]) -> Vec<Point3<f64>> {
-    let Some(first) = points.next() else { return Vec::new() };
-    let bounds = points.fold([first; 2], |[low, high], p| [low.inf(&p), high.sup(&p)]);
-    let more = Vector3::repeat(BEYOND * (bounds[1] - bounds[0]).max());
-    let [low, high] = [bounds[0] - more, bounds[1] + more];
-    surfaces.iter().flat_map(|s| &s.vertices).map(|p| p.sup(&low).inf(&high)).collect()
 }
 
 /// Where the pictures are.
@@ -225,17 +242,35 @@ fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: 
     }
 }
 
+/// Marks what holds the fibres of `frame`, in front of everything.
+fn mark(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
+    let half = if frame.lines.len() <= FEW { MARK_OF_FEW } else { MARK };
+    for Support { strand, point, clamped } in &frame.supports {
+        let points = &frame.lines[*strand].points;
+        let place = |i: usize| grid.place(&points[i].cast(), view, corner).xy();
+        let neighbour = if *point == 0 { 1 } else { point - 1 };
+        let (center, along) = (place(*point), place(neighbour) - place(*point));
+        // Of a fibre that is seen from its end any direction is across.
+        let across = Vector2::new(-along.y, along.x).try_normalize(1e-9).unwrap_or(Vector2::x());
+        let arm = half * across;
+        if *clamped {
+            canvas.line(center - arm, center + arm, 0.5 * half, INK);
+        } else {
+            canvas.ring(center, 0.7 * half, INK);
+        }
+    }
+}
+
 /// Draws a surface, bright where it faces between light and eye; without haze, which would show its
 /// triangles.
 fn draw_surface(canvas: &mut Canvas, surface: &Soup, view: &View, grid: &Grid, corner: [f64; 2]) {
-    let window = [corner, [0, 1].map(|k| corner[k] + grid.picture[k])];
     for triangle in &surface.triangles {
         let corners = triangle.map(|v| surface.vertices[v as usize]);
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
         let bright = 0.45 + 0.55 * normal.dot(&view.half_way).abs();
         let color = SURFACE.map(|x| bright * x);
-        canvas.triangle(corners.map(|p| grid.place(&p, view, corner)), window, color);
+        canvas.triangle(corners.map(|p| grid.place(&p, view, corner)), color);
     }
 }
 
@@ -255,9 +290,10 @@ fn mix(a: Color, b: Color, t: f64) -> Color {
 mod tests {
     use super::super::sample;
     use super::*;
+    use nalgebra::Isometry3;
 
     fn picture(frame: Frame) -> Picture {
-        Picture::new(frame).expect("a sound frame")
+        Picture::new(frame, Vec::new()).expect("a sound frame")
     }
 
     fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
@@ -302,20 +338,65 @@ mod tests {
     fn surfaces_hide_what_is_behind_them() {
         let frame = picture(sample::frame(0));
         let dark = |offset: f64| {
-            let wall = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
-            let wall = Soup {
+            let wall = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+            let surface = Soup {
                 vertices: wall.map(|[x, z]| Point3::new(x, offset - 0.05 * x, z)).to_vec(),
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
             };
+            let wall = vec![Placed { pose: Isometry3::identity(), surface }];
             let mut bytes = Vec::new();
             write(&mut bytes, std::slice::from_ref(&frame), &[wall], &[]).expect("a sheet");
             decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 20).count()
         };
         let (before, behind) = (dark(-0.5), dark(0.5));
         assert!(before == 0 && behind > 1000, "{before}, {behind}");
-        let two = [Soup::default(), Soup::default()];
+        let two = [Vec::new(), Vec::new()];
         let refused = write(&mut Vec::new(), &[frame.clone(), frame.clone(), frame], &two, &[]);
         assert!(matches!(refused, Err(ExportError::Surface { .. })));
+    }
+
+    /// A far object is in the picture with all its corners: the scale is that of both.
+    #[test]
+    fn nothing_is_cut_off() {
+        let frame = picture(sample::frame(0));
+        let surface = rapunzel_collision::field::shapes::cuboid(Vector3::repeat(0.1));
+        let far = Isometry3::translation(3.0, 0.0, 0.0);
+        let vertices = surface.vertices.iter().map(|p| far * p).collect();
+        let cuboid = Placed { pose: far, surface: Soup { vertices, ..surface } };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &[frame], &[vec![cuboid]], &[]).expect("a sheet");
+        let (info, pixels) = decode(&bytes);
+        let blue = |p: &[u8]| p[2] > p[0].saturating_add(10);
+        let columns = || pixels.chunks(3).enumerate().filter(|(_, p)| blue(p));
+        let columns = columns().map(|(i, _)| i % info.width as usize);
+        let (first, last) = columns.fold((usize::MAX, 0), |(a, b), x| (a.min(x), b.max(x)));
+        assert!(first < last && last + 10 < info.width as usize, "{first} to {last}");
+    }
+
+    /// Bars and rings: more ink, and only near the points.
+    #[test]
+    fn what_holds_a_fiber_is_marked() {
+        let sheet = |supports: Vec<Support>| {
+            let picture = Picture::new(sample::frame(0), supports)?;
+            let mut bytes = Vec::new();
+            write(&mut bytes, &[picture], &[], &[]).map(|()| decode(&bytes))
+        };
+        let support = |clamped| Support { strand: 1, point: 0, clamped };
+        let (info, bare) = sheet(Vec::new()).expect("a sheet");
+        let changed = |clamped| {
+            let (_, pixels) = sheet(vec![support(clamped)]).expect("a sheet");
+            let pairs = pixels.chunks(3).zip(bare.chunks(3)).enumerate();
+            let rows = pairs.filter(|(_, (a, b))| a != b).map(|(i, _)| i / info.width as usize);
+            rows.collect::<Vec<_>>()
+        };
+        for rows in [changed(true), changed(false)] {
+            let (first, last) =
+                (rows.iter().min().expect("some"), rows.iter().max().expect("some"));
+            assert!(last - first <= 2 * MARK_OF_FEW as usize + 4, "{first} to {last}");
+        }
+        assert_ne!(changed(true), changed(false));
+        let nowhere = sheet(vec![Support { strand: 3, point: 0, clamped: true }]);
+        assert!(matches!(nowhere, Err(ExportError::Series { .. })));
     }
 
     /// The dark pixels of a rose come where wind blows, and its arrow lies the way it blows.

@@ -1,12 +1,10 @@
 use super::canvas::{Canvas, Color};
 use super::view::View;
-use nalgebra::{Point2, Rotation2, Vector2, Vector3};
-use std::f64::consts::{PI, TAU};
+use nalgebra::{Point2, Rotation2, Vector3};
+use std::f64::consts::PI;
 
 /// Radius of the ring, pixels.
 const RADIUS: f64 = 15.0;
-/// Sides of the polygon that stands for it.
-const SIDES: usize = 24;
 /// Room right and below of the caption with the speed, pixels.
 const ROOM: f64 = 4.0;
 
@@ -22,11 +20,7 @@ pub(super) fn draw(
     ink: Color,
 ) {
     let center = Point2::new(corner[0] - RADIUS - ROOM, corner[1] + RADIUS + ROOM);
-    let rim = |k: usize| {
-        center
-            + RADIUS * Rotation2::new(TAU * k as f64 / SIDES as f64).transform_vector(&Vector2::x())
-    };
-    (0..SIDES).for_each(|k| canvas.line(rim(k), rim(k + 1), 1.0, ink));
+    canvas.ring(center, RADIUS, ink);
     let across = view.across(wind) * (RADIUS / strongest);
     let tip = center + across;
     canvas.line(center - across, tip, 1.5, ink);

@@ -1,14 +1,22 @@
-//! Surfaces of objects: VTK poly data with the triangles of all, for ParaView, and a USD `Mesh` for
-//! Blender. Vertices are in the world, where the objects are at that time.
+//! Surfaces of objects as VTK poly data: the triangles of all, for ParaView. Vertices are in the
+//! world, where the objects are at that time; their poses stand beside them.
 
-mod usda;
 mod vtp;
 
-pub use usda::write as write_usda;
-pub use vtp::{read as read_vtp, write as write_vtp};
+pub use vtp::{read, read_poses, write};
 
 use super::ExportError;
+use nalgebra::Isometry3;
 use rapunzel_collision::field::Soup;
+
+/// An object where it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// From its own frame to the world, m.
+    pub pose: Isometry3<f64>,
+    /// Its surface in the world, m.
+    pub surface: Soup,
+}
 
 /// Refuses vertices that are not finite, and corners that are no vertices.
 pub(super) fn check(surface: &Soup) -> Result<(), ExportError> {
@@ -25,50 +33,38 @@ pub(super) fn check(surface: &Soup) -> Result<(), ExportError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample;
     use super::*;
-    use nalgebra::{Point3, Vector3};
-    use rapunzel_collision::field::shapes;
-
-    fn objects() -> [Soup; 2] {
-        [shapes::cuboid(Vector3::new(0.1, 1.0 / 3.0, 2.0)), shapes::sphere(0.7, 2)]
-    }
+    use nalgebra::Point3;
 
     #[test]
-    fn surfaces_survive_to_the_last_bit_as_one() {
+    fn objects_survive_to_the_last_bit() {
+        let objects = sample::objects(0.3);
         let mut bytes = Vec::new();
-        write_vtp(&mut bytes, 0.1, &objects()).expect("memory");
-        let found = read_vtp(&mut bytes.as_slice()).expect("our own file");
-        let [a, b] = objects();
-        assert_eq!(found.vertices, [a.vertices.clone(), b.vertices].concat());
-        assert_eq!(found.triangles[..12], a.triangles);
-        assert_eq!(found.triangles[12], b.triangles[0].map(|v| v + 8));
+        write(&mut bytes, 0.1, &objects).expect("memory");
+        assert_eq!(read(&mut bytes.as_slice()).expect("our own file"), objects);
+        let poses: Vec<_> = objects.iter().map(|object| object.pose).collect();
+        assert_eq!(read_poses(&mut bytes.as_slice()).expect("our own file"), poses);
         for length in (0..bytes.len()).step_by(61) {
-            assert!(read_vtp(&mut &bytes[..length]).is_err(), "cut to {length} bytes");
+            assert!(read(&mut &bytes[..length]).is_err(), "cut to {length} bytes");
         }
-        let mut broken = a;
-        broken.vertices[3] = Point3::new(f64::NAN, 0.0, 0.0);
-        assert!(matches!(write_vtp(&mut bytes, 0.0, &[broken]), Err(ExportError::Surface { .. })));
+        let mut broken = objects;
+        broken[1].surface.vertices[3] = Point3::new(f64::NAN, 0.0, 0.0);
+        assert!(matches!(write(&mut bytes, 0.0, &broken), Err(ExportError::Surface { .. })));
     }
 
+    /// A count of vertices, or a corner, that lies.
     #[test]
-    fn a_mesh_has_its_points_at_every_time() {
-        let [a, b] = objects();
-        let write = |times: &[f64], frames: Vec<Soup>| {
-            let mut out = Vec::new();
-            write_usda(&mut out, times, frames.into_iter().map(Ok))
-                .map(|()| String::from_utf8(out).expect("text"))
-        };
-        let still = write(&[0.0], vec![a.clone()]).expect("one");
-        assert!(
-            still.contains("point3f[] points = [") && !still.contains("timeSamples"),
-            "{still}"
-        );
-        let moving = write(&[0.0, 0.5], vec![a.clone(), a.clone()]).expect("two");
-        assert!(moving.contains("point3f[] points.timeSamples = {\n            0: [("), "{moving}");
-        assert!(moving.contains("timeCodesPerSecond = 2\n"), "{moving}");
-        assert_eq!(moving.matches('{').count(), moving.matches('}').count());
-        assert!(matches!(write(&[0.0, 0.5], vec![a.clone(), b]), Err(ExportError::Series { .. })));
-        assert!(matches!(write(&[0.0, 0.5], vec![a]), Err(ExportError::Series { .. })));
-        assert!(matches!(write(&[], vec![]), Err(ExportError::Empty)));
+    fn damage_is_an_error_not_a_panic() {
+        let mut whole = Vec::new();
+        write(&mut whole, 0.1, &sample::objects(0.3)).expect("memory");
+        for at in (0..whole.len()).step_by(7) {
+            let mut bad = whole.clone();
+            bad[at] = bad[at].wrapping_add(127);
+            // Whatever it reads then, it returns.
+            if let Ok(objects) = read(&mut bad.as_slice()) {
+                assert!(objects.iter().all(|object| check(&object.surface).is_ok()));
+            }
+        }
     }
 }

@@ -5,11 +5,13 @@
 //! `tension` (the last point of a fibre repeats its last segment). Cell data: `fiber`. Field data:
 //! `TimeValue`, s, and `FrameIndex`.
 //!
-//! [`read()`] reads what [`write()`] wrote, to the last bit.
+//! [`read()`] reads what [`write()`] wrote, to the last bit; [`Arrays`] reads some of it.
 
+mod arrays;
 pub(super) mod read;
 pub(super) mod write;
 
+pub use arrays::{Arrays, Vectors};
 pub use read::read;
 pub use write::write;
 pub(crate) use write::write_strands;

@@ -1,0 +1,131 @@
+//! USD in text form: one stage of all that a run shows, metres, z up, a time code for each frame.
+//!
+//! The stage is a small [root] with the layers of [strands](Strands), be they fibres or springs, and
+//! of [objects] below it; each of them has the same range of time and can be opened alone. Lengths
+//! are in single precision, as the schemas have them, with the fewest digits that read back the
+//! same. Layers that would be large have their samples in value clips. The binary form, `.usdc`, is
+//! not written: there is no library for it yet that this workspace's Rust compiles.
+
+mod objects;
+mod strands;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use objects::write as objects;
+pub use strands::{Clips, Prim, Shape, Strands};
+
+use super::ExportError;
+use std::io::Write;
+
+/// The prim under which everything is.
+const ROOT: &str = "Scene";
+
+/// When the frames of a series stand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timeline {
+    /// Number of frames, at least one.
+    pub frames: usize,
+    /// Frames and time codes per second, 1/s.
+    pub rate: f64,
+    /// Time of the last frame, s; all others are at whole time codes.
+    pub end: f64,
+}
+
+/// What the last frame may be beside a whole time code and still be on it: a time that is a sum of
+/// steps has their roundings.
+const ROUNDING: f64 = 1e-6;
+
+impl Timeline {
+    /// The time code of a frame.
+    fn code(&self, frame: usize) -> f64 {
+        if frame + 1 < self.frames {
+            return frame as f64;
+        }
+        let code = self.end * self.rate;
+        if (code - code.round()).abs() < ROUNDING { code.round() } else { code }
+    }
+
+    /// The time code of the last frame.
+    fn last(&self) -> f64 {
+        self.code(self.frames.saturating_sub(1))
+    }
+
+    /// Begins a layer; `more` are lines of its metadata.
+    fn begin(&self, out: &mut impl Write, more: &str) -> Result<(), ExportError> {
+        let Self { rate, .. } = self;
+        let end = self.last();
+        write!(
+            out,
+            r#"#usda 1.0
+(
+    defaultPrim = "{ROOT}"
+    startTimeCode = 0
+    endTimeCode = {end}
+    timeCodesPerSecond = {rate}
+    framesPerSecond = {rate}
+    metersPerUnit = 1
+    upAxis = "Z"
+{more})
+"#
+        )?;
+        Ok(())
+    }
+}
+
+/// Writes the root of a stage over the files of its layers, as seen from its folder.
+///
+/// # Errors
+/// If `out` fails.
+pub fn root(out: &mut impl Write, timeline: &Timeline, layers: &[&str]) -> Result<(), ExportError> {
+    let layers: Vec<_> = layers.iter().map(|layer| format!("        @./{layer}@")).collect();
+    timeline.begin(out, &format!("    subLayers = [\n{}\n    ]\n", layers.join(",\n")))
+}
+
+/// Writes the material of a plain surface at `path`, the last part of which is `name`.
+fn material(
+    out: &mut impl Write,
+    path: &str,
+    name: &str,
+    color: [f64; 3],
+) -> Result<(), ExportError> {
+    let [r, g, b] = color;
+    write!(
+        out,
+        r#"            def Material "{name}"
+            {{
+                token outputs:surface.connect = <{path}/{name}/Surface.outputs:surface>
+                def Shader "Surface"
+                {{
+                    uniform token info:id = "UsdPreviewSurface"
+                    color3f inputs:diffuseColor = ({r}, {g}, {b})
+                    float inputs:roughness = 0.4
+                    token outputs:surface
+                }}
+            }}
+"#
+    )?;
+    Ok(())
+}
+
+/// Begins a prim of a layer's scope, with its colour and material.
+fn begin_prim(
+    out: &mut impl Write,
+    kind: &str,
+    name: &str,
+    material: &str,
+    color: [f64; 3],
+) -> Result<(), ExportError> {
+    let [r, g, b] = color;
+    write!(
+        out,
+        r#"        def {kind} "{name}" (
+            prepend apiSchemas = ["MaterialBindingAPI"]
+        )
+        {{
+            rel material:binding = <{material}>
+            color3f[] primvars:displayColor = [({r}, {g}, {b})]
+"#
+    )?;
+    Ok(())
+}

@@ -1,0 +1,377 @@
+use super::text::{integers, list, single, triple};
+use super::{ROOT, Timeline, begin_prim, material};
+use crate::export::ExportError;
+use crate::export::vtp::Arrays;
+use std::io::{BufRead, Seek, Write};
+use std::ops::Range;
+
+/// A layer of fibres or springs, made from the files of frames.
+///
+/// They are opened as often as is needed and read array by array, so that of a frame of any size
+/// little is in memory.
+#[derive(Debug)]
+pub struct Strands<F> {
+    timeline: Timeline,
+    /// Name of the prim that holds all others.
+    scope: &'static str,
+    prims: Vec<Prim>,
+    /// Opens a frame by its number.
+    open: F,
+    /// Number of the first point of each strand, and of all points.
+    starts: Vec<usize>,
+}
+
+/// Strands that are shown as one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prim {
+    /// Its name: letters, digits and `_`.
+    pub name: String,
+    /// What it is.
+    pub shape: Shape,
+    /// Red, green and blue, linear, in `[0, 1]`.
+    pub color: [f64; 3],
+}
+
+/// What strands are shown as.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// `BasisCurves`, straight between the points: what was simulated.
+    Curves {
+        /// The strands.
+        strands: Range<usize>,
+        /// Not to be rendered, but to be looked at.
+        guide: bool,
+    },
+    /// A `Mesh`.
+    Surface {
+        /// The strand and the number in it of the point that is a vertex.
+        vertices: Vec<[usize; 2]>,
+        /// The vertices of each face, in order.
+        faces: Vec<Vec<usize>>,
+    },
+}
+
+/// The files of the value clips of a layer, as seen from its folder.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clips {
+    /// The one that says what the others hold.
+    pub manifest: String,
+    /// Each with its frames, which follow each other.
+    pub files: Vec<(Range<usize>, String)>,
+}
+
+/// About how much text a point is in a frame: position and velocity, six numbers.
+const POINT: usize = 70;
+
+impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
+    /// The layer of `prims`; `open` opens a frame by its number, from 0.
+    ///
+    /// # Errors
+    /// Those of opening and reading the first frame; [`ExportError::Empty`] without frames or prims;
+    /// [`ExportError::Series`] for prims of strands or points that are not there.
+    pub fn new(
+        timeline: Timeline,
+        scope: &'static str,
+        prims: Vec<Prim>,
+        open: F,
+    ) -> Result<Self, ExportError> {
+        if timeline.frames == 0 || prims.is_empty() {
+            return Err(ExportError::Empty);
+        }
+        let counts = Arrays::open(open(0)?)?.counts()?;
+        let mut starts = vec![0];
+        starts.extend(counts.iter().scan(0, |end, count| {
+            *end += count;
+            Some(*end)
+        }));
+        let there = |shape: &Shape| match shape {
+            Shape::Curves { strands, .. } => {
+                strands.start < strands.end && strands.end <= counts.len()
+            }
+            Shape::Surface { vertices, faces } => {
+                vertices
+                    .iter()
+                    .all(|[strand, point]| counts.get(*strand).is_some_and(|n| point < n))
+                    && faces.iter().flatten().all(|&vertex| vertex < vertices.len())
+            }
+        };
+        if !prims.iter().all(|prim| there(&prim.shape)) {
+            return Err(ExportError::Series { index: 0, what: "it has no such strands" });
+        }
+        Ok(Self { timeline, scope, prims, open, starts })
+    }
+
+    /// The frames of each value clip where a layer without them would have more than `most` bytes;
+    /// otherwise none.
+    #[must_use]
+    pub fn clips(&self, most: usize) -> Vec<Range<usize>> {
+        let points = self.prims.iter().map(|prim| self.points(&prim.shape));
+        let frame = POINT * points.sum::<usize>();
+        if self.timeline.frames.saturating_mul(frame) <= most {
+            return Vec::new();
+        }
+        let each = (most / frame).max(1);
+        let firsts = (0..self.timeline.frames).step_by(each);
+        firsts.map(|first| first..self.timeline.frames.min(first + each)).collect()
+    }
+
+    /// Writes the layer, with samples of its own or with `clips`.
+    ///
+    /// # Errors
+    /// Those of frames that cannot be read, have other strands than the first, or hold numbers
+    /// beyond single precision; fails if `out` does.
+    pub fn write(&self, out: &mut impl Write, clips: Option<&Clips>) -> Result<(), ExportError> {
+        let looks = format!("/{ROOT}/{}/Looks", self.scope);
+        self.begin(out, "def", clips)?;
+        writeln!(out, "        def Scope \"Looks\"\n        {{")?;
+        for Prim { name, color, .. } in &self.prims {
+            material(out, &looks, name, *color)?;
+        }
+        writeln!(out, "        }}")?;
+        for Prim { name, shape, color } in &self.prims {
+            let kind = match shape {
+                Shape::Curves { .. } => "BasisCurves",
+                Shape::Surface { .. } => "Mesh",
+            };
+            begin_prim(out, kind, name, &format!("{looks}/{name}"), *color)?;
+            self.still(out, shape)?;
+            if clips.is_none() {
+                self.samples(out, shape, 0..self.timeline.frames)?;
+            }
+            writeln!(out, "        }}")?;
+        }
+        Ok(writeln!(out, "    }}\n}}")?)
+    }
+
+    /// Writes the value clip of some frames.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_clip(
+        &self,
+        out: &mut impl Write,
+        frames: Range<usize>,
+    ) -> Result<(), ExportError> {
+        self.write_over(out, |out, shape| self.samples(out, shape, frames.clone()))
+    }
+
+    /// Writes the manifest of the value clips.
+    ///
+    /// # Errors
+    /// Fails if `out` does.
+    pub fn write_manifest(&self, out: &mut impl Write) -> Result<(), ExportError> {
+        self.write_over(out, |out, _| {
+            ATTRIBUTES.iter().try_for_each(|name| Ok(writeln!(out, "            {name}")?))
+        })
+    }
+
+    fn write_over<W: Write>(
+        &self,
+        out: &mut W,
+        mut attributes: impl FnMut(&mut W, &Shape) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        self.begin(out, "over", None)?;
+        for Prim { name, shape, .. } in &self.prims {
+            writeln!(out, "        over \"{name}\"\n        {{")?;
+            attributes(out, shape)?;
+            writeln!(out, "        }}")?;
+        }
+        Ok(writeln!(out, "    }}\n}}")?)
+    }
+
+    /// Everything down to the prims.
+    fn begin(
+        &self,
+        out: &mut impl Write,
+        specifier: &str,
+        clips: Option<&Clips>,
+    ) -> Result<(), ExportError> {
+        let kind = if specifier == "def" { "def Xform" } else { specifier };
+        self.timeline.begin(out, "")?;
+        write!(out, "\n{kind} \"{ROOT}\"\n{{\n    {kind} \"{}\"", self.scope)?;
+        if let Some(Clips { manifest, files }) = clips {
+            let last = self.timeline.last();
+            write!(out, " (\n        clips = {{\n            dictionary default = {{\n")?;
+            write!(out, "                double2[] active = ")?;
+            list(out, files.iter().enumerate(), |out, (clip, (frames, _))| {
+                Ok(write!(out, "({}, {clip})", self.timeline.code(frames.start))?)
+            })?;
+            write!(out, "\n                asset[] assetPaths = ")?;
+            list(out, files, |out, (_, file)| Ok(write!(out, "@./{file}@")?))?;
+            write!(
+                out,
+                r#"
+                asset manifestAssetPath = @./{manifest}@
+                string primPath = "/{ROOT}/{}"
+                double2[] times = [(0, 0), ({last}, {last})]
+            }}
+        }}
+    )"#,
+                self.scope
+            )?;
+        }
+        Ok(writeln!(out, "\n    {{")?)
+    }
+
+    /// Writes what does not change.
+    fn still(&self, out: &mut impl Write, shape: &Shape) -> Result<(), ExportError> {
+        match shape {
+            Shape::Curves { strands, guide } => {
+                if *guide {
+                    writeln!(out, "            uniform token purpose = \"guide\"")?;
+                }
+                writeln!(
+                    out,
+                    "            uniform token type = \"linear\"\n            uniform token wrap = \
+                     \"nonperiodic\""
+                )?;
+                write!(out, "            int[] curveVertexCounts = ")?;
+                let starts = &self.starts[strands.start..=strands.end];
+                integers(out, "points", starts.windows(2).map(|ends| ends[1] - ends[0]))?;
+                write!(out, "\n            int[] primvars:id = ")?;
+                integers(out, "strands", strands.clone())?;
+                writeln!(out, " (\n                interpolation = \"uniform\"\n            )")?;
+                self.widths(out, strands)
+            }
+            Shape::Surface { faces, .. } => {
+                writeln!(
+                    out,
+                    "            uniform bool doubleSided = 1\n            uniform token \
+                     subdivisionScheme = \"none\""
+                )?;
+                write!(out, "            int[] faceVertexCounts = ")?;
+                integers(out, "vertices", faces.iter().map(Vec::len))?;
+                write!(out, "\n            int[] faceVertexIndices = ")?;
+                integers(out, "vertices", faces.iter().flatten().copied())?;
+                Ok(writeln!(out)?)
+            }
+        }
+    }
+
+    /// Writes the diameters of strands, one where all are the same.
+    fn widths(&self, out: &mut impl Write, strands: &Range<usize>) -> Result<(), ExportError> {
+        let points = self.starts[strands.start]..self.starts[strands.end];
+        let mut first = self.frame(0)?;
+        let all = first.radii(points.clone())?;
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for radius in all {
+            let radius = radius?;
+            range = [range[0].min(radius), range[1].max(radius)];
+        }
+        let shown = if range[0] == range[1] { points.start..points.start + 1 } else { points };
+        let interpolation = if shown.len() == 1 { "constant" } else { "vertex" };
+        write!(out, "            float[] widths = ")?;
+        list(out, first.radii(shown)?, |out, radius| single(out, 2.0 * radius?))?;
+        writeln!(out, " (\n                interpolation = \"{interpolation}\"\n            )")?;
+        Ok(())
+    }
+
+    /// Writes what changes, for a range of frames.
+    fn samples(
+        &self,
+        out: &mut impl Write,
+        shape: &Shape,
+        frames: Range<usize>,
+    ) -> Result<(), ExportError> {
+        let [points, velocities, extent] = ATTRIBUTES;
+        let radius = self.largest_radius(shape)?;
+        let mut extents = Vec::new();
+        writeln!(out, "            {points}.timeSamples = {{")?;
+        for frame in frames.clone() {
+            let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            write!(out, "                {}: ", self.timeline.code(frame))?;
+            self.sample(out, Quantity::Position, shape, frame, |point| {
+                for (k, x) in point.into_iter().enumerate() {
+                    bounds[0][k] = bounds[0][k].min(x - radius);
+                    bounds[1][k] = bounds[1][k].max(x + radius);
+                }
+            })?;
+            writeln!(out, ",")?;
+            extents.push(bounds);
+        }
+        writeln!(out, "            }}\n            {velocities}.timeSamples = {{")?;
+        for frame in frames.clone() {
+            write!(out, "                {}: ", self.timeline.code(frame))?;
+            self.sample(out, Quantity::Velocity, shape, frame, |_| ())?;
+            writeln!(out, ",")?;
+        }
+        writeln!(out, "            }}\n            {extent}.timeSamples = {{")?;
+        for (frame, bounds) in frames.zip(extents) {
+            write!(out, "                {}: ", self.timeline.code(frame))?;
+            list(out, bounds, triple)?;
+            writeln!(out, ",")?;
+        }
+        Ok(writeln!(out, "            }}")?)
+    }
+
+    /// Writes a vector for each point of a shape in a frame, and shows it to `see`.
+    fn sample(
+        &self,
+        out: &mut impl Write,
+        quantity: Quantity,
+        shape: &Shape,
+        frame: usize,
+        mut see: impl FnMut([f64; 3]),
+    ) -> Result<(), ExportError> {
+        let mut arrays = self.frame(frame)?;
+        let mut write = |out: &mut _, vector: Result<[f64; 3], ExportError>| {
+            let vector = vector?;
+            see(vector);
+            triple(out, vector)
+        };
+        match shape {
+            Shape::Curves { strands, .. } => {
+                let points = self.starts[strands.start]..self.starts[strands.end];
+                match quantity {
+                    Quantity::Position => list(out, arrays.positions(points)?, write),
+                    Quantity::Velocity => list(out, arrays.velocities(points)?, write),
+                }
+            }
+            Shape::Surface { vertices, .. } => {
+                let points = 0..arrays.points();
+                let all = match quantity {
+                    Quantity::Position => arrays.positions(points)?.collect::<Result<Vec<_>, _>>(),
+                    Quantity::Velocity => arrays.velocities(points)?.collect(),
+                }?;
+                let vertex = |[strand, point]: &[usize; 2]| all[self.starts[*strand] + point];
+                list(out, vertices, |out, place| write(out, Ok(vertex(place))))
+            }
+        }
+    }
+
+    fn largest_radius(&self, shape: &Shape) -> Result<f64, ExportError> {
+        let Shape::Curves { strands, .. } = shape else { return Ok(0.0) };
+        let points = self.starts[strands.start]..self.starts[strands.end];
+        let mut first = self.frame(0)?;
+        first.radii(points)?.try_fold(0.0, |largest: f64, radius| Ok(largest.max(radius?)))
+    }
+
+    /// Number of points of a shape.
+    fn points(&self, shape: &Shape) -> usize {
+        match shape {
+            Shape::Curves { strands, .. } => self.starts[strands.end] - self.starts[strands.start],
+            Shape::Surface { vertices, .. } => vertices.len(),
+        }
+    }
+
+    /// Opens a frame and makes sure that it is the one, with the points of the first.
+    fn frame(&self, frame: usize) -> Result<Arrays<R>, ExportError> {
+        let arrays = Arrays::open((self.open)(frame)?)?;
+        if arrays.index() != frame {
+            return Err(ExportError::Series { index: frame, what: "its number is another" });
+        }
+        if Some(&arrays.points()) != self.starts.last() {
+            return Err(ExportError::Series { index: frame, what: "its points are not as many" });
+        }
+        Ok(arrays)
+    }
+}
+
+/// What changes with time.
+const ATTRIBUTES: [&str; 3] = ["point3f[] points", "vector3f[] velocities", "float3[] extent"];
+
+#[derive(Clone, Copy)]
+enum Quantity {
+    Position,
+    Velocity,
+}

@@ -1,0 +1,59 @@
+//! Numbers and lists as text, without a String for each.
+
+use crate::export::ExportError;
+use std::io::Write;
+
+/// `[a, b, c]`, each item written by `write`.
+pub(super) fn list<W: Write, T>(
+    out: &mut W,
+    items: impl IntoIterator<Item = T>,
+    mut write: impl FnMut(&mut W, T) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    out.write_all(b"[")?;
+    for (i, item) in items.into_iter().enumerate() {
+        if i > 0 {
+            out.write_all(b", ")?;
+        }
+        write(out, item)?;
+    }
+    out.write_all(b"]")?;
+    Ok(())
+}
+
+/// A list of integers.
+pub(super) fn integers<W: Write>(
+    out: &mut W,
+    what: &'static str,
+    items: impl IntoIterator<Item = usize>,
+) -> Result<(), ExportError> {
+    list(out, items, |out, found| {
+        let limit = i32::MAX as usize;
+        if found > limit {
+            return Err(ExportError::TooMany { what, found, limit });
+        }
+        Ok(write!(out, "{found}")?)
+    })
+}
+
+/// Three numbers.
+pub(super) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), ExportError> {
+    for (open, x) in [b"(", b",", b","].into_iter().zip(vector) {
+        out.write_all(open)?;
+        single(out, x)?;
+    }
+    out.write_all(b")")?;
+    Ok(())
+}
+
+/// A number in single precision, with the fewest digits that read back the same.
+pub(super) fn single(out: &mut impl Write, value: f64) -> Result<(), ExportError> {
+    #[expect(clippy::cast_possible_truncation, reason = "the schemas are in single precision")]
+    let narrow = value as f32;
+    if !narrow.is_finite() {
+        return Err(ExportError::Single { value });
+    }
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format_finite(narrow);
+    out.write_all(text.strip_suffix(".0").unwrap_or(text).as_bytes())?;
+    Ok(())
+}
