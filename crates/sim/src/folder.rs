@@ -162,21 +162,7 @@ impl RunFolder {
     /// [`SimError::Io`].
     pub(crate) fn begin(&mut self, manifest: &Manifest) -> Result<(), SimError> {
         let old = self.old.take().unwrap_or_default();
-        for name in listed(&self.path, manifest)? {
-            if !old.owns(&name) && name != LOG {
-                return Err(SimError::ForeignFile(self.path.join(name)));
-            }
-        }
-        listed(&self.path, &old)?;
-        let folder = self.path.canonicalize().map_err(SimError::io("read", &self.path))?;
-        for input in &self.inputs {
-            let whole = input.canonicalize().map_err(SimError::io("read", input))?;
-            let within = whole.strip_prefix(&folder).ok().and_then(Path::to_str);
-            let within = within.map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
-            if within.is_some_and(|name| manifest.owns(&name) || old.owns(&name)) {
-                return Err(SimError::OverInput(input.clone()));
-            }
-        }
+        look_for_others(&self.path, [manifest, &old], &self.inputs)?;
         if !self.holds_older_run() {
             clear(&self.path, &old)?;
         }
@@ -213,6 +199,48 @@ impl Drop for RunFolder {
             let _ = discard(&self.files);
         }
     }
+}
+
+/// Makes ready for the files of an answer, which are replaced each time it is found: those that the
+/// folder lists go. The folder is made if it is not there.
+///
+/// # Errors
+/// [`SimError::FolderNotEmpty`] for the folder of a run; [`SimError::ForeignFile`] and
+/// [`SimError::NotPlain`] where something else has the name of a file; [`SimError::Io`].
+pub fn claim(path: &Path, files: &[&str]) -> Result<(), SimError> {
+    fs::create_dir_all(path).map_err(SimError::io("make the folder", path))?;
+    let manifest: Manifest = files.iter().map(|&name| name.into()).collect();
+    let old = read_manifest(path)?.unwrap_or_default();
+    if old.owns(SCENE) {
+        return Err(SimError::FolderNotEmpty(path.to_owned()));
+    }
+    look_for_others(path, [&manifest, &old], &[])?;
+    clear(path, &old)?;
+    write_manifest(path, &manifest)
+}
+
+/// Refuses what is not from here, or is read, and has the name of a file that is to come or to go.
+fn look_for_others(
+    path: &Path,
+    [new, old]: [&Manifest; 2],
+    inputs: &[PathBuf],
+) -> Result<(), SimError> {
+    for name in listed(path, new)? {
+        if !old.owns(&name) && name != LOG {
+            return Err(SimError::ForeignFile(path.join(name)));
+        }
+    }
+    listed(path, old)?;
+    let folder = path.canonicalize().map_err(SimError::io("read", path))?;
+    for input in inputs {
+        let whole = input.canonicalize().map_err(SimError::io("read", input))?;
+        let within = whole.strip_prefix(&folder).ok().and_then(Path::to_str);
+        let within = within.map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
+        if within.is_some_and(|name| new.owns(&name) || old.owns(&name)) {
+            return Err(SimError::OverInput(input.clone()));
+        }
+    }
+    Ok(())
 }
 
 /// Goes on with an exchange that was begun: the old files go, their list last, then the new ones come,
@@ -529,6 +557,28 @@ mod tests {
         assert!(matches!(refused, Err(SimError::OverInput(_))), "{refused:?}");
         drop(folder);
         assert_eq!(fs::read(&scene).expect("readable"), b"a run");
+    }
+
+    #[test]
+    fn an_answer_replaces_an_answer_and_nothing_else() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        let path = temporary.path();
+        let answer = |files: &[&str], text: &str| -> Result<(), SimError> {
+            claim(path, files)?;
+            files.iter().for_each(|name| fs::write(path.join(name), text).expect("writes"));
+            Ok(())
+        };
+        answer(&["rod-0.csv", "rod-1.csv"], "old").expect("an empty folder");
+        fs::write(path.join("notes.txt"), "theirs").expect("writes");
+        answer(&["rod-0.csv"], "new").expect("over an answer");
+        assert_eq!(names(path).expect("readable").len(), 3, "the list, the new file and theirs");
+        let refused = answer(&["rod-0.csv", "notes.txt"], "newer");
+        assert!(matches!(refused, Err(SimError::ForeignFile(_))), "{refused:?}");
+        assert_eq!(fs::read(path.join("rod-0.csv")).expect("still there"), b"new");
+        let other = tempfile::tempdir().expect("a temporary folder");
+        drop(make_run(other.path(), Existing::Refuse, "a run").expect("an empty folder"));
+        let refused = claim(other.path(), &["rod-0.csv"]);
+        assert!(matches!(refused, Err(SimError::FolderNotEmpty(_))), "{refused:?}");
     }
 
     #[cfg(unix)]

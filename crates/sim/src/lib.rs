@@ -34,7 +34,7 @@ pub use contact::{
 pub use error::SimError;
 pub use estimate::{Estimate, Part};
 pub use file::read_text;
-pub use folder::{Existing, RunFolder, in_use};
+pub use folder::{Existing, RunFolder, claim, in_use};
 pub use mass_spring::MassSprings;
 pub use plan::Plan;
 pub use run::{Cancel, Control, Progress, run};
