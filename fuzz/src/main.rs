@@ -4,9 +4,8 @@
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_sim::statics::Case;
-use rapunzel_sim::{Control, Existing, RunFolder, Scene, SimError, run};
+use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, SimError, run};
 use std::fs;
-use std::sync::atomic::AtomicBool;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
 
@@ -72,12 +71,13 @@ fn checkpoint(data: &[u8]) -> Result<(), SimError> {
     let head = b"RAPUNZEL\x05\0\0\0";
     let file = [&head[..], blake3::hash(data).as_bytes(), data].concat();
     fs::write(path.join("checkpoint.bin"), file).expect("written");
-    let cancel = AtomicBool::new(true);
+    let cancel = Cancel::new();
+    cancel.ask();
     let control = Control {
-        checkpoint_every: 1,
+        sync_is_due: &mut || false,
         cancel: &cancel,
         progress: &mut |_| {},
         stopwatch: None,
     };
-    run(&scene, &run_folder, control).map(|_| ())
+    run(&scene, &mut run_folder, control).map(|_| ())
 }
