@@ -67,8 +67,9 @@ fn checkpoint(data: &[u8]) -> Result<(), SimError> {
     let folder = FOLDER.lock().expect("one thread");
     let path = folder.path().join("run");
     let scene = Scene::from_ron(include_str!("../seeds/scene.ron"))?;
-    let run_folder = RunFolder::open(&path, Existing::Overwrite)?;
-    let head = b"RAPUNZEL\x05\0\0\0";
+    let _ = fs::remove_dir_all(&path);
+    let mut run_folder = RunFolder::open(&path, Existing::Refuse)?;
+    let head = b"RAPUNZEL\x06\0\0\0";
     let file = [&head[..], blake3::hash(data).as_bytes(), data].concat();
     fs::write(path.join("checkpoint.bin"), file).expect("written");
     let cancel = Cancel::new();

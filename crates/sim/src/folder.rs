@@ -249,8 +249,8 @@ fn finish_exchange(path: &Path) -> Result<(), SimError> {
     let ready = path.join(READY);
     require_plain(&ready, true)?;
     let Some(new) = read_manifest(&ready)? else {
-        // Nothing is left in it but folders.
-        remove_folders(&ready, &Manifest::default());
+        // Its list has been moved last: nothing is left in it but folders.
+        remove_folders(&ready, &read_manifest(path)?.unwrap_or_default());
         return Ok(());
     };
     if let Some(old) = read_manifest(path)? {
