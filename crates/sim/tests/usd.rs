@@ -88,7 +88,11 @@ fn springs_are_surfaces_of_shared_nodes() {
     for (model, nodes, faces) in [
         // All cells of two rows and three columns of them, by both triangles of each.
         ("Net(place: Flying(rows: 3, columns: 4), spacing: 0.1)", 12, vec![4; 6]),
-        ("Net(place: Flying(rows: 3, columns: 4), spacing: 0.1, triangular: true)", 12, vec![3; 12]),
+        (
+            "Net(place: Flying(rows: 3, columns: 4), spacing: 0.1, triangular: true)",
+            12,
+            vec![3; 12],
+        ),
         ("Body(shape: Cube, spacing: 0.1)", 100, vec![4; 81]),
         ("Ring(count: 14, radius: 0.3)", 15, vec![3; 14]),
         // An octahedron with every edge cut in two.

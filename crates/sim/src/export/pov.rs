@@ -18,11 +18,7 @@ const SCALE: f64 = 1e3;
 ///
 /// # Errors
 /// Refuses unsound and empty frames, and surfaces that are not finite; fails if `out` does.
-pub fn write(
-    out: &mut impl Write,
-    frame: &Frame,
-    objects: &[Placed],
-) -> Result<(), ExportError> {
+pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
     frame.validate()?;
     objects.iter().try_for_each(|object| surface::check(&object.surface))?;
     if frame.strands.is_empty() {

@@ -61,7 +61,7 @@ pub struct Clips {
 }
 
 /// About how much text a point is in a frame: position and velocity, six numbers.
-const POINT: usize = 70;
+const POINT: usize = 75;
 
 impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     /// The layer of `prims`; `open` opens a frame by its number, from 0.
@@ -89,7 +89,9 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
                 strands.start < strands.end && strands.end <= counts.len()
             }
             Shape::Surface { vertices, faces } => {
-                vertices.iter().all(|[strand, point]| counts.get(*strand).is_some_and(|n| point < n))
+                vertices
+                    .iter()
+                    .all(|[strand, point]| counts.get(*strand).is_some_and(|n| point < n))
                     && faces.iter().flatten().all(|&vertex| vertex < vertices.len())
             }
         };
