@@ -30,7 +30,7 @@ pub(crate) fn run() -> Result<()> {
         cmd!(sh, "{python} {check}/check_vtp.py frame4.vtp frame4.csv").run()?;
     }
     if has("pxr") {
-        for file in ["linear.usda", "smooth.usda"] {
+        for file in ["fibers.usda", "scene.usda"] {
             cmd!(sh, "{python} {check}/check_usd.py {file} 4 frame4.csv").run()?;
         }
     }

@@ -1,6 +1,6 @@
 use crate::failure::Failure;
 use crate::words::say;
-use rapunzel_sim::{Outcome, Summary, in_use};
+use rapunzel_sim::{LeftOut, Outcome, Summary, in_use};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -50,6 +50,11 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
             summary.gravitational_energy
         ),
     ];
+    lines.extend(summary.left_out.iter().map(|left_out| match left_out {
+        LeftOut::ObjectsInHair => {
+            "  left out    the objects in .hair, which holds fibres alone".into()
+        }
+    }));
     if let Some(contact) = &summary.contact {
         let (listed, active) = (contact.listed, contact.active);
         let (parts, lists) = (contact.parts, contact.lists);

@@ -41,6 +41,6 @@ pub use run::{Cancel, Control, Progress, run};
 pub use scene::Scene;
 pub use stepper::{FreeFibers, StepReport, Stepper};
 pub use storage::write_atomically;
-pub use summary::{Outcome, Statistics, Summary};
+pub use summary::{LeftOut, Outcome, Statistics, Summary};
 pub use works::Works;
 pub use world::{Snapshot, World};

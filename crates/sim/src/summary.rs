@@ -1,4 +1,5 @@
 use crate::folder::{RunFolder, SUMMARY};
+use crate::scene::Format;
 use crate::storage::replace;
 use crate::{ChargeReport, ContactReport, ContactTimes, Plan, Scene, SimError, StepReport, World};
 use serde::{Deserialize, Serialize};
@@ -67,6 +68,14 @@ pub enum Outcome {
     },
 }
 
+/// What a format that a scene asks for cannot hold of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LeftOut {
+    /// Objects: `.hair` has nothing but strands.
+    ObjectsInHair,
+}
+
 /// The contents of `summary.json`: nothing that depends on the computer or on interruptions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -90,6 +99,9 @@ pub struct Summary {
     pub time: f64,
     /// Frames written.
     pub frames: u64,
+    /// What its formats leave out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
     /// Mean number of Newton iterations in a step of a fibre.
     pub mean_iterations: f64,
     /// Largest number of them.
@@ -123,6 +135,8 @@ impl Summary {
         statistics: &Statistics,
     ) -> Self {
         let energy = world.energy();
+        let of_hair = scene.output.formats.contains(&Format::Hair) && !scene.objects.is_empty();
+        let left_out = of_hair.then_some(LeftOut::ObjectsInHair).into_iter().collect();
         Self {
             outcome,
             scene: scene.name.clone(),
@@ -134,6 +148,7 @@ impl Summary {
             planned_steps: plan.steps,
             time: world.time(),
             frames: 1 + plan.frames_after(world.steps()),
+            left_out,
             mean_iterations: statistics.mean_iterations(),
             worst_iterations: statistics.worst_iterations,
             halvings: statistics.halvings,

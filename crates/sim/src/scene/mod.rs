@@ -38,7 +38,6 @@ pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
 use crate::Plan;
-use crate::export::hair;
 pub(crate) use check::{Allowed, Check};
 pub(crate) use fibers::check_section;
 use nalgebra::Vector3;
@@ -246,27 +245,6 @@ impl Scene {
             fiber -= count;
         }
         None
-    }
-
-    /// Notes what a format that is asked for cannot hold.
-    fn check_formats(&self, check: &mut Check) {
-        if !self.output.formats.contains(&Format::Hair) {
-            return;
-        }
-        let most = hair::MOST_SEGMENTS;
-        let refuse = |check: &mut Check, field: &str, segments: usize| {
-            if segments > most {
-                let message = format!(
-                    "makes a line of {segments} segments, but .hair holds at most {most}; take \
-                     fewer, or leave Hair out of output.formats"
-                );
-                check.refuse(field, message);
-            }
-        };
-        check.each("fibers", &self.fibers, |c, bundle| refuse(c, "segments", bundle.segments));
-        if let Some((field, segments)) = self.mass_spring.as_ref().and_then(|s| s.longest_line()) {
-            check.within("mass_spring", |c| refuse(c, field, segments));
-        }
     }
 
     /// What belongs to fibres has no meaning beside a mass-spring system.

@@ -1,4 +1,6 @@
+use super::Scene;
 use super::check::{Allowed, Check};
+use crate::export::hair;
 use serde::{Deserialize, Serialize};
 
 /// What a run writes into its folder.
@@ -98,5 +100,28 @@ impl Output {
             }
             _ => {}
         });
+    }
+}
+
+impl Scene {
+    /// Notes what a format that is asked for cannot hold.
+    pub(super) fn check_formats(&self, check: &mut Check) {
+        if !self.output.formats.contains(&Format::Hair) {
+            return;
+        }
+        let most = hair::MOST_SEGMENTS;
+        let refuse = |check: &mut Check, field: &str, segments: usize| {
+            if segments > most {
+                let message = format!(
+                    "makes a line of {segments} segments, but .hair holds at most {most}; take \
+                     fewer, or leave Hair out of output.formats"
+                );
+                check.refuse(field, message);
+            }
+        };
+        check.each("fibers", &self.fibers, |c, bundle| refuse(c, "segments", bundle.segments));
+        if let Some((field, segments)) = self.mass_spring.as_ref().and_then(|s| s.longest_line()) {
+            check.within("mass_spring", |c| refuse(c, field, segments));
+        }
     }
 }

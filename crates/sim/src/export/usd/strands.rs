@@ -61,7 +61,7 @@ pub struct Clips {
 }
 
 /// About how much text a point is in a frame: position and velocity, six numbers.
-const POINT: usize = 70;
+const POINT: usize = 75;
 
 impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     /// The layer of `prims`; `open` opens a frame by its number, from 0.
