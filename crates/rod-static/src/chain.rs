@@ -48,9 +48,9 @@ impl Chain {
         segments: usize,
     ) -> Result<Self, StaticError> {
         check_pose(clamp)?;
-        pieces.iter().try_fold(0.0, |from, piece| {
-            piece.validate(from).map(|()| from + piece.length())
-        })?;
+        pieces
+            .iter()
+            .try_fold(0.0, |from, piece| piece.validate(from).map(|()| from + piece.length()))?;
         if pieces.is_empty() {
             return Err(StaticError::NoPieces);
         }

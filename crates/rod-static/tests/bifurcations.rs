@@ -143,12 +143,15 @@ fn columns_just_above_greenhills_load_lean() {
             assert!(found.is_stable(), "{excess} {sides:?}: {}", found.conjugate_points());
             // Of second order in the lean, whose square grows with the excess.
             let fallen = 1.0 - found.tip().position.z;
-            assert!((0.1..10.0).contains(&(fallen / excess.min(0.1))), "{excess} {sides:?}: {fallen:e}");
+            assert!(
+                (0.1..10.0).contains(&(fallen / excess.min(0.1))),
+                "{excess} {sides:?}: {fallen:e}"
+            );
         }
     }
 }
 
-/// An arc between clamps almost at one place, twisted beyond what it bears in its plane: it leaves it.
+/// Arcs between clamps almost at one place, twisted beyond what they bear in their plane.
 #[test]
 fn twisted_arcs_leave_their_plane() {
     for (gap, part) in [(0.01, 1.1), (0.01, 1.5), (0.1, 1.1), (0.3, 1.2), (0.0, 1.1), (0.0, 0.5)] {

@@ -29,7 +29,9 @@ fn arcs(force: f64, inner: &[f64]) -> Vec<f64> {
     for &at in inner.iter().chain(&[0.0, 1.0]) {
         let mut distance = 0.01 / (1.0 + force).sqrt();
         while distance < 1.0 {
-            all.extend([at - distance, at + distance].into_iter().filter(|s| (0.0..1.0).contains(s)));
+            all.extend(
+                [at - distance, at + distance].into_iter().filter(|s| (0.0..1.0).contains(s)),
+            );
             distance = (1.04 * distance).min(distance + 0.004);
         }
         all.push(at);
@@ -40,14 +42,19 @@ fn arcs(force: f64, inner: &[f64]) -> Vec<f64> {
 }
 
 /// The force in the rod just beyond `s`, from the loads alone.
-fn carried(s: f64, load: Vector3<f64>, beads: &[(f64, Vector3<f64>)], end: Vector3<f64>) -> Vector3<f64> {
+fn carried(
+    s: f64,
+    load: Vector3<f64>,
+    beads: &[(f64, Vector3<f64>)],
+    end: Vector3<f64>,
+) -> Vector3<f64> {
     let beyond = beads.iter().filter(|(at, _)| *at > s).map(|(_, force)| force);
     end + load * (1.0 - s) + beyond.sum::<Vector3<f64>>()
 }
 
-/// What is missing, from the positions and frames at `arcs` alone, to a balance of forces and moments,
-/// summed over all stretches, and in each to the section's law and to a tangent of unit length: in
-/// units of the loads, of what they bend with, and in radians and lengths.
+/// What is missing, by the states at `arcs` alone, to a balance of forces and moments, summed over
+/// all stretches, and in each to the section's law and to a tangent of unit length: in units of the
+/// loads, of what they bend with, and in radians and lengths.
 fn residual(
     found: &Equilibrium,
     arcs: &[f64],
@@ -134,7 +141,8 @@ proptest! {
             load: Vector3::zeros(),
         };
         let free = End::Free { force: Vector3::zeros(), moment };
-        let problem = Problem::new(&Isometry3::identity(), vec![Piece::uniform(1.0, properties)], free);
+        let rod = vec![Piece::uniform(1.0, properties)];
+        let problem = Problem::new(&Isometry3::identity(), rod, free);
         let found = problem.expect("a problem").solve();
         let tip = found.map_err(|e| TestCaseError::fail(e.to_string()))?.tip();
         // The tangent turns about the moment, which is constant, at the rate of its size.
