@@ -128,7 +128,7 @@ fn elastica_error(case: &Elastica, segments: usize) -> Vector3<f64> {
 /// What the reference's 1e-10 and the steps' tolerance leave of an error.
 const ACCURACY: f64 = 1e-6;
 
-/// The heavy elastica: a rod settles at one of the stable equilibria, with an error of second order.
+/// The heavy elastica: a rod settles at a stable equilibrium, with an error of second order.
 #[test]
 fn heavy_planar_rods_hang_as_the_reference() {
     let oracle: Oracle<Elastica> = common::oracle("b_heavy_elastica_planar.json");

@@ -134,8 +134,8 @@ fn end_moment_closes_a_circle() {
     assert!(gap < 1e-12, "open by {gap:e}");
 }
 
-/// Rods that hang straight down and curl in one plane, which costs energy beside curling in space: an
-/// equilibrium, stable, and that of the static chain to the order of the segments.
+/// Rods that hang straight down and curl in one plane, where they may have no minimum: the stable
+/// equilibrium of the static chain, to the order of the segments.
 #[test]
 fn curls_that_hang_come_to_rest() {
     for (g, k, segments) in

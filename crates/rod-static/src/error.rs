@@ -74,8 +74,8 @@ pub enum StaticError {
     },
     /// The rod bends or turns too sharply for its length.
     #[error(
-        "the rod of {length} m bends or turns within {radius} m, too sharply to be resolved; lessen \
-         its natural curvature, its loads or its length"
+        "the rod of {length} m bends or turns within {radius} m, too sharply to be resolved; \
+         lessen its natural curvature, its loads or its length"
     )]
     TooFine {
         /// Radius of the sharpest bend or turn, m.

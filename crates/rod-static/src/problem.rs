@@ -30,6 +30,8 @@ const DIRECTIONS: u32 = 8;
 /// corrected: each time what it stretches falls by about that.
 const STIFF: f64 = 100.0;
 const HELD: usize = 4;
+/// What a search for the minimum costs, in steps along its elements.
+const RELAX: usize = 10;
 /// Part by which numbers of two equilibria may differ that are turned into each other.
 const SAME: f64 = 1e-7;
 /// Torques that twist them as well.
@@ -44,6 +46,8 @@ pub struct Problem {
     rod: Scaled,
     clamp: (Vector3<f64>, UnitQuaternion<f64>),
     goal: Goal,
+    /// Those of every way to a solution.
+    elements: Vec<Element>,
 }
 
 /// Where a continuation begins: a shape, the part of the loads on it, and whole turns of the end
@@ -59,8 +63,8 @@ impl Problem {
     /// tangent.
     ///
     /// # Errors
-    /// No pieces, lengths or stiffnesses that are not positive, numbers that are not finite, and
-    /// an end farther from the clamp than the rod is long.
+    /// No pieces, lengths or stiffnesses that are not positive, numbers that are not finite, an end
+    /// farther from the clamp than the rod is long, and [`StaticError::TooFine`].
     pub fn new(clamp: &Isometry3<f64>, pieces: Vec<Piece>, end: End) -> Result<Self, StaticError> {
         let rod = Scaled::new(pieces)?;
         finite("the pose of the clamp", clamp.translation.vector.as_slice())?;
@@ -73,7 +77,12 @@ impl Problem {
             }
         }
         let goal = Goal::of(&end, &rod);
-        Ok(Self { clamp: (clamp.translation.vector / rod.length, clamp.rotation), rod, goal })
+        let elements = rod.elements(match goal {
+            Goal::Free { force, moment } => [force.norm(), moment.norm()],
+            _ => [0.0; 2],
+        })?;
+        let clamp = (clamp.translation.vector / rod.length, clamp.rotation);
+        Ok(Self { rod, clamp, goal, elements })
     }
 
     /// An equilibrium, stable if one is found. No random numbers.
@@ -87,7 +96,7 @@ impl Problem {
     /// [`StaticError::NotFound`] if no start leads to an equilibrium.
     pub fn solve(&self) -> Result<Equilibrium, StaticError> {
         let effort = Effort::new();
-        self.any(&self.elements()?, &effort).ok_or(StaticError::NotFound)
+        self.any(&effort).ok_or(StaticError::NotFound)
     }
 
     /// The equilibria that all starts lead to, also with up to `turns` whole turns of the end
@@ -95,16 +104,15 @@ impl Problem {
     /// that differ by a turn or a reflection of the whole are told once. There may be more.
     #[must_use]
     pub fn solutions(&self, turns: u16) -> Vec<Equilibrium> {
-        let Ok(elements) = self.elements() else { return Vec::new() };
         let effort = Effort::new();
         let turns: Vec<f64> = (0..=turns)
             .flat_map(|k| if k == 0 { vec![0.0] } else { vec![f64::from(k), -f64::from(k)] })
             .collect();
-        let mut found: Vec<Equilibrium> = self.any(&elements, &effort).into_iter().collect();
-        for nodes in self.starts(&elements, &effort) {
+        let mut found: Vec<Equilibrium> = self.any(&effort).into_iter().collect();
+        for nodes in self.starts(&effort) {
             for &turns in &turns {
                 let start = Start { nodes: nodes.clone(), factor: 0.0, turns };
-                if let Some(one) = self.follow(&elements, &start, &effort)
+                if let Some(one) = self.follow(&self.elements, &start, &effort)
                     && !found.iter().any(|other| alike(other, &one))
                 {
                     found.push(one);
@@ -148,10 +156,10 @@ impl Problem {
     pub fn solve_near(&self, guess: &[(f64, State)]) -> Result<Equilibrium, StaticError> {
         let mut guess = guess.iter().map(|(s, state)| (s / self.rod.length, state)).peekable();
         let (_, first) = guess.next().ok_or(StaticError::NotFound)?;
-        let elements = self.elements()?;
+        let elements = &self.elements;
         let (r, q) = self.clamp;
         let mut nodes = vec![Node { r, q, ..self.rod.scale(first) }];
-        for element in &elements {
+        for element in elements {
             let (mut from, mut node) = (element.from, nodes[nodes.len() - 1]);
             while let Some((s, state)) = guess.next_if(|(s, _)| *s < element.to) {
                 (from, node) = (s, self.rod.scale(state));
@@ -162,18 +170,17 @@ impl Problem {
             nodes.push(end);
         }
         // The guess says how fine the elements must be, before Newton's method leaves it.
-        let finer = self.rod.refined(&elements, &nodes, 1.0);
-        let (elements, nodes) = finer.unwrap_or((elements, nodes));
+        let finer = self.rod.refined(elements, &nodes, 1.0);
+        let (elements, nodes) = finer.unwrap_or_else(|| (elements.clone(), nodes));
         let found = self.finish(elements, nodes, &self.goal, 1.0, &Effort::new());
         found.ok_or(StaticError::NotFound)
     }
 
     /// The equilibrium that [`Problem::solve`] tells.
-    fn any(&self, elements: &[Element], effort: &Effort) -> Option<Equilibrium> {
+    fn any(&self, effort: &Effort) -> Option<Equilibrium> {
         let mut unstable = None;
-        let starts = self.starts(elements, effort);
-        for start in starts.map(|nodes| Start { nodes, factor: 0.0, turns: 0.0 }) {
-            match self.reach(elements, &start, effort) {
+        for nodes in self.starts(effort) {
+            match self.reach(&Start { nodes, factor: 0.0, turns: 0.0 }, effort) {
                 Some(found) if found.is_stable() => return Some(found),
                 Some(found) => unstable = unstable.or(Some(found)),
                 None => {}
@@ -183,7 +190,8 @@ impl Problem {
     }
 
     /// The equilibrium that `start` leads to, stable if one is found.
-    fn reach(&self, elements: &[Element], start: &Start, effort: &Effort) -> Option<Equilibrium> {
+    fn reach(&self, start: &Start, effort: &Effort) -> Option<Equilibrium> {
+        let elements = &self.elements;
         let free = matches!(self.goal, Goal::Free { .. });
         let stable = |found: &Option<Equilibrium>| found.as_ref().is_some_and(|f| f.is_stable());
         if free {
@@ -197,18 +205,17 @@ impl Problem {
             return found;
         }
         let (elements, nodes) = match &found {
-            Some(saddle) => (saddle.elements.clone(), saddle.nodes.clone()),
+            Some(saddle) => (&saddle.elements, saddle.nodes.clone()),
             // Where the loads block the way, they are put on at its end.
-            None if free => (elements.to_vec(), start.nodes.clone()),
-            None => (elements.to_vec(), self.continued(elements, start, 0.0, effort)?),
+            None if free => (elements, start.nodes.clone()),
+            None => (elements, self.continued(elements, start, 0.0, effort)?),
         };
-        let down = self.descend(&elements, &nodes, effort).filter(Equilibrium::is_stable);
-        down.or_else(|| self.around(&elements, &nodes, effort)).or(found)
+        let down = self.descend(elements, &nodes, effort).filter(Equilibrium::is_stable);
+        down.or_else(|| self.around(elements, &nodes, effort)).or(found)
     }
 
-    /// The equilibrium that a push leads to, which is then taken away: near a load that buckles the
-    /// rod the minimum in segments is not that of the rod, and a push that breaks the symmetry makes
-    /// it one.
+    /// The equilibrium that a push leads to, which is then taken away. Near a load that buckles it,
+    /// the rod in segments may stand where the rod does not; pushed, both lean.
     fn around(&self, elements: &[Element], nodes: &[Node], effort: &Effort) -> Option<Equilibrium> {
         let pushed = Self { goal: self.goal.pushed(), ..self.clone() };
         let start = Start { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
@@ -222,8 +229,8 @@ impl Problem {
     }
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
-    /// `nodes`, which meet the conditions on the end. `None` also for a moment on the end, which has
-    /// no energy.
+    /// `nodes`, which meet the conditions on the end. `None` also for a moment on the end, which
+    /// has no energy.
     fn descend(
         &self,
         elements: &[Element],
@@ -253,7 +260,7 @@ impl Problem {
         let mut rest = None;
         // A spring holds the end, at a place moved by what it stretches (Hestenes 1969).
         for _ in 0..if place.is_some() { HELD } else { 1 } {
-            effort.spend(last)?;
+            effort.spend(RELAX * last)?;
             if let Some(place) = place {
                 let place = Point3::from(place * rod.length + pull / stiffness);
                 chain.set_targets(&[Target::pulled(last, place, stiffness)]).ok()?;
@@ -276,23 +283,12 @@ impl Problem {
         self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
     }
 
-    fn elements(&self) -> Result<Vec<Element>, StaticError> {
-        self.rod.elements(match self.goal {
-            Goal::Free { force, moment } => [force.norm(), moment.norm()],
-            _ => [0.0; 2],
-        })
-    }
-
-    /// The shapes to start from: the natural one, bent by the moment on the end, then, once that is not enough, bent ones by their
-    /// distance from the goal, then those that are twisted too.
-    fn starts<'a>(
-        &'a self,
-        elements: &'a [Element],
-        effort: &'a Effort,
-    ) -> impl Iterator<Item = Vec<Node>> + 'a {
+    /// The shapes to start from: the natural one, bent by the moment on the end, then, once that is
+    /// not enough, bent ones by their distance from the goal, then those that are twisted too.
+    fn starts<'a>(&'a self, effort: &'a Effort) -> impl Iterator<Item = Vec<Node>> + 'a {
         let shape = move |moment: Vector3<f64>| {
-            effort.spend(elements.len())?;
-            Some(self.rod.natural(elements, self.clamp, moment))
+            effort.spend(self.elements.len())?;
+            Some(self.rod.natural(&self.elements, self.clamp, moment))
         };
         let bent = move |torque: f64| {
             let mut bent = Vec::new();
@@ -387,11 +383,11 @@ impl Problem {
 /// carry at both ends are the same in size.
 fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
     let sizes = |e: &Equilibrium| {
-        let ends = [&e.nodes[0], &e.nodes[e.nodes.len() - 1]];
-        let [root, tip] = ends.map(|node| [node.m.norm(), node.n.norm().sqrt()]);
-        [[e.elastic.abs().sqrt(), (e.elastic - e.work).abs().sqrt()], root, tip].concat()
+        let [root, tip] =
+            [&e.nodes[0], &e.nodes[e.nodes.len() - 1]].map(|n| [n.m.norm(), n.n.norm()]);
+        [e.elastic, e.elastic - e.work, root[0], tip[0], root[1], tip[1]]
     };
     let (a, b) = (sizes(a), sizes(b));
-    let size = a.iter().copied().fold(1.0, f64::max);
-    a.iter().zip(&b).all(|(a, b)| (a * a - b * b).abs() < SAME * size * size)
+    let unit = 1.0 + a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    a.iter().zip(&b).all(|(a, b)| (a - b).abs() < SAME * unit)
 }

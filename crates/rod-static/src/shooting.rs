@@ -105,17 +105,17 @@ impl Node {
     }
 }
 
-/// The derivatives of an element's end, and the end.
+/// The end of an element and its derivatives; `None` if the element is too long.
 pub(crate) fn propagate(
     rod: &Scaled,
     element: &Element,
     node: &Node,
     factor: f64,
-) -> (Node, Propagator) {
+) -> Option<(Node, Propagator)> {
     let properties = rod.properties(element, factor);
-    let (reached, by) = node.step_with_derivatives(element.from, element.to, properties);
+    let (reached, by) = node.step_with_derivatives(element.from, element.to, properties)?;
     let n = reached.node.n - element.end_load * factor;
-    (Node { n, ..reached.node }, by)
+    Some((Node { n, ..reached.node }, by))
 }
 
 /// The Newton corrections of all nodes.
@@ -142,7 +142,7 @@ fn corrections(
     let mut rest = Variation::zeros();
     let mut passed = Vec::with_capacity(elements.len());
     for (i, element) in elements.iter().enumerate() {
-        let (end, by) = propagate(rod, element, &nodes[i], factor);
+        let (end, by) = propagate(rod, element, &nodes[i], factor)?;
         let by = scaled(by);
         let moved = by * rest + end.minus(&nodes[i + 1]).component_div(&units);
         let qr = (by * basis).qr();

@@ -2,6 +2,7 @@
 //!
 //! Numbers here are scaled: the rod's length and a stiffness of it are one.
 
+use crate::gauss::{CUBIC, NODES, STAGES, STEPS, WEIGHTS};
 use crate::rod::Properties;
 use nalgebra::{
     Const, LU, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Quaternion, SMatrix, SVector,
@@ -24,7 +25,6 @@ pub(crate) struct Node {
 
 /// Where a step leads.
 pub(crate) struct Reached {
-    /// No number where the step is too long for its equations to be solved.
     pub(crate) node: Node,
     /// Elastic energy of the step, and the work of the distributed load from the origin.
     pub(crate) elastic: f64,
@@ -34,6 +34,7 @@ pub(crate) struct Reached {
     pub(crate) rough: f64,
 }
 
+<<<<<<< HEAD
 /// Stages, and arc lengths of Gauss's method (Hairer, Lubich and Wanner 2006, II.1.3) with its
 /// coefficients and weights: order eight; symmetric, so that rods under strong tension, whose
 /// variations grow and decay in lengths far below that of a step, do no harm.
@@ -84,6 +85,8 @@ const CUBIC: [f64; STAGES] = [
     0.371_027_003_401_947_3,
 ];
 
+=======
+>>>>>>> wt-statics
 /// Newton steps for the stages, and a correction whose square is rounding.
 const MOST: usize = 10;
 const SMALL: f64 = 1e-8;
@@ -268,9 +271,13 @@ impl Step {
         let moment = |s: &Stage| s.moment_rate().push(0.0) / strength(s);
         Reached {
             node: Node {
+<<<<<<< HEAD
                 r: node.r
                     + self.sum(zero, |s| s.tangent)
                     + if self.converged { zero } else { zero.add_scalar(f64::NAN) },
+=======
+                r: node.r + self.sum(zero, |s| s.tangent),
+>>>>>>> wt-statics
                 q: UnitQuaternion::from_quaternion(end),
                 m: node.m + self.sum(zero, Stage::moment_rate),
                 n: node.n - self.sum(zero, |s| s.p.load),
@@ -338,17 +345,17 @@ impl Node {
         Step::new(self, from, to, properties).reached(self)
     }
 
-    /// The step and its derivatives.
+    /// The step and its derivatives; `None` if it is too long for its equations to be solved.
     pub(crate) fn step_with_derivatives(
         &self,
         from: f64,
         to: f64,
         properties: impl Fn(f64) -> Properties,
-    ) -> (Reached, Propagator) {
+    ) -> Option<(Reached, Propagator)> {
         let step = Step::new(self, from, to, properties);
         let reached = step.reached(self);
         let by = step.propagator(self, &reached.node);
-        (reached, by)
+        step.converged.then_some((reached, by))
     }
 }
 
@@ -383,14 +390,6 @@ mod tests {
     }
 
     #[test]
-    fn stages_are_consistent() {
-        for (steps, node) in STEPS.iter().zip(NODES) {
-            assert!((steps.iter().sum::<f64>() - node).abs() < 1e-15, "{node}");
-        }
-        assert!((WEIGHTS.iter().sum::<f64>() - 1.0).abs() < 1e-15);
-    }
-
-    #[test]
     fn the_order_is_eight() {
         let exact = run(128);
         let [coarse, fine] = [8, 16].map(|steps| (run(steps).r - exact.r).norm());
@@ -401,7 +400,8 @@ mod tests {
     /// The derivatives against central differences.
     #[test]
     fn derivatives_are_exact() {
-        let (_, propagator) = node().step_with_derivatives(0.0, 0.05, properties);
+        let step = node().step_with_derivatives(0.0, 0.05, properties);
+        let (_, propagator) = step.expect("a short step");
         let h = 1e-5;
         let end = |column: usize, h: f64| {
             let mut node = node();

@@ -151,7 +151,7 @@ fn columns_just_above_greenhills_load_lean() {
     }
 }
 
-/// An arc between clamps almost at one place, twisted beyond what it bears in its plane: it leaves it.
+/// Arcs between clamps almost at one place, twisted beyond what they bear in their plane.
 #[test]
 fn twisted_arcs_leave_their_plane() {
     for (gap, part) in [(0.01, 1.1), (0.01, 1.5), (0.1, 1.1), (0.3, 1.2), (0.0, 1.1), (0.0, 0.5)] {

@@ -52,9 +52,9 @@ fn carried(
     end + load * (1.0 - s) + beyond.sum::<Vector3<f64>>()
 }
 
-/// What is missing, from the positions and frames at `arcs` alone, to a balance of forces and moments,
-/// summed over all stretches, and in each to the section's law and to a tangent of unit length: in
-/// units of the loads, of what they bend with, and in radians and lengths.
+/// What is missing, by the states at `arcs` alone, to a balance of forces and moments, summed over
+/// all stretches, and in each to the section's law and to a tangent of unit length: in units of the
+/// loads, of what they bend with, and in radians and lengths.
 fn residual(
     found: &Equilibrium,
     arcs: &[f64],
@@ -141,7 +141,8 @@ proptest! {
             load: Vector3::zeros(),
         };
         let free = End::Free { force: Vector3::zeros(), moment };
-        let problem = Problem::new(&Isometry3::identity(), vec![Piece::uniform(1.0, properties)], free);
+        let rod = vec![Piece::uniform(1.0, properties)];
+        let problem = Problem::new(&Isometry3::identity(), rod, free);
         let found = problem.expect("a problem").solve();
         let tip = found.map_err(|e| TestCaseError::fail(e.to_string()))?.tip();
         // The tangent turns about the moment, which is constant, at the rate of its size.

@@ -37,9 +37,10 @@ pub enum EquilibriumError {
 /// It is stable: from a saddle of the energy, as where a tall rod balances upright, and where
 /// Newton's method fails, a [`Chain`] of the same segments leads down to a minimum nearby. (Moments
 /// and follower forces at the ends have no energy, wind moves with the rod, and a pinned root is not
-/// that of a chain: there the rod is bent a little and let go again, and stability is not claimed.) A free root is taken as pinned where it is:
-/// without that nothing holds the rod. The state returned is at rest. Laws of sections are not asked:
-/// it is the equilibrium of the fibre with its stiffness.
+/// that of a chain: there the rod is bent a little and let go again, and stability is not claimed.)
+/// A free root is taken as pinned where it is: without that nothing holds the rod. The state
+/// returned is at rest. Laws of sections are not asked: it is the equilibrium of the fibre with its
+/// stiffness.
 ///
 /// Second order in the length of the segments: the tip of a clamped horizontal hair of 100 segments
 /// is off by `2.7e-4` of its length. Extrapolation from two meshes removes nearly all of that.
@@ -94,8 +95,8 @@ pub fn equilibrium(
     Ok((state, total))
 }
 
-/// The frames of the segments at the minimum of the energy that a chain reaches from `state`. `None`
-/// for conditions that have no energy or that a chain does not know, and if it finds none.
+/// The frames of the segments at the minimum of the energy that a chain reaches from `state`.
+/// `None` for conditions that have no energy or that a chain does not know, and if it finds none.
 fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotation3<f64>>> {
     let (fiber, last) = (&rod.fiber, state.frames.len());
     let End::Held(clamp) = conditions.root else { return None };

@@ -43,8 +43,8 @@ pub struct Case {
     #[serde(default)]
     pub wish: Option<Wish>,
     /// All equilibria that are found, not only a stable one, also with up to so many whole turns
-    /// of the end about its tangent; zero adds no turns. Those that only differ by a turn or a reflection of the whole
-    /// are told once.
+    /// of the end about its tangent; zero adds no turns. Those that only differ by a turn or a
+    /// reflection of the whole are told once.
     #[serde(default)]
     pub all_with_turns: Option<u16>,
     /// Number of equal parts between the stations of the answer.
@@ -293,8 +293,8 @@ impl Case {
         let size = self.natural_curvature.iter().fold(0.0, |size: f64, k| size.hypot(*k));
         if radius > 0.0 && size > 1.0 / radius {
             let message = format!(
-                "is {size:?} 1/m in size, but a rod of radius {radius:?} m is curved by {:?} 1/m at \
-                 most",
+                "is {size:?} 1/m in size, but a rod of radius {radius:?} m is curved by {:?} 1/m \
+                 at most",
                 1.0 / radius
             );
             check.refuse("natural_curvature", message);
