@@ -158,7 +158,7 @@ impl Estimate {
                 }
                 let told = repairs.to_string();
                 if !told.is_empty() {
-                    self.notes.push(format!("{path}: the mesh was repaired: {told}"));
+                    self.notes.push(format!("{path}: the mesh was repaired; {told}"));
                 }
             }
             _ => {}

@@ -27,7 +27,7 @@ impl Soup {
             sides.map(|side| [corners[0], side[0], side[1]]).collect()
         };
         let triangles = match self.flat(&corners) {
-            Some(flat) if !is_fan(&flat) => triangulate(&flat, &corners)
+            Some(flat) if flat.len() > 3 && !is_fan(&flat) => triangulate(&flat, &corners)
                 .ok_or("is a polygon that meets itself; split it into triangles")?,
             _ => fan(&corners),
         };

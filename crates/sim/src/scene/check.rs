@@ -93,6 +93,9 @@ fn sizes(unit: &str) -> [f64; 2] {
     }
 }
 
+/// The least part of a range from zero on that is not meant for zero itself.
+const NOTHING: f64 = 1e-12;
+
 impl Allowed {
     /// The bounds, and whether zero is allowed beside what lies between them.
     fn bounds(self, unit: &str) -> (f64, f64, bool) {
@@ -101,6 +104,7 @@ impl Allowed {
             Self::Positive => (least, most, false),
             Self::NonNegative => (least, most, true),
             Self::Finite => (-most, most, false),
+            Self::Within(0.0, high) => (NOTHING * high, high, true),
             Self::Within(low, high) => (low, high, false),
         }
     }
