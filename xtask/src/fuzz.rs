@@ -23,8 +23,9 @@ const COVERAGE: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-l
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
     -Cllvm-args=-sanitizer-coverage-trace-compares --cfg fuzzing";
 
-/// Feeds one reader, or all, with mutated files, each for some seconds: none may panic, take ten seconds for
-/// an input, or more than 2 GB. What does is left in `target/fuzz`, with all inputs that took new ways.
+/// Feeds one reader, or all, with mutated files, each for some seconds: none may panic, take ten
+/// seconds for an input, or more than 2 GB. What does is left in `target/fuzz`, with all inputs
+/// that took new ways.
 pub(crate) fn run(arguments: &[String]) -> Result<()> {
     let (seconds, wanted) = match arguments {
         [] => ("60", None),

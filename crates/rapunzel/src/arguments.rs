@@ -15,7 +15,8 @@ pub(crate) struct Arguments {
     /// Print one JSON object to the standard output instead of text.
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Memory that a scene may be expected to take, GB [default: what this machine has for the program].
+    /// Memory that a scene may be expected to take, GB [default: what this machine has for the
+    /// program].
     #[arg(long, global = true, value_name = "GB", value_parser = gigabytes)]
     pub(crate) memory: Option<f64>,
 }

@@ -37,8 +37,8 @@ pub(crate) fn peak_memory() -> Option<f64> {
     Some(1024.0 * line.trim().strip_suffix(" kB")?.parse::<f64>().ok()?)
 }
 
-/// Memory that this process may take, bytes: that of the machine, or less where a limit is set on the
-/// process or its group; 16 GB where the system does not tell.
+/// Memory that this process may take, bytes: that of the machine, or less where a limit is set on
+/// the process or its group; 16 GB where the system does not tell.
 pub(crate) fn memory() -> f64 {
     let read = |path| std::fs::read_to_string(path).unwrap_or_default();
     let word = |text: &str, name: &str, at: usize| {

@@ -58,9 +58,9 @@ struct Side {
     forward: bool,
 }
 
-/// The points of an OBJ in the order in which its lines, written in any order and direction, join them to
-/// one ring: from the first point on the way that all lines are written, else to the neighbour with the
-/// smaller number.
+/// The points of an OBJ in the order in which its lines, written in any order and direction, join
+/// them to one ring: from the first point on the way that all lines are written, else to the
+/// neighbour with the smaller number.
 fn ring(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
     let Obj { points, lines, .. } = Obj::read(text.as_bytes()).map_err(|error| match error {
         CollisionError::Read { line, problem, .. } => (line, problem),
@@ -146,7 +146,8 @@ mod tests {
                 format!("l {} {}\n", a + shift, b + shift)
             };
             let lines: String = sides.iter().zip(&ways).map(side).collect();
-            let order: Vec<f64> = ring(&(points + &lines)).expect("a ring").iter().map(|p| p.x).collect();
+            let order = ring(&(points + &lines)).expect("a ring");
+            let order: Vec<f64> = order.iter().map(|p| p.x).collect();
             let up: Vec<f64> = (0..n).map(|k| k as f64).collect();
             let all_turned = ways.iter().all(|way| way.0);
             let down: Vec<f64> = (0..n).map(|k| ((n - k) % n) as f64).collect();

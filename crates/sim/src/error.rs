@@ -232,7 +232,8 @@ pub enum SimError {
     },
     /// A scene would take too much memory.
     #[error(
-        "{path}: {what} take some {:.2} GB of memory, and {:.2} GB are allowed; ask for less, or allow more",
+        "{path}: {what} take some {:.2} GB of memory, and {:.2} GB are allowed; ask for less, or \
+         allow more",
         bytes * 1e-9, most * 1e-9
     )]
     Memory {

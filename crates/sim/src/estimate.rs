@@ -76,7 +76,8 @@ impl Scene {
     /// contacts take grows with what touches, and is not known before.
     ///
     /// # Errors
-    /// [`SimError::Scene`] if the scene makes no sense, [`SimError::Io`] and [`SimError::Mesh`] for a mesh.
+    /// [`SimError::Scene`] if the scene makes no sense, [`SimError::Io`] and [`SimError::Mesh`] for
+    /// a mesh.
     pub fn estimate(&self) -> Result<Estimate, SimError> {
         self.validate()?;
         let mut estimate = Estimate::default();
@@ -158,7 +159,7 @@ impl Estimate {
                 }
                 let told = repairs.to_string();
                 if !told.is_empty() {
-                    self.notes.push(format!("{path}: the mesh was repaired: {told}"));
+                    self.notes.push(format!("{path}: the mesh was repaired; {told}"));
                 }
             }
             _ => {}

@@ -144,7 +144,9 @@ fn integers_are_numbers_everywhere() {
         tip: Loaded(force: (value: (0, 0, 0), profile: Linear(points: [(0, 0), (1, 1)]))), \
         material: Elastic(density: 1000, youngs_modulus: 1_000_000, shear_modulus: 400000)";
     let text = SOUND.replace("tip: Free", whole).replace("dt: 0.001", "dt: 1, tolerance: 1");
-    let text = text.replace("format: 1,", "format: 1, contact: None, environment: (gravity: (0, 0, -9), viscosity: 0, climate: (humidity: [(0, 1)], temperature: 20)),");
+    let environment = "format: 1, contact: None, environment: (gravity: (0, 0, -9), viscosity: 0, \
+        climate: (humidity: [(0, 1)], temperature: 20)),";
+    let text = text.replace("format: 1,", environment);
     let error = Scene::from_ron(&text).expect_err("a charge without charging").to_string();
     assert!(error.starts_with("the scene has a problem:") && error.contains("charging"), "{error}");
 }

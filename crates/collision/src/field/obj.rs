@@ -30,8 +30,8 @@ impl Obj {
     /// texture, normals, materials and whatever is not known are ignored.
     ///
     /// # Errors
-    /// [`CollisionError::Read`], with the line, for a point without three numbers, and a face or line
-    /// with a number that is that of no point.
+    /// [`CollisionError::Read`], with the line, for a point without three numbers, and a face or
+    /// line with a number that is that of no point.
     pub fn read(mut source: impl Read) -> Result<Self, CollisionError> {
         let mut bytes = Vec::new();
         source.read_to_end(&mut bytes).map_err(|error| refuse(None, error.to_string()))?;
@@ -96,8 +96,8 @@ fn number(word: &str, count: usize) -> Option<u32> {
 }
 
 impl Soup {
-    /// Reads all faces of a Wavefront OBJ, of all its objects together, on shared vertices. Polygons,
-    /// also concave ones, become triangles.
+    /// Reads all faces of a Wavefront OBJ, of all its objects together, on shared vertices.
+    /// Polygons, also concave ones, become triangles.
     ///
     /// # Errors
     /// [`CollisionError::Read`], as [`Obj::read`], and for a polygon that meets itself.
@@ -124,8 +124,8 @@ mod tests {
 
     #[test]
     fn faces_of_all_groups_share_their_vertices() {
-        let text = "\u{feff}v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\no first\nusemtl red\nf 1/1/1 3//2 2\n\
-            l 1 2\ng second\nf 1 2 \\\n 4 # the last\nv 0 0 1\nf -4 -1 -2\nusemtl blue\nf 2 3 4\n";
+        let text = "\u{feff}v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\no first\nusemtl red\n\
+            f 1/1/1 3//2 2\nl 1 2\ng second\nf 1 2 \\\n 4 # the last\nv 0 0 1\nf -4 -1 -2\nusemtl blue\nf 2 3 4\n";
         let mesh = Mesh::new(Soup::read_obj(text.as_bytes()).expect("an OBJ")).expect("closed");
         assert_eq!((mesh.triangles().len(), mesh.vertices().len()), (4, 4));
         assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-15);

@@ -7,12 +7,12 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use std::io::BufRead;
 
 impl Soup {
-    /// Reads PLY, text or binary of either byte order. Polygons, also concave ones, become triangles; all
-    /// but the positions and the faces is ignored.
+    /// Reads PLY, text or binary of either byte order. Polygons, also concave ones, become
+    /// triangles; all but the positions and the faces is ignored.
     ///
     /// # Errors
-    /// [`CollisionError::Read`] if it is no PLY, has no elements `vertex` and `face`, is cut off or longer
-    /// than its head tells, or has a polygon that meets itself.
+    /// [`CollisionError::Read`] if it is no PLY, has no elements `vertex` and `face`, is cut off or
+    /// longer than its head tells, or has a polygon that meets itself.
     pub fn read_ply(source: impl BufRead) -> Result<Self, CollisionError> {
         let mut reader = Reader::new(source);
         let header = Parser::<Ignored>::new().read_header(&mut reader).map_err(said)?;

@@ -7,13 +7,13 @@ use spade::handles::FixedDirectedEdgeHandle;
 use spade::{ConstrainedDelaunayTriangulation, Triangulation};
 
 impl Soup {
-    /// Adds a polygon as triangles on its corners, with its orientation: it may be concave, somewhat out
-    /// of its plane, and go along a side twice to leave out a hole. Corners that repeat the one before
-    /// are dropped.
+    /// Adds a polygon as triangles on its corners, with its orientation: it may be concave,
+    /// somewhat out of its plane, and go along a side twice to leave out a hole. Corners that
+    /// repeat the one before are dropped.
     ///
-    /// A fan around the first corner does for most; others are triangulated after Delaunay in the plane
-    /// of two axes in which they are largest. Polygons without an area, and those with a corner that is
-    /// not there, become fans, which [`Mesh::new`](super::Mesh::new) refuses.
+    /// A fan around the first corner does for most; others are triangulated after Delaunay in the
+    /// plane of two axes in which they are largest. Polygons without an area, and those with a
+    /// corner that is not there, become fans, which [`Mesh::new`](super::Mesh::new) refuses.
     ///
     /// # Errors
     /// What is wrong with a polygon that meets itself.
@@ -27,7 +27,7 @@ impl Soup {
             sides.map(|side| [corners[0], side[0], side[1]]).collect()
         };
         let triangles = match self.flat(&corners) {
-            Some(flat) if !is_fan(&flat) => triangulate(&flat, &corners)
+            Some(flat) if flat.len() > 3 && !is_fan(&flat) => triangulate(&flat, &corners)
                 .ok_or("is a polygon that meets itself; split it into triangles")?,
             _ => fan(&corners),
         };
@@ -35,7 +35,8 @@ impl Soup {
         Ok(())
     }
 
-    /// Corners in the plane of two axes, counter-clockwise, about the first; `None` without an area.
+    /// Corners in the plane of two axes, counter-clockwise, about the first; `None` without an
+    /// area.
     fn flat(&self, corners: &[u32]) -> Option<Vec<Point2<f64>>> {
         let places = corners.iter().map(|&v| self.vertices.get(v as usize));
         let places: Vec<_> = places.collect::<Option<_>>()?;
@@ -121,8 +122,8 @@ mod tests {
         flat.iter().zip(next).map(|([a, b], [c, d])| a * d - b * c).sum()
     }
 
-    /// The triangles are as many as the corners less two, and have the polygon's sides, in its direction,
-    /// once each: all others lie between two of them.
+    /// The triangles are as many as the corners less two, and have the polygon's sides, in its
+    /// direction, once each: all others lie between two of them.
     fn check_sides(corners: &[u32], triangles: &[[u32; 3]]) -> Result<(), TestCaseError> {
         prop_assert_eq!(triangles.len() + 2, corners.len());
         for k in 0..corners.len() {
@@ -133,8 +134,8 @@ mod tests {
         Ok(())
     }
 
-    /// They have an area on the polygon's side, and together that of the polygon: with its sides they
-    /// cover it and no more.
+    /// They have an area on the polygon's side, and together that of the polygon: with its sides
+    /// they cover it and no more.
     fn check(flat: &[[f64; 2]], corners: &[u32], soup: &Soup) -> Result<(), TestCaseError> {
         check_sides(corners, &soup.triangles)?;
         let area = |corners: &[u32]| {
@@ -200,8 +201,8 @@ mod tests {
 
     #[test]
     fn straight_corners_and_holes_are_kept() {
-        // A square whose side has a corner in the middle; one with a square hole, by a side gone along
-        // twice.
+        // A square whose side has a corner in the middle; one with a square hole, by a side gone
+        // along twice.
         let straight = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let mut soup = placed(&straight, [0.1, 0.2, 0.3], |_| 0.0);
         soup.polygon(vec![0, 1, 2, 3, 4]).expect("simple");

@@ -31,7 +31,7 @@ impl fmt::Display for Repairs {
             (self.closed_holes, "holes closed"),
         ];
         let done = done.iter().filter(|(count, _)| *count > 0);
-        let told: Vec<_> = done.map(|(count, what)| format!("{count} {what}")).collect();
+        let told: Vec<_> = done.map(|(count, what)| format!("{what}: {count}")).collect();
         f.write_str(&told.join(", "))
     }
 }
@@ -284,7 +284,7 @@ mod tests {
         let (mesh, repairs) = Mesh::repaired(soup).expect("a mesh");
         assert_eq!((repairs.degenerate_faces, repairs.non_manifold_faces), (1, 3));
         let told =
-            "1 folded faces removed, 3 faces at edges of more than two removed, 1 holes closed";
+            "folded faces removed: 1, faces at edges of more than two removed: 3, holes closed: 1";
         assert_eq!(repairs.to_string(), told);
         // The two faces at the edge of the fin were removed with it, and their place filled with a
         // fan that cuts off half of the tetrahedron of their corners.

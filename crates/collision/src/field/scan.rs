@@ -27,9 +27,9 @@ impl Grid {
         Self::scan_in(mesh, Frame::new(low - margin, high + margin, spacing)?, band)
     }
 
-    /// An estimate of the memory that [`Grid::scan`] takes while it works, bytes: that of all blocks of the
-    /// lattice, of those near the surface, and of what may reach into which. Cost: a pass over the
-    /// triangles.
+    /// An estimate of the memory that [`Grid::scan`] takes while it works, bytes: that of all
+    /// blocks of the lattice, of those near the surface, and of what may reach into which. Cost: a
+    /// pass over the triangles.
     #[must_use]
     pub fn memory(mesh: &Mesh, spacing: f64, band: f64) -> f64 {
         let side = CELLS as f64 * spacing;
@@ -42,8 +42,8 @@ impl Grid {
             area += 0.5 * (b - a).cross(&(c - a)).norm();
             reached += around(a.sup(&b).sup(&c) - a.inf(&b).inf(&c));
         }
-        // Blocks within the band of the surface, and as many again at its edges; each is held twice while
-        // all are put together.
+        // Blocks within the band of the surface, and as many again at its edges; each is held twice
+        // while all are put together.
         let near = all.min(4.0 * area * (2.0 * band + 2.0 * side) / side.powi(3));
         // A triangle counts for its own, its edges and its corners.
         32.0 * all

@@ -12,11 +12,11 @@ const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 
 impl Soup {
-    /// Reads STL, text or binary, all of its solids together. Equal vertices are merged; names, normals
-    /// and colours are ignored.
+    /// Reads STL, text or binary, all of its solids together. Equal vertices are merged; names,
+    /// normals and colours are ignored.
     ///
-    /// A file is binary if it is as long as the count in its head tells, whatever it begins with: some
-    /// programs begin binary files with `solid` as texts do.
+    /// A file is binary if it is as long as the count in its head tells, whatever it begins with:
+    /// some programs begin binary files with `solid` as texts do.
     ///
     /// # Errors
     /// [`CollisionError::Read`] if it is no STL, cut off, or longer than its head tells.

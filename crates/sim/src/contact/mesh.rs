@@ -6,12 +6,12 @@ use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{Mesh, Repairs, Soup};
 use std::path::Path;
 
-/// The mesh of an object in a file, with `scale` metres for its unit, and what was done to it if it was to
-/// be repaired.
+/// The mesh of an object in a file, with `scale` metres for its unit, and what was done to it if it
+/// was to be repaired.
 ///
 /// # Errors
-/// [`SimError::Io`] for a file that cannot be read, [`SimError::Mesh`] for one that is not understood or
-/// bounds nothing.
+/// [`SimError::Io`] for a file that cannot be read, [`SimError::Mesh`] for one that is not
+/// understood or bounds nothing.
 pub(crate) fn read_mesh(
     object: usize,
     path: &Path,

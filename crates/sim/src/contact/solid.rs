@@ -39,8 +39,8 @@ impl Surroundings {
         REACH * self.thickest + self.roundest.unwrap_or(0.0)
     }
 
-    /// The band of the field of a mesh on a grid, m. Beside the reach, the diagonal of a cell is lost, and
-    /// two spacings are the least; more lets objects be faster.
+    /// The band of the field of a mesh on a grid, m. Beside the reach, the diagonal of a cell is
+    /// lost, and two spacings are the least; more lets objects be faster.
     pub(crate) fn band(&self, spacing: f64) -> f64 {
         let cells = if self.roundest.is_some() { 6.0 } else { 3.0 };
         self.reach() + cells * spacing

@@ -48,7 +48,8 @@ impl Place {
     }
 }
 
-/// The values that a number may take. What they are at most, and at least beside zero, is by the unit.
+/// The values that a number may take. What they are at most, and at least beside zero, is by the
+/// unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Allowed {
     /// Above zero.
@@ -61,8 +62,8 @@ pub(crate) enum Allowed {
     Within(f64, f64),
 }
 
-/// How small, beside zero, and how large quantities of a unit are in the laboratory and around it: what
-/// is beyond is a typing error, or makes numbers that no arithmetic holds.
+/// How small, beside zero, and how large quantities of a unit are in the laboratory and around it:
+/// what is beyond is a typing error, or makes numbers that no arithmetic holds.
 fn sizes(unit: &str) -> [f64; 2] {
     match unit {
         "m" => [1e-9, 1e4],
@@ -93,6 +94,9 @@ fn sizes(unit: &str) -> [f64; 2] {
     }
 }
 
+/// The least part of a range from zero on that is not meant for zero itself.
+const NOTHING: f64 = 1e-12;
+
 impl Allowed {
     /// The bounds, and whether zero is allowed beside what lies between them.
     fn bounds(self, unit: &str) -> (f64, f64, bool) {
@@ -101,6 +105,7 @@ impl Allowed {
             Self::Positive => (least, most, false),
             Self::NonNegative => (least, most, true),
             Self::Finite => (-most, most, false),
+            Self::Within(0.0, high) => (NOTHING * high, high, true),
             Self::Within(low, high) => (low, high, false),
         }
     }

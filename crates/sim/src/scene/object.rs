@@ -117,8 +117,8 @@ pub enum ObjectShape {
         /// Metres for its unit: 0.001 for a file in millimetres.
         #[serde(default = "one")]
         scale: f64,
-        /// Whether holes are closed, faces turned alike and what is too much left out, where it is not a
-        /// closed surface; what was done is told.
+        /// Whether holes are closed, faces turned alike and what is too much left out, where it is
+        /// not a closed surface; what was done is told.
         #[serde(default)]
         repair: bool,
     },
