@@ -25,6 +25,7 @@ pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<
         return Err(ExportError::Empty);
     }
     let (fibers, count) = (frame.strands.len(), objects.len());
+    writeln!(out, "#version 3.7;")?;
     writeln!(out, "// Frame {} at {} s, in millimetres, y up.", frame.index, frame.time)?;
     writeln!(out, "// Hair: {fibers} fibres. Objects: {count}.")?;
     writeln!(out, "#declare Hair = union {{")?;
@@ -80,11 +81,11 @@ fn picture(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<()
     let first = points().next().copied().unwrap_or_default();
     let [low, high] = points().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
     let (middle, radius) = (nalgebra::center(&low, &high), 0.5 * (high - low).norm());
-    // From where an angle of 40 degrees takes it all in.
-    let away = 3.0 * radius.max(1.0 / SCALE);
+    // From where 40 degrees across take in the ball around all, also in a picture of 16 to 9.
+    let away = 5.0 * radius.max(1.0 / SCALE);
     let eye = middle + away * Vector3::new(0.3, -0.9, 0.3);
     let lamp = middle + away * Vector3::new(-1.0, -1.0, 2.0);
-    writeln!(out, "#ifndef (Included)")?;
+    writeln!(out, "#ifndef (Included)\nglobal_settings {{ assumed_gamma 1 }}")?;
     writeln!(out, "camera {{ location {} look_at {} angle 40 }}", vector(&eye), vector(&middle))?;
     writeln!(out, "light_source {{ {} rgb 1 }}\nbackground {{ rgb 1 }}", vector(&lamp))?;
     writeln!(out, "object {{ Hair pigment {{ rgb <0.30, 0.17, 0.09> }} }}")?;
