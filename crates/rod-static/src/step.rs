@@ -34,11 +34,18 @@ pub(crate) struct Reached {
     pub(crate) rough: f64,
 }
 
-/// Newton steps for the stages, and a correction whose square is rounding.
+/// Newton steps for the stages.
 const MOST: usize = 10;
-const SMALL: f64 = 1e-8;
+/// A correction after which the same derivatives serve again, and one after which only rounding is
+/// left.
+const NEAR: f64 = 1e-4;
+const SMALL: f64 = 1e-9;
 
-type Stages = SMatrix<f64, { 4 * STAGES }, { 4 * STAGES }>;
+/// The quaternions of all stages.
+const UNKNOWNS: usize = 4 * STAGES;
+/// Derivatives of the stages' rates by quaternion and moment.
+type Rates = [(Matrix4<f64>, Matrix4x3<f64>); STAGES];
+type Solver = LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>;
 
 /// What the equations are made of at one stage.
 struct Stage {
@@ -115,8 +122,8 @@ struct Step {
     h: f64,
     stages: [Stage; STAGES],
     /// The derivatives of the stages' equations, factored, and of the rates.
-    solver: LU<f64, Const<{ 4 * STAGES }>, Const<{ 4 * STAGES }>>,
-    by: [(Matrix4<f64>, Matrix4x3<f64>); STAGES],
+    solver: Solver,
+    by: Rates,
     converged: bool,
 }
 
@@ -129,12 +136,15 @@ impl Step {
         let turn = (start.natural_curvature + body) * h;
         let mut q =
             NODES.map(|c| (node.q * UnitQuaternion::from_scaled_axis(turn * c)).into_inner());
-        let mut left = MOST;
-        loop {
-            let stages = Self::stages(node, h, &q, &p);
-            let by = [0, 1, 2, 3].map(|j| stages[j].rate_by());
-            let solver = Self::derivatives(h, &stages, &by).lu();
-            let mut missed = SVector::<f64, { 4 * STAGES }>::zeros();
+        let mut stages = Self::stages(node, h, &q, &p);
+        let (mut by, mut solver) = Self::derivatives(h, &stages);
+        let mut size = f64::INFINITY;
+        for iteration in 0..MOST {
+            // Near the solution the derivatives serve again: the error falls by their own.
+            if iteration > 0 && size > NEAR {
+                (by, solver) = Self::derivatives(h, &stages);
+            }
+            let mut missed = SVector::<f64, UNKNOWNS>::zeros();
             for i in 0..STAGES {
                 let mut sum = q[i].coords - node.q.coords;
                 (0..STAGES).for_each(|j| sum -= stages[j].rate * (h * STEPS[i][j]));
@@ -144,13 +154,13 @@ impl Step {
             for i in 0..STAGES {
                 q[i].coords -= missed.fixed_rows::<4>(4 * i);
             }
-            let size = missed.amax();
-            left -= 1;
-            if !(size > SMALL) || left == 0 {
-                let stages = Self::stages(node, h, &q, &p);
-                return Self { h, stages, solver, by, converged: size <= SMALL };
+            stages = Self::stages(node, h, &q, &p);
+            size = missed.amax();
+            if size < SMALL {
+                break;
             }
         }
+        Self { h, stages, solver, by, converged: size < SMALL }
     }
 
     /// The stages with these quaternions: forces follow from the loads, moments from both.
@@ -172,12 +182,10 @@ impl Step {
         stages
     }
 
-    fn derivatives(
-        h: f64,
-        stages: &[Stage; STAGES],
-        by: &[(Matrix4<f64>, Matrix4x3<f64>); STAGES],
-    ) -> Stages {
-        let mut matrix = Stages::identity();
+    /// The derivatives of the rates, and of the stages' equations by the quaternions, factored.
+    fn derivatives(h: f64, stages: &[Stage; STAGES]) -> (Rates, Solver) {
+        let by = [0, 1, 2, 3].map(|j| stages[j].rate_by());
+        let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity();
         for l in 0..STAGES {
             let moment = hat(&stages[l].n) * stages[l].tangent_by_q() * (h * h);
             let bends: [Matrix4<f64>; STAGES] =
@@ -189,7 +197,7 @@ impl Step {
                 at -= block;
             }
         }
-        matrix
+        (by, matrix.lu())
     }
 
     /// The sum of what the stages give, with the weights of the method, times the length.
@@ -246,7 +254,7 @@ impl Step {
         let along = |i: usize, parts: &[SMatrix<f64, 3, 9>; STAGES]| {
             (0..STAGES).fold(moment, |sum, l| sum + parts[l] * STEPS[i][l])
         };
-        let mut stages = SMatrix::<f64, { 4 * STAGES }, 9>::zeros();
+        let mut stages = SMatrix::<f64, UNKNOWNS, 9>::zeros();
         for i in 0..STAGES {
             let mut rows = start;
             for j in 0..STAGES {
