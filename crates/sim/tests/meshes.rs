@@ -32,7 +32,7 @@ fn a_mesh_in_millimetres_is_told_with_its_size_and_taken_with_its_scale() {
     estimate.within(1e8).expect("20 cells along each side");
     assert!(estimate.notes.is_empty(), "{:?}", estimate.notes);
     let surface = scaled.build().expect("sound").surfaces().next().expect("an object");
-    let top = surface.vertices.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    let top = surface.surface.vertices.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     assert!((top + 0.98).abs() < 1e-15, "{top}");
 }
 
