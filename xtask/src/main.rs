@@ -4,6 +4,7 @@
 mod bench;
 mod ci;
 mod formats;
+mod fuzz;
 mod repro;
 mod tidy;
 
@@ -20,7 +21,8 @@ usage: cargo xtask <command>
             CHAPTER goes to it: --full for the sizes of the thesis in ch7 and ch8, or numbers of
             figures)
   formats   write sample files and open them with the programs they are for (Python packages
-            vtk and usd-core; skipped, with a word, where they are missing)";
+            vtk and usd-core; skipped, with a word, where they are missing)
+  fuzz      feed every reader of files with mutated ones for a minute each (fuzz READER SECONDS)";
 
 fn main() -> ExitCode {
     match run() {
@@ -40,6 +42,9 @@ fn run() -> Result<()> {
         (Some("bench"), None) => bench::run(),
         (Some("repro"), chapter) => repro::run(chapter.as_deref(), &arguments.collect::<Vec<_>>()),
         (Some("formats"), None) => formats::run(),
+        (Some("fuzz"), reader) => {
+            fuzz::run(&reader.into_iter().chain(arguments).collect::<Vec<_>>())
+        }
         _ => bail!("{USAGE}"),
     }
 }

@@ -12,7 +12,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
     // The rods are for its tests only, which put simulated hairs into its instruments.
     ("keratin", &["fiber", "rod-static", "rod-dynamic"]),
     ("rod-static", &["fiber"]),
-    ("rod-dynamic", &["fiber", "lanes"]),
+    ("rod-dynamic", &["fiber", "lanes", "rod-static"]),
     ("render", &["fiber"]),
     ("collision", &["fiber"]),
     ("contact", &["fiber", "lanes", "collision"]),

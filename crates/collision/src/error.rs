@@ -106,10 +106,15 @@ pub enum CollisionError {
     )]
     InsideOut,
     /// A file of a mesh cannot be read.
-    #[error("this cannot be read as {format}: {problem}")]
+    #[error(
+        "this cannot be read as {format}: {}{problem}",
+        line.map_or_else(String::new, |line| format!("line {line}: "))
+    )]
     Read {
         /// Name of the format.
         format: &'static str,
+        /// Line, from 1, if the problem is in one.
+        line: Option<usize>,
         /// What its reader says.
         problem: String,
     },

@@ -8,13 +8,15 @@ use pulp::{Arch, Simd, WithSimd};
 const MOST: usize = 20_000;
 
 /// Solves `A x = forces` within what the supports allow, preconditioned by the diagonal, down to a
-/// residual of `tolerance` times that of zero; `None` if the matrix turns out not to be positive
-/// definite.
+/// residual of `tolerance` times that of zero.
+///
+/// # Errors
+/// A direction along which the matrix is not positive definite, if one is met.
 pub(crate) fn solve<const D: usize>(
     tangent: &Tangent<D>,
     forces: &Columns<D>,
     tolerance: f64,
-) -> Option<Columns<D>> {
+) -> Result<Columns<D>, Columns<D>> {
     Arch::new().dispatch(Solve { tangent, forces, tolerance })
 }
 
@@ -25,7 +27,7 @@ struct Solve<'a, const D: usize> {
 }
 
 impl<const D: usize> WithSimd for Solve<'_, D> {
-    type Output = Option<Columns<D>>;
+    type Output = Result<Columns<D>, Columns<D>>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
@@ -51,7 +53,7 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
             supports.project(&mut image);
             let curvature = direction.dot(&image);
             if curvature.is_nan() || curvature <= 0.0 {
-                return None;
+                return Err(direction);
             }
             let along = product / curvature;
             let mut next = 0.0;
@@ -66,7 +68,7 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
             turn = next / product;
             product = next;
         }
-        Some(x)
+        Ok(x)
     }
 }
 

@@ -68,8 +68,9 @@ impl ImplicitEuler {
 }
 
 impl<const D: usize> System<D> {
-    /// Moves the nodes to the equilibrium near where they are, at rest: a least of the energy, up to
-    /// `tolerance`, a part of the mean rest length. Wind counts through the drag.
+    /// Moves the nodes to a stable equilibrium near where they are, at rest: a least of the energy, up
+    /// to `tolerance`, a part of the mean rest length. A saddle that is met on the way, as from a
+    /// symmetric start, is left. Wind counts through the drag.
     ///
     /// # Errors
     /// [`SpringError::Parameter`]; [`SpringError::NotConverged`], also where there is none, and then
@@ -88,7 +89,16 @@ impl<const D: usize> System<D> {
             caution: 1e-2 * self.stiffest(),
             most: 2000,
         };
-        self.positions = energies.least(start, &search)?.0;
+        let (mut found, mut steps) = energies.least(start, &search)?;
+        while let Some(below) = energies.below(&found, search.linear) {
+            let (next, more) = energies.least(below, &search)?;
+            steps += more;
+            if steps > search.most {
+                return Err(SpringError::NotConverged { what: search.what, steps: Vec::new() });
+            }
+            found = next;
+        }
+        self.positions = found;
         self.velocities = Columns::zeros(self.nodes());
         Ok(())
     }

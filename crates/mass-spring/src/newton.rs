@@ -4,6 +4,13 @@ use crate::gradients::solve;
 use crate::tangent::Tangent;
 use crate::{Columns, SpringError, System};
 
+/// Curvature of the energy, in parts of the stiffest spring's, below which a way counts as neutral.
+const NEUTRAL: f64 = 1e-9;
+/// A number without small multiples of `pi`: phases of a push that no symmetry shares.
+const GENERIC: f64 = 2.399_963_229_728_653;
+/// Ways along negative curvature, in mean rest lengths.
+const FALLS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
 /// `inertia |x - target|^2 / 2` in the metric of the masses, plus the energy of springs, bends,
 /// gravity and loads, plus `damping mu (d . change)^2 / 2` for every damper, where `d` is its
 /// direction at the start and `change` that of the distance of its nodes since.
@@ -99,11 +106,9 @@ impl<const D: usize> Energies<'_, D> {
             let tangent = |convex| {
                 Tangent::new(self.system, &x, self.inertia + caution, self.damping, convex)
             };
-            let mut step = solve(&tangent(false), &forces, search.linear);
-            if step.is_none() {
-                step = solve(&tangent(true), &forces, search.linear);
-            }
-            let Some(step) = step else {
+            let step = solve(&tangent(false), &forces, search.linear)
+                .or_else(|_| solve(&tangent(true), &forces, search.linear));
+            let Ok(step) = step else {
                 // Even the convex part is singular: it needs inertia.
                 caution = (10.0 * caution).max(1e-6 * stiffest);
                 continue;
@@ -142,6 +147,31 @@ impl<const D: usize> Energies<'_, D> {
             }
         }
         Err(SpringError::NotConverged { what: search.what, steps })
+    }
+}
+
+impl<const D: usize> Energies<'_, D> {
+    /// A place of less energy near the equilibrium `x`, if it is a saddle: along the negative
+    /// curvature that a push without any symmetry finds. What costs no energy counts as stable.
+    pub(crate) fn below(&self, x: &Columns<D>, linear: f64) -> Option<Columns<D>> {
+        let system = self.system;
+        let tangent = Tangent::new(system, x, NEUTRAL * system.stiffest(), self.damping, false);
+        let mut push = Columns::zeros(system.nodes());
+        for (axis, column) in push.0.iter_mut().enumerate() {
+            for (node, push) in column.iter_mut().enumerate() {
+                *push = (1.0 + GENERIC * (node * D + axis) as f64).sin();
+            }
+        }
+        system.supports.project(&mut push);
+        let way = solve(&tangent, &push, linear).err()?;
+        let unit = system.size() / way.largest();
+        let along = FALLS.into_iter().flat_map(|size| [size, -size]).map(|size| {
+            let mut to = x.clone();
+            to.add_scaled(size * unit, &way);
+            (self.value(&to), to)
+        });
+        let (value, lowest) = along.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (value < self.value(x)).then_some(lowest)
     }
 }
 

@@ -348,3 +348,24 @@ fn nonsense_is_refused_by_name() {
     let text = blown.to_string();
     assert!(text.contains("left all bounds in step 1") && text.starts_with("node "), "{text}");
 }
+
+/// A ring pressed between two points, which starts symmetric: of its equilibria that an independent
+/// minimizer finds from 60 starts, by energy, the two stable ones; the saddle that keeps the symmetry
+/// has 0.255258.
+#[test]
+fn a_pressed_ring_leaves_its_saddle() {
+    let element = Element::unit(3.0_f64.sqrt() / TAU);
+    let ball = Ball { radius: 1.0, element, radial: 1.0 / 3.0, tau: 0.2 };
+    let (mut ring, _) = ball.ring(Point2::origin(), 20).expect("a ring");
+    let mut x = ring.positions().clone();
+    x.set(6, &Vector2::new(0.0, 0.55));
+    x.set(16, &Vector2::new(0.0, -0.55));
+    ring.set_positions(&x).expect("finite");
+    ring.pin(6).expect("there");
+    ring.pin(16).expect("there");
+    ring.find_equilibrium(1e-10).expect("a pressed ring");
+    let elastic = ring.energy().elastic;
+    assert!([0.238_426, 0.244_443].iter().any(|e| (elastic - e).abs() < 1e-6), "{elastic}");
+    let softest = ring.linearized().expect("a small system").modes().angular_frequencies()[0];
+    assert!(softest > 0.0);
+}

@@ -15,6 +15,18 @@ pub(crate) struct Arguments {
     /// Print one JSON object to the standard output instead of text.
     #[arg(long, global = true)]
     pub(crate) json: bool,
+    /// Memory that a scene may be expected to take, GB [default: what this machine has for the
+    /// program].
+    #[arg(long, global = true, value_name = "GB", value_parser = gigabytes)]
+    pub(crate) memory: Option<f64>,
+}
+
+/// Gigabytes as bytes.
+fn gigabytes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 => Ok(number * 1e9),
+        _ => Err("must be a positive number".into()),
+    }
 }
 
 const AFTER_HELP: &str = "\
@@ -27,11 +39,13 @@ or, for a rod at rest:
 
 Exit codes:
   0    done
-  1    a fibre's step could not be solved, or a case has no answer
+  1    the physics does not come out: a step could not be solved, energy came from nowhere, or a case
+       has no answer
   2    the command line is wrong
   3    the scene or the case is wrong
   4    a file or folder cannot be used
-  5    done, but contacts or charged fibres missed their tolerances in some steps, as the report says
+  5    done, but contacts or charged fibres missed their tolerances in some steps, or a case has no
+       stable equilibrium that was found, as the report says
   130  interrupted; the run can be resumed";
 
 #[derive(Debug, Subcommand)]
@@ -71,7 +85,7 @@ pub(crate) struct RunOptions {
     /// Start anew. The run that is in the folder is removed once the new one has a frame.
     #[arg(long)]
     pub(crate) force: bool,
-    /// Threads [default: all cores]. The results do not depend on it.
+    /// Threads, at most four for each core [default: all cores]. The results do not depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// Seconds of computing that a loss of power may cost: so often all is written through to the disk.

@@ -1,32 +1,22 @@
 use crate::failure::Failure;
 use crate::words::say;
-use rapunzel_sim::{Plan, Scene};
-use std::fs;
-use std::io::ErrorKind;
+use rapunzel_sim::{Plan, Scene, read_text};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Reads the scene in a file, with the paths in it as they are from anywhere: a run keeps them.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
-    let scene = Scene::from_ron(&read_text(path, "scene")?).map_err(Failure::of(path))?;
+    let text = read_text(path).map_err(Failure::of(path))?;
+    let scene = Scene::from_ron(&text).map_err(Failure::of(path))?;
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     Ok(scene.seen_from(whole.parent().unwrap_or(&whole)))
 }
 
-/// Reads the text of a file; `what` it is to be is for the message.
-pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, Failure> {
-    fs::read_to_string(path).map_err(|error| {
-        let advice = match error.kind() {
-            ErrorKind::InvalidData => format!("; a {what} is text, as `rapunzel new` writes it"),
-            _ => "; check the path".to_owned(),
-        };
-        Failure::File(format!("cannot read the {what} {}: {error}{advice}", path.display()))
-    })
-}
-
 /// Says what a scene would do.
-pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
+pub(crate) fn check(path: &Path, memory: f64, json: bool) -> Result<ExitCode, Failure> {
     let scene = read(path)?;
+    let estimate = scene.estimate().map_err(Failure::of(path))?;
+    estimate.within(memory).map_err(Failure::of(path))?;
     let world = scene.build().map_err(Failure::of(path))?;
     let plan = Plan::new(&scene);
     let (fibers, nodes) = (world.assembly().fibers().len(), world.nodes());
@@ -35,6 +25,7 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
         let object = serde_json::json!({
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
             "steps": plan.steps, "frames": plan.frames(), "warning": warning,
+            "memory_bytes": estimate.bytes(), "notes": estimate.notes,
         });
         say(&object.to_string())?;
     } else {
@@ -50,7 +41,9 @@ pub(crate) fn check(path: &Path, json: bool) -> Result<ExitCode, Failure> {
                 scene.duration, plan.steps, plan.dt
             ),
             format!("  frames    {}", plan.frames()),
+            format!("  memory    some {:.2} GB, and what contacts take", estimate.bytes() * 1e-9),
         ];
+        lines.extend(estimate.notes.iter().map(|note| format!("  note      {note}")));
         lines.extend(warning.map(|warning| format!("  warning   {warning}")));
         say(&lines.join("\n"))?;
     }

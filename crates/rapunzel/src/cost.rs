@@ -36,3 +36,18 @@ pub(crate) fn peak_memory() -> Option<f64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(1024.0 * line.trim().strip_suffix(" kB")?.parse::<f64>().ok()?)
 }
+
+/// Memory that this process may take, bytes: that of the machine, or less where a limit is set on
+/// the process or its group; 16 GB where the system does not tell.
+pub(crate) fn memory() -> f64 {
+    let read = |path| std::fs::read_to_string(path).unwrap_or_default();
+    let word = |text: &str, name: &str, at: usize| {
+        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().nth(at)?.parse::<f64>().ok()
+    };
+    let machine = word(&read("/proc/meminfo"), "MemTotal:", 0).map(|kilobytes| 1024.0 * kilobytes);
+    let process = word(&read("/proc/self/limits"), "Max address space", 0);
+    let group = read("/sys/fs/cgroup/memory.max").trim().parse().ok();
+    let limits = [machine, process, group].into_iter().flatten();
+    limits.reduce(f64::min).unwrap_or(16e9)
+}

@@ -19,7 +19,8 @@ pub(crate) enum Failure {
     File(String),
 }
 
-/// A step could not be taken, or an equilibrium not be found.
+/// The physics does not come out: a step could not be taken, energy came from nowhere, an equilibrium
+/// was not found.
 const FAILED: u8 = 1;
 /// The scene is wrong.
 const SCENE: u8 = 3;
@@ -27,7 +28,8 @@ const SCENE: u8 = 3;
 const FILE: u8 = 4;
 /// Interrupted by the user: 128 and the number of the signal, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
-/// Complete, but contacts or charged fibres missed their tolerances in some steps.
+/// Complete, but contacts or charged fibres missed their tolerances in some steps, or no equilibrium
+/// that was found is stable.
 pub(crate) const UNRESOLVED: u8 = 5;
 
 impl Failure {
@@ -41,18 +43,37 @@ impl Failure {
             Self::Sim {
                 error:
                     SimError::Step { .. }
+                    | SimError::NotFinite { .. }
+                    | SimError::Created { .. }
                     | SimError::Lost { .. }
+                    | SimError::Leap { .. }
+                    | SimError::Collision(_)
+                    | SimError::Contact(_)
                     | SimError::Static(_)
+                    | SimError::Equilibrium(_)
+                    | SimError::Rest { .. }
+                    | SimError::InHead { .. }
+                    | SimError::Electrostatics { .. }
                     | SimError::NoLength { .. },
                 ..
             } => FAILED,
+            // At the start the system is that of the scene.
+            Self::Sim { error: SimError::MassSpring { time, .. }, .. } => {
+                if *time > 0.0 {
+                    FAILED
+                } else {
+                    SCENE
+                }
+            }
             Self::Sim {
                 error:
                     SimError::Scene { .. }
                     | SimError::Fiber { .. }
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)
+                    | SimError::Memory { .. }
                     | SimError::Rod { .. }
+                    | SimError::Object { .. }
                     | SimError::Overlap { .. },
                 ..
             } => SCENE,

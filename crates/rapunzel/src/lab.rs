@@ -5,8 +5,7 @@ use crate::words::say;
 use rapunzel_keratin::{Climate, KeratinError, Treatment};
 use rapunzel_sim::lab::{Number, Reading, Sample, measure};
 use rapunzel_sim::scene::{Keratin, Law};
-use rapunzel_sim::{SimError, write_atomically};
-use std::fs;
+use rapunzel_sim::{SimError, claim, write_atomically};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,6 +16,9 @@ struct Measurement {
     at: (f64, String),
     reading: Reading,
 }
+
+const TABLE: &str = "table.csv";
+const PLOT: &str = "plot.svg";
 
 /// Measures a sample, or several, into a folder: a table and a plot.
 pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure> {
@@ -40,16 +42,14 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
     let title = format!("{name}: {} hair", options.kind.name());
     let charts =
         if swept { sweep_charts(&title, axis, &measured) } else { chart(&title, &measured) };
+    claim(&folder, &[TABLE, PLOT]).map_err(Failure::of(&folder))?;
     let write = |file: &str, text: String| -> Result<PathBuf, Failure> {
         let path = folder.join(file);
-        fs::create_dir_all(&folder).map_err(|error| {
-            Failure::File(format!("cannot make the folder {}: {error}", folder.display()))
-        })?;
         write_atomically(&path, |to| to.write_all(text.as_bytes())).map_err(Failure::of(&path))?;
         Ok(path)
     };
-    let table = write("table.csv", table)?;
-    let plot = write("plot.svg", svg(&charts))?;
+    let table = write(TABLE, table)?;
+    let plot = write(PLOT, svg(&charts))?;
     if json {
         let rows: Vec<_> = measured.iter().map(as_json).collect();
         let object = serde_json::json!({

@@ -24,9 +24,10 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let json = arguments.json;
+    let memory = arguments.memory.unwrap_or_else(cost::memory);
     let result = match arguments.command {
-        Command::Run(options) => run::run(&options, json),
-        Command::Check { scene } => check::check(&scene, json),
+        Command::Run(options) => run::run(&options, memory, json),
+        Command::Check { scene } => check::check(&scene, memory, json),
         Command::New(options) => new::new(&options, json),
         Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),

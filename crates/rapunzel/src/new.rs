@@ -2,6 +2,7 @@ use crate::arguments::NewOptions;
 use crate::failure::Failure;
 use crate::templates;
 use crate::words::say;
+use rapunzel_sim::write_atomically;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
@@ -26,14 +27,12 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
         };
         Failure::File(format!("cannot write {}: {error}{advice}", path.display()))
     };
-    let mut file = File::options()
-        .write(true)
-        .create(options.force)
-        .create_new(!options.force)
-        .truncate(options.force)
-        .open(&path)
-        .map_err(failed)?;
-    file.write_all(text.as_bytes()).map_err(failed)?;
+    if options.force {
+        write_atomically(&path, |to| to.write_all(text.as_bytes())).map_err(Failure::of(&path))?;
+    } else {
+        let mut file = File::create_new(&path).map_err(failed)?;
+        file.write_all(text.as_bytes()).map_err(failed)?;
+    }
     if json {
         say(&serde_json::json!({ "file": path }).to_string())?;
     } else {

@@ -8,17 +8,23 @@ use rapunzel_sim::{
     Cancel, ContactTimes, Control, Existing, Outcome, Progress, RunFolder, SimError, Summary,
 };
 use std::fs::File;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
+/// The most threads for a core.
+const MOST_THREADS: usize = 4;
+
 static CANCEL: Cancel = Cancel::new();
 static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Runs a scene into a folder.
-pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure> {
+pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitCode, Failure> {
     let scene = check::read(&options.scene)?;
+    let estimate = scene.estimate().map_err(Failure::of(&options.scene))?;
+    estimate.within(memory).map_err(Failure::of(&options.scene))?;
     let existing = match (options.resume, options.force) {
         (true, _) => Existing::Resume,
         (_, true) => Existing::Overwrite,
@@ -68,6 +74,7 @@ pub(crate) fn run(options: &RunOptions, json: bool) -> Result<ExitCode, Failure>
         stopwatch: Some(|| BEGIN.elapsed()),
     };
     tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
+    estimate.notes.iter().for_each(|note| tracing::warn!("{note}"));
     let result = rapunzel_sim::run(&scene, &mut folder, control);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();
@@ -171,9 +178,14 @@ const PATIENCE: Duration = Duration::from_millis(800);
 /// at once if a step does not end soon; so does the second. The run then is as a kill leaves it, and
 /// goes on from its last frame.
 fn set_up(threads: Option<u16>) -> Result<(), Failure> {
+    let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let (asked, most) = (threads.map_or(cores, usize::from), MOST_THREADS * cores);
+    if asked > most {
+        complain(&format!("{asked} threads would only slow {cores} cores; {most} are taken"));
+    }
     // This thread is one of them: beside them it would have memory of its own, which it hardly uses.
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
-    pool.num_threads(threads.unwrap_or(0).into())
+    pool.num_threads(asked.min(most))
         .build_global()
         .map_err(|error| Failure::File(format!("cannot start threads: {error}")))?;
     ctrlc::set_handler(|| {

@@ -1,6 +1,7 @@
 use crate::arguments::SolveOptions;
-use crate::failure::Failure;
-use crate::{check, words::say};
+use crate::failure::{Failure, UNRESOLVED};
+use crate::words::{complain, say};
+use rapunzel_sim::read_text;
 use rapunzel_sim::statics::{Answer, Case, Equilibrium, Stability, Wished};
 use std::path::Path;
 use std::process::ExitCode;
@@ -8,7 +9,7 @@ use std::process::ExitCode;
 /// Solves a case for a rod at rest, into a folder.
 pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Failure> {
     let path = &options.case;
-    let text = check::read_text(path, "case")?;
+    let text = read_text(path).map_err(Failure::of(path))?;
     let case = Case::from_ron(&text).map_err(Failure::of(path))?;
     let answer = case.solve().map_err(Failure::of(path))?;
     let folder = options
@@ -16,13 +17,19 @@ pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Fail
         .clone()
         .unwrap_or_else(|| Path::new("runs").join(path.file_stem().unwrap_or_default()));
     answer.save(&folder, &case).map_err(Failure::of(path))?;
+    let stable = answer.holds();
     if json {
-        say(&serde_json::json!({ "folder": folder, "answer": answer }).to_string())?;
+        say(&serde_json::json!({ "folder": folder, "answer": answer, "stable": stable })
+            .to_string())?;
     } else {
         say(&report(&case, &answer))?;
         say(&format!("  results     {}", folder.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    if stable {
+        return Ok(ExitCode::SUCCESS);
+    }
+    complain("warning: no stable equilibrium was found; a rod does not rest in an unstable one");
+    Ok(ExitCode::from(UNRESOLVED))
 }
 
 fn report(case: &Case, answer: &Answer) -> String {

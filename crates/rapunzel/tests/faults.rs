@@ -22,7 +22,7 @@ fn info(folder: &Path) -> String {
 fn a_missing_scene_is_named() {
     let output = rapunzel().args(["run", "no-such.ron"]).output().expect("runs");
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
-    assert!(stderr(&output).contains("cannot read the scene no-such.ron"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot read no-such.ron"), "{}", stderr(&output));
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn a_wrong_scene_is_underlined() {
         ("segments: 8", "segments: 0", "fibers[0].segments: is 0, but must be between 2"),
         ("length: 0.05", "length: NaN", "fibers[0].length: is NaN"),
         ("dt: 0.001", "dt: 0", "stepper.dt: is 0.0"),
-        ("radius: 4e-5", "radius: 0", "fibers[0].section.radius: is 0.0, but must be positive"),
+        ("radius: 4e-5", "radius: 0", "fibers[0].section.radius: is 0.0, but must be between"),
         (
             "Swing(angle: 30, radius: 0.05, period: 0.2)",
             "Keyframes(points: [(time: 0), (time: 0, translation: (1, 0, 0))])",
@@ -151,28 +151,124 @@ fn a_scene_that_is_not_text_is_told() {
     assert!(stderr(&output).contains("a scene is text"), "{}", stderr(&output));
 }
 
+/// On a disk of its own, which takes a name space of the system: where there is none to be had, this
+/// says so.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_stops_the_run_until_there_is_space() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = scene_file(folder.path(), SCENE);
-    let (out, whole) = (folder.path().join("out"), folder.path().join("whole"));
-    fs::create_dir_all(out.join("frames")).expect("a folder");
-    // Where the seventh frame is to be written, the disk is full.
-    let full = out.join("frames/frame-000006.vtp.partial");
-    std::os::unix::fs::symlink("/dev/full", full).expect("a link");
-    let output = run_in(&scene, &out).arg("--resume").output().expect("runs");
-    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
-    assert!(stderr(&output).contains("frame-000006.vtp"), "{}", stderr(&output));
-    assert!(stderr(&output).contains("free some space and resume"), "{}", stderr(&output));
-    assert!(info(&out).contains("6 frames"), "{}", info(&out));
-
-    assert!(run_in(&scene, &out).arg("--resume").status().expect("runs").success());
-    assert!(run_in(&scene, &whole).status().expect("runs").success());
-    for file in ["energies.csv", "frames/frame-000015.vtp", "summary.json"] {
-        let read = |folder: &Path| fs::read(folder.join(file)).expect("readable");
-        assert!(read(&out) == read(&whole), "{file} differs");
+    let [disk, copy, whole] = ["disk", "copy", "whole"].map(|name| folder.path().join(name));
+    fs::create_dir(&disk).expect("a folder");
+    let script = r#"
+        mount -t tmpfs -o size=$4 tmpfs "$2" || exit 77
+        "$0" run "$1" --out "$2/out"
+        code=$?
+        "$0" info "$2/out"
+        mount -o remount,size=64m "$2" && "$0" run "$1" --out "$2/out" --resume && cp -r "$2/out" "$3"
+        exit $code"#;
+    // From where nothing but the start has room to where nearly all has.
+    for (size, room) in [("100k", "a checkpoint"), ("200k", "some frames"), ("300k", "frames")] {
+        let _ = fs::remove_dir_all(&copy);
+        let mut command = std::process::Command::new("unshare");
+        command.args(["--mount", "--map-root-user", "sh", "-c", script]);
+        command.arg(env!("CARGO_BIN_EXE_rapunzel")).args([&scene, &disk, &copy]).arg(size);
+        let output = match command.output() {
+            Ok(output) if output.status.code() != Some(77) => output,
+            skipped => {
+                eprintln!("SKIPPED: no disk of its own can be had here: {skipped:?}");
+                return;
+            }
+        };
+        assert_eq!(output.status.code(), Some(4), "{room}: {}", stderr(&output));
+        assert!(stderr(&output).contains("free some space and resume"), "{}", stderr(&output));
+        if !whole.exists() {
+            assert!(run_in(&scene, &whole).status().expect("runs").success());
+        }
+        for file in ["energies.csv", "frames/frame-000015.vtp", "summary.json"] {
+            let read = |folder: &Path| fs::read(folder.join(file)).expect("readable");
+            assert!(read(&copy) == read(&whole), "{file} differs");
+        }
     }
+}
+
+#[test]
+fn a_scene_that_cannot_be_built_costs_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let good = scene_file(folder.path(), SCENE);
+    let out = folder.path().join("out");
+    assert!(run_in(&good, &out).status().expect("runs").success());
+    let results = |name: &str| fs::read(out.join(name)).expect("readable");
+    let before = ["energies.csv", "frames/frame-000015.vtp", "scene.ron"].map(results);
+    let broken = folder.path().join("broken.ron");
+    let object = "objects: [(shape: Mesh(file: \"missing.obj\", spacing: 0.002))], \
+                  contact: (friction: Isotropic(0.3)), stepper:";
+    fs::write(&broken, SCENE.replace("stepper:", object)).expect("writable");
+    let output = run_in(&broken, &out).arg("--force").output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert_eq!(["energies.csv", "frames/frame-000015.vtp", "scene.ron"].map(results), before);
+    // The user's scene lies where that of the run would.
+    let text = fs::read(&good).expect("readable");
+    let output = run_in(&good, folder.path()).arg("--force").output().expect("runs");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("scene.ron"), "{}", stderr(&output));
+    assert_eq!(fs::read(&good).expect("readable"), text);
+    assert!(!folder.path().join("frames").exists());
+    // A good one replaces the run.
+    let longer = folder.path().join("longer.ron");
+    fs::write(&longer, SCENE.replace("duration: 0.5", "duration: 0.6")).expect("writable");
+    assert!(run_in(&longer, &out).arg("--force").status().expect("runs").success());
+    assert!(info(&out).contains("19 frames"), "{}", info(&out));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_not_followed() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let elsewhere = folder.path().join("elsewhere");
+    fs::create_dir(&elsewhere).expect("a folder");
+    let notes = elsewhere.join("frame-000001.vtp");
+    fs::write(&notes, "field notes").expect("writable");
+    for (i, (name, to)) in [("frames", &elsewhere), (".lock", &notes), ("energies.csv", &notes)]
+        .into_iter()
+        .enumerate()
+    {
+        let out = folder.path().join(format!("out-{i}"));
+        fs::create_dir(&out).expect("a folder");
+        symlink(to, out.join(name)).expect("links");
+        for option in ["--force", "--resume"] {
+            let output = run_in(&scene, &out).arg(option).output().expect("runs");
+            assert_eq!(output.status.code(), Some(4), "{name}: {}", stderr(&output));
+            assert_eq!(fs::read_to_string(&notes).expect("still there"), "field notes");
+            assert_eq!(fs::read_dir(&elsewhere).expect("still there").count(), 1);
+        }
+    }
+}
+
+/// A step that takes minutes.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_a_run_within_a_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "(
+        format: 1, duration: 10,
+        mass_spring: (
+            model: Rope(nodes: 400, spacing: 0.05, direction: (0, 0, -1)),
+            mass: 0.01, frequency: 40, substeps: 1000000,
+        ),
+        stepper: (dt: 1),
+        output: (frame_rate: 1),
+    )";
+    let (scene, out) = (scene_file(folder.path(), text), folder.path().join("out"));
+    let child = run_in(&scene, &out).stderr(Stdio::piped()).spawn().expect("starts");
+    wait_for(&out.join("checkpoint-next.bin"));
+    let pid = child.id().to_string();
+    std::process::Command::new("kill").args(["-INT", &pid]).status().expect("sends a signal");
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("within a step"), "{}", stderr(&output));
 }
 
 #[cfg(target_os = "linux")]

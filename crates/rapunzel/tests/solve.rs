@@ -160,6 +160,37 @@ fn a_cable_is_as_long_as_it_is_wished() {
     }
 }
 
+/// A force down on the end of a level rod without weight turns it by a right angle near the clamp,
+/// where its moment is that of the force at `sqrt(2 EI / P)`; what is zero by symmetry is zero.
+#[test]
+fn a_strong_force_on_the_end_hangs_the_rod() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.ron");
+    for force in [1e3_f64, 1e5, 1e7] {
+        let text = format!(
+            "(
+                format: 1, length: 1.0, gravity: (0, 0, 0),
+                rod: Measured(bending: (1, 1), torsion: 0.8, linear_density: 0.0, radius: 0.001),
+                clamp: (orientation: Along(direction: (1, 0, 0))),
+                end: Free(force: (0, 0, {:?})),
+            )",
+            -force
+        );
+        fs::write(&path, text).expect("writable");
+        let answer = answer(&path, folder.path());
+        let found = &answer["equilibria"][0];
+        assert_eq!(found["stability"], "Stable");
+        let tip = vector(&list(&found["stations"]).last().expect("a tip")["position"]);
+        let away = (2.0 / force).sqrt();
+        // The rod is infinitely long to `exp(-sqrt(P L^2 / EI))`.
+        assert!((tip[0] / away - 1.0).abs() < 1e-8, "{force}: {tip:?}");
+        let moment = vector(&found["clamp_moment"]);
+        assert!((moment[1] / (force * away) - 1.0).abs() < 1e-8, "{force}: {moment:?}");
+        assert_eq!([tip[1], moment[0], moment[2]], [0.0; 3]);
+        assert_eq!(vector(&found["end_moment"]), [0.0; 3]);
+    }
+}
+
 const SOUND: &str = "(
     format: 1,
     length: 1.0,
@@ -175,15 +206,11 @@ fn a_wrong_case_is_underlined() {
     for (from, to, message) in [
         ("length: 1.0", "length: 0.0", "length: is 0.0, but must be between"),
         ("length: 1.0", "lenght: 1.0", "Unexpected field named `lenght`"),
-        ("bending: (1, 1)", "bending: (-1, 1)", "rod.bending[0]: is -1.0, but must be positive"),
-        ("torsion: 0.8", "torsion: 0", "rod.torsion: is 0.0, but must be positive"),
+        ("bending: (1, 1)", "bending: (-1, 1)", "rod.bending[0]: is -1.0, but must be between"),
+        ("torsion: 0.8", "torsion: 0", "rod.torsion: is 0.0, but must be between"),
         ("(0.5, 0.0", "(1.5, 0.0", "is 1.5297058540778354 m from the clamp, but the rod is 1.0 m"),
         ("format: 1", "format: 3", "format: is 3, but this version reads format 1"),
-        (
-            joint,
-            "masses: [(at: 2.0, mass: 1)]",
-            "masses[0].at: is 2.0, but must be between 0.0 and",
-        ),
+        (joint, "masses: [(at: 2.0, mass: 1)]", "masses[0].at: is 2.0, but must be 0, or between"),
         (
             joint,
             "end: Bearing(position: (0, 0, -0.5), direction: (0, 0, 0))",
@@ -199,6 +226,12 @@ fn a_wrong_case_is_underlined() {
         (joint, "wish: (so_that: Sag(-1), longest: 2)", "wish.so_that: is -1.0"),
         (joint, "wish: (so_that: Sag(0.1), longest: 0.5)", "wish.longest: is 0.5"),
         (joint, "parts: 1", "parts: is 1, but must be between 2"),
+        (
+            joint,
+            "natural_curvature: (30, 4294967296, 20)",
+            "natural_curvature: is 4294967296.0 1/m in size, but a rod of radius 0.01 m is curved by \
+             100.0 1/m at most",
+        ),
     ] {
         assert!(SOUND.contains(from), "{from}");
         fs::write(&path, SOUND.replace(from, to)).expect("writable");

@@ -3,11 +3,12 @@
 mod common;
 
 use common::{Elastica, HeavyRod, Oracle, chain, oracle, planar_clamp, scaled};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_rod_dynamic::{
     End, Instant, Load, Rod, RodIntegrator, RodState, Staggered, equilibrium,
 };
+use rapunzel_rod_static::{Chain, Piece, Properties};
 use std::f64::consts::PI;
 
 fn natural(fiber: &Fiber) -> (Rod, RodState) {
@@ -131,4 +132,38 @@ fn end_moment_closes_a_circle() {
     }
     let gap = (state.positions[100] - state.positions[0]).norm();
     assert!(gap < 1e-12, "open by {gap:e}");
+}
+
+/// Rods that hang straight down and curl in one plane, where they may have no minimum: the stable
+/// equilibrium of the static chain, to the order of the segments.
+#[test]
+fn curls_that_hang_come_to_rest() {
+    for (g, k, segments) in
+        [(40.0, 8.0, 100), (60.0, 10.0, 50), (100.0, 10.0, 50), (100.0, 10.0, 100), (80.0, 9.0, 70)]
+    {
+        let down = UnitQuaternion::from_scaled_axis(Vector3::x() * PI);
+        let root = Isometry3::from_parts(Vector3::zeros().into(), down);
+        let mut node = scaled(1.0, 1.0);
+        node.natural_curvature.x = k;
+        let fiber = chain(segments, |_| node).with_root(root);
+        let hang = Instant::clamped(root, Vector3::new(0.0, 0.0, -g));
+        let (rod, start) = natural(&fiber);
+        let (state, _) = equilibrium(&rod, &hang, &start).expect("an equilibrium");
+        let properties = Properties {
+            stiffness: node.stiffness,
+            natural_curvature: node.natural_curvature,
+            load: hang.gravity,
+        };
+        let exact = Chain::new(&root, &[Piece::uniform(1.0, properties)], segments);
+        let rest = exact.expect("a chain").solve().expect("a minimum");
+        let tip = rest.shape.positions()[segments];
+        // The mirror image is an equilibrium too.
+        let off = [1.0, -1.0].map(|side| {
+            let own = state.positions[segments];
+            (own - Point3::new(side * tip.x, tip.y, tip.z)).norm()
+        });
+        let h = 1.0 / segments as f64;
+        let bound = (k * k / 8.0 + g.sqrt()) * h * h;
+        assert!(off[0].min(off[1]) < bound, "{g} {k} {segments}: {off:?} of {bound:e}");
+    }
 }

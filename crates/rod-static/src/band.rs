@@ -1,3 +1,4 @@
+use crate::chain::Tip;
 use crate::segment::Blocks;
 use nalgebra::{Matrix3, Vector3};
 
@@ -30,7 +31,12 @@ pub(crate) struct Follow {
 impl Factor {
     /// Eliminates the blocks with `shift` times their own shifts added. `None` if a pivot is
     /// singular.
-    pub(crate) fn of(blocks: &[Blocks], shift: f64, follow: Option<&Follow>) -> Option<Self> {
+    pub(crate) fn of(
+        blocks: &[Blocks],
+        shift: f64,
+        follow: Option<&Follow>,
+        tip: Tip,
+    ) -> Option<Self> {
         let count = blocks.len();
         let mut factor = Self {
             inverse: vec![Matrix3::zeros(); count],
@@ -58,10 +64,25 @@ impl Factor {
                 if let Some(motion) = follow.motions.get(i + 1) {
                     pivot -= motion[0].tr_mul(&beyond);
                 }
-            } else if !definite(&pivot) {
-                factor.note(i, &pivot);
             }
-            factor.inverse[i] = pivot.try_inverse()?;
+            let held = if i + 1 == count { tip } else { Tip::Free };
+            factor.inverse[i] = match held {
+                Tip::Held => Matrix3::zeros(),
+                Tip::Aligned => {
+                    // Only the turn about the tangent is free.
+                    let (along, spin) = (pivot[(2, 2)], Vector3::z());
+                    if along < 0.0 {
+                        factor.note(i, vec![spin]);
+                    }
+                    spin * spin.transpose() * along.recip()
+                }
+                Tip::Free => {
+                    if follow.is_none() && !definite(&pivot) {
+                        factor.note(i, falling(&pivot));
+                    }
+                    pivot.try_inverse()?
+                }
+            };
             factor.carry[i] = -(factor.inverse[i] * blocks[i].mixed);
             if follow.is_some() {
                 beyond = factor.beyond[i] * factor.carry[i];
@@ -70,11 +91,7 @@ impl Factor {
         Some(factor)
     }
 
-    fn note(&mut self, node: usize, pivot: &Matrix3<f64>) {
-        let eigen = pivot.symmetric_eigen();
-        let all = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
-        let falling: Vec<_> =
-            all.filter(|(value, _)| **value < 0.0).map(|(_, vector)| vector.into_owned()).collect();
+    fn note(&mut self, node: usize, falling: Vec<Vector3<f64>>) {
         self.negative += falling.len();
         if self.falling.is_none() && !falling.is_empty() {
             self.falling = Some((node, falling));
@@ -135,6 +152,13 @@ impl Factor {
             parts[i] += self.carry[i] * before;
         }
     }
+}
+
+/// The directions in which a pivot is negative.
+fn falling(pivot: &Matrix3<f64>) -> Vec<Vector3<f64>> {
+    let eigen = pivot.symmetric_eigen();
+    let all = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
+    all.filter(|(value, _)| **value < 0.0).map(|(_, vector)| vector.into_owned()).collect()
 }
 
 /// Whether a symmetric matrix is positive definite.

@@ -21,6 +21,17 @@ pub struct Chain {
     pub(crate) forces: Vec<Vector3<f64>>,
     pub(crate) followers: Vec<Vector3<f64>>,
     pub(crate) targets: Vec<Target>,
+    pub(crate) tip: Tip,
+}
+
+/// What holds the direction of the last node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tip {
+    Free,
+    /// Its tangent is held.
+    Aligned,
+    /// Its frame is held.
+    Held,
 }
 
 impl Chain {
@@ -37,6 +48,9 @@ impl Chain {
         segments: usize,
     ) -> Result<Self, StaticError> {
         check_pose(clamp)?;
+        pieces
+            .iter()
+            .try_fold(0.0, |from, piece| piece.validate(from).map(|()| from + piece.length()))?;
         if pieces.is_empty() {
             return Err(StaticError::NoPieces);
         }
@@ -44,49 +58,52 @@ impl Chain {
             return Err(StaticError::NoSegments);
         }
         let total: f64 = pieces.iter().map(Piece::length).sum();
-        let mut chain = Self {
-            clamp: *clamp,
-            segments: Vec::with_capacity(segments),
-            forces: vec![Vector3::zeros()],
-            followers: Vec::new(),
-            targets: Vec::new(),
-        };
-        let mut from = 0.0;
-        for piece in pieces {
-            piece.validate(from)?;
+        let mut lengths = Vec::with_capacity(segments);
+        for (i, piece) in pieces.iter().enumerate() {
             let share = (segments as f64 * piece.length() / total).round().max(1.0);
-            let length = piece.length() / share;
             let mut part = 0.0;
             while part < share {
-                let p = piece.at(from + length * (part + 0.5));
-                let angle = p.natural_curvature.norm() * length;
-                if angle > PI {
-                    return Err(StaticError::TooCoarse { segment: chain.segments.len(), angle });
-                }
-                chain.segments.push(Segment {
-                    length,
-                    stiffness: p.stiffness,
-                    natural_curvature: p.natural_curvature,
-                });
-                let half = p.load * (0.5 * length);
-                chain.push_force(half);
+                lengths.push((i, piece.length() / share));
                 part += 1.0;
             }
-            from += piece.length();
-            if let Some(last) = chain.forces.last_mut() {
-                *last += piece.end_load();
-            }
         }
-        chain.followers = vec![Vector3::zeros(); chain.forces.len()];
-        Ok(chain)
+        Self::cut(clamp, pieces, &lengths)
     }
 
-    /// Half a segment's load on the last node and half on a new one.
-    fn push_force(&mut self, half: Vector3<f64>) {
-        if let Some(last) = self.forces.last_mut() {
-            *last += half;
+    /// The rod cut into segments, each given by its piece and its length.
+    pub(crate) fn cut(
+        clamp: &Isometry3<f64>,
+        pieces: &[Piece],
+        lengths: &[(usize, f64)],
+    ) -> Result<Self, StaticError> {
+        let mut chain = Self {
+            clamp: *clamp,
+            segments: Vec::with_capacity(lengths.len()),
+            forces: vec![Vector3::zeros()],
+            followers: vec![Vector3::zeros(); lengths.len() + 1],
+            targets: Vec::new(),
+            tip: Tip::Free,
+        };
+        let mut from = 0.0;
+        for (i, &(piece, length)) in lengths.iter().enumerate() {
+            let p = pieces[piece].at(from + length * 0.5);
+            let angle = p.natural_curvature.norm() * length;
+            if angle > PI {
+                return Err(StaticError::TooCoarse { segment: i, angle });
+            }
+            chain.segments.push(Segment {
+                length,
+                stiffness: p.stiffness,
+                natural_curvature: p.natural_curvature,
+            });
+            let half = p.load * (0.5 * length);
+            let ends = lengths.get(i + 1).is_none_or(|next| next.0 > piece);
+            let end_load = if ends { pieces[piece].end_load() } else { Vector3::zeros() };
+            chain.forces[i] += half;
+            chain.forces.push(half + end_load);
+            from += length;
         }
-        self.forces.push(half);
+        Ok(chain)
     }
 
     /// Number of segments; there is one node more.
@@ -181,6 +198,12 @@ impl Chain {
         }
         self.targets = targets.to_vec();
         Ok(())
+    }
+
+    /// Whether the last node keeps the frame that it has in the shape to start from, which
+    /// [`Chain::relax`] is given: with a target that holds its place, a clamp.
+    pub fn hold_tip_frame(&mut self, held: bool) {
+        self.tip = if held { Tip::Held } else { Tip::Free };
     }
 
     /// The places that nodes are held at or pulled to.

@@ -72,6 +72,17 @@ pub enum StaticError {
         /// Number of chains.
         chains: usize,
     },
+    /// The rod bends or turns too sharply for its length.
+    #[error(
+        "the rod of {length} m bends or turns within {radius} m, too sharply to be resolved; \
+         lessen its natural curvature, its loads or its length"
+    )]
+    TooFine {
+        /// Radius of the sharpest bend or turn, m.
+        radius: f64,
+        /// Length of the rod, m.
+        length: f64,
+    },
     /// The iteration ended before it found an equilibrium.
     #[error(
         "no equilibrium was found in {iterations} steps, the last of which would turn a node by \

@@ -5,6 +5,9 @@ use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use std::f64::consts::TAU;
 
+/// Size of a push, in units of force, lengths and radians.
+const PUSH: f64 = 0.05;
+
 /// Six conditions on the end of the rod.
 pub(crate) type Conditions = SMatrix<f64, 6, 12>;
 
@@ -67,6 +70,23 @@ impl Goal {
                 }
             }
         })
+    }
+
+    /// The goal with a small force on a free end, a joint moved, or a direction turned, along and
+    /// about axes that are special for no rod.
+    pub(crate) fn pushed(&self) -> Self {
+        let push = Vector3::new(0.48, 0.6, 0.64) * PUSH;
+        let turn = UnitQuaternion::from_scaled_axis(push);
+        match *self {
+            Self::Free { force, moment } => Self::Free { force: force + push, moment },
+            Self::Position { position, moment } => {
+                Self::Position { position: position + push, moment }
+            }
+            Self::Tangent { position, tangent, torque } => {
+                Self::Tangent { position, tangent: turn * tangent, torque }
+            }
+            Self::Held { position, frame } => Self::Held { position, frame: turn * frame },
+        }
     }
 
     /// By how much `node` misses the goal, and the derivatives of that. `None` where the tangent is

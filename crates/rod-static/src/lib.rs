@@ -7,6 +7,7 @@ pub mod elliptic;
 mod energy;
 mod equilibrium;
 mod error;
+mod gauss;
 mod goal;
 mod lagrange;
 mod mesh;

@@ -5,10 +5,19 @@ use crate::step::Node;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 
-/// Longest element of the solution, in units of what bends or turns the rod by one radian.
-const RESOLVED: f64 = 0.2;
-/// The same for the way there.
+/// Longest element of the way to the solution, in units of what bends or turns the rod by one
+/// radian.
 const COARSE: f64 = 0.6;
+/// Longest element of the solution where its variations oscillate, for stability to be told.
+const RESOLVED: f64 = 1.0;
+/// Error of a step, in lengths and radians.
+const FINE: f64 = 1e-12;
+/// Most elements.
+const MOST: f64 = 5e4;
+/// The sharpest bend, in parts of the length, that arc lengths can resolve.
+const SHARPEST: f64 = 1e8;
+/// How the elements grow with the distance from what holds or loads the rod.
+const GROWTH: f64 = 8.0;
 
 /// The pieces of a rod, and the units in which its length and a stiffness are one.
 #[derive(Debug, Clone)]
@@ -23,7 +32,7 @@ pub(crate) struct Scaled {
 /// A stretch of one step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Element {
-    piece: usize,
+    pub(crate) piece: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
     /// Force on its far end.
@@ -70,10 +79,14 @@ impl Scaled {
         }
     }
 
-    /// Elements short enough for the natural shape and the loads.
-    pub(crate) fn elements(&self) -> Vec<Element> {
-        let mut elements = Vec::new();
-        let mut carried = 0.0;
+    /// Elements short enough for the natural shape, and for what the loads and `end`, the sizes of
+    /// force and moment on the end, bend it by. A force bends a rod within `sqrt(EI / force)` of
+    /// what holds or loads it: there the elements are short, and from there they grow.
+    ///
+    /// # Errors
+    /// [`StaticError::TooFine`].
+    pub(crate) fn elements(&self, end: [f64; 2]) -> Result<Vec<Element>, StaticError> {
+        let [mut carried, moment] = end;
         let mut at = 0.0;
         let mut rates = Vec::new();
         for piece in &self.pieces {
@@ -86,30 +99,37 @@ impl Scaled {
             }
             at += piece.length();
             carried += load * piece.length() / self.length + piece.end_load().norm() / self.force();
-            rates.push((curvature, soft));
+            rates.push((curvature + moment / soft + 5.0, soft));
         }
         let mut from = 0.0;
-        for (index, (piece, (curvature, soft))) in self.pieces.iter().zip(rates).enumerate() {
-            let length = piece.length() / self.length;
-            let rate = curvature + (carried / soft).sqrt() + 5.0;
-            let count = (rate * length / COARSE).ceil().max(2.0);
-            let mut i = 0.0;
-            while i < count {
-                let last = i + 1.0 >= count;
+        let mut elements = Vec::new();
+        for (index, (piece, (slow, soft))) in self.pieces.iter().zip(rates).enumerate() {
+            let (length, fast) = (piece.length() / self.length, (carried / soft).sqrt());
+            // In this form what is no number is refused too.
+            let resolved = slow * length < COARSE * MOST && fast < SHARPEST;
+            if !resolved {
+                let radius = self.length / slow.max(fast);
+                return Err(StaticError::TooFine { radius, length: self.length });
+            }
+            let parts = graded(length, slow, fast);
+            for ends in parts.windows(2) {
                 elements.push(Element {
                     piece: index,
-                    from: from + length * i / count,
-                    to: from + length * ((i + 1.0) / count),
-                    end_load: if last { piece.end_load() / self.force() } else { Vector3::zeros() },
+                    from: from + ends[0],
+                    to: from + ends[1],
+                    end_load: Vector3::zeros(),
                 });
-                i += 1.0;
             }
             from += length;
+            if let Some(last) = elements.last_mut() {
+                last.end_load = piece.end_load() / self.force();
+            }
         }
-        elements
+        Ok(elements)
     }
 
-    /// Splits the elements in which `nodes` vary too fast; `None` if there are none.
+    /// Splits the elements that a step of the integration is too rough for; `None` if there are
+    /// none, or so many that they are not resolved.
     pub(crate) fn refined(
         &self,
         elements: &[Element],
@@ -120,16 +140,20 @@ impl Scaled {
         for (element, node) in elements.iter().zip(nodes) {
             let properties = self.properties(element, factor);
             let h = element.to - element.from;
-            let rate = |s: f64, node: &Node| {
+            let end = node.step(element.from, element.to, &properties);
+            let (mut turn, mut push, mut pull) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for (s, node) in [(element.from, node), (element.to, &end.node)] {
                 let p = properties(s);
-                let strain = node.q.inverse_transform_vector(&node.m).component_div(&p.stiffness);
-                p.natural_curvature.norm()
-                    + strain.norm()
-                    + (node.n.norm() / p.stiffness.min()).sqrt()
-            };
-            let end = node.step(element.from, element.to, &properties).node;
-            let fastest = rate(element.from, node).max(rate(element.to, &end));
-            let parts = (fastest * h / RESOLVED).ceil().clamp(1.0, 64.0);
+                let body = node.q.inverse_transform_vector(&node.m);
+                turn = turn.max((p.natural_curvature + body.component_div(&p.stiffness)).norm());
+                let soft = p.stiffness.min();
+                pull = pull.max((node.n.norm() / soft).sqrt());
+                push = push.max((-node.n.dot(&(node.q * Vector3::z())) / soft).max(0.0).sqrt());
+            }
+            // What the highest polynomial of a solution that varies as exp(z) is to its error.
+            let error = end.rough * ((turn + pull) * h / 16.0).min(1.0).powi(6);
+            let parts = (error / FINE).powf(1.0 / 9.0).max((turn + push) * h / RESOLVED);
+            let parts = parts.ceil().clamp(1.0, 64.0);
             let mut part = 0.0;
             while part < parts {
                 let from = element.from + h * part / parts;
@@ -145,7 +169,8 @@ impl Scaled {
             }
         }
         more.extend(nodes.last());
-        (finer.len() > elements.len()).then_some((finer, more))
+        let split = finer.len() > elements.len() && (finer.len() as f64) < MOST;
+        split.then_some((finer, more))
     }
 
     /// In these units.
@@ -183,4 +208,19 @@ impl Scaled {
         }
         nodes
     }
+}
+
+/// Ends of the elements of a stretch, from zero: `fast` are bends near its ends, `slow` anywhere.
+fn graded(length: f64, slow: f64, fast: f64) -> Vec<f64> {
+    let mut half = vec![0.0];
+    let mut at = 0.0;
+    while at < 0.5 * length {
+        at += COARSE / (slow + fast / (1.0 + fast * at / GROWTH));
+        half.push(at);
+    }
+    let scale = 0.5 * length / at;
+    half.iter_mut().for_each(|s| *s *= scale);
+    let mirrored: Vec<f64> = half.iter().rev().skip(1).map(|s| length - s).collect();
+    half.extend(mirrored);
+    half
 }

@@ -43,7 +43,7 @@ impl Newton {
             .collect();
         let mut falling = None;
         for shift in SHIFTS {
-            let factor = Factor::of(blocks, shift, follow)?;
+            let factor = Factor::of(blocks, shift, follow, chain.tip)?;
             let mut newton = Self {
                 step: factor.solve(blocks, follow, &moments),
                 pulls: Vec::new(),

@@ -155,7 +155,7 @@ impl Chain {
     }
 
     /// What the whole rod resists a force on its end with, N/m, bending or loaded.
-    fn stiffness(&self) -> f64 {
+    pub(crate) fn stiffness(&self) -> f64 {
         let length: f64 = self.segments.iter().map(|segment| segment.length).sum();
         let bending = self.segments.iter().map(|segment| segment.stiffness.max());
         let loads: f64 = self.forces.iter().map(Vector3::norm).sum();
@@ -175,6 +175,7 @@ impl Chain {
         let mut weight = 0.0_f64;
         let mut size = f64::INFINITY;
         let stalled = if self.targets.is_empty() { STALLED } else { STALLED_HELD };
+        let held = self.targets.iter().any(Target::is_held);
         for iterations in 0..most {
             self.stretch_springs(&now, &mut pulls);
             let carried = self.carried(&now.frames, 0.0, &pulls);
@@ -199,7 +200,7 @@ impl Chain {
                     now = lowest;
                     continue;
                 }
-                if size < SMALL && self.targets.is_empty() {
+                if size < SMALL && !held {
                     // As a round rod that has buckled may do so in any plane: rounding alone makes this
                     // a way down.
                     return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });

@@ -2,6 +2,7 @@ use crate::goal::Goal;
 use crate::mesh::{Element, Scaled};
 use crate::step::{Node, Propagator};
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
+use std::cell::Cell;
 
 /// Newton steps before an attempt is given up.
 const MOST: usize = 12;
@@ -16,7 +17,27 @@ const NEUTRAL: f64 = 1e-10;
 /// Part of what is missed that such ways may leave over.
 const CONSISTENT: f64 = 1e-8;
 
+/// Steps along elements that one question may cost: half a minute.
+const EFFORT: usize = 2_000_000;
+
 type Variation = SVector<f64, 12>;
+
+/// What is left of the steps along elements that one question may cost.
+#[derive(Debug)]
+pub(crate) struct Effort(Cell<usize>);
+
+impl Effort {
+    pub(crate) fn new() -> Self {
+        Self(Cell::new(EFFORT))
+    }
+
+    /// `None` once all is spent.
+    pub(crate) fn spend(&self, steps: usize) -> Option<()> {
+        let left = self.0.get().checked_sub(steps);
+        self.0.set(left.unwrap_or(0));
+        left.map(|_| ())
+    }
+}
 
 /// Newton's method for all nodes at once (multiple shooting): each element's end must be the next
 /// node, and the last node meet `goal`. `None` if it does not converge; then `nodes` are spoilt.
@@ -29,9 +50,11 @@ pub(crate) fn newton(
     nodes: &mut [Node],
     goal: &Goal,
     factor: f64,
+    effort: &Effort,
 ) -> Option<()> {
     let mut before = f64::INFINITY;
     for iteration in 0..MOST {
+        effort.spend(elements.len())?;
         let corrections = corrections(rod, elements, nodes, goal, factor)?;
         let mut size = 0.0_f64;
         for (node, correction) in nodes.iter().zip(&corrections) {
@@ -82,17 +105,17 @@ impl Node {
     }
 }
 
-/// The derivatives of an element's end, and the end.
+/// The end of an element and its derivatives; `None` if the element is too long.
 pub(crate) fn propagate(
     rod: &Scaled,
     element: &Element,
     node: &Node,
     factor: f64,
-) -> (Node, Propagator) {
+) -> Option<(Node, Propagator)> {
     let properties = rod.properties(element, factor);
-    let (reached, by) = node.step_with_derivatives(element.from, element.to, properties);
+    let (reached, by) = node.step_with_derivatives(element.from, element.to, properties)?;
     let n = reached.node.n - element.end_load * factor;
-    (Node { n, ..reached.node }, by)
+    Some((Node { n, ..reached.node }, by))
 }
 
 /// The Newton corrections of all nodes.
@@ -103,21 +126,38 @@ fn corrections(
     goal: &Goal,
     factor: f64,
 ) -> Option<Vec<Variation>> {
+    // Seen in lengths and moments of the sharpest bends: else forces would hide all others.
+    let strongest = nodes.iter().map(|node| node.n.norm()).fold(0.0, f64::max);
+    let bend = (1.0 + strongest).sqrt();
+    let units = Variation::from_fn(|i, _| [1.0, 1.0, bend, bend * bend][i / 3]);
+    let scaled = |mut by: Propagator| {
+        for (i, j) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
+            by[(i, j)] *= units[j] / units[i];
+        }
+        by
+    };
     // A correction of node i is basis_i p_i + rest_i; the clamp leaves moment and force free.
     let mut basis = SMatrix::<f64, 12, 6>::zeros();
     basis.fixed_view_mut::<6, 6>(6, 0).fill_with_identity();
     let mut rest = Variation::zeros();
     let mut passed = Vec::with_capacity(elements.len());
     for (i, element) in elements.iter().enumerate() {
-        let (end, by) = propagate(rod, element, &nodes[i], factor);
-        let moved = by * rest + end.minus(&nodes[i + 1]);
+        let (end, by) = propagate(rod, element, &nodes[i], factor)?;
+        let by = scaled(by);
+        let moved = by * rest + end.minus(&nodes[i + 1]).component_div(&units);
         let qr = (by * basis).qr();
         let next = qr.q();
         let along = next.tr_mul(&moved);
         passed.push((basis, rest, qr.r(), along));
         (basis, rest) = (next, moved - next * along);
     }
-    let (missed, by) = goal.missed(nodes.last()?)?;
+    let (mut missed, mut by) = goal.missed(nodes.last()?)?;
+    for (row, mut conditions) in by.row_iter_mut().enumerate() {
+        conditions.component_mul_assign(&units.transpose());
+        let largest = conditions.amax();
+        conditions /= largest;
+        missed[row] /= largest;
+    }
     // A closed ring may turn about its tangent: where a way is neutral it is not gone. Of what has
     // overflowed on the way singular values are sought without end unless that is bounded.
     let onto = (by * basis).try_svd(true, true, 5.0 * f64::EPSILON, MOST_ROTATIONS)?;
@@ -129,11 +169,11 @@ fn corrections(
     if !consistent {
         return None;
     }
-    let mut corrections = vec![basis * p + rest];
+    let mut corrections = vec![(basis * p + rest).component_mul(&units)];
     for (basis, rest, triangle, along) in passed.iter().rev() {
         // The triangle leads from p here to p there: modes that grow forward shrink backward.
         p = triangle.solve_upper_triangular(&(p - along))?;
-        corrections.push(basis * p + rest);
+        corrections.push((basis * p + rest).component_mul(&units));
     }
     corrections.reverse();
     Some(corrections)

@@ -38,7 +38,7 @@ pub(crate) fn index(
     let [mut coupling, mut arm, mut compliance] = [Matrix3::<f64>::zeros(); 3];
     let mut count = 0;
     for (element, node) in elements.iter().zip(nodes).rev() {
-        let (_, by) = propagate(rod, element, node, factor);
+        let (_, by) = propagate(rod, element, node, factor)?;
         let block = |row: usize, column: usize| -> Matrix3<f64> {
             by.fixed_view::<3, 3>(3 * row, 3 * column).into_owned()
         };

@@ -130,3 +130,55 @@ fn a_twisted_ring_leaves_its_plane() {
         assert_eq!(index(1.001 * critical), 2, "torsion {torsion}");
     }
 }
+
+/// Just above the load that buckles an upright rod the stable one leans, in any plane.
+#[test]
+fn columns_just_above_greenhills_load_lean() {
+    for excess in [1e-5, 1e-4, 1e-3, 1e-2, 0.1] {
+        let weight = 7.837_347_439 * (1.0 + excess);
+        for sides in [[1.0, 1.0], [1.0, 2.0]] {
+            let rod = piece([sides[0], sides[1], 1.0], Vector3::new(0.0, 0.0, -weight));
+            let problem = Problem::new(&Isometry3::identity(), vec![rod], End::FREE);
+            let found = problem.expect("a problem").solve().expect("an equilibrium");
+            assert!(found.is_stable(), "{excess} {sides:?}: {}", found.conjugate_points());
+            // Of second order in the lean, whose square grows with the excess.
+            let fallen = 1.0 - found.tip().position.z;
+            assert!(
+                (0.1..10.0).contains(&(fallen / excess.min(0.1))),
+                "{excess} {sides:?}: {fallen:e}"
+            );
+        }
+    }
+}
+
+/// Arcs between clamps almost at one place, twisted beyond what they bear in their plane.
+#[test]
+fn twisted_arcs_leave_their_plane() {
+    for (gap, part) in [(0.01, 1.1), (0.01, 1.5), (0.1, 1.1), (0.3, 1.2), (0.0, 1.1), (0.0, 0.5)] {
+        let twist = part * TAU * 3.0_f64.sqrt();
+        // The tangent of the far end is that of the clamp: a closed loop.
+        let spin = UnitQuaternion::from_scaled_axis(Vector3::z() * twist);
+        let end = Isometry3::from_parts(Translation3::new(0.0, 0.0, gap), spin);
+        let rod = piece([1.0; 3], Vector3::zeros());
+        let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+        let found = problem.expect("a problem").solve();
+        let found = found.unwrap_or_else(|error| panic!("{gap} {part}: {error}"));
+        assert!(found.is_stable(), "{gap} {part}: {}", found.conjugate_points());
+    }
+}
+
+/// An exact ring may lie in any plane: one answer, not one for each start.
+#[test]
+fn a_ring_is_told_once() {
+    for twist in [0.0, 1.0] {
+        let spin = UnitQuaternion::from_scaled_axis(Vector3::z() * twist);
+        let end = Isometry3::from_parts(Translation3::identity(), spin);
+        let rod = piece([1.0; 3], Vector3::zeros());
+        let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+        let all = problem.expect("a problem").solutions(0);
+        let ring = 0.5 * (TAU * TAU + twist * twist);
+        let rings: Vec<f64> = all.iter().map(Equilibrium::energy).collect();
+        let count = rings.iter().filter(|e| (*e - ring).abs() < 1e-6).count();
+        assert_eq!(count, 1, "twist {twist}: {rings:?} for {ring}");
+    }
+}

@@ -94,7 +94,7 @@ impl Scene {
             })
             .collect::<Result<_, SimError>>()?;
         let mut world = World::new(self.environment.clone(), assembly, groups);
-        if self.output.ledger {
+        if self.output.ledger || self.stepper.may_create_energy() {
             world.keep_works();
         }
         if let Some(springs) = &self.mass_spring {
@@ -115,6 +115,9 @@ impl Scene {
             let gravity = world.gravity();
             relax(&mut world, &gravity)?;
         }
+        if world.works().is_some() || self.is_closed() {
+            world.keep_budget();
+        }
         Ok(world)
     }
 
@@ -130,14 +133,19 @@ impl Scene {
             };
         }
         let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
-        let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
-        let can_meet = one_is_free && self.objects.len() > 1;
-        let radii = self.objects.iter().filter_map(|object| object.shape.radius());
         Surroundings {
-            roundest: can_meet.then(|| radii.fold(0.0, f64::max)),
+            roundest: self.roundest(),
             longest: lengths.fold(0.0, f64::max),
             thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
         }
+    }
+
+    /// Radius of the roundest object (m), or zero, where objects may touch each other.
+    pub(crate) fn roundest(&self) -> Option<f64> {
+        let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
+        let can_meet = one_is_free && self.objects.len() > 1;
+        let radii = self.objects.iter().filter_map(|object| object.shape.radius());
+        can_meet.then(|| radii.fold(0.0, f64::max))
     }
 
     /// What moves the world of this scene.
@@ -158,7 +166,7 @@ impl Scene {
     }
 
     /// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
-    fn matter(
+    pub(crate) fn matter(
         &self,
         bundle: &Bundle,
         i: usize,

@@ -1,12 +1,12 @@
+use crate::file::{self, LARGEST_MESH};
 use crate::storage::replace;
 use crate::{Scene, SimError, Snapshot, Statistics};
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
-const MAGIC: &[u8; 12] = b"RAPUNZEL\x05\0\0\0";
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x06\0\0\0";
 /// Where the rest begins, which is hashed.
 const HEAD: u64 = 12 + 32;
 /// Room for the texts in it.
@@ -35,7 +35,8 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(scene.to_ron()?.as_bytes());
     for path in scene.files() {
-        hasher.update(&fs::read(path).map_err(SimError::io("read", path))?);
+        let read = hasher.update_reader(file::open(path, LARGEST_MESH)?);
+        read.map_err(SimError::io("read", path))?;
     }
     Ok(hasher.finalize().into())
 }
@@ -90,7 +91,7 @@ impl Checkpoint {
     /// in it.
     pub(crate) fn read(path: &Path) -> Result<Self, SimError> {
         let broken = || unusable(path, &"it is damaged");
-        let mut file = BufReader::new(File::open(path).map_err(SimError::io("read", path))?);
+        let mut file = file::open(path, u64::MAX)?;
         let (mut magic, mut hash) = ([0; 12], [0; 32]);
         file.read_exact(&mut magic).map_err(|_| broken())?;
         if magic != *MAGIC {

@@ -63,6 +63,33 @@ pub enum SimError {
         /// Which fibre and why.
         source: StepError,
     },
+    /// A motion has left all bounds.
+    #[error(
+        "the run stopped at t = {time} s: its energy is no number any more; set stepper.dt to less, \
+         or choose the method BackwardEuler or an implicit integrator"
+    )]
+    NotFinite {
+        /// When it was seen, s.
+        time: f64,
+    },
+    /// A run has more energy than it was given.
+    #[error(
+        "the run stopped at t = {time} s: {created:.2e} J came from nowhere, beside {supplied:.2e} J \
+         that it was given{}; set stepper.dt to less, or choose a method that damps more \
+         (BackwardEuler, or Staggered with a rho_infinity of at most 0.4)",
+        fiber.map_or_else(String::new, |fiber| format!(", most of it in fibre {fiber}"))
+    )]
+    Created {
+        /// When it was seen, s.
+        time: f64,
+        /// Energy that no work explains, J.
+        created: f64,
+        /// Kinetic and elastic energy of the start, and all that gravity, loads, air, supports and
+        /// objects have given, J.
+        supplied: f64,
+        /// The fibre with most energy, counted over all bundles, if there are fibres.
+        fiber: Option<usize>,
+    },
     /// Fibres or objects start inside each other.
     #[error(
         "{} starts {depth:.2e} m deep in {}{}; move them apart, or leave `contact` out",
@@ -89,7 +116,7 @@ pub enum SimError {
         /// Line, from 1; none for what concerns the whole.
         line: Option<usize>,
         /// What is wrong.
-        why: &'static str,
+        why: String,
     },
     /// The mesh of an object is not closed, or not read.
     #[error("objects[{object}], {}: {source}", path.display())]
@@ -202,6 +229,22 @@ pub enum SimError {
         time: f64,
         /// What is wrong, and where.
         source: SpringError,
+    },
+    /// A scene would take too much memory.
+    #[error(
+        "{path}: {what} take some {:.2} GB of memory, and {:.2} GB are allowed; ask for less, or \
+         allow more",
+        bytes * 1e-9, most * 1e-9
+    )]
+    Memory {
+        /// Path of the field that asks for most.
+        path: String,
+        /// What it makes.
+        what: String,
+        /// What all of the scene takes, bytes.
+        bytes: f64,
+        /// What it may take, bytes.
+        most: f64,
     },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {}", path.display(), explained(source))]

@@ -162,21 +162,7 @@ impl RunFolder {
     /// [`SimError::Io`].
     pub(crate) fn begin(&mut self, manifest: &Manifest) -> Result<(), SimError> {
         let old = self.old.take().unwrap_or_default();
-        for name in listed(&self.path, manifest)? {
-            if !old.owns(&name) && name != LOG {
-                return Err(SimError::ForeignFile(self.path.join(name)));
-            }
-        }
-        listed(&self.path, &old)?;
-        let folder = self.path.canonicalize().map_err(SimError::io("read", &self.path))?;
-        for input in &self.inputs {
-            let whole = input.canonicalize().map_err(SimError::io("read", input))?;
-            let within = whole.strip_prefix(&folder).ok().and_then(Path::to_str);
-            let within = within.map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
-            if within.is_some_and(|name| manifest.owns(&name) || old.owns(&name)) {
-                return Err(SimError::OverInput(input.clone()));
-            }
-        }
+        look_for_others(&self.path, [manifest, &old], &self.inputs)?;
         if !self.holds_older_run() {
             clear(&self.path, &old)?;
         }
@@ -215,14 +201,56 @@ impl Drop for RunFolder {
     }
 }
 
+/// Makes ready for the files of an answer, which are replaced each time it is found: those that the
+/// folder lists go. The folder is made if it is not there.
+///
+/// # Errors
+/// [`SimError::FolderNotEmpty`] for the folder of a run; [`SimError::ForeignFile`] and
+/// [`SimError::NotPlain`] where something else has the name of a file; [`SimError::Io`].
+pub fn claim(path: &Path, files: &[&str]) -> Result<(), SimError> {
+    fs::create_dir_all(path).map_err(SimError::io("make the folder", path))?;
+    let manifest: Manifest = files.iter().map(|&name| name.into()).collect();
+    let old = read_manifest(path)?.unwrap_or_default();
+    if old.owns(SCENE) {
+        return Err(SimError::FolderNotEmpty(path.to_owned()));
+    }
+    look_for_others(path, [&manifest, &old], &[])?;
+    clear(path, &old)?;
+    write_manifest(path, &manifest)
+}
+
+/// Refuses what is not from here, or is read, and has the name of a file that is to come or to go.
+fn look_for_others(
+    path: &Path,
+    [new, old]: [&Manifest; 2],
+    inputs: &[PathBuf],
+) -> Result<(), SimError> {
+    for name in listed(path, new)? {
+        if !old.owns(&name) && name != LOG {
+            return Err(SimError::ForeignFile(path.join(name)));
+        }
+    }
+    listed(path, old)?;
+    let folder = path.canonicalize().map_err(SimError::io("read", path))?;
+    for input in inputs {
+        let whole = input.canonicalize().map_err(SimError::io("read", input))?;
+        let within = whole.strip_prefix(&folder).ok().and_then(Path::to_str);
+        let within = within.map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
+        if within.is_some_and(|name| new.owns(&name) || old.owns(&name)) {
+            return Err(SimError::OverInput(input.clone()));
+        }
+    }
+    Ok(())
+}
+
 /// Goes on with an exchange that was begun: the old files go, their list last, then the new ones come,
 /// their list last. So each list is there as long as it is needed.
 fn finish_exchange(path: &Path) -> Result<(), SimError> {
     let ready = path.join(READY);
     require_plain(&ready, true)?;
     let Some(new) = read_manifest(&ready)? else {
-        // Nothing is left in it but folders.
-        remove_folders(&ready, &Manifest::default());
+        // Its list has been moved last: nothing is left in it but folders.
+        remove_folders(&ready, &read_manifest(path)?.unwrap_or_default());
         return Ok(());
     };
     if let Some(old) = read_manifest(path)? {
@@ -378,6 +406,8 @@ pub fn in_use(folder: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifest::Entry;
+    use proptest::prelude::*;
 
     #[test]
     fn a_folder_has_one_run_at_a_time() {
@@ -402,16 +432,205 @@ mod tests {
     }
 
     #[test]
-    fn only_files_of_a_run_are_removed() {
+    fn a_lock_of_somebody_else_is_left_alone() {
         let temporary = tempfile::tempdir().expect("a temporary folder");
-        let (ours, theirs) = (temporary.path().join(SCENE), temporary.path().join("thesis.tex"));
-        fs::write(&ours, "()").expect("writes");
-        fs::write(&theirs, "years of work").expect("writes");
-        let refused = RunFolder::open(temporary.path(), Existing::Refuse);
+        let path = temporary.path().join(LOCK);
+        fs::write(&path, "the key is under the mat").expect("writes");
+        let refused = RunFolder::open(temporary.path(), Existing::Overwrite);
+        assert!(matches!(refused, Err(SimError::ForeignFile(_))), "{refused:?}");
+        assert_eq!(fs::read_to_string(&path).expect("readable"), "the key is under the mat");
+    }
+
+    /// The files of a small run.
+    fn small() -> Manifest {
+        [SCENE.into(), SUMMARY.into(), CHECKPOINT.into(), Entry::series("frames/frame", "vtp", 3)]
+            .into_iter()
+            .collect()
+    }
+
+    /// Opens a folder and writes a run with two frames into it.
+    fn make_run(path: &Path, existing: Existing, text: &str) -> Result<RunFolder, SimError> {
+        let mut folder = RunFolder::open(path, existing)?;
+        folder.begin(&small())?;
+        for name in
+            [SCENE, SUMMARY, CHECKPOINT, "frames/frame-000000.vtp", "frames/frame-000001.vtp"]
+        {
+            fs::write(folder.file(name), text).expect("writes");
+        }
+        Ok(folder)
+    }
+
+    fn tree(path: &Path) -> Vec<(String, Vec<u8>)> {
+        let mut found = Vec::new();
+        for name in names(path).expect("readable") {
+            let whole = path.join(&name);
+            if whole.is_dir() {
+                let within = tree(&whole).into_iter();
+                found.extend(within.map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+            } else if name != LOCK {
+                found.push((name, fs::read(&whole).expect("readable")));
+            }
+        }
+        found.sort();
+        found
+    }
+
+    #[test]
+    fn an_older_run_stays_until_the_new_one_takes_its_place() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        let path = temporary.path();
+        drop(make_run(path, Existing::Refuse, "old").expect("an empty folder"));
+        let theirs = ["thesis.tex", "frames/frame-000007.vtp", "frames/frame-000001.png"];
+        theirs.iter().for_each(|name| fs::write(path.join(name), "theirs").expect("writes"));
+        let before = tree(path);
+        for existing in [Existing::Refuse, Existing::Overwrite] {
+            // Opened and dropped, as where a scene cannot be built.
+            assert_eq!(RunFolder::open(path, existing).is_ok(), existing == Existing::Overwrite);
+            assert_eq!(tree(path), before);
+        }
+        drop(make_run(path, Existing::Overwrite, "dropped").expect("over a run"));
+        assert_eq!(tree(path), before, "a run without a frame leaves nothing");
+        let mut folder = make_run(path, Existing::Overwrite, "new").expect("over a run");
+        assert!(folder.holds_older_run() && folder.exchange().expect("exchanges"));
+        assert!(!folder.holds_older_run() && !folder.exchange().expect("nothing to do"));
+        let new = |bytes: Vec<u8>| if bytes == b"old" { b"new".to_vec() } else { bytes };
+        let after: Vec<_> = before.into_iter().map(|(name, bytes)| (name, new(bytes))).collect();
+        assert_eq!(tree(path), after);
+    }
+
+    /// Wherever a kill stops it: all files that were to be moved are in one of both places.
+    #[test]
+    fn an_exchange_that_was_killed_goes_on() {
+        let whole = tempfile::tempdir().expect("a temporary folder");
+        drop(make_run(whole.path(), Existing::Refuse, "new").expect("an empty folder"));
+        let whole = tree(whole.path());
+        for stop in 0..=whole.len() {
+            let temporary = tempfile::tempdir().expect("a temporary folder");
+            let path = temporary.path();
+            drop(make_run(path, Existing::Refuse, "old").expect("an empty folder"));
+            let folder = make_run(path, Existing::Overwrite, "new").expect("over a run");
+            let ready = path.join(READY);
+            fs::rename(&folder.files, &ready).expect("renames");
+            drop(folder);
+            if stop > 0 {
+                clear(path, &small()).expect("removes");
+                make_folders(path, &small()).expect("makes");
+                // The list comes last.
+                let mut moved: Vec<_> = whole.iter().map(|(name, _)| name.as_str()).collect();
+                moved.sort_by_key(|name| *name == MANIFEST);
+                for name in &moved[..stop] {
+                    fs::rename(ready.join(name), path.join(name)).expect("renames");
+                }
+            }
+            drop(RunFolder::open(path, Existing::Resume).expect("goes on"));
+            assert_eq!(tree(path), whole, "killed after {stop}");
+            assert!(!ready.exists());
+        }
+    }
+
+    #[test]
+    fn results_are_not_lost_by_resuming_without_a_checkpoint() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        let path = temporary.path();
+        drop(make_run(path, Existing::Refuse, "old").expect("an empty folder"));
+        fs::remove_file(path.join(CHECKPOINT)).expect("removes");
+        let refused = RunFolder::open(path, Existing::Resume);
+        assert!(matches!(refused, Err(SimError::NoCheckpoint(_))), "{refused:?}");
+        // One that was killed before its first summary has none to lose.
+        fs::remove_file(path.join(SUMMARY)).expect("removes");
+        RunFolder::open(path, Existing::Resume).expect("starts anew");
+    }
+
+    #[test]
+    fn what_is_read_and_what_is_not_listed_is_not_overwritten() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        let path = temporary.path();
+        let scene = path.join(SCENE);
+        fs::write(&scene, "a day's work").expect("writes");
+        let refused = make_run(path, Existing::Overwrite, "new");
+        assert!(matches!(refused, Err(SimError::ForeignFile(_))), "{refused:?}");
+        fs::remove_file(&scene).expect("removes");
+        drop(make_run(path, Existing::Overwrite, "a run").expect("nothing in its way"));
+        let mut folder = RunFolder::open(path, Existing::Overwrite).expect("over a run");
+        folder.protect(&path.join(".").join(SCENE));
+        let refused = folder.begin(&small());
+        assert!(matches!(refused, Err(SimError::OverInput(_))), "{refused:?}");
+        drop(folder);
+        assert_eq!(fs::read(&scene).expect("readable"), b"a run");
+    }
+
+    #[test]
+    fn an_answer_replaces_an_answer_and_nothing_else() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        let path = temporary.path();
+        let answer = |files: &[&str], text: &str| -> Result<(), SimError> {
+            claim(path, files)?;
+            files.iter().for_each(|name| fs::write(path.join(name), text).expect("writes"));
+            Ok(())
+        };
+        answer(&["rod-0.csv", "rod-1.csv"], "old").expect("an empty folder");
+        fs::write(path.join("notes.txt"), "theirs").expect("writes");
+        answer(&["rod-0.csv"], "new").expect("over an answer");
+        assert_eq!(names(path).expect("readable").len(), 3, "the list, the new file and theirs");
+        let refused = answer(&["rod-0.csv", "notes.txt"], "newer");
+        assert!(matches!(refused, Err(SimError::ForeignFile(_))), "{refused:?}");
+        assert_eq!(fs::read(path.join("rod-0.csv")).expect("still there"), b"new");
+        let other = tempfile::tempdir().expect("a temporary folder");
+        drop(make_run(other.path(), Existing::Refuse, "a run").expect("an empty folder"));
+        let refused = claim(other.path(), &["rod-0.csv"]);
         assert!(matches!(refused, Err(SimError::FolderNotEmpty(_))), "{refused:?}");
-        RunFolder::open(temporary.path(), Existing::Overwrite).expect("may be overwritten");
-        assert!(!ours.exists() && theirs.exists());
-        let refused = RunFolder::open(temporary.path(), Existing::Resume);
-        assert!(matches!(refused, Err(SimError::FolderNotEmpty(_))), "{refused:?}");
+    }
+
+    #[cfg(unix)]
+    proptest! {
+        /// Links and files anywhere in a folder, with any names of ours: whatever becomes of the run, nothing
+        /// outside changes and nothing foreign does.
+        #[test]
+        fn planted_files_and_links_are_not_touched(
+            planted in prop::collection::vec((0..8_usize, 0..3_u8), 0..4),
+            has_run: bool,
+            existing in prop::sample::select(
+                vec![Existing::Refuse, Existing::Resume, Existing::Overwrite]
+            ),
+        ) {
+            const PLACES: [&str; 8] = [
+                ".lock", ".rapunzel", "scene.ron", "summary.json", "frames",
+                "frames/frame-000000.vtp", "checkpoint.bin.partial", ".rapunzel-staged",
+            ];
+            let temporary = tempfile::tempdir().expect("a temporary folder");
+            let (path, outside) = (temporary.path().join("run"), temporary.path().join("outside"));
+            fs::create_dir(&outside).expect("makes");
+            let precious = outside.join("frame-000000.vtp");
+            fs::write(&precious, "field notes").expect("writes");
+            fs::create_dir(&path).expect("makes");
+            if has_run {
+                drop(make_run(&path, Existing::Refuse, "old").expect("an empty folder"));
+            }
+            let mut foreign = Vec::new();
+            for (place, kind) in planted {
+                let at = path.join(PLACES[place]);
+                if at.symlink_metadata().is_ok() || !at.parent().is_some_and(Path::is_dir) {
+                    continue;
+                }
+                match kind {
+                    0 => std::os::unix::fs::symlink(&precious, &at).expect("links"),
+                    1 => std::os::unix::fs::symlink(&outside, &at).expect("links"),
+                    // What a kill leaves has this name: a foreign file with it is taken for that.
+                    _ if PLACES[place].ends_with(".partial") => {}
+                    _ => {
+                        fs::write(&at, "foreign").expect("writes");
+                        foreign.push(at);
+                    }
+                }
+            }
+            if let Ok(mut folder) = make_run(&path, existing, "new") {
+                let _ = folder.exchange();
+            }
+            prop_assert_eq!(fs::read(&precious).expect("still there"), b"field notes");
+            prop_assert_eq!(names(&outside).expect("readable").len(), 1);
+            for at in foreign {
+                prop_assert_eq!(fs::read(&at).expect("still there"), b"foreign", "{}", at.display());
+            }
+        }
     }
 }

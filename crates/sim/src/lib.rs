@@ -6,8 +6,11 @@ mod checkpoint;
 mod conditions;
 mod contact;
 mod curve;
+mod energy;
 mod error;
+mod estimate;
 pub mod export;
+mod file;
 mod folder;
 mod group;
 pub mod lab;
@@ -29,7 +32,9 @@ pub use contact::{
     Bearing, ContactReport, ContactTimes, ContactWork, Partner, Stopwatch, Unresolved,
 };
 pub use error::SimError;
-pub use folder::{Existing, RunFolder, in_use};
+pub use estimate::{Estimate, Part};
+pub use file::read_text;
+pub use folder::{Existing, RunFolder, claim, in_use};
 pub use mass_spring::MassSprings;
 pub use plan::Plan;
 pub use run::{Cancel, Control, Progress, run};

@@ -186,6 +186,9 @@ impl<'a> Run<'a> {
         let dt = self.plan.step_after(self.world.steps());
         let report = self.stepper.step(&mut self.world, dt)?;
         self.statistics.add(&report);
+        if self.plan.is_frame(self.world.steps()) {
+            self.world.watch_energy()?;
+        }
         self.observers.iter_mut().try_for_each(|observer| observer.observe(&self.world))
     }
 

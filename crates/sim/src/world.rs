@@ -1,5 +1,6 @@
 use crate::charging::{ChargeReport, Electric};
 use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Stopwatch, Way};
+use crate::energy::EnergyBudget;
 use crate::export::surface::Placed;
 use crate::group::Group;
 use crate::mass_spring::Springs;
@@ -23,6 +24,8 @@ pub struct World {
     pub(crate) contacts: Memory,
     /// Since the start, if they are kept.
     works: Option<Works>,
+    /// By which energy is watched, if it can be.
+    budget: Option<EnergyBudget>,
     /// What fibres touch beside each other.
     pub(crate) objects: Vec<Object>,
     /// In place of fibres.
@@ -50,6 +53,7 @@ pub struct Snapshot {
     groups: Vec<Vec<f64>>,
     contacts: Memory,
     works: Option<Works>,
+    budget: Option<EnergyBudget>,
     objects: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -61,6 +65,7 @@ pub(crate) struct Present<'a> {
     groups: Batches<'a>,
     contacts: &'a Memory,
     works: Option<Works>,
+    budget: Option<EnergyBudget>,
     objects: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -103,6 +108,7 @@ impl World {
             clock,
             contacts,
             works: None,
+            budget: None,
             objects: Vec::new(),
             springs: None,
             electric: None,
@@ -220,6 +226,12 @@ impl World {
         sum
     }
 
+    /// Energy of fibre `i`, J.
+    pub(crate) fn fiber_energy(&self, i: usize, gravity: &Vector3<f64>) -> Energy {
+        let (group, lane) = self.lanes[i];
+        self.groups[group].batch.energy(lane, gravity)
+    }
+
     /// Momentum of all fibres and free objects, if the method is `Staggered` or `BackwardEuler` without a
     /// tolerance. Costs one pass over all nodes.
     #[must_use]
@@ -279,7 +291,7 @@ impl World {
     }
 
     /// All other work done on fibres and free objects since the start, if the scene's output asks for
-    /// the ledger.
+    /// the ledger, or its method may create energy.
     #[must_use]
     pub fn works(&self) -> Option<Works> {
         self.works
@@ -296,6 +308,25 @@ impl World {
         self.groups.iter_mut().for_each(|group| group.batch.keep_ledgers());
     }
 
+    /// Watches the energy from now on, against the ledger if that is kept.
+    pub(crate) fn keep_budget(&mut self) {
+        self.budget = Some(EnergyBudget::new(self));
+    }
+
+    /// Looks whether the energy is a number, and has come from somewhere if that is watched.
+    ///
+    /// # Errors
+    /// [`SimError::NotFinite`] or [`SimError::Created`].
+    pub(crate) fn watch_energy(&mut self) -> Result<(), SimError> {
+        if !self.energy().total().is_finite() {
+            return Err(SimError::NotFinite { time: self.time() });
+        }
+        let Some(mut budget) = self.budget else { return Ok(()) };
+        budget.watch(self, self.works.as_ref())?;
+        self.budget = Some(budget);
+        Ok(())
+    }
+
     /// Books the step, or part of one, that all groups and the free objects have taken.
     pub(crate) fn book(&mut self, objects: &Ledger) {
         let Some(works) = &mut self.works else { return };
@@ -309,9 +340,9 @@ impl World {
     /// All numbers that determine what follows.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let Present { clock, groups, contacts, works, objects, springs } = self.present();
+        let Present { clock, groups, contacts, works, budget, objects, springs } = self.present();
         let (groups, contacts) = (groups.numbers().collect(), contacts.clone());
-        Snapshot { clock, groups, contacts, works, objects, springs }
+        Snapshot { clock, groups, contacts, works, budget, objects, springs }
     }
 
     /// The same to be written, without a copy of what is large.
@@ -323,9 +354,9 @@ impl World {
             }
         }
         let springs = self.springs.as_ref().map(|springs| springs.save()).unwrap_or_default();
-        let Self { clock, works, .. } = *self;
+        let Self { clock, works, budget, .. } = *self;
         let (groups, contacts) = (Batches(&self.groups), &self.contacts);
-        Present { clock, groups, contacts, works, objects, springs }
+        Present { clock, groups, contacts, works, budget, objects, springs }
     }
 
     /// Goes back to a snapshot of this world.
@@ -359,6 +390,7 @@ impl World {
         self.clock = snapshot.clock;
         self.contacts = snapshot.contacts.clone();
         self.works = snapshot.works;
+        self.budget = snapshot.budget;
         Ok(())
     }
 

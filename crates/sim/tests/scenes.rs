@@ -29,6 +29,42 @@ fn every_scene_is_sound_and_survives_writing() {
     }
 }
 
+/// The places of all numbers in a scene, outside of comments and texts.
+fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(first) = text[at..].chars().next() {
+        let rest = &text[at..];
+        let is_word = |c: char| c.is_ascii_alphanumeric() || "_.+-".contains(c);
+        let length = match first {
+            '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            '"' => rest[1..].find('"').map_or(rest.len(), |end| end + 2),
+            c if is_word(c) => rest.find(|c| !is_word(c)).unwrap_or(rest.len()),
+            c => c.len_utf8(),
+        };
+        if rest[..length].trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit()) {
+            found.push(at..at + length);
+        }
+        at += length;
+    }
+    found
+}
+
+#[test]
+fn values_that_are_no_physics_are_refused_in_every_field() {
+    for (path, text) in shipped() {
+        let places = numbers(&text);
+        assert!(places.len() > 5, "{}", path.display());
+        for place in places {
+            for value in ["1e308", "-1e308", "1e18"] {
+                let changed = format!("{}{value}{}", &text[..place.start], &text[place.end..]);
+                let told = &changed[place.start.saturating_sub(60)..place.start + value.len()];
+                assert!(Scene::from_ron(&changed).is_err(), "{}: {told}", path.display());
+            }
+        }
+    }
+}
+
 #[test]
 fn every_scene_runs() {
     for (path, text) in shipped() {

@@ -13,7 +13,7 @@ pub struct Soup {
 }
 
 /// Sides of a triangle of less than this part of its longest, squared, in twice its area.
-const DEGENERATE: f64 = 1e-12;
+pub(super) const DEGENERATE: f64 = 1e-12;
 
 /// A closed surface of triangles that bounds a solid.
 ///

@@ -11,11 +11,14 @@ mod feature;
 mod grid;
 mod height;
 mod mesh;
+mod obj;
+mod ply;
+mod polygon;
 mod query;
-mod read;
 mod repair;
 mod scan;
 pub mod shapes;
+mod stl;
 mod terrain;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};
@@ -23,6 +26,7 @@ pub use contact::{FieldContact, Search};
 pub use grid::{Frame, Grid};
 pub use height::HeightField;
 pub use mesh::{Mesh, Soup};
+pub use obj::{Chain, Obj};
 pub use repair::Repairs;
 pub use terrain::Terrain;
 

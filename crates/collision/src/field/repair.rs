@@ -3,6 +3,7 @@
 use super::mesh::{Mesh, Side, Soup, index};
 use crate::CollisionError;
 use nalgebra::{Point3, Vector3};
+use std::fmt;
 
 /// What was done to a mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -17,6 +18,22 @@ pub struct Repairs {
     pub reversed_faces: usize,
     /// Holes that were closed by triangles around their centroid.
     pub closed_holes: usize,
+}
+
+impl fmt::Display for Repairs {
+    /// What was done, one after the other; nothing if that is so.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let done = [
+            (self.merged_vertices, "vertices merged"),
+            (self.degenerate_faces, "folded faces removed"),
+            (self.non_manifold_faces, "faces at edges of more than two removed"),
+            (self.reversed_faces, "faces turned"),
+            (self.closed_holes, "holes closed"),
+        ];
+        let done = done.iter().filter(|(count, _)| *count > 0);
+        let told: Vec<_> = done.map(|(count, what)| format!("{what}: {count}")).collect();
+        f.write_str(&told.join(", "))
+    }
 }
 
 impl Mesh {
@@ -217,7 +234,7 @@ mod tests {
     fn a_good_mesh_stays_as_it_is() {
         let soup = shapes::torus(3.0, 1.0, [9, 7]);
         let (mesh, repairs) = Mesh::repaired(soup.clone()).expect("a mesh");
-        assert_eq!(repairs, Repairs::default());
+        assert_eq!((repairs, repairs.to_string().as_str()), (Repairs::default(), ""));
         assert_eq!(mesh, Mesh::new(soup).expect("a mesh"));
     }
 
@@ -266,6 +283,9 @@ mod tests {
         soup.triangles.push([3, 3, 5]);
         let (mesh, repairs) = Mesh::repaired(soup).expect("a mesh");
         assert_eq!((repairs.degenerate_faces, repairs.non_manifold_faces), (1, 3));
+        let told =
+            "folded faces removed: 1, faces at edges of more than two removed: 3, holes closed: 1";
+        assert_eq!(repairs.to_string(), told);
         // The two faces at the edge of the fin were removed with it, and their place filled with a
         // fan that cuts off half of the tetrahedron of their corners.
         assert_eq!(repairs.closed_holes, 1);

@@ -4,6 +4,7 @@
 use super::Mesh;
 use super::feature::{Feature, features};
 use super::grid::{Block, CELLS, Frame, Grid, NODES, SIDE, single};
+use super::mesh::index;
 use crate::CollisionError;
 use nalgebra::{Point3, Vector3};
 use std::array;
@@ -24,6 +25,31 @@ impl Grid {
         let [low, high] = mesh.bounds();
         let margin = Vector3::repeat(band + spacing);
         Self::scan_in(mesh, Frame::new(low - margin, high + margin, spacing)?, band)
+    }
+
+    /// An estimate of the memory that [`Grid::scan`] takes while it works, bytes: that of all
+    /// blocks of the lattice, of those near the surface, and of what may reach into which. Cost: a
+    /// pass over the triangles.
+    #[must_use]
+    pub fn memory(mesh: &Mesh, spacing: f64, band: f64) -> f64 {
+        let side = CELLS as f64 * spacing;
+        let [low, high] = mesh.bounds();
+        let around = |size: Vector3<f64>| size.map(|x| (x + 2.0 * band) / side + 2.0).product();
+        let all = around(high - low);
+        let (mut area, mut reached) = (0.0, 0.0);
+        for face in 0..index(mesh.triangles().len()) {
+            let [a, b, c] = mesh.corners(face).map(|p| p.coords);
+            area += 0.5 * (b - a).cross(&(c - a)).norm();
+            reached += around(a.sup(&b).sup(&c) - a.inf(&b).inf(&c));
+        }
+        // Blocks within the band of the surface, and as many again at its edges; each is held twice
+        // while all are put together.
+        let near = all.min(4.0 * area * (2.0 * band + 2.0 * side) / side.powi(3));
+        // A triangle counts for its own, its edges and its corners.
+        32.0 * all
+            + 12.0 * NODES as f64 * near
+            + 16.0 * all.min(reached)
+            + 1000.0 * mesh.triangles().len() as f64
     }
 
     /// Distances of a mesh at the nodes of a given lattice that are closer than `band`, m.

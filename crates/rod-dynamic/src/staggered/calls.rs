@@ -83,7 +83,7 @@ impl<S: Simd> Pack<S> {
                     scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
                 }
                 let simd = pack.chain.simd;
-                let scale = Lane::new(simd, simd.partial_load_f64s(&scale[..S::F64_LANES]));
+                let scale = Lane::load(simd, &scale, 0);
                 pack.chain.advance(Lane::splat(simd, 1.0), scale);
                 pack.resume();
                 pack.chain.shape();

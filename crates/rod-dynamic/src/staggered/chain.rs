@@ -341,7 +341,7 @@ impl<S: Simd> Chain<S> {
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
             }
-            let lift = |x: &[f64; 8]| Lane::new(simd, simd.partial_load_f64s(&x[..lanes]));
+            let lift = |x: &[f64; 8]| Lane::load(simd, x, 0);
             self.advance(lift(&fresh), lift(&scale));
             if !search[..lanes].iter().any(|s| s.active) {
                 break;
@@ -395,7 +395,7 @@ impl<S: Simd> Chain<S> {
             for lane in 0..lanes {
                 definite[lane] = search[lane].definite_part();
             }
-            let definite = Lane::new(simd, simd.partial_load_f64s(&definite[..lanes]));
+            let definite = Lane::load(simd, &definite, 0);
             self.definite = definite.value;
             let (potential, signature) = self.assemble(gap, definite);
             let turn = self.largest_turn();

@@ -1,9 +1,12 @@
 //! The step of infinite length: a static solver.
 
 use super::batch::StaggeredBatch;
-use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, Steady, StepError, StepReport};
-use nalgebra::Vector3;
+use crate::{
+    End, Instant, Load, Rod, RodError, RodState, SectionLaws, Steady, StepError, StepReport,
+};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
+use rapunzel_rod_static::{Chain, Piece, Properties, Target};
 use thiserror::Error;
 
 /// Length of the step in units of the rod's slowest bending time. Inertia has a part of `1e-6` in
@@ -31,11 +34,13 @@ pub enum EquilibriumError {
 
 /// The equilibrium of `rod` under `conditions` that minimising the energy from `start` leads to.
 ///
-/// It is stable: where the Hessian is not positive definite, as for a tall rod that balances
-/// upright, the rod is bent a little and let go again. (Moments and follower forces at the ends
-/// have no energy, and stability is then not claimed.) A free root is taken as pinned where it is:
-/// without that nothing holds the rod. The state returned is at rest. Laws of sections are not asked:
-/// it is the equilibrium of the fibre with its stiffness.
+/// It is stable: from a saddle of the energy, as where a tall rod balances upright, and where
+/// Newton's method fails, a [`Chain`] of the same segments leads down to a minimum nearby. (Moments
+/// and follower forces at the ends have no energy, wind moves with the rod, and a pinned root is not
+/// that of a chain: there the rod is bent a little and let go again, and stability is not claimed.)
+/// A free root is taken as pinned where it is: without that nothing holds the rod. The state
+/// returned is at rest. Laws of sections are not asked: it is the equilibrium of the fibre with its
+/// stiffness.
 ///
 /// Second order in the length of the segments: the tip of a clamped horizontal hair of 100 segments
 /// is off by `2.7e-4` of its length. Extrapolation from two meshes removes nearly all of that.
@@ -67,17 +72,82 @@ pub fn equilibrium(
     for kicks in 0..=MAX_KICKS {
         batch.set_state(0, &state)?;
         let mut reports = [StepReport::default()];
-        let saddle = batch.settle(LONG * bending_time, &[&Steady(conditions)], &mut reports)?;
+        let settled = batch.settle(LONG * bending_time, &[&Steady(conditions)], &mut reports);
         total.iterations += reports[0].iterations;
         total.residual = reports[0].residual;
-        state = batch.state(0);
-        state.time = start.time;
-        if !saddle || kicks == MAX_KICKS {
+        let stable = match settled {
+            Ok(saddle) => {
+                state = batch.state(0);
+                state.time = start.time;
+                !saddle
+            }
+            Err(StepError::NotConverged { .. }) if kicks == 0 => false,
+            Err(error) => return Err(error.into()),
+        };
+        if stable || kicks == MAX_KICKS {
             break;
         }
-        bend(&mut state, KICK * (kicks + 1) as f64);
+        match least(rod, &conditions, &state).filter(|_| kicks == 0) {
+            Some(frames) => state.frames = frames,
+            None => bend(&mut state, KICK * (kicks + 1) as f64),
+        }
     }
     Ok((state, total))
+}
+
+/// The frames of the segments at the minimum of the energy that a chain reaches from `state`.
+/// `None` for conditions that have no energy or that a chain does not know, and if it finds none.
+fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotation3<f64>>> {
+    let (fiber, last) = (&rod.fiber, state.frames.len());
+    let End::Held(clamp) = conditions.root else { return None };
+    if conditions.air.is_some() {
+        return None;
+    }
+    let mut pieces: Vec<Piece> = fiber
+        .nodes()
+        .windows(2)
+        .zip(fiber.segment_lengths())
+        .map(|(ends, length)| {
+            let density = 0.5 * (ends[0].linear_density + ends[1].linear_density);
+            let properties = Properties {
+                stiffness: 0.5 * (ends[0].stiffness + ends[1].stiffness),
+                natural_curvature: 0.5 * (ends[0].natural_curvature + ends[1].natural_curvature),
+                load: conditions.gravity * density + conditions.distributed,
+            };
+            Piece::uniform(*length, properties)
+        })
+        .collect();
+    // Frames of the nodes: between those of the segments, and half a segment beyond the last.
+    let frames: Vec<UnitQuaternion<f64>> = state.frames.iter().map(so3::quaternion).collect();
+    let mut nodes = vec![clamp.rotation];
+    nodes.extend(frames.windows(2).map(|pair| middle(&pair[0], &pair[1])));
+    nodes.push(frames[last - 1] * nodes[last - 1].rotation_to(&frames[last - 1]));
+    let mut held = None;
+    match conditions.tip {
+        End::Held(pose) => {
+            nodes[last] = pose.rotation;
+            held = Some(pose.translation.vector.into());
+        }
+        End::Pinned { position, moment } if moment == Load::ZERO => held = Some(position),
+        End::Loaded { force: Load::World(force), moment } if moment == Load::ZERO => {
+            let end = pieces.pop()?.with_end_load(force);
+            pieces.push(end);
+        }
+        End::Pinned { .. } | End::Loaded { .. } => return None,
+    }
+    let mut chain = Chain::new(&clamp, &pieces, last).ok()?;
+    chain.hold_tip_frame(matches!(conditions.tip, End::Held(_)));
+    if let Some(place) = held {
+        chain.set_targets(&[Target::held(last, place)]).ok()?;
+    }
+    let shape = chain.relax(&chain.shape_of(nodes).ok()?).ok()?.shape;
+    let middles = shape.frames().windows(2).map(|pair| middle(&pair[0], &pair[1]));
+    Some(middles.map(|frame| frame.to_rotation_matrix()).collect())
+}
+
+/// The frame half way from one to another.
+fn middle(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    a * a.rotation_to(b).powf(0.5)
 }
 
 /// Turns the frames ever more toward the tip, about an axis that is special for no section.

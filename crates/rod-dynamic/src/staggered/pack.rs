@@ -193,7 +193,7 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     pub(super) fn flags(&self, flags: &[bool; 8]) -> Lane<S> {
         let numbers = flags.map(f64::from);
-        Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&numbers[..S::F64_LANES]))
+        Lane::load(self.chain.simd, &numbers, 0)
     }
 
     /// Makes the last attempt the state, in the lanes that are `done`.
@@ -213,7 +213,7 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(super) fn stage(&self, dt: &[f64; 8], problem: Problem) -> Stage<S> {
-        let dt = Lane::new(self.chain.simd, self.chain.simd.partial_load_f64s(&dt[..S::F64_LANES]));
+        let dt = Lane::load(self.chain.simd, dt, 0);
         self.scheme.stage(dt, problem)
     }
 

@@ -6,6 +6,15 @@ use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
 use serde::Deserialize;
 use std::path::PathBuf;
 
+/// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine, for
+/// any load: what is left of them by Richardson's extrapolation is a quarter of the finer one at
+/// most, beside the `accuracy` of the reference.
+pub fn assert_second_order(name: &str, coarse: &Vector3<f64>, fine: &Vector3<f64>, accuracy: f64) {
+    let left = ((fine * 4.0 - coarse) / 3.0).norm();
+    let allowed = 0.25 * fine.norm() + accuracy;
+    assert!(left < allowed, "{name}: off by {coarse}, {fine}, extrapolated {left:e}");
+}
+
 /// `name` in the folder `RAPUNZEL_ORACLES`, or the copy in `tests/data`.
 pub fn oracle<T: for<'a> Deserialize<'a>>(name: &str) -> T {
     let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(

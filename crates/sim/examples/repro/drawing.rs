@@ -9,7 +9,11 @@ const COLORS: [&str; 7] =
     ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#222222", "#E69F00", "#56B4E9"];
 const FIBER: &str = "#6b4423";
 const LEFT: f64 = 80.0;
+/// Room for the legend: the least, beside its names, and for a letter of them, pixels.
 const RIGHT: f64 = 250.0;
+const LEGEND: f64 = 50.0;
+const LETTER: f64 = 6.6;
+const LINE: f64 = 20.0;
 const CHART: f64 = 300.0;
 /// Room for the title of a drawing and for what is below it, pixels.
 const ABOVE: f64 = 40.0;
@@ -22,7 +26,7 @@ pub(crate) enum Drawing {
     Pictures(Pictures),
 }
 
-/// Curves over one abscissa.
+/// Curves over one abscissa; where both axes have one unit, they are shapes, and of one scale.
 pub(crate) struct Chart {
     pub(crate) title: String,
     pub(crate) x: &'static str,
@@ -110,16 +114,36 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     if high > low { [low, high] } else { [low - 0.5, low + 0.5] }
 }
 
+/// The unit in the brackets of a label, if it has one.
+fn unit(label: &str) -> Option<&str> {
+    let (_, unit) = label.strip_suffix(')')?.rsplit_once('(')?;
+    Some(unit)
+}
+
+/// The interval of the same middle and another width.
+fn widened([low, high]: [f64; 2], width: f64) -> [f64; 2] {
+    let middle = 0.5 * (low + high);
+    [middle - 0.5 * width, middle + 0.5 * width]
+}
+
 impl Chart {
     /// Draws below `top` and returns the height, pixels.
     fn draw(&self, canvas: &mut Canvas, top: f64) -> f64 {
         let points = || self.curves.iter().flat_map(|c| &c.points);
         let height = |y: f64| self.log_from.map_or(y, |least| y.max(least).log10());
-        let xs = range(points().map(|p| p[0]));
+        let mut xs = range(points().map(|p| p[0]));
         let [low, high] = range(points().map(|p| height(p[1])));
         let room = 0.04 * (high - low);
-        let ys = [low - room, high + room];
-        let (corner, size) = ([LEFT, top + ABOVE], [WIDTH - LEFT - RIGHT, CHART]);
+        let mut ys = [low - room, high + room];
+        let longest = self.curves.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
+        let right = RIGHT.max(LEGEND + LETTER * longest as f64);
+        let tall = CHART.max(LINE * (self.curves.len() as f64 + 0.2));
+        let (corner, size) = ([LEFT, top + ABOVE], [WIDTH - LEFT - right, tall]);
+        if unit(self.x).is_some_and(|x| self.log_from.is_none() && unit(self.y) == Some(x)) {
+            let scale = ((xs[1] - xs[0]) / size[0]).max((ys[1] - ys[0]) / size[1]);
+            xs = widened(xs, scale * size[0]);
+            ys = widened(ys, scale * size[1]);
+        }
         let place = |x: f64, y: f64| {
             [
                 corner[0] + size[0] * (x - xs[0]) / (xs[1] - xs[0]),
@@ -147,14 +171,14 @@ impl Chart {
             let dash = if i < COLORS.len() { "" } else { "6 3" };
             let stroke = Stroke { color: COLORS[i % COLORS.len()], width: 1.3, dash };
             canvas.polyline(curve.points.iter().map(|p| place(p[0], height(p[1]))), &stroke);
-            let (x, y) = (WIDTH - RIGHT + 14.0, corner[1] + 12.0 + 20.0 * i as f64);
+            let (x, y) = (WIDTH - right + 14.0, corner[1] + 12.0 + LINE * i as f64);
             canvas.polyline([[x, y], [x + 22.0, y]], &Stroke { width: 2.5, ..stroke });
             canvas.text([x + 28.0, y + 4.0], 12.0, Anchor::Start, &curve.name);
         }
         let middle = corner[0] + 0.5 * size[0];
-        canvas.text([middle, corner[1] + CHART + 38.0], 13.0, Anchor::Middle, self.x);
-        canvas.upward([22.0, corner[1] + 0.5 * CHART], 13.0, self.y);
-        ABOVE + CHART + BELOW
+        canvas.text([middle, corner[1] + tall + 38.0], 13.0, Anchor::Middle, self.x);
+        canvas.upward([22.0, corner[1] + 0.5 * tall], 13.0, self.y);
+        ABOVE + tall + BELOW
     }
 }
 
@@ -206,6 +230,35 @@ impl Pictures {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A circle of lengths is drawn as one, and a long name in the legend ends in the drawing.
+    #[test]
+    fn shapes_keep_their_shape_and_legends_are_whole() {
+        let circle = |i: u32| (std::f64::consts::TAU * f64::from(i) / 100.0).sin_cos();
+        let points = (0..=100).map(circle).map(|(x, y)| [x, y]).collect();
+        let name = "a long name of a curve that must not be cut at the edge of the drawing";
+        let drawn = svg(&[Drawing::Chart(Chart {
+            title: String::new(),
+            x: "across (mm)",
+            y: "height (mm)",
+            log_from: None,
+            curves: vec![Curve { name: name.into(), points }],
+        })]);
+        let all = drawn.lines().filter(|line| line.contains("polyline"));
+        let list = all.map(|line| line.split('"').nth(1).expect("points"));
+        let longest = list.max_by_key(|list| list.len()).expect("a curve");
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        let pairs = longest.split(' ').filter_map(|pair| pair.split_once(','));
+        let [xs, ys]: [Vec<f64>; 2] = {
+            let (xs, ys) = pairs.map(|(x, y)| (number(x), number(y))).unzip();
+            [xs, ys]
+        };
+        let [x, y] = [range(xs.into_iter()), range(ys.into_iter())];
+        assert!(((x[1] - x[0]) - (y[1] - y[0])).abs() < 0.3, "{x:?} {y:?}");
+        let legend = drawn.lines().find(|line| line.contains(name)).expect("a legend");
+        let at = number(legend.split('"').nth(1).expect("a place"));
+        assert!(at + 6.0 * name.chars().count() as f64 <= WIDTH, "{at}");
+    }
 
     #[test]
     fn parts_stand_below_each_other_and_all_numbers_are_kept() {

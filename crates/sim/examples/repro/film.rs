@@ -21,7 +21,8 @@ pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<(
     let mut stepper = scene.stepper_of(&world)?;
     observe(&world);
     while world.steps() < plan.steps {
-        stepper.step(&mut world, plan.step_after(world.steps()))?;
+        let dt = plan.step_after(world.steps());
+        stepper.step(&mut world, dt)?;
         observe(&world);
     }
     Ok(())

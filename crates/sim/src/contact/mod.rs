@@ -41,6 +41,7 @@ mod free;
 mod gather;
 mod law;
 mod memory;
+mod mesh;
 mod object;
 mod pair;
 mod part;
@@ -57,6 +58,7 @@ mod work;
 
 pub use memory::Bearing;
 pub(crate) use memory::Memory;
+pub(crate) use mesh::read_mesh;
 pub(crate) use object::{Object, Way};
 pub use report::{ContactReport, Unresolved};
 pub(crate) use solid::Surroundings;

@@ -100,7 +100,8 @@ mod tests {
     /// On a ball of triangles every vertex goes toward the center, by hardly more than the radius.
     #[test]
     fn what_is_nearly_round_shrinks() {
-        let shape = ObjectShape::Mesh { file: "ball.ply".into(), spacing: 1e-3 };
+        let (file, scale, repair) = ("ball.ply".into(), 1.0, false);
+        let shape = ObjectShape::Mesh { file, spacing: 1e-3, scale, repair };
         let (ball, radius) = (shapes::sphere(0.01, 10), 1e-4);
         for edge in skeleton(&shape, &ball, radius) {
             let depth = 0.01 - edge.start.coords.norm();

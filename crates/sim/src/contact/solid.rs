@@ -1,6 +1,7 @@
 //! Objects of a scene as things in the world: their fields, surfaces and masses.
 
 use super::free::FreeBody;
+use super::mesh::read_mesh;
 use super::object::{Object, Way};
 use super::skeleton::skeleton;
 use crate::SimError;
@@ -9,14 +10,11 @@ use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
 use rapunzel_collision::field::{
-    Ball, Cuboid, DistanceField, Grid, HalfSpace, Mesh, Soup, Terrain, shapes,
+    Ball, Cuboid, DistanceField, Grid, HalfSpace, Soup, Terrain, shapes,
 };
 use rapunzel_collision::{Capsule, CollisionError};
 use rapunzel_contact::{ContactError, RigidBody};
 use std::f64::consts::PI;
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
 
 /// Parts of an octant of a ball that is shown.
 const FINENESS: i32 = 16;
@@ -40,6 +38,13 @@ impl Surroundings {
     fn reach(&self) -> f64 {
         REACH * self.thickest + self.roundest.unwrap_or(0.0)
     }
+
+    /// The band of the field of a mesh on a grid, m. Beside the reach, the diagonal of a cell is
+    /// lost, and two spacings are the least; more lets objects be faster.
+    pub(crate) fn band(&self, spacing: f64) -> f64 {
+        let cells = if self.roundest.is_some() { 6.0 } else { 3.0 };
+        self.reach() + cells * spacing
+    }
 }
 
 type Field = Box<dyn DistanceField + Send + Sync>;
@@ -58,7 +63,12 @@ impl scene::Object {
         );
         let refuse = |source| SimError::Object { object: index, source };
         let (field, surface) = match &self.shape {
-            ObjectShape::Mesh { file, spacing } => mesh(index, file, *spacing, around)?,
+            ObjectShape::Mesh { file, spacing, scale, repair } => {
+                let (mesh, _) = read_mesh(index, file, *scale, *repair)?;
+                let field = Grid::scan(&mesh, *spacing, around.band(*spacing)).map_err(refuse)?;
+                let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+                (Box::new(field) as Field, Soup { vertices, triangles })
+            }
             shape => solid(shape, around).map_err(refuse)?,
         };
         let way = match self.moves {
@@ -142,39 +152,6 @@ fn solid(shape: &ObjectShape, around: &Surroundings) -> Result<(Field, Soup), Co
 fn facing(normal: &Unit<Vector3<f64>>) -> Rotation3<f64> {
     Rotation3::rotation_between(&Vector3::z(), normal)
         .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI))
-}
-
-/// Field and surface of the mesh in a file.
-fn mesh(
-    object: usize,
-    path: &Path,
-    spacing: f64,
-    around: &Surroundings,
-) -> Result<(Field, Soup), SimError> {
-    let file = BufReader::new(File::open(path).map_err(SimError::io("read", path))?);
-    let kind = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let soup = match kind.to_ascii_lowercase().as_str() {
-        "ply" => Soup::read_ply(file),
-        "stl" => Soup::read_stl(file),
-        "obj" => Soup::read_obj(file),
-        _ => {
-            let problem = "only .ply, .stl and .obj are read".into();
-            Err(CollisionError::Read { format: "a mesh", problem })
-        }
-    };
-    let field = soup.and_then(Mesh::new).and_then(|mesh| {
-        // Beside the reach, the diagonal of a cell is lost, and two spacings are the least; more lets
-        // objects be faster.
-        let cells = if around.roundest.is_some() { 6.0 } else { 3.0 };
-        let band = around.reach() + cells * spacing;
-        let surface =
-            Soup { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() };
-        Ok((Grid::scan(&mesh, spacing, band)?, surface))
-    });
-    match field {
-        Ok((field, surface)) => Ok((Box::new(field), surface)),
-        Err(source) => Err(SimError::Mesh { object, path: path.to_owned(), source }),
-    }
 }
 
 /// Volume, m^3, of a shape that ends.
@@ -270,7 +247,8 @@ mod tests {
         let mut surface = shapes::cuboid(Vector3::new(0.01, 0.02, 0.03));
         let by = Vector3::new(0.1, -0.2, 0.3);
         surface.vertices.iter_mut().for_each(|p| *p += by);
-        let shape = ObjectShape::Mesh { file: "box.ply".into(), spacing: 0.01 };
+        let (file, scale, repair) = ("box.ply".into(), 1.0, false);
+        let shape = ObjectShape::Mesh { file, spacing: 0.01, scale, repair };
         let (body, center) = body(&shape, &surface, 2e3, &Isometry3::identity()).expect("a body");
         assert_relative_eq!(center, by, epsilon = 1e-12);
         let edges = Vector3::new(0.02, 0.04, 0.06);

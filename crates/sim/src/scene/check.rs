@@ -48,41 +48,71 @@ impl Place {
     }
 }
 
-/// The values that a number may take.
+/// The values that a number may take. What they are at most, and at least beside zero, is by the
+/// unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Allowed {
     /// Above zero.
     Positive,
     /// Zero or above.
     NonNegative,
-    /// Any finite number.
+    /// Of either sign.
     Finite,
     /// Between two bounds, which belong to it.
     Within(f64, f64),
 }
 
-impl Allowed {
-    fn admits(self, x: f64) -> bool {
-        x.is_finite()
-            && match self {
-                Self::Positive => x > 0.0,
-                Self::NonNegative => x >= 0.0,
-                Self::Finite => true,
-                Self::Within(low, high) => (low..=high).contains(&x),
-            }
+/// How small, beside zero, and how large quantities of a unit are in the laboratory and around it:
+/// what is beyond is a typing error, or makes numbers that no arithmetic holds.
+fn sizes(unit: &str) -> [f64; 2] {
+    match unit {
+        "m" => [1e-9, 1e4],
+        "m^2" => [1e-18, 1e8],
+        "m^3" => [1e-27, 1e12],
+        "1/m" => [1e-9, 1e7],
+        "1/m^2" => [1e-8, 1e14],
+        "s" => [1e-9, 1e9],
+        "Hz" | "1/s" => [1e-9, 1e9],
+        "m/s" | "m/s^2" => [1e-12, 1e6],
+        "degrees" => [1e-9, 1e6],
+        "degrees/s" => [1e-9, 1e9],
+        "kg" => [1e-18, 1e6],
+        "kg/m" => [1e-15, 1e6],
+        "kg/m^3" => [1e-6, 1e5],
+        "kg, or kg/m^3" => [1e-18, 1e6],
+        "N" | "N m" => [1e-18, 1e9],
+        "N/m" | "m/N" => [1e-12, 1e12],
+        "N m^2" => [1e-24, 1e12],
+        "Pa" => [1e-3, 1e18],
+        "Pa s" => [1e-9, 1e9],
+        "C" | "C/m" => [1e-21, 1e3],
+        "statC/cm" => [1e-12, 1e12],
+        "V" | "V/m" => [1e-9, 1e9],
+        "F/m" => [1e-18, 1.0],
+        "ohm/m" => [1e-9, 1e21],
+        _ => [1e-12, 1e12],
     }
 }
 
-impl fmt::Display for Allowed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+/// The least part of a range from zero on that is not meant for zero itself.
+const NOTHING: f64 = 1e-12;
+
+impl Allowed {
+    /// The bounds, and whether zero is allowed beside what lies between them.
+    fn bounds(self, unit: &str) -> (f64, f64, bool) {
+        let [least, most] = sizes(unit);
         match self {
-            Self::Positive => f.write_str("positive and finite"),
-            Self::NonNegative => f.write_str("zero or positive, and finite"),
-            Self::Finite => f.write_str("finite"),
-            Self::Within(low, high) => write!(f, "between {low:?} and {high:?}"),
+            Self::Positive => (least, most, false),
+            Self::NonNegative => (least, most, true),
+            Self::Finite => (-most, most, false),
+            Self::Within(0.0, high) => (NOTHING * high, high, true),
+            Self::Within(low, high) => (low, high, false),
         }
     }
 }
+
+/// The most problems that are told of a scene.
+const MOST_PROBLEMS: usize = 100;
 
 /// Collects what is wrong with a scene while walking through it.
 #[derive(Debug, Default)]
@@ -109,13 +139,17 @@ impl Check {
 
     /// Refuses a number outside its range; `unit` is for the message.
     pub(crate) fn number(&mut self, field: &str, value: f64, allowed: Allowed, unit: &str) {
-        if !allowed.admits(value) {
+        let (low, high, or_zero) = allowed.bounds(unit);
+        if !((low..=high).contains(&value) || or_zero && value == 0.0) {
+            let zero = if or_zero { "0, or " } else { "" };
             let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
-            self.refuse(field, format!("is {value:?}, but must be {allowed}{unit}"));
+            let message =
+                format!("is {value:?}, but must be {zero}between {low:?} and {high:?}{unit}");
+            self.refuse(field, message);
         }
     }
 
-    /// Refuses a vector with a component that is not finite.
+    /// Refuses a vector with a component that is too large.
     pub(crate) fn vector(&mut self, field: &str, value: &[f64; 3], unit: &str) {
         for (i, &x) in value.iter().enumerate() {
             self.number(&format!("{field}[{i}]"), x, Allowed::Finite, unit);
@@ -147,6 +181,11 @@ impl Check {
 
     /// What was found, with places where the text is known.
     pub(crate) fn finish(mut self, text: Option<&str>) -> Vec<Problem> {
+        let more = self.problems.len().saturating_sub(MOST_PROBLEMS);
+        if more > 0 {
+            self.problems.truncate(MOST_PROBLEMS);
+            self.refuse("", format!("has {more} more problems"));
+        }
         if let Some(text) = text {
             for problem in &mut self.problems {
                 problem.place = Some(Place::of(text, locate::span(text, &problem.path)));

@@ -56,7 +56,7 @@ pub enum ContactMethod {
 }
 
 fn residual() -> f64 {
-    1e-3
+    1e-4
 }
 fn slip() -> f64 {
     4e-5

@@ -16,6 +16,9 @@ pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
     walk.best.1
 }
 
+/// How deep the walk goes: deeper than the parser of RON.
+const DEEPEST: usize = 200;
+
 struct Walk<'a> {
     text: &'a str,
     at: usize,
@@ -79,6 +82,8 @@ impl Walk<'_> {
             let end = self.at;
             self.skip();
             match self.rest().chars().next() {
+                // What was not parsed, behind an error, may be deeper than the stack.
+                Some('(' | '[' | '{') if self.path.len() == DEEPEST => self.at = self.text.len(),
                 Some(open @ ('(' | '[' | '{')) => self.list(open),
                 _ => self.at = end,
             }
@@ -165,7 +170,10 @@ mod tests {
 
     #[test]
     fn broken_text_does_not_stop_the_walk() {
-        for text in ["", "(", "(a: [", "\"", "(a: b c: d)", "]]]", "(a: \"x", "(,,)", "é(ü: 1)"] {
+        let deep = "(".repeat(1_000_000);
+        for text in
+            ["", "(", "(a: [", "\"", "(a: b c: d)", "]]]", "(a: \"x", "(,,)", "é(ü: 1)", &deep]
+        {
             let found = span(text, "a.b");
             assert!(found.end <= text.len(), "{text}");
         }

@@ -291,7 +291,11 @@ impl MassSpring {
         check.count("substeps", self.substeps, 1, 1_000_000);
         check.each("holds", &self.holds, |c, hold| {
             c.number("from", hold.from, Allowed::NonNegative, "s");
-            c.number("until", hold.until, Allowed::Within(hold.from, f64::MAX), "s");
+            c.number("until", hold.until, Allowed::NonNegative, "s");
+            if hold.until < hold.from {
+                let message = format!("is {:?}, but must not be before `from` (s)", hold.until);
+                c.refuse("until", message);
+            }
             c.vector("velocity", &hold.velocity, "m/s");
         });
         check.each("loads", &self.loads, |c, load| c.vector("force", &load.force, "N"));
@@ -299,14 +303,27 @@ impl MassSpring {
             check.within("contacts", |c| contacts.check(c));
         }
         check.within("model", |c| match &self.model {
-            Model::Rope { nodes, direction, .. } => {
+            Model::Rope { nodes, spacing, direction, bending_stiffness, .. } => {
                 c.count("nodes", *nodes, 2, 1_000_000);
+                c.number("spacing", *spacing, Allowed::Positive, "m");
                 c.direction("direction", direction);
+                c.number("bending_stiffness", *bending_stiffness, Allowed::NonNegative, "N m^2");
             }
-            Model::Ring { count, .. } => c.count("count", *count, 3, 1_000_000),
-            Model::Ball { fineness, .. } => c.count("fineness", (*fineness).into(), 1, 100),
-            Model::Net { place, .. } => place.check(c),
-            Model::Body { .. } => {}
+            Model::Ring { count, radius, tau } => {
+                c.count("count", *count, 3, 1_000_000);
+                c.number("radius", *radius, Allowed::Positive, "m");
+                c.number("tau", *tau, Allowed::NonNegative, "");
+            }
+            Model::Ball { fineness, radius, tau } => {
+                c.count("fineness", (*fineness).into(), 1, 100);
+                c.number("radius", *radius, Allowed::Positive, "m");
+                c.number("tau", *tau, Allowed::NonNegative, "");
+            }
+            Model::Net { place, spacing, .. } => {
+                place.check(c);
+                c.number("spacing", *spacing, Allowed::Positive, "m");
+            }
+            Model::Body { spacing, .. } => c.number("spacing", *spacing, Allowed::Positive, "m"),
         });
     }
 }

@@ -48,8 +48,8 @@ use std::path::Path;
 /// The version of the scene format that this crate reads.
 pub const FORMAT: u32 = 1;
 
-/// The most nodes of a scene, some 100 GB: more is a typing error.
-const MOST_NODES: usize = 100_000_000;
+/// The most frames of a run, each a file or more: more is a typing error.
+const MOST_FRAMES: f64 = 1e6;
 
 /// Everything that determines a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -208,6 +208,30 @@ impl Scene {
         meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
+    /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No motion
+    /// of it may gain any.
+    pub(crate) fn is_closed(&self) -> bool {
+        let still = |bundle: &Bundle| {
+            bundle.motion == Motion::Fixed
+                && matches!(bundle.tip, Tip::Free | Tip::Held)
+                && bundle.point_forces.is_empty()
+                && match &bundle.root_joint {
+                    Joint::Clamped | Joint::Free => true,
+                    Joint::Ball { moment } => *moment == Load::default(),
+                }
+        };
+        let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;
+        let air = &self.environment;
+        self.fibers.iter().all(still)
+            && self.objects.iter().all(unmoved)
+            && self.contact.as_ref().is_none_or(|contact| contact.adhesion.is_none())
+            && air.gravity_ramp == 0.0
+            && air.wind == Wind::default()
+            && !air.climate.changes()
+            && self.charging.is_none()
+            && self.mass_spring.is_none()
+    }
+
     /// Number of segments of fibre `fiber`, counted over all bundles.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {
@@ -341,13 +365,6 @@ impl Scene {
             bundle.check(c);
             self.check_keratin(bundle, c);
         });
-        let nodes =
-            |b: &Bundle| b.arrangement.fibers().saturating_mul(b.segments.saturating_add(1));
-        let nodes = self.fibers.iter().map(nodes).fold(0, usize::saturating_add);
-        if nodes > MOST_NODES {
-            let message = format!("have {nodes} nodes, but must have at most {MOST_NODES}");
-            check.refuse("fibers", message);
-        }
         check.each("objects", &self.objects, |c, object| object.check(c));
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));
@@ -379,6 +396,14 @@ impl Scene {
                     c.refuse("charge", message.into());
                 }
             }),
+        }
+        let rate =
+            if self.charging.is_some() { 1.0 / self.stepper.dt } else { self.output.frame_rate };
+        let frames = self.duration * rate;
+        if frames > MOST_FRAMES {
+            let message =
+                format!("makes {frames:.0} frames, but must make at most {MOST_FRAMES:.0}");
+            check.refuse("duration", message);
         }
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));

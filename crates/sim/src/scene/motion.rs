@@ -61,7 +61,9 @@ pub enum Motion {
         /// End of the motion, s.
         until: f64,
     },
-    /// Through given poses, at constant velocity and rate between them; at rest after the last.
+    /// Through given poses, at constant velocity and rate between them; at rest after the last. From
+    /// one rotation vector to a parallel one the angle goes from the one to the other, whole turns
+    /// included; others may be half a turn apart, and are joined the short way.
     Keyframes {
         /// The poses, in the order of time; the first is at time 0 and moves nothing.
         points: Vec<Keyframe>,
@@ -190,14 +192,33 @@ fn orientation(keyframe: &Keyframe) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(Vector3::from(keyframe.rotation.map(f64::to_radians)))
 }
 
+/// The rotation vector of the turn from one keyframe to the next, rad, in the frame of the first: its
+/// direction is kept, so that the rate is constant.
+fn turned(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
+    if are_parallel(from, to) {
+        return asked_turn(from, to);
+    }
+    (orientation(from).inverse() * orientation(to)).scaled_axis()
+}
+
+/// What one rotation vector differs from another by, rad. The rotations are never farther apart.
+fn asked_turn(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
+    let [from, to] = [from, to].map(|k| Vector3::from(k.rotation.map(f64::to_radians)));
+    to - from
+}
+
+/// Whether both rotations have one axis, to the rounding of numbers that were written down.
+fn are_parallel(a: &Keyframe, b: &Keyframe) -> bool {
+    let [a, b] = [a, b].map(|k| Vector3::from(k.rotation));
+    a.cross(&b).norm() <= 1e-9 * a.norm() * b.norm()
+}
+
 fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
     let after = points.partition_point(|k| k.time <= t);
     let Some(last) = points.get(after.saturating_sub(1)) else { return Isometry3::identity() };
     let next = points.get(after).unwrap_or(last);
     let x = if next.time > last.time { (t - last.time) / (next.time - last.time) } else { 0.0 };
-    // Along the geodesic, so that the rate is constant.
-    let (a, b) = (orientation(last), orientation(next));
-    let turned = a * UnitQuaternion::from_scaled_axis((a.inverse() * b).scaled_axis() * x);
+    let turned = orientation(last) * UnitQuaternion::from_scaled_axis(turned(last, next) * x);
     let moved = Vector3::from(last.translation).lerp(&next.translation.into(), x);
     Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
 }
@@ -261,8 +282,16 @@ fn check_keyframes(points: &[Keyframe], check: &mut Check) {
         } else {
             let field = format!("points[{}]", i + 1);
             check_speed(check, &field, way / time);
-            let angle = orientation(&pair[0]).angle_to(&orientation(&pair[1]));
-            check_rate(check, &field, angle.to_degrees() / time);
+            let asked = asked_turn(&pair[0], &pair[1]).norm();
+            if asked > PI && !are_parallel(&pair[0], &pair[1]) {
+                let message = format!(
+                    "turns by {:.1} degrees from another axis: which way is not told; put keyframes \
+                     between them that are at most 180 degrees apart",
+                    asked.to_degrees()
+                );
+                check.refuse(&format!("{field}.rotation"), message);
+            }
+            check_rate(check, &field, turned(&pair[0], &pair[1]).norm().to_degrees() / time);
         }
     }
 }
@@ -271,6 +300,7 @@ fn check_keyframes(points: &[Keyframe], check: &mut Check) {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+    use proptest::prelude::*;
 
     fn start() -> Point3<f64> {
         Point3::new(0.1, 0.2, 0.3)
@@ -310,6 +340,65 @@ mod tests {
             let moved = motion.displacement(0.0, &start()).to_homogeneous();
             assert_relative_eq!(moved, nalgebra::Matrix4::identity(), epsilon = 1e-15);
         }
+    }
+
+    proptest! {
+        /// Also of more than a turn, backwards, and from angles that are not zero.
+        #[test]
+        fn keyframes_about_one_axis_turn_by_what_is_asked(
+            axis in prop::array::uniform3(-1.0..1.0_f64),
+            angles in prop::collection::vec(
+                prop_oneof![-2000.0..2000.0_f64, Just(0.0), Just(180.0), Just(-360.0)],
+                1..5,
+            ),
+        ) {
+            let axis = Vector3::from(axis);
+            prop_assume!(axis.norm() > 1e-3);
+            let axis = axis.normalize();
+            let key = |(i, angle): (usize, f64)| {
+                let rotation = (axis * angle).into();
+                Keyframe { time: i as f64, translation: [0.0; 3], rotation }
+            };
+            let angles = [vec![0.0], angles].concat();
+            let points: Vec<_> = angles.iter().copied().enumerate().map(key).collect();
+            let motion = Motion::Keyframes { points };
+            let pose = |t: f64| motion.displacement(t, &start()).rotation;
+            for (i, pair) in angles.windows(2).enumerate() {
+                // Parts so short that the short way is the way.
+                let parts = 64;
+                let at = |part: u32| pose(i as f64 + f64::from(part) / f64::from(parts));
+                let turns = (0..parts).map(|k| (at(k + 1) * at(k).inverse()).scaled_axis());
+                let whole = turns.sum::<Vector3<f64>>().dot(&axis).to_degrees();
+                prop_assert!((whole - (pair[1] - pair[0])).abs() < 1e-9, "{whole} {pair:?}");
+            }
+        }
+
+        #[test]
+        fn keyframes_meet_their_poses_at_a_constant_rate(
+            a in prop::array::uniform3(-90.0..90.0_f64),
+            b in prop::array::uniform3(-90.0..90.0_f64),
+        ) {
+            let key = |time, rotation| Keyframe { time, translation: [0.0; 3], rotation };
+            let points = vec![key(0.0, [0.0; 3]), key(1.0, a), key(2.0, b)];
+            let motion = Motion::Keyframes { points: points.clone() };
+            let pose = |t: f64| motion.displacement(t, &start()).rotation;
+            prop_assert!(pose(1.0).angle_to(&orientation(&points[1])) < 1e-7);
+            prop_assert!(pose(2.0).angle_to(&orientation(&points[2])) < 1e-7);
+            let rate = |t: f64| (pose(t + 0.1) * pose(t).inverse()).scaled_axis();
+            prop_assert!((rate(1.1) - rate(1.8)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn ways_that_are_not_told_are_refused() {
+        let key = |time, rotation| Keyframe { time, translation: [0.0; 3], rotation };
+        let points =
+            vec![key(0.0, [0.0; 3]), key(1.0, [0.0, 0.0, 350.0]), key(2.0, [90.0, 0.0, 0.0])];
+        let mut check = Check::default();
+        Motion::Keyframes { points }.check(&mut check);
+        let problems = check.finish(None);
+        assert!(problems.iter().any(|p| p.path == "points[2].rotation"), "{problems:?}");
+        assert_eq!(problems.len(), 1, "{problems:?}");
     }
 
     #[test]

@@ -107,14 +107,25 @@ pub enum ObjectShape {
         #[serde(default)]
         seed: u64,
     },
-    /// A closed surface of triangles in a file, in metres.
+    /// A closed surface in a file.
     Mesh {
         /// A `.ply`, `.stl` or `.obj`, as seen from the folder of the scene.
         file: PathBuf,
         /// Distance of the points at which its distance field is stored, m: finer details of the
         /// surface are rounded.
         spacing: f64,
+        /// Metres for its unit: 0.001 for a file in millimetres.
+        #[serde(default = "one")]
+        scale: f64,
+        /// Whether holes are closed, faces turned alike and what is too much left out, where it is
+        /// not a closed surface; what was done is told.
+        #[serde(default)]
+        repair: bool,
     },
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// The fastest that a free object may spin at the start, degrees/s.
@@ -201,7 +212,10 @@ impl ObjectShape {
                     check.refuse("spacing", message);
                 }
             }
-            Self::Mesh { spacing, .. } => positive("spacing", *spacing),
+            Self::Mesh { spacing, scale, .. } => {
+                positive("spacing", *spacing);
+                check.number("scale", *scale, Allowed::Positive, "m");
+            }
         }
     }
 

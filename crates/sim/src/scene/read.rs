@@ -73,7 +73,12 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Problem> {
             IntegerOutOfBounds => {
                 "the integer is too large, or negative where it must not be".into()
             }
-            code => code.to_string(),
+            code => match decimal_comma(text, span.end) {
+                None => code.to_string(),
+                Some(pair) => {
+                    format!("{code}; if `{pair}` is one number, write it with a point, not a comma")
+                }
+            },
         };
         Problem { path, message, place: Some(Place::of(text, span)) }
     };
@@ -85,6 +90,17 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Problem> {
     })?;
     deserializer.end().map_err(|e| problem(String::new(), deserializer.span_error(e)))?;
     Ok(value)
+}
+
+/// The last two digits with a comma and no space between them in the line of a place, up to it.
+fn decimal_comma(text: &str, place: usize) -> Option<&str> {
+    let start = text[..place].rfind('\n').map_or(0, |end| end + 1);
+    let end = text[place..].find([' ', '\n']).map_or(text.len(), |end| place + end);
+    let line = &text[start..end];
+    let comma = line.as_bytes().windows(3).rposition(|three| {
+        three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit()
+    })?;
+    line.get(comma..comma + 3)
 }
 
 /// The byte at a line and a column (in characters) that count from 1.

@@ -121,6 +121,13 @@ impl StepperSettings {
         !matches!(self.method, Some(Method::Box { .. })) && self.tolerance.is_none()
     }
 
+    /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in long
+    /// steps. The bound is that up to which whips have been tried.
+    pub(crate) fn may_create_energy(&self) -> bool {
+        let undamped = |method: &Method| matches!(method, Method::Staggered { rho_infinity } if *rho_infinity > 0.4);
+        self.keeps_ledgers() && self.method.as_ref().is_some_and(undamped)
+    }
+
     /// Notes what makes no sense.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("dt", self.dt, Allowed::Within(1e-9, 60.0), "s");

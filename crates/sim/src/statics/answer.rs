@@ -15,6 +15,14 @@ pub struct Answer {
     pub equilibria: Vec<Equilibrium>,
 }
 
+impl Answer {
+    /// Whether one of the equilibria is stable, or following forces leave that open.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.equilibria.iter().any(|found| !matches!(found.stability, Stability::Unstable(_)))
+    }
+}
+
 /// The answer to "how long must it be".
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Length {

@@ -43,8 +43,8 @@ pub struct Case {
     #[serde(default)]
     pub wish: Option<Wish>,
     /// All equilibria that are found, not only a stable one, also with up to so many whole turns
-    /// of the end about its tangent. Those that only differ by a turn or a reflection of the whole
-    /// are told once.
+    /// of the end about its tangent; zero adds no turns. Those that only differ by a turn or a
+    /// reflection of the whole are told once.
     #[serde(default)]
     pub all_with_turns: Option<u16>,
     /// Number of equal parts between the stations of the answer.
@@ -252,6 +252,7 @@ impl Case {
         check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
         check.within("rod", |c| self.rod.check(c, self.length));
         check.vector("natural_curvature", &self.natural_curvature, "1/m");
+        self.check_curvature(check);
         check.vector("gravity", &self.gravity, "m/s^2");
         check.within("clamp", |c| self.clamp.check(c));
         check.within("end", |c| self.end.check(c));
@@ -281,6 +282,23 @@ impl Case {
             self.check_reach(check, "end", position, longest);
         }
         self.check_together(check);
+    }
+
+    /// Refuses a natural curvature or twist whose radius is smaller than the rod's.
+    fn check_curvature(&self, check: &mut Check) {
+        let radius = match self.rod {
+            Rod::Solid { section, .. } => section.equivalent_radius(),
+            Rod::Measured { radius, .. } => radius,
+        };
+        let size = self.natural_curvature.iter().fold(0.0, |size: f64, k| size.hypot(*k));
+        if radius > 0.0 && size > 1.0 / radius {
+            let message = format!(
+                "is {size:?} 1/m in size, but a rod of radius {radius:?} m is curved by {:?} 1/m \
+                 at most",
+                1.0 / radius
+            );
+            check.refuse("natural_curvature", message);
+        }
     }
 
     /// Refuses a place farther from the clamp than the rod is long.

@@ -8,6 +8,8 @@ use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
 
 /// Segments of a chain between two stations, at least: its error falls with their square.
 const SEGMENTS: usize = 400;
+/// Part of the largest number of its kind along the rod below which one is only rounding.
+const ROUNDING: f64 = 1e-12;
 
 impl Case {
     /// Solves the case.
@@ -47,13 +49,7 @@ impl Case {
         if found.is_empty() {
             return Err(StaticError::NotFound.into());
         }
-        let mut told: Vec<Equilibrium> = Vec::new();
-        for one in found.iter().map(|one| self.resolved(one)) {
-            if !told.iter().any(|other| alike(other, &one)) {
-                told.push(one);
-            }
-        }
-        Ok(told)
+        Ok(found.iter().map(|one| self.resolved(one)).collect())
     }
 
     fn resolved(&self, found: &rods::Equilibrium) -> Equilibrium {
@@ -126,18 +122,28 @@ impl Case {
         place_forces: Vec<[f64; 3]>,
     ) -> Equilibrium {
         let stiffness = Vector3::from(self.properties().0);
+        let natural = Vector3::from(self.natural_curvature);
+        let curvature = |state: &State| {
+            natural + (state.frame.inverse() * state.moment).component_div(&stiffness)
+        };
+        // What is bent to the radius of its length, or more.
+        let largest = |unit: f64, of: &dyn Fn(&State) -> f64| {
+            states.iter().map(|(_, state)| of(state)).fold(unit, f64::max)
+        };
+        let unit = stiffness.max() / self.length;
+        let force = largest(unit / self.length, &|state| state.force.norm());
+        let moment = largest(unit, &|state| state.moment.norm());
+        let bent = largest(1.0 / self.length, &|state| curvature(state).norm());
+        let far = largest(self.length, &|state| state.position.coords.norm());
         let stations: Vec<Station> = states
             .iter()
-            .map(|(s, state)| {
-                let strain = (state.frame.inverse() * state.moment).component_div(&stiffness);
-                Station {
-                    s: *s,
-                    position: state.position.coords.into(),
-                    frame: [0, 1, 2].map(|i| state.frame.matrix().column(i).into_owned().into()),
-                    force: state.force.into(),
-                    moment: state.moment.into(),
-                    curvature: (strain + Vector3::from(self.natural_curvature)).into(),
-                }
+            .map(|(s, state)| Station {
+                s: *s,
+                position: rounded(state.position.coords, far),
+                frame: [0, 1, 2].map(|i| rounded(state.frame.matrix().column(i).into_owned(), 1.0)),
+                force: rounded(state.force, force),
+                moment: rounded(state.moment, moment),
+                curvature: rounded(curvature(state), bent),
             })
             .collect();
         let bend = |station: &Station| station.curvature[0].hypot(station.curvature[1]);
@@ -153,20 +159,21 @@ impl Case {
             Some(down) => down.dot(&state.position.coords),
             None => 0.0,
         };
-        let (first, last) = (&states[0], &states[states.len() - 1]);
-        let lower = depth(first).max(depth(last));
+        let (first, last) = (&stations[0], &stations[stations.len() - 1]);
+        let lower = depth(&states[0]).max(depth(&states[states.len() - 1]));
         let deepest = states.iter().map(depth).fold(lower, f64::max);
+        let sag = deepest - lower;
         Equilibrium {
             stability,
             elastic_energy,
             load_energy,
-            clamp_force: first.1.force.into(),
-            clamp_moment: first.1.moment.into(),
-            end_force: last.1.force.into(),
-            end_moment: last.1.moment.into(),
+            clamp_force: first.force,
+            clamp_moment: first.moment,
+            end_force: last.force,
+            end_moment: last.moment,
             place_forces,
             sharpest,
-            sag: deepest - lower,
+            sag: if sag < ROUNDING * far { 0.0 } else { sag },
             stations,
         }
     }
@@ -220,14 +227,7 @@ fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
     pose.isometry().map_err(|source| SimError::Fiber { bundle: 0, source })
 }
 
-/// Whether two equilibria may be turned or reflected into each other: their energies and what they
-/// carry are the same in size.
-fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (a.abs() + b.abs());
-    let size = |v: [f64; 3]| Vector3::from(v).norm();
-    a.stability == b.stability
-        && same(a.elastic_energy, b.elastic_energy)
-        && same(a.load_energy, b.load_energy)
-        && same(size(a.clamp_force), size(b.clamp_force))
-        && same(size(a.clamp_moment), size(b.clamp_moment))
+/// The vector without components that are only what rounding leaves of numbers of size `largest`.
+fn rounded(v: impl Into<[f64; 3]>, largest: f64) -> [f64; 3] {
+    v.into().map(|x| if x.abs() < ROUNDING * largest { 0.0 } else { x })
 }

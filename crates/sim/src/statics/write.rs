@@ -3,38 +3,42 @@ use super::case::{Case, End};
 use crate::SimError;
 use crate::export::preview::{self, Support};
 use crate::export::{Frame, Strand, vtp};
+use crate::folder::{PREVIEW, claim};
 use crate::storage::{save, write_atomically};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use std::fs;
 use std::io::Write;
 use std::path::Path;
+
+const RODS: &str = "rods.vtp";
+const ANSWER: &str = "answer.json";
 
 /// Columns of the table.
 const COLUMNS: &str = "s (m),x (m),y (m),z (m),d1x,d1y,d1z,d2x,d2y,d2z,d3x,d3y,d3z,nx (N),ny (N),\
 nz (N),mx (N m),my (N m),mz (N m),kappa1 (1/m),kappa2 (1/m),kappa3 (1/m)";
 
 impl Answer {
-    /// Writes the answer into a folder, which is made: `rod-0.csv` and so on, a table for each
+    /// Writes the answer into a folder, which is made, in the place of an older one: `rod-0.csv` and so on, a table for each
     /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`, with what holds the rod of
     /// the case; and `answer.json`.
     ///
     /// # Errors
-    /// Files that cannot be written.
+    /// Those of [`claim`]; files that cannot be written.
     pub fn save(&self, folder: &Path, case: &Case) -> Result<(), SimError> {
-        fs::create_dir_all(folder).map_err(SimError::io("make the folder", folder))?;
-        for (i, found) in self.equilibria.iter().enumerate() {
-            let path = folder.join(format!("rod-{i}.csv"));
-            write_atomically(&path, |to| to.write_all(found.table().as_bytes()))?;
+        let tables: Vec<_> = (0..self.equilibria.len()).map(|i| format!("rod-{i}.csv")).collect();
+        let files = tables.iter().map(String::as_str).chain([RODS, PREVIEW, ANSWER]);
+        claim(folder, &files.collect::<Vec<_>>())?;
+        for (table, found) in tables.iter().zip(&self.equilibria) {
+            write_atomically(&folder.join(table), |to| to.write_all(found.table().as_bytes()))?;
         }
         let strands = self.equilibria.iter().map(|found| found.strand(self.radius));
         let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
-        save(&folder.join("rods.vtp"), |to| vtp::write(to, &frame))?;
+        save(&folder.join(RODS), |to| vtp::write(to, &frame))?;
         let supports = self.equilibria.iter().enumerate();
         let supports = supports.flat_map(|(strand, found)| found.supports(strand, case)).collect();
-        save(&folder.join("preview.png"), |to| {
+        save(&folder.join(PREVIEW), |to| {
             preview::write(to, &[preview::Picture::new(frame, supports)?], &[], &[])
         })?;
-        write_atomically(&folder.join("answer.json"), |to| Ok(serde_json::to_writer(to, self)?))
+        write_atomically(&folder.join(ANSWER), |to| Ok(serde_json::to_writer(to, self)?))
     }
 }
 

@@ -1,0 +1,169 @@
+//! What a scene takes of memory, told before anything is built.
+
+use crate::contact::{Surroundings, read_mesh};
+use crate::scene::{Bundle, MassSpring, Method, ObjectShape};
+use crate::{Scene, SimError};
+use rapunzel_collision::field::Grid;
+
+// Bytes that building and running takes, measured on scenes of 10^5 to 10^6 of them.
+/// Of a node of a fibre by itself.
+const NODE: f64 = 1500.0;
+/// Of one by a method that moves rods one by one.
+const SINGLE_NODE: f64 = 3000.0;
+/// Of one where fibres touch, besides; what touches comes on top.
+const TOUCHING_NODE: f64 = 2000.0;
+/// Of one that is charged.
+const CHARGED_NODE: f64 = 3000.0;
+/// Of a node of a mass-spring system.
+const SPRING_NODE: f64 = 2000.0;
+/// Of a height of a terrain.
+const HEIGHT: f64 = 800.0;
+/// Of a triangle of a mesh beside its field.
+const TRIANGLE: f64 = 800.0;
+/// Of a point at which the electric field is written.
+const FIELD_POINT: f64 = 300.0;
+/// A mesh with a side of more than this, m, may be in millimetres.
+const LARGE: f64 = 5.0;
+
+/// What a scene takes of memory, and what is strange about its files.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Estimate {
+    /// By what asks for it.
+    pub parts: Vec<Part>,
+    /// What a user should know about meshes that were repaired or seem to be in another unit.
+    pub notes: Vec<String>,
+}
+
+/// What a field of a scene asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Path of the field, like `fibers[0]`.
+    pub path: String,
+    /// What it makes.
+    pub what: String,
+    /// Memory, bytes.
+    pub bytes: f64,
+}
+
+impl Estimate {
+    /// All memory, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> f64 {
+        self.parts.iter().map(|part| part.bytes).sum()
+    }
+
+    /// Whether no more than `most` bytes are taken.
+    ///
+    /// # Errors
+    /// [`SimError::Memory`] with what asks for most.
+    pub fn within(&self, most: f64) -> Result<(), SimError> {
+        let bytes = self.bytes();
+        match self.parts.iter().max_by(|a, b| a.bytes.total_cmp(&b.bytes)) {
+            Some(Part { path, what, .. }) if bytes > most => {
+                Err(SimError::Memory { path: path.clone(), what: what.clone(), bytes, most })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn add(&mut self, path: &str, what: String, bytes: f64) {
+        self.parts.push(Part { path: path.to_owned(), what, bytes });
+    }
+}
+
+impl Scene {
+    /// What building and running the scene takes of memory, from its numbers and meshes alone; what
+    /// contacts take grows with what touches, and is not known before.
+    ///
+    /// # Errors
+    /// [`SimError::Scene`] if the scene makes no sense, [`SimError::Io`] and [`SimError::Mesh`] for
+    /// a mesh.
+    pub fn estimate(&self) -> Result<Estimate, SimError> {
+        self.validate()?;
+        let mut estimate = Estimate::default();
+        let around = Surroundings { roundest: self.roundest(), ..self.sizes()? };
+        for (i, bundle) in self.fibers.iter().enumerate() {
+            let Bundle { arrangement, segments, .. } = bundle;
+            let nodes = arrangement.fibers() as f64 * (segments + 1) as f64;
+            let what = format!("{} fibres of {segments} segments", arrangement.fibers());
+            estimate.add(&format!("fibers[{i}]"), what, nodes * self.bytes_of_node());
+        }
+        if let Some(springs) = &self.mass_spring {
+            let nodes = springs.nodes();
+            estimate.add("mass_spring", format!("{nodes} nodes"), nodes as f64 * SPRING_NODE);
+        }
+        for (i, object) in self.objects.iter().enumerate() {
+            estimate.object(i, &object.shape, &around)?;
+        }
+        if let Some(grid) = self.charging.as_ref().and_then(|charging| charging.grid) {
+            let points: f64 = grid.counts.iter().map(|&count| count as f64).product();
+            let what = format!("{points} points of the electric field");
+            estimate.add("charging.grid", what, points * FIELD_POINT);
+        }
+        Ok(estimate)
+    }
+
+    fn bytes_of_node(&self) -> f64 {
+        let touch = self.contact.is_some();
+        let own = match self.stepper.method(touch) {
+            _ if self.charging.is_some() => CHARGED_NODE,
+            Method::Box { .. } => SINGLE_NODE,
+            _ if self.stepper.tolerance.is_some() => SINGLE_NODE,
+            _ => NODE,
+        };
+        own + if touch { TOUCHING_NODE } else { 0.0 }
+    }
+
+    /// The longest and the thickest of what meets objects.
+    fn sizes(&self) -> Result<Surroundings, SimError> {
+        let mut around = Surroundings { longest: 0.0, thickest: 0.0, roundest: None };
+        if let Some(MassSpring { contacts: Some(contacts), .. }) = &self.mass_spring {
+            around.thickest = contacts.radius;
+        }
+        for (i, bundle) in self.fibers.iter().enumerate() {
+            let (node, _) = self.matter(bundle, i, 0.0)?;
+            around.longest = around.longest.max(bundle.length);
+            around.thickest = around.thickest.max(node.section.equivalent_radius());
+        }
+        Ok(around)
+    }
+}
+
+impl Estimate {
+    fn object(
+        &mut self,
+        index: usize,
+        shape: &ObjectShape,
+        around: &Surroundings,
+    ) -> Result<(), SimError> {
+        let path = format!("objects[{index}]");
+        match shape {
+            ObjectShape::HeightField { sides, spacing, .. } => {
+                let [columns, rows] = sides.map(|side| (side / spacing).ceil() + 1.0);
+                let what = format!("{columns} x {rows} heights");
+                self.add(&path, what, columns * rows * HEIGHT);
+            }
+            ObjectShape::Mesh { file, spacing, scale, repair } => {
+                let (mesh, repairs) = read_mesh(index, file, *scale, *repair)?;
+                let [low, high] = mesh.bounds();
+                let size = high - low;
+                let told = format!("{:.3} x {:.3} x {:.3} m", size.x, size.y, size.z);
+                let bytes = Grid::memory(&mesh, *spacing, around.band(*spacing))
+                    + TRIANGLE * mesh.triangles().len() as f64;
+                let unit = "; a file in millimetres needs `scale: 0.001`";
+                let unit = if *scale == 1.0 && size.max() > LARGE { unit } else { "" };
+                let what = format!("distances of a mesh of {told} every {spacing:?} m{unit}");
+                self.add(&path, what, bytes);
+                if !unit.is_empty() {
+                    self.notes.push(format!("{path}: the mesh has {told}{unit}"));
+                }
+                let told = repairs.to_string();
+                if !told.is_empty() {
+                    self.notes.push(format!("{path}: the mesh was repaired; {told}"));
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
