@@ -211,7 +211,7 @@ proptest! {
     #[test]
     fn single_precision_survives(x in any::<f32>()) {
         let mut out = Vec::new();
-        let written = super::text::single(&mut out, x.into());
+        let written = text::single(&mut out, x.into());
         prop_assert_eq!(written.is_ok(), x.is_finite());
         if x.is_finite() {
             let text = String::from_utf8(out).expect("text");
