@@ -120,7 +120,7 @@ impl FrameWriter {
             Format::Pov => "pov",
             Format::Usd => return Ok(()),
         };
-        if self.file(index, extension).exists() {
+        if self.file(index, extension).is_file() {
             return Ok(());
         }
         let path = self.file(index, "vtp");

@@ -27,10 +27,10 @@ const THINNEST: f64 = 1.3;
 /// Thinnest line where fibres are few and need not leave room for each other, pixels.
 const THINNEST_OF_FEW: f64 = 2.2;
 const FEW: usize = 10;
-/// Half of the length of a mark, pixels.
+/// How far a mark reaches beyond the fibre that it is on, pixels.
 const MARK: f64 = 3.0;
 /// The same where fibres are few.
-const MARK_OF_FEW: f64 = 7.0;
+const MARK_OF_FEW: f64 = 6.0;
 
 const PAPER: Color = [0.965, 0.96, 0.95];
 const INK: Color = [0.25, 0.25, 0.27];
@@ -246,19 +246,21 @@ fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: 
 
 /// Marks what holds the fibres of `frame`, in front of everything.
 fn mark(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
-    let half = if frame.lines.len() <= FEW { MARK_OF_FEW } else { MARK };
+    let beyond = if frame.lines.len() <= FEW { MARK_OF_FEW } else { MARK };
     for Support { strand, point, clamped } in &frame.supports {
         let points = &frame.lines[*strand].points;
         let place = |i: usize| grid.place(&points[i].cast(), view, corner).xy();
         let neighbour = if *point == 0 { 1 } else { point - 1 };
         let (center, along) = (place(*point), place(neighbour) - place(*point));
+        // Beyond both sides of a thick one.
+        let half = beyond + f64::from(frame.lines[*strand].radii[*point]) * grid.scale;
         // Of a fibre that is seen from its end any direction is across.
         let across = Vector2::new(-along.y, along.x).try_normalize(1e-9).unwrap_or(Vector2::x());
         let arm = half * across;
         if *clamped {
-            canvas.line(center - arm, center + arm, 0.5 * half, INK);
+            canvas.line(center - arm, center + arm, 0.5 * beyond, INK);
         } else {
-            canvas.ring(center, 0.7 * half, INK);
+            canvas.ring(center, half, INK);
         }
     }
 }
