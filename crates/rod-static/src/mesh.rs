@@ -10,8 +10,8 @@ use rapunzel_fiber::so3;
 const COARSE: f64 = 0.6;
 /// Longest element of the solution where its variations oscillate, for stability to be told.
 const RESOLVED: f64 = 1.0;
-/// Error of a step, in lengths and radians.
-const FINE: f64 = 1e-12;
+/// Error of a step by its estimate, in lengths and radians: that of a way near a saddle grows.
+const FINE: f64 = 1e-14;
 /// Most elements.
 const MOST: f64 = 5e4;
 /// The sharpest bend, in parts of the length, that arc lengths can resolve.

@@ -35,11 +35,11 @@ pub(crate) struct Reached {
 }
 
 /// Newton steps for the stages.
-const MOST: usize = 10;
+const MOST: usize = 20;
 /// A correction after which the same derivatives serve again, and one after which only rounding is
 /// left.
-const NEAR: f64 = 1e-4;
-const SMALL: f64 = 1e-9;
+const NEAR: f64 = 1e-2;
+const SMALL: f64 = 1e-12;
 
 /// The quaternions of all stages.
 const UNKNOWNS: usize = 4 * STAGES;
@@ -121,9 +121,6 @@ fn side(p: &Quaternion<f64>, sign: f64) -> Matrix4<f64> {
 struct Step {
     h: f64,
     stages: [Stage; STAGES],
-    /// The derivatives of the stages' equations, factored, and of the rates.
-    solver: Solver,
-    by: Rates,
     converged: bool,
 }
 
@@ -137,12 +134,12 @@ impl Step {
         let mut q =
             NODES.map(|c| (node.q * UnitQuaternion::from_scaled_axis(turn * c)).into_inner());
         let mut stages = Self::stages(node, h, &q, &p);
-        let (mut by, mut solver) = Self::derivatives(h, &stages);
+        let (_, mut solver) = Self::derivatives(h, &stages);
         let mut size = f64::INFINITY;
         for iteration in 0..MOST {
             // Near the solution the derivatives serve again: the error falls by their own.
             if iteration > 0 && size > NEAR {
-                (by, solver) = Self::derivatives(h, &stages);
+                (_, solver) = Self::derivatives(h, &stages);
             }
             let mut missed = SVector::<f64, UNKNOWNS>::zeros();
             for i in 0..STAGES {
@@ -160,7 +157,7 @@ impl Step {
                 break;
             }
         }
-        Self { h, stages, solver, by, converged: size < SMALL }
+        Self { h, stages, converged: size < SMALL }
     }
 
     /// The stages with these quaternions: forces follow from the loads, moments from both.
@@ -239,6 +236,7 @@ impl Step {
 
     /// The derivatives of the end, `reached` from `node`.
     fn propagator(&self, node: &Node, reached: &Node) -> Propagator {
+        let (by, solver) = Self::derivatives(self.h, &self.stages);
         // Columns: rotation, moment, force of the start.
         let mut start = SMatrix::<f64, 4, 9>::zeros();
         let turn = right(&node.q).fixed_columns::<3>(0) * 0.5;
@@ -258,11 +256,11 @@ impl Step {
         for i in 0..STAGES {
             let mut rows = start;
             for j in 0..STAGES {
-                rows += self.by[j].1 * along(j, &pulled) * (self.h * STEPS[i][j]);
+                rows += by[j].1 * along(j, &pulled) * (self.h * STEPS[i][j]);
             }
             stages.fixed_view_mut::<4, 9>(4 * i, 0).copy_from(&rows);
         }
-        self.solver.solve_mut(&mut stages);
+        solver.solve_mut(&mut stages);
         let q = [0, 1, 2, 3].map(|j| stages.fixed_view::<4, 9>(4 * j, 0).into_owned());
         let tangents = [0, 1, 2, 3].map(|j| self.stages[j].tangent_by_q() * q[j]);
         let moments =
@@ -270,7 +268,7 @@ impl Step {
         let mut propagator = Propagator::identity();
         let (mut position, mut end) = (SMatrix::<f64, 3, 9>::zeros(), start);
         let mut carried = moment;
-        for (j, (by_q, by_m)) in self.by.iter().enumerate() {
+        for (j, (by_q, by_m)) in by.iter().enumerate() {
             position += tangents[j] * (self.h * WEIGHTS[j]);
             carried += moments[j] * WEIGHTS[j];
             end += (by_q * q[j] + by_m * along(j, &moments)) * (self.h * WEIGHTS[j]);
