@@ -159,8 +159,9 @@ impl Check {
     /// Refuses a vector without a direction.
     pub(crate) fn direction(&mut self, field: &str, value: &[f64; 3]) {
         let norm = value.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(norm > 1e-100 && norm.is_finite()) {
-            self.refuse(field, format!("is {value:?}, but must be finite and not zero"));
+        if !(1e-12..=1e12).contains(&norm) {
+            let message = format!("is {value:?}, but must have a length between 1e-12 and 1e12");
+            self.refuse(field, message);
         }
     }
 
