@@ -148,7 +148,7 @@ fn a_scene_that_is_not_text_is_told() {
     fs::write(&path, [0xff, 0xfe, 0x00]).expect("writable");
     let output = rapunzel().arg("check").arg(&path).output().expect("runs");
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
-    assert!(stderr(&output).contains("a scene is text"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("no text in UTF-8"), "{}", stderr(&output));
 }
 
 /// On a disk of its own, which takes a name space of the system: where there is none to be had, this

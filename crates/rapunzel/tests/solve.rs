@@ -214,7 +214,7 @@ fn a_wrong_case_is_underlined() {
         (
             joint,
             "end: Bearing(position: (0, 0, -0.5), direction: (0, 0, 0))",
-            "end.direction: is [0.0, 0.0, 0.0], but must be finite and not zero",
+            "end.direction: is [0.0, 0.0, 0.0], but must have a length between",
         ),
         (
             joint,

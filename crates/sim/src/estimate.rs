@@ -150,9 +150,9 @@ impl Estimate {
                 let told = format!("{:.3} x {:.3} x {:.3} m", size.x, size.y, size.z);
                 let bytes = Grid::memory(&mesh, *spacing, around.band(*spacing))
                     + TRIANGLE * mesh.triangles().len() as f64;
-                let unit = "; a file in millimetres needs `scale: 0.001`";
+                let unit = " (in millimetres? then give `scale: 0.001`)";
                 let unit = if *scale == 1.0 && size.max() > LARGE { unit } else { "" };
-                let what = format!("distances of a mesh of {told} every {spacing:?} m{unit}");
+                let what = format!("distances of a mesh of {told}{unit} every {spacing:?} m");
                 self.add(&path, what, bytes);
                 if !unit.is_empty() {
                     self.notes.push(format!("{path}: the mesh has {told}{unit}"));

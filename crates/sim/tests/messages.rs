@@ -48,7 +48,7 @@ fn every_problem_has_its_line_column_path_and_range() {
             8,
             37,
             "fibers[0].section.radius",
-            "is 0.0, but must be between 1e-9 and 10000.0 (m)",
+            "is 0.0, but must be between 1e-10 and 10000.0 (m)",
         ),
         ("4e-5", "-4e-5", 8, 37, "fibers[0].section.radius", "is -4e-5, but must be between"),
         ("4e-5", "0.1", 8, 37, "fibers[0].section.radius", "a fibre is slender"),

@@ -4,7 +4,7 @@ use super::Soup;
 use super::mesh::index;
 use crate::CollisionError;
 use nalgebra::Point3;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::Read;
 
 /// Bytes before the first triangle of a binary file, and of each triangle.
@@ -48,7 +48,7 @@ impl Soup {
     /// Triangles from their corners in threes, equal ones as one vertex.
     fn merged(corners: &[[f32; 3]]) -> Self {
         let mut soup = Self::default();
-        let mut known = HashMap::new();
+        let mut known = BTreeMap::new();
         let mut vertex = |corner: &[f32; 3]| {
             // The two zeros are one place.
             let place = corner.map(|x| (x + 0.0).to_bits());

@@ -66,7 +66,7 @@ pub(crate) enum Allowed {
 /// what is beyond is a typing error, or makes numbers that no arithmetic holds.
 fn sizes(unit: &str) -> [f64; 2] {
     match unit {
-        "m" => [1e-9, 1e4],
+        "m" => [1e-10, 1e4],
         "m^2" => [1e-18, 1e8],
         "m^3" => [1e-27, 1e12],
         "1/m" => [1e-9, 1e7],
@@ -143,9 +143,9 @@ impl Check {
         if !((low..=high).contains(&value) || or_zero && value == 0.0) {
             let zero = if or_zero { "0, or " } else { "" };
             let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
-            let message =
-                format!("is {value:?}, but must be {zero}between {low:?} and {high:?}{unit}");
-            self.refuse(field, message);
+            let told = |x: f64| if x.abs() < 1e7 { format!("{x:?}") } else { format!("{x:e}") };
+            let range = format!("{zero}between {} and {}", told(low), told(high));
+            self.refuse(field, format!("is {value:?}, but must be {range}{unit}"));
         }
     }
 
@@ -159,8 +159,9 @@ impl Check {
     /// Refuses a vector without a direction.
     pub(crate) fn direction(&mut self, field: &str, value: &[f64; 3]) {
         let norm = value.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(norm > 1e-100 && norm.is_finite()) {
-            self.refuse(field, format!("is {value:?}, but must be finite and not zero"));
+        if !(1e-12..=1e12).contains(&norm) {
+            let message = format!("is {value:?}, but must have a length between 1e-12 and 1e12");
+            self.refuse(field, message);
         }
     }
 
