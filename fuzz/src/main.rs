@@ -73,11 +73,7 @@ fn checkpoint(data: &[u8]) -> Result<(), SimError> {
     let file = [&head[..], blake3::hash(data).as_bytes(), data].concat();
     fs::write(path.join("checkpoint.bin"), file).expect("written");
     let cancel = AtomicBool::new(true);
-    let control = Control {
-        checkpoint_every: 1,
-        cancel: &cancel,
-        progress: &mut |_| {},
-        stopwatch: None,
-    };
+    let control =
+        Control { checkpoint_every: 1, cancel: &cancel, progress: &mut |_| {}, stopwatch: None };
     run(&scene, &run_folder, control).map(|_| ())
 }
