@@ -91,7 +91,7 @@ fn contacts_that_miss_their_tolerances_have_a_code_of_their_own() {
 #[test]
 fn a_folder_in_use_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = scene_file(folder.path(), &SCENE.replace("duration: 0.5", "duration: 1e5"));
+    let scene = scene_file(folder.path(), &SCENE.replace("duration: 0.5", "duration: 1e4"));
     let out = folder.path().join("out");
     let mut first = run_in(&scene, &out).stderr(Stdio::null()).spawn().expect("starts");
     wait_for(&out.join("summary.json"));

@@ -229,8 +229,8 @@ fn a_wrong_case_is_underlined() {
         (
             joint,
             "natural_curvature: (30, 4294967296, 20)",
-            "natural_curvature: is 4294967296.0 1/m in size, but a rod of radius 0.01 m is curved by \
-             100.0 1/m at most",
+            "natural_curvature: is 4294967296.0 1/m in size, but a rod of radius 0.01 m is \
+             curved by 100.0 1/m at most",
         ),
     ] {
         assert!(SOUND.contains(from), "{from}");

@@ -1,6 +1,6 @@
 use crate::SimError;
 use crate::manifest::Manifest;
-use crate::storage::{require_plain, sync, write_atomically};
+use crate::storage::{PARTIAL, require_plain, sync, write_atomically};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -78,10 +78,12 @@ impl RunFolder {
         let lock = lock(path)?;
         finish_exchange(path)?;
         let old = read_manifest(path)?;
-        // A run that could not be built leaves its log, and the list with it.
+        // A run that could not be built leaves its log, and the list with it; one that was killed at
+        // once a part of the list.
+        let unlisted = format!("{MANIFEST}{PARTIAL}");
         let nothing = |name: &String| match &old {
-            None => name == LOCK,
-            Some(_) => [LOCK, MANIFEST, LOG].contains(&name.as_str()),
+            None => [LOCK, &unlisted].contains(&name.as_str()),
+            Some(_) => [LOCK, MANIFEST, &unlisted, LOG].contains(&name.as_str()),
         };
         let is_empty = names(path)?.iter().all(nothing);
         let refused = match existing {
@@ -255,6 +257,7 @@ fn finish_exchange(path: &Path) -> Result<(), SimError> {
     };
     if let Some(old) = read_manifest(path)? {
         clear(path, &old)?;
+        remove(&path.join(MANIFEST))?;
     }
     make_folders(path, &new)?;
     for name in listed(&ready, &new)?.into_iter().chain([MANIFEST.into()]) {
@@ -270,6 +273,7 @@ fn discard(staged: &Path) -> Result<(), SimError> {
     require_plain(staged, true)?;
     let manifest = read_manifest(staged)?.unwrap_or_default();
     clear(staged, &manifest)?;
+    remove(&staged.join(MANIFEST))?;
     match fs::remove_dir(staged) {
         Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {
             Err(SimError::FolderNotEmpty(staged.to_owned()))
@@ -281,24 +285,25 @@ fn discard(staged: &Path) -> Result<(), SimError> {
     }
 }
 
-/// Removes the files of a run but its log, then the folders that it leaves empty, then its list.
+/// Removes the files of a run but its log and its list, then the folders that it leaves empty.
 fn clear(path: &Path, manifest: &Manifest) -> Result<(), SimError> {
-    let remove = |name: &str| {
-        let file = path.join(name);
-        match fs::remove_file(&file) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                Err(SimError::io("remove", &file)(error))
-            }
-            _ => Ok(()),
-        }
-    };
     let files = listed(path, manifest)?;
-    files.iter().filter(|name| *name != LOG).try_for_each(|name| remove(name))?;
+    files.iter().filter(|name| *name != LOG).try_for_each(|name| remove(&path.join(name)))?;
     for folder in manifest.folders() {
         // One that holds a file of somebody else's stays.
         let _ = fs::remove_dir(path.join(folder));
     }
-    remove(MANIFEST)
+    Ok(())
+}
+
+/// Removes a file, if it is there.
+fn remove(file: &Path) -> Result<(), SimError> {
+    match fs::remove_file(file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(SimError::io("remove", file)(error))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn make_folders(path: &Path, manifest: &Manifest) -> Result<(), SimError> {
@@ -432,6 +437,15 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_was_killed_at_once_leaves_nothing_in_the_way() {
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        fs::write(temporary.path().join(".rapunzel.partial"), "# The fi").expect("writes");
+        for existing in [Existing::Resume, Existing::Refuse] {
+            RunFolder::open(temporary.path(), existing).expect("nothing is there");
+        }
+    }
+
+    #[test]
     fn a_lock_of_somebody_else_is_left_alone() {
         let temporary = tempfile::tempdir().expect("a temporary folder");
         let path = temporary.path().join(LOCK);
@@ -514,6 +528,7 @@ mod tests {
             drop(folder);
             if stop > 0 {
                 clear(path, &small()).expect("removes");
+                remove(&path.join(MANIFEST)).expect("removes");
                 make_folders(path, &small()).expect("makes");
                 // The list comes last.
                 let mut moved: Vec<_> = whole.iter().map(|(name, _)| name.as_str()).collect();

@@ -126,7 +126,11 @@ fn partial(path: &Path) -> PathBuf {
 fn sync_folder(path: &Path) -> io::Result<()> {
     // Windows cannot open folders, and its renames need no such help.
     match path.parent() {
-        Some(folder) if cfg!(unix) => File::open(folder)?.sync_all(),
+        Some(folder) if cfg!(unix) => {
+            // Of a name by itself the folder is the one where the process is.
+            let here = folder.as_os_str().is_empty();
+            File::open(if here { Path::new(".") } else { folder })?.sync_all()
+        }
         _ => Ok(()),
     }
 }
