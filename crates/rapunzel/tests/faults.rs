@@ -4,6 +4,7 @@ mod common;
 
 use common::{SCENE, rapunzel, run_in, scene_file, wait_for};
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 use std::process::{Output, Stdio};
 
@@ -176,7 +177,9 @@ fn a_full_disk_stops_the_run_until_there_is_space() {
         let output = match command.output() {
             Ok(output) if output.status.code() != Some(77) => output,
             skipped => {
-                eprintln!("SKIPPED: no disk of its own can be had here: {skipped:?}");
+                // Past the capture of the test runner: nobody shall take this for passed.
+                let words = format!("SKIPPED: no disk of its own can be had here: {skipped:?}\n");
+                std::io::stderr().write_all(words.as_bytes()).expect("somebody listens");
                 return;
             }
         };

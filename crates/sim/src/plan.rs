@@ -165,7 +165,7 @@ mod tests {
                 time += length;
                 if plan.is_frame(step + 1) {
                     frames.push(time);
-                    prop_assert_eq!(plan.frames_after(step + 1) as usize, frames.len() - 1);
+                    prop_assert_eq!(plan.frames_after(step + 1), frames.len() as u64 - 1);
                 }
             }
             // What sums of so many steps round, and the rest that is no step.

@@ -129,7 +129,7 @@ impl<'a> Run<'a> {
         match resumed.next() {
             None => run.begin()?,
             Some(first) => {
-                first.or_else(|error| resumed.next().and_then(Result::ok).ok_or(error))?
+                first.or_else(|error| resumed.next().and_then(Result::ok).ok_or(error))?;
             }
         }
         Ok(run)
