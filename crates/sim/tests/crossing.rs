@@ -156,5 +156,6 @@ fn what_lies_still_stays_apart_in_long_steps() {
     let of_fibers =
         |bearing: &Bearing| bearing.sides.iter().all(|s| matches!(s, Partner::Fiber(_)));
     let touches = run.world.contacts().filter(of_fibers).count();
-    assert!(touches > 40, "{touches} contacts of hairs");
+    // Or there would be nothing to keep apart: of forty hairs half touch another.
+    assert!(touches >= 20, "{touches} contacts of hairs");
 }
