@@ -112,6 +112,9 @@ fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool, way
     let contacts = &common.contacts[part.contacts.clone()];
     let image = part.descents.image();
     let [images, ways] = [image, ways].map(|all| {
+        // Nothing is written into registers that no contact of the last group is in: they must not hold
+        // what another part has left.
+        all.clear();
         all.resize(part.groups.len() * 3 * WIDTH, 0.0);
         all.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<3>().0
     });
