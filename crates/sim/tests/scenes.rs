@@ -56,7 +56,7 @@ fn values_that_are_no_physics_are_refused_in_every_field() {
         let places = numbers(&text);
         assert!(places.len() > 5, "{}", path.display());
         for place in places {
-            for value in ["1e308", "-1e308", "1e25"] {
+            for value in ["1e308", "-1e308", "1e35"] {
                 let changed = format!("{}{value}{}", &text[..place.start], &text[place.end..]);
                 let told = &changed[place.start.saturating_sub(60)..place.start + value.len()];
                 assert!(Scene::from_ron(&changed).is_err(), "{}: {told}", path.display());
