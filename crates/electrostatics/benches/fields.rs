@@ -1,6 +1,7 @@
 //! Fields of points and forces of segments, one call from positions to results.
 
-#[path = "../tests/common/mod.rs"]
+#[allow(dead_code, reason = "it takes what it needs")]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 
 use common::{charges, cube, hair};

@@ -2,7 +2,8 @@
 //! half head n hairs of 100 segments.
 #![expect(clippy::print_stdout, reason = "it is what the example is for")]
 
-#[path = "../tests/common/mod.rs"]
+#[allow(dead_code, reason = "it takes what it needs")]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 
 use common::{charges, cube, hair};

@@ -6,7 +6,8 @@
 //! not digitized, so only what it says in words and in tables is compared.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
-#[path = "../../tests/common/mod.rs"]
+#[allow(dead_code, reason = "it takes what it needs")]
+#[path = "../../tests/it/common/mod.rs"]
 mod common;
 mod curls;
 #[path = "../../../sim/examples/repro/drawing.rs"]

@@ -1,0 +1,4 @@
+//! Random places and triangles.
+
+pub(crate) mod random;
+pub(crate) mod triangle;

@@ -1,0 +1,16 @@
+//! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion.
+
+mod adhesion;
+mod admm;
+mod beams;
+mod between;
+mod curves;
+mod impacts;
+mod local;
+mod oracles;
+mod piles;
+mod polished;
+mod rope;
+mod slopes;
+mod solver;
+mod two_projections;

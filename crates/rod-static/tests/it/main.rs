@@ -1,0 +1,15 @@
+//! Equilibria of a rod, against closed forms and references.
+
+mod bifurcations;
+mod boundary;
+mod closed_form;
+mod common;
+mod derivatives;
+mod elliptic;
+mod followers;
+mod limits;
+mod loads;
+mod minima;
+mod properties;
+mod several;
+mod targets;

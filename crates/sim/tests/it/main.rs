@@ -1,0 +1,30 @@
+//! Scenes, from their text to the files of a run.
+
+#![expect(clippy::print_stdout, reason = "tests tell what they measured")]
+
+mod ball;
+mod buckling;
+mod capstan;
+mod charging;
+mod common;
+mod compliant;
+mod contact;
+mod crossed;
+mod crossing;
+mod knot;
+mod laboratory;
+mod laws;
+mod ledger;
+mod mass_spring;
+mod meshes;
+mod messages;
+mod objects;
+mod reference;
+mod rigid;
+mod runs;
+mod scenes;
+mod stick_slip;
+mod strip;
+mod usd;
+mod water_wave;
+mod wet_pair;
