@@ -6,7 +6,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 15] = [
     ("fiber", &[]),
     ("lanes", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
@@ -17,6 +17,8 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("collision", &["fiber"]),
     ("contact", &["fiber", "lanes", "collision"]),
     ("electrostatics", &["fiber", "collision"]),
+    // The fibres are for its tests only.
+    ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "collision"]),
     ("hairgen", &["fiber", "collision", "rod-static"]),
     ("sim", &["*"]),

@@ -1,7 +1,7 @@
 //! Simulates a swinging lock and writes it in every format into the folder that is named on the command line.
 
+use rapunzel_export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;
-use rapunzel_sim::export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
 use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
 use std::error::Error;
 use std::fmt::Write as _;

@@ -1,9 +1,9 @@
-use crate::export::ExportError;
 use crate::scene::Problem;
 use crate::{Partner, Unresolved};
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_electrostatics::ElectrostaticsError;
+use rapunzel_export::ExportError;
 use rapunzel_fiber::FiberError;
 use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;

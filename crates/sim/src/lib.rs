@@ -9,7 +9,6 @@ mod curve;
 mod energy;
 mod error;
 mod estimate;
-pub mod export;
 mod file;
 mod folder;
 mod group;

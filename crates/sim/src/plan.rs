@@ -44,7 +44,8 @@ impl Plan {
         let rest = duration - intervals as f64 / frame_rate;
         let rest_steps =
             if intervals == 0 || rest > REST * dt { up(rest / scene.stepper.dt) } else { 0 };
-        let steps = intervals * steps_per_frame + rest_steps;
+        // The plan of a scene that is still to be refused may have no end.
+        let steps = intervals.saturating_mul(steps_per_frame).saturating_add(rest_steps);
         let last_dt = rest / rest_steps.max(1) as f64;
         Self {
             dt,

@@ -1,7 +1,7 @@
 //! Files that are there whole or not at all.
 
 use crate::SimError;
-use crate::export::ExportError;
+use rapunzel_export::ExportError;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};

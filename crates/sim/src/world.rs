@@ -1,13 +1,13 @@
 use crate::charging::{ChargeReport, Electric};
 use crate::contact::{Bearing, ContactWork, Memory, Object, Partner, Stopwatch, Way};
 use crate::energy::EnergyBudget;
-use crate::export::surface::Placed;
 use crate::group::Group;
 use crate::mass_spring::Springs;
 use crate::{SimError, Works, scene::Environment};
 use nalgebra::{Point3, Vector3};
 use rapunzel_contact::RigidBody;
 use rapunzel_electrostatics::Fields;
+use rapunzel_export::surface::Placed;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
 use serde::{Deserialize, Serialize, Serializer};

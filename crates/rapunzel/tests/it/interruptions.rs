@@ -1,7 +1,7 @@
 //! Runs that are interrupted or killed at any moment, and go on.
 
 use crate::common::{SCENE, rapunzel, run_in, scene_file, wait_for};
-use rapunzel_sim::export::vtp;
+use rapunzel_export::vtp;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,6 @@
 use super::free::FreeBody;
 use super::pair::{Pair, pairs};
 use super::touch::{Partner, Touch};
-use crate::export::surface::Placed;
 use crate::scene::Friction;
 use crate::{SimError, World};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -11,6 +10,7 @@ use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search, Soup};
 use rapunzel_contact::ContactError;
+use rapunzel_export::surface::Placed;
 use rapunzel_mass_spring::Obstacle;
 
 /// How far along a segment, in its length, contacts beside the deepest one are.

@@ -1,11 +1,11 @@
 use super::build::{flat, in_world, spatial};
 use super::strands::{Polyline, places, polylines, strand, surface};
 use crate::contact::Object;
-use crate::export::{Strand, usd};
 use crate::scene::{Hold, Integrator, MassSpring};
 use crate::{SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
+use rapunzel_export::{Strand, usd};
 use rapunzel_mass_spring::{
     Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, Obstacle, SpringError,
     StepTooLong, System, runge_kutta,

@@ -1,7 +1,7 @@
 //! Springs as lines: what frames show.
 
-use crate::export::{Strand, usd};
 use nalgebra::{Point3, Rotation3, Vector3};
+use rapunzel_export::{Strand, usd};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Springs that follow each other.

@@ -1,13 +1,13 @@
 use super::{Objects, Observer, Show};
-use crate::export::preview::Picture;
-use crate::export::surface::Placed;
-use crate::export::{self, ExportError, Frame, Strand, usd};
 use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, SPRINGS_USD, STAGE, USD};
 use crate::manifest::Entry;
 use crate::scene::Format;
 use crate::storage::save;
 use crate::{Plan, SimError, World};
 use nalgebra::Isometry3;
+use rapunzel_export::preview::Picture;
+use rapunzel_export::surface::Placed;
+use rapunzel_export::{self as export, ExportError, Frame, Strand, usd};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 use crate::World;
-use crate::export::preview::Support;
-use crate::export::usd::{Prim, Shape};
 use crate::folder::{SPRINGS_USD, USD};
 use crate::scene::{Format, Joint, MassSpring, Motion, Moves, Object, Scene, Tip, Wind};
+use rapunzel_export::preview::Support;
+use rapunzel_export::usd::{Prim, Shape};
 use std::ops::Range;
 
 /// What frames show.

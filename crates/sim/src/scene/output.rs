@@ -1,6 +1,6 @@
 use super::Scene;
 use super::check::{Allowed, Check};
-use crate::export::hair;
+use rapunzel_export::hair;
 use serde::{Deserialize, Serialize};
 
 /// What a run writes into its folder.

@@ -108,7 +108,7 @@ fn tables_hold_what_the_world_does() {
         FreeFibers.step(&mut world, 0.005).expect("converges");
     }
     let last = fs::read(folder.path().join("frames/frame-000010.vtp")).expect("readable");
-    let last = rapunzel_sim::export::vtp::read(&mut &last[..]).expect("a frame");
+    let last = rapunzel_export::vtp::read(&mut &last[..]).expect("a frame");
     assert_eq!(last.strands[0].velocities[8].as_slice(), &probes[40][1..]);
 }
 

@@ -66,6 +66,21 @@ fn values_that_are_no_physics_are_refused_in_every_field() {
 }
 
 #[test]
+fn zero_and_less_in_any_field_are_refused_or_have_an_end() {
+    for (path, text) in shipped() {
+        for place in numbers(&text) {
+            for value in ["0", "-1"] {
+                let changed = format!("{}{value}{}", &text[..place.start], &text[place.end..]);
+                if let Ok(scene) = Scene::from_ron(&changed) {
+                    let steps = Plan::new(&scene).steps;
+                    assert!((1..1 << 53).contains(&steps), "{}: {steps}", path.display());
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn every_scene_runs() {
     for (path, text) in shipped() {
         let mut scene = Scene::from_ron(&text).expect("a sound scene");

@@ -1,5 +1,5 @@
 use super::{END, POINT_DATA};
-use crate::export::{ExportError, Frame, Strand};
+use crate::{ExportError, Frame, Strand};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use std::io::{BufRead, Read};
 
@@ -46,7 +46,7 @@ pub fn read(input: &mut impl BufRead) -> Result<Frame, ExportError> {
 }
 
 /// Checks that nothing follows but the end of the file.
-pub(in crate::export) fn ended(input: &mut impl BufRead) -> Result<(), ExportError> {
+pub(crate) fn ended(input: &mut impl BufRead) -> Result<(), ExportError> {
     let mut end = Vec::new();
     input.take(END.len() as u64 + 1).read_to_end(&mut end)?;
     if end == END {
@@ -56,7 +56,7 @@ pub(in crate::export) fn ended(input: &mut impl BufRead) -> Result<(), ExportErr
 }
 
 /// The text up to the mark of the appended data.
-pub(in crate::export) fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
+pub(crate) fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
     const LONGEST: u64 = 1 << 16;
     let mut bytes = Vec::new();
     let mut limited = input.take(LONGEST);
@@ -74,7 +74,7 @@ pub(in crate::export) fn header(input: &mut impl BufRead) -> Result<String, Expo
 }
 
 /// What stands between `open` and `close`, after the first `anchor`.
-pub(in crate::export) fn field<'a>(
+pub(crate) fn field<'a>(
     header: &'a str,
     anchor: &str,
     open: &str,
@@ -88,12 +88,12 @@ pub(in crate::export) fn field<'a>(
         .ok_or(ExportError::Malformed { what: "a count or a time is missing in the header" })
 }
 
-pub(in crate::export) fn number<T: std::str::FromStr>(text: &str) -> Result<T, ExportError> {
+pub(crate) fn number<T: std::str::FromStr>(text: &str) -> Result<T, ExportError> {
     text.parse().map_err(|_| ExportError::Malformed { what: "a number in the header" })
 }
 
 /// One array of `parts * count` numbers of eight bytes, after its size.
-pub(in crate::export) fn block(
+pub(crate) fn block(
     input: &mut impl Read,
     parts: usize,
     count: usize,

@@ -1,6 +1,6 @@
 use super::{Placed, check};
-use crate::export::ExportError;
-use crate::export::vtp::{
+use crate::ExportError;
+use crate::vtp::{
     END,
     read::{block as read_block, ended, field, header, number},
     write::block,

@@ -1,5 +1,5 @@
 use super::font;
-use crate::export::ExportError;
+use crate::ExportError;
 use nalgebra::{Point2, Point3, Rotation2, Vector2};
 use std::f64::consts::TAU;
 use std::io::Write;

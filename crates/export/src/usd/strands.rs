@@ -1,7 +1,7 @@
 use super::text::{integers, list, single, triple};
 use super::{ROOT, Timeline, begin_prim, material};
-use crate::export::ExportError;
-use crate::export::vtp::Arrays;
+use crate::ExportError;
+use crate::vtp::Arrays;
 use std::io::{BufRead, Seek, Write};
 use std::ops::Range;
 

@@ -14,7 +14,7 @@ pub(super) mod write;
 pub use arrays::{Arrays, Vectors};
 pub use read::read;
 pub use write::write;
-pub(crate) use write::write_strands;
+pub use write::write_strands;
 
 /// What follows the raw data; without it, a file is cut short.
 pub(super) const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";

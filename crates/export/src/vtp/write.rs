@@ -1,5 +1,5 @@
 use super::{END, POINT_DATA};
-use crate::export::{ExportError, Frame, Strand};
+use crate::{ExportError, Frame, Strand};
 use std::borrow::Borrow;
 use std::io::{Seek, SeekFrom, Write};
 
@@ -15,8 +15,12 @@ pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportE
     write_strands(out, (frame.index, frame.time), &counts, frame.strands.iter())
 }
 
-/// The same of a frame of this index and time whose strands, of so many points each, come one by one.
-pub(crate) fn write_strands<S: Borrow<Strand>>(
+/// Writes a frame of this index and time (s) whose strands come one by one; `counts` are the numbers of
+/// their points. Cost: about 190 bytes per point, and the memory of one strand.
+///
+/// # Errors
+/// Refuses unsound frames, when some of it may be written; fails if `out` does.
+pub fn write_strands<S: Borrow<Strand>>(
     out: &mut (impl Write + Seek),
     (index, time): (usize, f64),
     counts: &[usize],
@@ -148,7 +152,7 @@ fn header(
 }
 
 /// A number of eight bytes.
-pub(in crate::export) trait Bytes {
+pub(crate) trait Bytes {
     fn bytes(self) -> [u8; 8];
 }
 
@@ -165,7 +169,7 @@ impl Bytes for u64 {
 }
 
 /// One array of the appended data: its size in bytes, then its `count` numbers.
-pub(in crate::export) fn block<T: Bytes>(
+pub(crate) fn block<T: Bytes>(
     out: &mut impl Write,
     count: usize,
     mut numbers: impl Iterator<Item = T>,

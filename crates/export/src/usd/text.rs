@@ -1,6 +1,6 @@
 //! Numbers and lists as text, without a String for each.
 
-use crate::export::ExportError;
+use crate::ExportError;
 use std::io::Write;
 
 /// `[a, b, c]`, each item written by `write`.

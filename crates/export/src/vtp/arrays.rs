@@ -1,5 +1,5 @@
 use super::read::{field, header, number};
-use crate::export::ExportError;
+use crate::ExportError;
 use std::io::{BufRead, Seek, SeekFrom};
 use std::ops::Range;
 
