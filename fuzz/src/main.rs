@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_sim::statics::Case;
-use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, SimError, run};
+use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, SimError, run, World, Estimate};
 use std::fs;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
@@ -41,8 +41,8 @@ fuzz_target!(|data: &[u8]| {
 fn scene(text: &str) -> Result<(), SimError> {
     let scene = Scene::from_ron(text)?;
     assert_eq!(Scene::from_ron(&scene.to_ron()?)?, scene, "it reads back as the same");
-    scene.estimate()?.within(MEMORY)?;
-    scene.build().map(|_| ())
+    Estimate::new(&scene)?.within(MEMORY)?;
+    World::build(&scene).map(|_| ())
 }
 
 fn mesh(soup: Option<Soup>) {
@@ -59,7 +59,7 @@ fn curve(data: &[u8]) -> Result<(), SimError> {
     let text = "(format: 1, duration: 1, stepper: (dt: 1e-3), fibers: [(length: 1, segments: 400,
         section: Circle(radius: 4e-5), initial: Knot(curve: File(\"curve.obj\"), scale: 2e-3,
         spacing: 3e-4))])";
-    Scene::from_ron(text)?.seen_from(folder.path()).build().map(|_| ())
+    World::build(&Scene::from_ron(text)?.seen_from(folder.path())).map(|_| ())
 }
 
 /// A run that goes on from a checkpoint of these bytes, with the hash that they have.

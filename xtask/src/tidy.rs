@@ -6,7 +6,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("fiber", &[]),
     ("lanes", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
@@ -20,6 +20,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "collision"]),
+    ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("hairgen", &["fiber", "collision", "rod-static"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),

@@ -1,7 +1,7 @@
 use crate::words::{complain, say};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use rapunzel_sim::SimError;
-use rapunzel_sim::scene::Problem;
+use rapunzel_sim::scene::{Problem, SceneError};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -34,8 +34,8 @@ pub(crate) const UNRESOLVED: u8 = 5;
 
 impl Failure {
     /// An error of the simulation of the scene in `scene`.
-    pub(crate) fn of(scene: &Path) -> impl Fn(SimError) -> Self {
-        move |error| Self::Sim { error, scene: scene.to_owned() }
+    pub(crate) fn of<E: Into<SimError>>(scene: &Path) -> impl Fn(E) -> Self {
+        move |error| Self::Sim { error: error.into(), scene: scene.to_owned() }
     }
 
     fn code(&self) -> u8 {
@@ -67,7 +67,7 @@ impl Failure {
             }
             Self::Sim {
                 error:
-                    SimError::Scene { .. }
+                    SimError::Scene(_)
                     | SimError::Fiber { .. }
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)
@@ -84,7 +84,7 @@ impl Failure {
     /// What is wrong with the scene, if that is what is.
     fn problems(&self) -> &[Problem] {
         match self {
-            Self::Sim { error: SimError::Scene { problems, .. }, .. } => problems,
+            Self::Sim { error: SimError::Scene(SceneError { problems, .. }), .. } => problems,
             _ => &[],
         }
     }
@@ -99,7 +99,11 @@ impl Failure {
             });
             // The failure to tell of is the first.
             let _ = say(&object.to_string());
-        } else if let Self::Sim { error: SimError::Scene { source_text, problems }, scene } = self {
+        } else if let Self::Sim {
+            error: SimError::Scene(SceneError { source_text, problems }),
+            scene,
+        } = self
+        {
             let name = scene.display().to_string();
             for problem in problems {
                 let report = SceneReport {
@@ -118,7 +122,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Sim { error: error @ SimError::Scene { .. }, scene } => {
+            Self::Sim { error: error @ SimError::Scene(_), scene } => {
                 write!(f, "{}: {error}", scene.display())
             }
             Self::Sim { error, .. } => error.fmt(f),

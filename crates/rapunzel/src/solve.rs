@@ -1,8 +1,8 @@
 use crate::arguments::SolveOptions;
 use crate::failure::{Failure, UNRESOLVED};
 use crate::words::{complain, say};
-use rapunzel_sim::read_text;
 use rapunzel_sim::statics::{Answer, Case, Equilibrium, Stability, Wished};
+use rapunzel_sim::{read_text, statics};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -11,7 +11,7 @@ pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Fail
     let path = &options.case;
     let text = read_text(path).map_err(Failure::of(path))?;
     let case = Case::from_ron(&text).map_err(Failure::of(path))?;
-    let answer = case.solve().map_err(Failure::of(path))?;
+    let answer = statics::solve(&case).map_err(Failure::of(path))?;
     let folder = options
         .out
         .clone()

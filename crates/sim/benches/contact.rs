@@ -3,7 +3,7 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
-use rapunzel_sim::{Scene, Stepper, World};
+use rapunzel_sim::{Scene, Stepper, World, stepper_for};
 use std::time::Duration;
 
 const LOCK: &str = include_str!("../../../scenes/contact/lock-on-ball.ron");
@@ -57,9 +57,9 @@ fn million(c: &mut Criterion) {
             name = "pack that slides, 10^6 contacts, a step";
             scene.environment.gravity = [6.94, 0.0, -6.94];
             let rest = world.snapshot();
-            world = scene.build().expect("a world");
+            world = World::build(&scene).expect("a world");
             world.restore(&rest).expect("its own");
-            stepper = scene.stepper_of(&world).expect("a stepper");
+            stepper = stepper_for(&scene, &world).expect("a stepper");
         }
         group.bench_function(name, |b| {
             b.iter(|| {
@@ -72,8 +72,8 @@ fn million(c: &mut Criterion) {
 }
 
 fn after(scene: &Scene, steps: usize) -> (World, Box<dyn Stepper>) {
-    let mut world = scene.build().expect("a world");
-    let mut stepper = scene.stepper_of(&world).expect("a stepper");
+    let mut world = World::build(scene).expect("a world");
+    let mut stepper = stepper_for(scene, &world).expect("a stepper");
     for _ in 0..steps {
         stepper.step(&mut world, scene.stepper.dt).expect("a step");
     }

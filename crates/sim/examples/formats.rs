@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The first frames of the scene with the swinging lock.
 fn simulated() -> Result<Vec<Frame>, Box<dyn Error>> {
     let scene = Scene::from_ron(include_str!("../../../scenes/lock-under-gravity.ron"))?;
-    let (plan, mut world) = (Plan::new(&scene), scene.build()?);
+    let (plan, mut world) = (Plan::new(&scene), World::build(&scene)?);
     let mut frames = vec![frame(&world, 0)];
     for index in 1..FRAMES {
         for _ in 0..plan.steps_per_frame {

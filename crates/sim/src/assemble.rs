@@ -1,14 +1,13 @@
 use crate::charging::{Charged, Electric, Resting, relax, set_matter};
 use crate::conditions::{BundleConditions, FiberConditions};
-use crate::contact::{Surroundings, Touching};
+use crate::contact::{Surroundings, Touching, build_object};
 use crate::curve::knot;
 use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Flow, Initial, Law, Method, Moves, Scene, Shape, scalp};
+use crate::scene::{Arrangement, Bundle, Flow, Initial, Method, Scene, Shape, scalp};
 use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
-use rapunzel_fiber::{Assembly, Fiber, FiberError, NodeProperties, Section, so3};
-use rapunzel_keratin::Hair;
+use rapunzel_fiber::{Assembly, Fiber, FiberError, NodeProperties, so3};
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, SectionLaws,
     Staggered, StaggeredBatch,
@@ -37,25 +36,25 @@ impl Start {
     }
 }
 
-impl Scene {
-    /// Builds the world at its start.
+impl World {
+    /// The world of a scene at its start.
     ///
     /// # Errors
     /// [`SimError::Scene`] if the scene makes no sense; [`SimError::Fiber`] and [`SimError::Rod`]
     /// where only the combination of its numbers does not, such as a sine too fine for its
     /// segments; [`SimError::Io`], [`SimError::Mesh`] and [`SimError::Object`] for objects.
-    pub fn build(&self) -> Result<World, SimError> {
-        self.validate()?;
+    pub fn build(scene: &Scene) -> Result<Self, SimError> {
+        scene.validate()?;
         let mut starts = Vec::new();
-        for (i, bundle) in self.fibers.iter().enumerate() {
+        for (i, bundle) in scene.fibers.iter().enumerate() {
             // Bundles of one scene must not repeat each other's random choices.
-            let seed = self.seed.wrapping_add(i as u64);
-            let (node, laws) = self.matter(bundle, i, 0.0)?;
+            let seed = scene.seed.wrapping_add(i as u64);
+            let (node, laws) = matter(scene, bundle, i, 0.0)?;
             let fibers =
                 grow(bundle, node, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
             let radius = node.section.equivalent_radius();
             let conditions = Arc::new(
-                self.conditions(bundle, radius)
+                conditions(scene, bundle, radius)
                     .map_err(|source| SimError::Rod { bundle: i, source })?,
             );
             let course = course(bundle, i)?;
@@ -75,13 +74,13 @@ impl Scene {
             .map(|fibers| {
                 let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
                 let bundle = starts[0].bundle;
-                let method = self.stepper.method(self.contact.is_some());
-                let batch = match self.charging {
+                let method = scene.stepper.method(scene.contact.is_some());
+                let batch = match scene.charging {
                     Some(_) => {
                         let rods = starts.iter().map(|start| &start.rod.fiber);
                         Box::new(Resting::new(rods, fibers)?) as Box<dyn Batch>
                     }
-                    None => batch(method, self.stepper.tolerance, &starts)
+                    None => batch(method, scene.stepper.tolerance, &starts)
                         .map_err(|source| SimError::Rod { bundle, source })?,
                 };
                 let lane = |(lane, start): (usize, &&Start)| FiberConditions {
@@ -93,161 +92,136 @@ impl Scene {
                 Ok(Group { fibers: fibers.to_vec(), batch, lanes })
             })
             .collect::<Result<_, SimError>>()?;
-        let mut world = World::new(self.environment.clone(), assembly, groups);
-        if self.output.ledger || self.stepper.may_create_energy() {
+        let mut world = Self::new(scene.environment.clone(), assembly, groups);
+        if scene.output.ledger || scene.stepper.may_create_energy() {
             world.keep_works();
         }
-        if let Some(springs) = &self.mass_spring {
+        if let Some(springs) = &scene.mass_spring {
             let refused = |source| SimError::MassSpring { time: 0.0, source };
             let springs = mass_spring::build(springs).map_err(refused)?;
             world.springs = Some(springs);
-            if let Some(warning) = world.warning(Plan::new(self).dt) {
+            if let Some(warning) = world.warning(Plan::new(scene).dt) {
                 tracing::warn!("{warning}");
             }
         }
-        let around = self.surroundings(&world);
-        let objects = self.objects.iter().enumerate();
-        world.objects =
-            objects.map(|(i, object)| object.build(i, &around)).collect::<Result<_, _>>()?;
-        if let Some(charging) = &self.charging {
-            world.electric = Some(Electric::new(charging, &self.objects, &world)?);
-            self.load_at(&mut world, 0.0)?;
+        let around = surroundings(scene, &world);
+        let objects = scene.objects.iter().enumerate();
+        world.objects = objects
+            .map(|(i, object)| build_object(object, i, &around))
+            .collect::<Result<_, _>>()?;
+        if let Some(charging) = &scene.charging {
+            world.electric = Some(Electric::new(charging, &scene.objects, &world)?);
+            load_at(scene, &mut world, 0.0)?;
             let gravity = world.gravity();
             relax(&mut world, &gravity)?;
         }
-        if world.works().is_some() || self.is_closed() {
+        if world.works().is_some() || scene.is_closed() {
             world.keep_budget();
         }
         Ok(world)
     }
+}
 
-    /// The sizes of what is around objects.
-    fn surroundings(&self, world: &World) -> Surroundings {
-        if let Some(springs) = &world.springs {
-            let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
-            let contacts = self.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
-            return Surroundings {
-                roundest: None,
-                longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
-                thickest: contacts.map_or(0.0, |contacts| contacts.radius),
-            };
-        }
-        let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
-        Surroundings {
-            roundest: self.roundest(),
-            longest: lengths.fold(0.0, f64::max),
-            thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
-        }
-    }
-
-    /// Radius of the roundest object (m), or zero, where objects may touch each other.
-    pub(crate) fn roundest(&self) -> Option<f64> {
-        let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
-        let can_meet = one_is_free && self.objects.len() > 1;
-        let radii = self.objects.iter().filter_map(|object| object.shape.radius());
-        can_meet.then(|| radii.fold(0.0, f64::max))
-    }
-
-    /// What moves the world of this scene.
-    ///
-    /// # Errors
-    /// [`SimError::Collision`] if its fibres cannot be searched for contacts.
-    pub fn stepper_of(&self, world: &World) -> Result<Box<dyn Stepper>, SimError> {
-        if self.mass_spring.is_some() {
-            return Ok(Box::new(MassSprings));
-        }
-        if let Some(charging) = &self.charging {
-            return Ok(Box::new(Charged::new(self, charging.dealing)));
-        }
-        Ok(match &self.contact {
-            None => Box::new(FreeFibers),
-            Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
-        })
-    }
-
-    /// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
-    pub(crate) fn matter(
-        &self,
-        bundle: &Bundle,
-        i: usize,
-        t: f64,
-    ) -> Result<(NodeProperties, SectionLaws), SimError> {
-        let Some(keratin) = bundle.material.keratin() else {
-            // Another material without a section has been refused.
-            let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
-            let material = bundle.material.solid();
-            return material
-                .map(|solid| (NodeProperties::new(section, &solid), SectionLaws::Linear))
-                .map_err(|source| SimError::Keratin { bundle: i, source });
+/// The sizes of what is around objects.
+fn surroundings(scene: &Scene, world: &World) -> Surroundings {
+    if let Some(springs) = &world.springs {
+        let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
+        let contacts = scene.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
+        return Surroundings {
+            roundest: None,
+            longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
+            thickest: contacts.map_or(0.0, |contacts| contacts.radius),
         };
-        let climate = self.environment.climate.at(t);
-        climate
-            .and_then(|climate| keratin.rod(&keratin.hair(bundle.section)?, &climate))
-            .map_err(|source| SimError::Keratin { bundle: i, source })
     }
+    let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
+    Surroundings {
+        roundest: scene.roundest(),
+        longest: lengths.fold(0.0, f64::max),
+        thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
+    }
+}
 
-    /// Puts the loads of the scene at time `t` (s) on fibres at rest, and makes them of their matter in the
-    /// climate then, if that changes.
-    pub(crate) fn load_at(&self, world: &mut World, t: f64) -> Result<(), SimError> {
-        for group in &mut world.groups {
-            group.put_forces(t).map_err(|source| SimError::Step { time: t, source })?;
+/// What moves the world of a scene.
+///
+/// # Errors
+/// [`SimError::Collision`] if its fibres cannot be searched for contacts.
+pub fn stepper_for(scene: &Scene, world: &World) -> Result<Box<dyn Stepper>, SimError> {
+    if scene.mass_spring.is_some() {
+        return Ok(Box::new(MassSprings));
+    }
+    if let Some(charging) = &scene.charging {
+        return Ok(Box::new(Charged::new(scene, charging.dealing)));
+    }
+    Ok(match &scene.contact {
+        None => Box::new(FreeFibers),
+        Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
+    })
+}
+
+/// Puts the loads of the scene at time `t` (s) on fibres at rest, and makes them of their matter in the
+/// climate then, if that changes.
+pub(crate) fn load_at(scene: &Scene, world: &mut World, t: f64) -> Result<(), SimError> {
+    for group in &mut world.groups {
+        group.put_forces(t).map_err(|source| SimError::Step { time: t, source })?;
+    }
+    if !scene.environment.climate.changes() {
+        return Ok(());
+    }
+    let mut fiber = 0;
+    for (i, bundle) in scene.fibers.iter().enumerate() {
+        let (node, _) = matter(scene, bundle, i, t)?;
+        for _ in 0..bundle.arrangement.fibers() {
+            set_matter(world, fiber, &node)?;
+            fiber += 1;
         }
-        if !self.environment.climate.changes() {
-            return Ok(());
-        }
-        let mut fiber = 0;
-        for (i, bundle) in self.fibers.iter().enumerate() {
-            let (node, _) = self.matter(bundle, i, t)?;
-            for _ in 0..bundle.arrangement.fibers() {
-                set_matter(world, fiber, &node)?;
-                fiber += 1;
-            }
-        }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Resistance of fibres a length at time `t` (s), ohm/m.
-    pub(crate) fn resistance(&self, flow: &Flow, t: f64) -> Result<f64, SimError> {
-        let climate = self.environment.climate.at(t);
-        climate
-            .and_then(|climate| flow.resistance_in(&climate))
-            .map_err(|source| SimError::Keratin { bundle: 0, source })
-    }
+/// Resistance of fibres a length at time `t` (s), ohm/m.
+pub(crate) fn resistance(scene: &Scene, flow: &Flow, t: f64) -> Result<f64, SimError> {
+    let climate = scene.environment.climate.at(t);
+    climate
+        .and_then(|climate| flow.resistance_in(&climate))
+        .map_err(|source| SimError::Keratin { bundle: 0, source })
+}
 
-    /// The hair of a bundle whose law follows the climate, if that changes.
-    fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
-        let keratin = bundle.material.keratin()?;
-        let follows = keratin.law == Law::ThreeElement && self.environment.climate.changes();
-        keratin.hair(bundle.section).ok().filter(|_| follows)
-    }
+fn conditions(scene: &Scene, bundle: &Bundle, radius: f64) -> Result<BundleConditions, RodError> {
+    let viscosity = scene.environment.viscosity;
+    let drag = (viscosity > 0.0)
+        .then(|| Drag::slender_body(viscosity, bundle.length, radius))
+        .transpose()?;
+    let node = |at: f64| {
+        #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
+        let node = (at * bundle.segments as f64).round() as usize;
+        node
+    };
+    let node_forces = bundle
+        .point_forces
+        .iter()
+        .map(|f| (node(f.at), Vector3::from(f.value), f.profile.clone()))
+        .collect();
+    Ok(BundleConditions {
+        environment: scene.environment.clone(),
+        drag,
+        motion: bundle.motion.clone(),
+        root_joint: bundle.root_joint.clone(),
+        tip: bundle.tip.clone(),
+        start: Point3::from(bundle.root.position),
+        nodes: bundle.segments + 1,
+        node_forces,
+        hair: scene.changing_hair(bundle),
+    })
+}
 
-    fn conditions(&self, bundle: &Bundle, radius: f64) -> Result<BundleConditions, RodError> {
-        let viscosity = self.environment.viscosity;
-        let drag = (viscosity > 0.0)
-            .then(|| Drag::slender_body(viscosity, bundle.length, radius))
-            .transpose()?;
-        let node = |at: f64| {
-            #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
-            let node = (at * bundle.segments as f64).round() as usize;
-            node
-        };
-        let node_forces = bundle
-            .point_forces
-            .iter()
-            .map(|f| (node(f.at), Vector3::from(f.value), f.profile.clone()))
-            .collect();
-        Ok(BundleConditions {
-            environment: self.environment.clone(),
-            drag,
-            motion: bundle.motion.clone(),
-            root_joint: bundle.root_joint.clone(),
-            tip: bundle.tip.clone(),
-            start: Point3::from(bundle.root.position),
-            nodes: bundle.segments + 1,
-            node_forces,
-            hair: self.changing_hair(bundle),
-        })
-    }
+/// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
+pub(crate) fn matter(
+    scene: &Scene,
+    bundle: &Bundle,
+    i: usize,
+    t: f64,
+) -> Result<(NodeProperties, SectionLaws), SimError> {
+    scene.matter(bundle, t).map_err(|source| SimError::Keratin { bundle: i, source })
 }
 
 /// Lengths of the segments of each fibre of a bundle, m.

@@ -1,4 +1,3 @@
-use crate::scene::Problem;
 use crate::{Partner, Unresolved};
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
@@ -9,6 +8,7 @@ use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;
 use rapunzel_rod_dynamic::{EquilibriumError, RodError, StepError};
 use rapunzel_rod_static::StaticError;
+use rapunzel_scene::SceneError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -18,13 +18,8 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum SimError {
     /// The scene is not understood or asks for nonsense.
-    #[error("the scene has {}:{}", counted(problems.len()), listed(problems))]
-    Scene {
-        /// The text of the scene, to underline the problems in.
-        source_text: String,
-        /// Everything that is wrong, in the order of the scene.
-        problems: Vec<Problem>,
-    },
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]
     Fiber {
@@ -366,10 +361,6 @@ impl SimError {
     }
 }
 
-fn counted(problems: usize) -> String {
-    if problems == 1 { "a problem".into() } else { format!("{problems} problems") }
-}
-
 fn along(segment: Option<usize>) -> String {
     segment.map(|segment| format!(", at its segment {segment}")).unwrap_or_default()
 }
@@ -379,10 +370,6 @@ fn meeting(worst: Option<&Unresolved>) -> String {
         format!(", worst where {second} meets {first}{}", along(*segment))
     };
     worst.map(tell).unwrap_or_default()
-}
-
-fn listed(problems: &[Problem]) -> String {
-    problems.iter().map(|p| format!("\n  {p}")).collect()
 }
 
 /// Most faults that a message tells.

@@ -1,5 +1,6 @@
 //! What a scene takes of memory, told before anything is built.
 
+use crate::assemble::matter;
 use crate::contact::{Surroundings, read_mesh};
 use crate::scene::{Bundle, MassSpring, Method, ObjectShape};
 use crate::{Scene, SimError};
@@ -72,31 +73,31 @@ impl Estimate {
     }
 }
 
-impl Scene {
-    /// What building and running the scene takes of memory, from its numbers and meshes alone; what
+impl Estimate {
+    /// What building and running a scene takes of memory, from its numbers and meshes alone; what
     /// contacts take grows with what touches, and is not known before.
     ///
     /// # Errors
     /// [`SimError::Scene`] if the scene makes no sense, [`SimError::Io`] and [`SimError::Mesh`] for
     /// a mesh.
-    pub fn estimate(&self) -> Result<Estimate, SimError> {
-        self.validate()?;
-        let mut estimate = Estimate::default();
-        let around = Surroundings { roundest: self.roundest(), ..self.sizes()? };
-        for (i, bundle) in self.fibers.iter().enumerate() {
+    pub fn new(scene: &Scene) -> Result<Self, SimError> {
+        scene.validate()?;
+        let mut estimate = Self::default();
+        let around = Surroundings { roundest: scene.roundest(), ..sizes(scene)? };
+        for (i, bundle) in scene.fibers.iter().enumerate() {
             let Bundle { arrangement, segments, .. } = bundle;
             let nodes = arrangement.fibers() as f64 * (segments + 1) as f64;
             let what = format!("{} fibres of {segments} segments", arrangement.fibers());
-            estimate.add(&format!("fibers[{i}]"), what, nodes * self.bytes_of_node());
+            estimate.add(&format!("fibers[{i}]"), what, nodes * bytes_of_node(scene));
         }
-        if let Some(springs) = &self.mass_spring {
+        if let Some(springs) = &scene.mass_spring {
             let nodes = springs.nodes();
             estimate.add("mass_spring", format!("{nodes} nodes"), nodes as f64 * SPRING_NODE);
         }
-        for (i, object) in self.objects.iter().enumerate() {
+        for (i, object) in scene.objects.iter().enumerate() {
             estimate.object(i, &object.shape, &around)?;
         }
-        if let Some(grid) = self.charging.as_ref().and_then(|charging| charging.grid) {
+        if let Some(grid) = scene.charging.as_ref().and_then(|charging| charging.grid) {
             let points: f64 = grid.counts.iter().map(|&count| count as f64).product();
             let what = format!("{points} points of the electric field");
             estimate.add("charging.grid", what, points * FIELD_POINT);
@@ -104,33 +105,6 @@ impl Scene {
         Ok(estimate)
     }
 
-    fn bytes_of_node(&self) -> f64 {
-        let touch = self.contact.is_some();
-        let own = match self.stepper.method(touch) {
-            _ if self.charging.is_some() => CHARGED_NODE,
-            Method::Box { .. } => SINGLE_NODE,
-            _ if self.stepper.tolerance.is_some() => SINGLE_NODE,
-            _ => NODE,
-        };
-        own + if touch { TOUCHING_NODE } else { 0.0 }
-    }
-
-    /// The longest and the thickest of what meets objects.
-    fn sizes(&self) -> Result<Surroundings, SimError> {
-        let mut around = Surroundings { longest: 0.0, thickest: 0.0, roundest: None };
-        if let Some(MassSpring { contacts: Some(contacts), .. }) = &self.mass_spring {
-            around.thickest = contacts.radius;
-        }
-        for (i, bundle) in self.fibers.iter().enumerate() {
-            let (node, _) = self.matter(bundle, i, 0.0)?;
-            around.longest = around.longest.max(bundle.length);
-            around.thickest = around.thickest.max(node.section.equivalent_radius());
-        }
-        Ok(around)
-    }
-}
-
-impl Estimate {
     fn object(
         &mut self,
         index: usize,
@@ -167,4 +141,29 @@ impl Estimate {
         }
         Ok(())
     }
+}
+
+fn bytes_of_node(scene: &Scene) -> f64 {
+    let touch = scene.contact.is_some();
+    let own = match scene.stepper.method(touch) {
+        _ if scene.charging.is_some() => CHARGED_NODE,
+        Method::Box { .. } => SINGLE_NODE,
+        _ if scene.stepper.tolerance.is_some() => SINGLE_NODE,
+        _ => NODE,
+    };
+    own + if touch { TOUCHING_NODE } else { 0.0 }
+}
+
+/// The longest and the thickest of what meets objects.
+fn sizes(scene: &Scene) -> Result<Surroundings, SimError> {
+    let mut around = Surroundings { longest: 0.0, thickest: 0.0, roundest: None };
+    if let Some(MassSpring { contacts: Some(contacts), .. }) = &scene.mass_spring {
+        around.thickest = contacts.radius;
+    }
+    for (i, bundle) in scene.fibers.iter().enumerate() {
+        let (node, _) = matter(scene, bundle, i, 0.0)?;
+        around.longest = around.longest.max(bundle.length);
+        around.thickest = around.thickest.max(node.section.equivalent_radius());
+    }
+    Ok(around)
 }

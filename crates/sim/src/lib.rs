@@ -16,9 +16,7 @@ pub mod lab;
 mod manifest;
 mod mass_spring;
 mod observers;
-mod plan;
 mod run;
-pub mod scene;
 pub mod statics;
 mod stepper;
 mod storage;
@@ -26,6 +24,7 @@ mod summary;
 mod works;
 mod world;
 
+pub use assemble::stepper_for;
 pub use charging::ChargeReport;
 pub use contact::{
     Bearing, ContactReport, ContactTimes, ContactWork, Partner, Stopwatch, Unresolved,
@@ -35,9 +34,8 @@ pub use estimate::{Estimate, Part};
 pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim, in_use};
 pub use mass_spring::MassSprings;
-pub use plan::Plan;
+pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
-pub use scene::Scene;
 pub use stepper::{FreeFibers, StepReport, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};

@@ -1,3 +1,4 @@
+use crate::assemble::{load_at, stepper_for};
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{
     CHARGE, CHECKPOINT, CONTACTS, ENERGIES, LOG, NEXT_CHECKPOINT, OBJECTS, PROBES, RunFolder,
@@ -109,8 +110,8 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn start(scene: &'a Scene, folder: &'a mut RunFolder) -> Result<Self, SimError> {
         let plan = Plan::new(scene);
-        let world = scene.build()?;
-        let stepper = scene.stepper_of(&world)?;
+        let world = World::build(scene)?;
+        let stepper = stepper_for(scene, &world)?;
         let hash = scene_hash(scene)?;
         let mut checkpoints = vec![folder.file(NEXT_CHECKPOINT), folder.file(CHECKPOINT)];
         checkpoints.retain(|path| path.exists());
@@ -211,7 +212,7 @@ impl<'a> Run<'a> {
         self.world.restore(&last.snapshot)?;
         if self.scene.charging.is_some() {
             let time = self.world.time();
-            self.scene.load_at(&mut self.world, time)?;
+            load_at(self.scene, &mut self.world, time)?;
         }
         let mut outputs = self.observers.iter_mut().zip(&last.marks);
         outputs.try_for_each(|(observer, mark)| observer.rewind(*mark))

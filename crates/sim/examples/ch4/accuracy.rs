@@ -6,6 +6,7 @@ use crate::report::{Criterion, Figure, check};
 use crate::{Fallible, Size};
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{Accuracy, Direct, Method, Multipole, units};
+use rapunzel_sim::World;
 use std::time::Instant;
 
 /// Numbers of terms.
@@ -16,7 +17,7 @@ const SAMPLES: usize = 500;
 /// Time and angle between the force and that of the direct sum, over the degree of expansions.
 pub(crate) fn terms(size: Size) -> Fallible<Figure> {
     let scene = size.scene("tress")?;
-    let world = scene.build()?;
+    let world = World::build(&scene)?;
     // The thesis has 330 a centimeter: 99 on each segment.
     let each = if size == Size::Full { 99 } else { 10 };
     let mut points: Vec<Point3<f64>> = Vec::new();

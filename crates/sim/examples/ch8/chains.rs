@@ -12,8 +12,8 @@ use rapunzel_contact::chain::{
 use rapunzel_contact::projection::{Form, Polygon};
 use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
-use rapunzel_sim::Scene;
 use rapunzel_sim::scene::Friction;
+use rapunzel_sim::{Scene, World};
 
 /// When pictures are taken, s.
 const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
@@ -48,7 +48,7 @@ impl Bundle {
         let Friction::Isotropic(mu) = contact.friction else {
             return Err("a scene with the same friction in all directions".into());
         };
-        let world = scene.build()?;
+        let world = World::build(scene)?;
         let fibers = world.assembly().fibers();
         let chain = |(i, fiber): (usize, &Fiber)| -> Fallible<Chain> {
             let (state, node) = (world.state(i), fiber.nodes()[0]);

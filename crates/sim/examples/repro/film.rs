@@ -2,7 +2,7 @@
 
 use crate::Fallible;
 use crate::drawing::Picture;
-use rapunzel_sim::{Plan, Scene, World};
+use rapunzel_sim::{Plan, Scene, World, stepper_for};
 use std::fs;
 use std::path::Path;
 
@@ -17,8 +17,8 @@ pub(crate) fn scene(name: &str) -> Fallible<Scene> {
 /// Runs a scene; `observe` sees its start and what every step leaves.
 pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<()> {
     let plan = Plan::new(scene);
-    let mut world = scene.build()?;
-    let mut stepper = scene.stepper_of(&world)?;
+    let mut world = World::build(scene)?;
+    let mut stepper = stepper_for(scene, &world)?;
     observe(&world);
     while world.steps() < plan.steps {
         let dt = plan.step_after(world.steps());

@@ -168,7 +168,7 @@ pub(crate) fn moving_root() -> Fallible<Figure> {
     let chord = path.iter().map(|p| (p - path[0]).norm()).fold(0.0, f64::max);
     let angle = 2.0 * (0.5 * chord / 0.3).asin().to_degrees();
     let most = 1e-6 * energies.iter().map(|p| p[1]).fold(0.0, f64::max);
-    let mass: f64 = 181.0 * scene.build()?.assembly().fibers()[0].mass();
+    let mass: f64 = 181.0 * World::build(&scene)?.assembly().fibers()[0].mass();
     let speed = (2.0 * most / mass).sqrt();
     Ok(Figure {
         scene: "lock-on-moving-root",

@@ -232,7 +232,7 @@ mod tests {
                 objects.replace("OF", shape)
             );
             let scene = Scene::from_ron(&text).expect("a scene");
-            let world = scene.build().expect("a world");
+            let world = World::build(&scene).expect("a world");
             let charging = scene.charging.as_ref().expect("with charge");
             let mut electric = Electric::new(charging, &scene.objects, &world).expect("a head");
             electric.share = 1.0;

@@ -3,32 +3,15 @@
 use super::anderson::{Anderson, add, dot};
 use super::electric::{Electric, placed};
 use super::settle::{charges, positions, rod_mut};
-use crate::scene::{Flow, Head, Held, Resistance};
+use crate::scene::{Flow, Head, Held};
 use crate::{SimError, World};
 use nalgebra::Point3;
 use rapunzel_electrostatics::{COULOMB_CONSTANT, ChargeFlow};
-use rapunzel_keratin::surface::resistance;
-use rapunzel_keratin::{Climate, KeratinError, Outside};
 use rayon::prelude::*;
 
 /// Most evaluations of the potentials, and changes of charge that their iteration remembers.
 const MOST: usize = 80;
 const DEPTH: usize = 40;
-/// Length of the hair whose resistance is known, m.
-const MEASURED: f64 = 0.01;
-
-impl Flow {
-    /// Resistance a length in a climate, ohm/m.
-    ///
-    /// # Errors
-    /// Those of [`resistance`].
-    pub(crate) fn resistance_in(&self, climate: &Climate) -> Result<f64, KeratinError> {
-        match self.resistance {
-            Resistance::OhmPerMeter(resistance) => Ok(resistance),
-            Resistance::Climate => Ok(resistance(climate, Outside::Refuse)?.value / MEASURED),
-        }
-    }
-}
 
 /// Lets charge flow for `dt` seconds while the fibres lie still. False if the charges after the step were
 /// not found.

@@ -3,6 +3,7 @@
 use super::flow;
 use super::report::ChargeReport;
 use super::settle::{Settled, charges, positions, rod_mut, rods, settle};
+use crate::assemble::{load_at, resistance};
 use crate::{Scene, SimError, StepReport, Stepper, World};
 use nalgebra::{Point3, Vector3};
 
@@ -47,7 +48,7 @@ impl Charged {
             if let Some(charging) = &mut scene.charging {
                 (charging.dealing, charging.compared) = (dealing, Vec::new());
             }
-            let (mut other, mut stepper) = (scene.build()?, Self::new(&scene, dealing));
+            let (mut other, mut stepper) = (World::build(&scene)?, Self::new(&scene, dealing));
             for _ in 0..dealing.portions() {
                 let charge = stepper.step(&mut other, scene.stepper.dt)?.charge;
                 report.evaluations += charge.evaluations;
@@ -79,7 +80,7 @@ impl Stepper for Charged {
         let steps = world.steps();
         let (before, share) = (self.dealt(steps), self.dealt(steps + 1));
         world.advance_clock(dt);
-        self.scene.load_at(world, world.time())?;
+        load_at(&self.scene, world, world.time())?;
         let layout = world.assembly().layout().clone();
         for fiber in 0..layout.fibers() {
             let given = &self.given[layout.segment_range(fiber)];
@@ -95,7 +96,7 @@ impl Stepper for Charged {
         let flowed = match self.scene.charging.as_ref().and_then(|charging| charging.flow) {
             None => true,
             Some(flow) => {
-                let resistance = self.scene.resistance(&flow, world.time())?;
+                let resistance = resistance(&self.scene, &flow, world.time())?;
                 flow::flow(world, &flow, resistance, dt)?
             }
         };

@@ -3,7 +3,7 @@
 use super::film::Film;
 use super::object::Object;
 use super::touch::{Partner, Touch};
-use crate::scene::{Adhesion, ContactSettings};
+use crate::scene::{Adhesion, ContactSettings, Friction};
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
 use rapunzel_fiber::Assembly;
@@ -62,7 +62,7 @@ impl<'a> Laws<'a> {
             object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
         });
         let sticks = || before().yz().norm() <= self.settings.slip;
-        own.unwrap_or(self.settings.friction).of(touch, sticks)
+        limit_curve(&own.unwrap_or(self.settings.friction), touch, sticks)
     }
 
     /// Tensile impulses that touches bear, N s; `gaps` are those at the start, as in
@@ -89,5 +89,35 @@ impl<'a> Laws<'a> {
             Partner::Object(object) => of(&self.objects[*object as usize]),
             Partner::Fiber(_) => None,
         })
+    }
+}
+
+/// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
+/// friction, each by its own axis; with an object the axis is the fibre's.
+fn limit_curve(
+    friction: &Friction,
+    touch: &Touch,
+    sticks: impl Fn() -> bool,
+) -> Result<LimitCurve, ContactError> {
+    match *friction {
+        Friction::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+        Friction::Keratin { on, wetness } => match on.friction(wetness) {
+            Ok(mu) => Ok(LimitCurve::Circle { mu }),
+            Err(_) => Err(ContactError::Invalid {
+                what: "the coefficient of friction",
+                value: f64::NAN,
+                why: "the table has none for this surface, dry; the scene must not ask for it",
+            }),
+        },
+        Friction::Resting { resting, sliding } => {
+            Ok(LimitCurve::Circle { mu: if sticks() { resting } else { sliding } })
+        }
+        Friction::Cuticle { with, against, across } => {
+            let curve = LimitCurve::cuticle(with, against, across);
+            match touch.sides[1] {
+                Partner::Object(_) => Ok(curve),
+                Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
+            }
+        }
     }
 }

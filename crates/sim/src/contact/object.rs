@@ -355,7 +355,7 @@ mod tests {
              section: Circle(radius: {RADIUS}), root: (position: (0, 0, 1)))], \
              objects: [(shape: {shape})], contact: (friction: Isotropic(0.3)), stepper: (dt: 1e-3))"
         );
-        let world = Scene::from_ron(&scene).and_then(|scene| scene.build()).expect("a scene");
+        let world = World::build(&Scene::from_ron(&scene).expect("sound")).expect("a scene");
         let [a, b] = gaps.map(|gap| RADIUS + gap);
         let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
         let strand = Strand { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };

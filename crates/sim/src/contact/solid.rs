@@ -49,56 +49,51 @@ impl Surroundings {
 
 type Field = Box<dyn DistanceField + Send + Sync>;
 
-impl scene::Object {
-    /// Object number `index` of the scene as it is at the start.
-    ///
-    /// # Errors
-    /// [`SimError::Io`] and [`SimError::Mesh`] for a mesh that cannot be read or bounds nothing,
-    /// [`SimError::Object`] for a field and [`SimError::Contact`] for a mass that cannot be made.
-    pub(crate) fn build(&self, index: usize, around: &Surroundings) -> Result<Object, SimError> {
-        let [x, y, z] = self.turn.map(f64::to_radians);
-        let start = Isometry3::from_parts(
-            Translation3::from(self.position),
-            UnitQuaternion::from_euler_angles(x, y, z),
-        );
-        let refuse = |source| SimError::Object { object: index, source };
-        let (field, surface) = match &self.shape {
-            ObjectShape::Mesh { file, spacing, scale, repair } => {
-                let (mesh, _) = read_mesh(index, file, *scale, *repair)?;
-                let field = Grid::scan(&mesh, *spacing, around.band(*spacing)).map_err(refuse)?;
-                let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
-                (Box::new(field) as Field, Soup { vertices, triangles })
-            }
-            shape => solid(shape, around).map_err(refuse)?,
-        };
-        let way = match self.moves {
-            Moves::Led => {
-                let (motion, origin) = (self.motion.clone(), Point3::from(self.position));
-                Way::Led(Box::new(move |t| motion.displacement(t, &origin) * start))
-            }
-            Moves::Free { mass, velocity, spin } => {
-                let density = match mass {
-                    Mass::Density(density) => density,
-                    Mass::Mass(mass) => mass / volume(&self.shape, &surface),
-                };
-                let (mut body, center) = body(&self.shape, &surface, density, &start)?;
-                body.velocity = velocity.into();
-                body.set_angular_velocity(&Vector3::from(spin.map(f64::to_radians)));
-                Way::Free(Box::new(FreeBody::new(body, center)))
-            }
-        };
-        let endless = self.shape.has_no_end();
-        let skeleton = skeleton(&self.shape, &surface, 2.0 * around.thickest);
-        let Self { friction, restitution, .. } = *self;
-        Ok(Object::new(field, skeleton, surface, friction, restitution, way, endless))
-    }
-}
-
-impl ObjectShape {
-    /// Whether it reaches on beyond what is shown of it.
-    fn has_no_end(&self) -> bool {
-        matches!(self, Self::Plane { .. } | Self::HeightField { .. })
-    }
+/// Object number `index` of the scene as it is at the start.
+///
+/// # Errors
+/// [`SimError::Io`] and [`SimError::Mesh`] for a mesh that cannot be read or bounds nothing,
+/// [`SimError::Object`] for a field and [`SimError::Contact`] for a mass that cannot be made.
+pub(crate) fn build_object(
+    scene: &scene::Object,
+    index: usize,
+    around: &Surroundings,
+) -> Result<Object, SimError> {
+    let [x, y, z] = scene.turn.map(f64::to_radians);
+    let start = Isometry3::from_parts(
+        Translation3::from(scene.position),
+        UnitQuaternion::from_euler_angles(x, y, z),
+    );
+    let refuse = |source| SimError::Object { object: index, source };
+    let (field, surface) = match &scene.shape {
+        ObjectShape::Mesh { file, spacing, scale, repair } => {
+            let (mesh, _) = read_mesh(index, file, *scale, *repair)?;
+            let field = Grid::scan(&mesh, *spacing, around.band(*spacing)).map_err(refuse)?;
+            let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+            (Box::new(field) as Field, Soup { vertices, triangles })
+        }
+        shape => solid(shape, around).map_err(refuse)?,
+    };
+    let way = match scene.moves {
+        Moves::Led => {
+            let (motion, origin) = (scene.motion.clone(), Point3::from(scene.position));
+            Way::Led(Box::new(move |t| motion.displacement(t, &origin) * start))
+        }
+        Moves::Free { mass, velocity, spin } => {
+            let density = match mass {
+                Mass::Density(density) => density,
+                Mass::Mass(mass) => mass / volume(&scene.shape, &surface),
+            };
+            let (mut body, center) = body(&scene.shape, &surface, density, &start)?;
+            body.velocity = velocity.into();
+            body.set_angular_velocity(&Vector3::from(spin.map(f64::to_radians)));
+            Way::Free(Box::new(FreeBody::new(body, center)))
+        }
+    };
+    let endless = scene.shape.is_endless();
+    let skeleton = skeleton(&scene.shape, &surface, 2.0 * around.thickest);
+    let scene::Object { friction, restitution, .. } = *scene;
+    Ok(Object::new(field, skeleton, surface, friction, restitution, way, endless))
 }
 
 /// Field and surface of a shape that is no file. Of a plane a square about the origin is shown, with

@@ -2,7 +2,7 @@
 
 use super::{Number, Reading, Record, Sample};
 use crate::scene::Surface;
-use crate::{Scene, SimError};
+use crate::{Scene, SimError, World, stepper_for};
 use nalgebra::Vector3;
 use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::surface::Wetness;
@@ -53,7 +53,7 @@ pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
         -WEIGHT,
     ))?;
     sample.put_into(&mut scene);
-    let mut world = scene.build()?;
+    let mut world = World::build(&scene)?;
     // Over the cylinder, and as if it had always been so.
     let over = world.assembly().fibers()[0].clone().with_natural_curvature(|s| {
         let bent = s > leg - 0.5 * segment && s < leg + PI * axis - 0.5 * segment;
@@ -64,7 +64,7 @@ pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
         let refused = |source| SimError::Rod { bundle: 0, source };
         batch.set_state(0, &start).map_err(refused)?;
     }
-    let mut stepper = scene.stepper_of(&world)?;
+    let mut stepper = stepper_for(&scene, &world)?;
     let mut points = Vec::new();
     for _ in 0..STEPS {
         stepper.step(&mut world, DT)?;

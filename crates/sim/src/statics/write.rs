@@ -1,11 +1,11 @@
 use super::answer::{Answer, Equilibrium};
-use super::case::{Case, End};
 use crate::SimError;
 use crate::folder::{PREVIEW, claim};
 use crate::storage::{save, write_atomically};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_export::preview::{self, Support};
 use rapunzel_export::{Frame, Strand, vtp};
+use rapunzel_scene::case::{Case, End};
 use std::io::Write;
 use std::path::Path;
 

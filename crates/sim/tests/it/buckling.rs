@@ -1,7 +1,7 @@
 //! A rod on two ball joints under thrust and torque, against A. G. Greenhill, On the strength of
 //! shafting, Proc. Inst. Mech. Eng. 34 (1883).
 
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper};
+use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
 use std::f64::consts::{PI, TAU};
 
 const LENGTH: f64 = 0.1;
@@ -33,7 +33,7 @@ fn thrust(torque: f64, shortening: f64) -> f64 {
         )"
     );
     let scene = Scene::from_ron(&text).expect("a sound scene");
-    let mut world = scene.build().expect("a sound scene");
+    let mut world = World::build(&scene).expect("a sound scene");
     for _ in 0..1000 {
         FreeFibers.step(&mut world, 1e-3).expect("converges");
     }
@@ -57,7 +57,7 @@ fn thrust_and_torque_share_the_load_as_greenhill_has_it() {
 fn the_scene_collapses_into_a_loop_that_rests() {
     let scene = Scene::from_ron(include_str!("../../../../scenes/buckling.ron")).expect("sound");
     let plan = Plan::new(&scene);
-    let mut world = scene.build().expect("sound");
+    let mut world = World::build(&scene).expect("sound");
     let (mut wound, mut collapsing) = (0.0_f64, 0.0_f64);
     for _ in 0..plan.steps {
         FreeFibers.step(&mut world, plan.dt).expect("converges");

@@ -3,8 +3,8 @@
 use crate::common::Run;
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{COULOMB_CONSTANT, units};
-use rapunzel_sim::scene::Arrangement;
-use rapunzel_sim::{ChargeReport, Scene, SimError};
+use rapunzel_sim::scene::{Arrangement, SceneError};
+use rapunzel_sim::{ChargeReport, Scene, SimError, World};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -280,14 +280,14 @@ fn nonsense_is_refused_by_the_name_of_its_field() {
     ] {
         assert_eq!(SMALL.matches(from).count(), 1, "{from} is in the scene once");
         match Scene::from_ron(&SMALL.replace(from, to)) {
-            Err(SimError::Scene { problems, .. }) => {
+            Err(SceneError { problems, .. }) => {
                 assert!(problems.iter().any(|p| p.path == path), "{to}: {problems:?}");
             }
             other => panic!("{to} was not refused: {other:?}"),
         }
     }
     let uncharged = SMALL.replace("charging:", "//").replace("objects:", "//");
-    let Err(SimError::Scene { problems, .. }) = Scene::from_ron(&uncharged) else {
+    let Err(SceneError { problems, .. }) = Scene::from_ron(&uncharged) else {
         panic!("charge without charging was not refused")
     };
     assert_eq!(problems[0].path, "fibers[0].charge");
@@ -321,7 +321,7 @@ fn bad_heads_are_refused() {
         std::fs::write(&file, vertices.chain(triangles).collect::<String>()).expect("writes");
         let mesh = format!("Mesh(file: {file:?}, spacing: 0.005)");
         let scene = Scene::from_ron(&SMALL.replace("Ball(radius: 0.05)", &mesh)).expect("a scene");
-        let error = scene.build().err().expect("no surface of a body");
+        let error = World::build(&scene).err().expect("no surface of a body");
         assert!(matches!(error, SimError::Mesh { object: 0, .. }), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::common::Run;
 use nalgebra::{Point3, Vector3};
-use rapunzel_sim::Scene;
+use rapunzel_sim::{Scene, World, stepper_for};
 
 /// Diameter of the hairs of this file, m.
 const DIAMETER: f64 = 7e-5;
@@ -186,8 +186,8 @@ fn overlaps_at_the_start_are_refused() {
     let lying = hair(20, "root: (orientation: Along(direction: (1, 0, 0)))");
     let refused = |fibers: &[String], objects: &str| {
         let scene = Scene::from_ron(&scene(fibers, objects, 0.3, 0.0, 1e-3)).expect("sound");
-        let world = scene.build().expect("a world");
-        scene.stepper_of(&world).err().expect("an overlap").to_string()
+        let world = World::build(&scene).expect("a world");
+        stepper_for(&scene, &world).err().expect("an overlap").to_string()
     };
     let message = refused(&[lying.clone(), crossing], "");
     assert!(
@@ -209,8 +209,9 @@ fn roots_that_are_held_in_each_other_are_refused() {
     };
     let built = |root: &str| {
         let scene = Scene::from_ron(&scene(&hairs(root), "", 0.3, 0.0, 1e-3)).expect("sound");
-        let mut world = scene.build().expect("a world");
-        scene.stepper_of(&world).map(|mut stepper| stepper.step(&mut world, 1e-3).expect("a step"))
+        let mut world = World::build(&scene).expect("a world");
+        stepper_for(&scene, &world)
+            .map(|mut stepper| stepper.step(&mut world, 1e-3).expect("a step"))
     };
     let message = built("root: ").expect_err("held in each other").to_string();
     assert!(

@@ -2,7 +2,8 @@
 
 use rapunzel_sim::scene::{Integrator, Mass, Model, Motion, Moves, ObjectShape};
 use rapunzel_sim::{
-    Cancel, Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper, run,
+    Cancel, Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper,
+    World, run,
 };
 use std::fs;
 use std::path::PathBuf;
@@ -32,7 +33,7 @@ fn every_scene_is_sound_and_stays_finite() {
     for (path, scene) in scenes {
         let path = path.display();
         assert_eq!(Scene::from_ron(&scene.to_ron().expect("sound")).expect("reads back"), scene);
-        let mut world = scene.build().unwrap_or_else(|e| panic!("{path}: {e}"));
+        let mut world = World::build(&scene).unwrap_or_else(|e| panic!("{path}: {e}"));
         let dt = Plan::new(&scene).dt;
         for _ in 0..40 {
             MassSprings.step(&mut world, dt).unwrap_or_else(|e| panic!("{path}: {e}"));
@@ -45,7 +46,7 @@ fn every_scene_is_sound_and_stays_finite() {
 fn what_is_restored_goes_on_to_the_same_bits() {
     for (path, scene) in shipped() {
         let dt = Plan::new(&scene).dt;
-        let mut world = scene.build().expect("sound");
+        let mut world = World::build(&scene).expect("sound");
         let steps = |world: &mut _, count| {
             for _ in 0..count {
                 MassSprings.step(world, dt).expect("finite");
@@ -54,14 +55,14 @@ fn what_is_restored_goes_on_to_the_same_bits() {
         steps(&mut world, 70);
         let snapshot = world.snapshot();
         steps(&mut world, 30);
-        let mut again = scene.build().expect("sound");
+        let mut again = World::build(&scene).expect("sound");
         again.restore(&snapshot).expect("of the same scene");
         steps(&mut again, 30);
         assert_eq!(again.snapshot(), world.snapshot(), "{}", path.display());
         // A system of as many nodes and springs would pass for the same.
         let other =
-            named(if scene.build().expect("sound").nodes() == 40 { "cube" } else { "rope" });
-        let refused = other.build().expect("sound").restore(&snapshot);
+            named(if World::build(&scene).expect("sound").nodes() == 40 { "cube" } else { "rope" });
+        let refused = World::build(&other).expect("sound").restore(&snapshot);
         assert!(refused.is_err(), "{}", path.display());
     }
 }
@@ -145,7 +146,7 @@ fn the_wind_is_in_the_table() {
 fn springs_yield_for_good_and_ties_hold_in_a_scene() {
     let mut scene = named("net-beyond-its-limit");
     let offset = |scene: &Scene, steps: u64| {
-        let mut world = scene.build().expect("sound");
+        let mut world = World::build(scene).expect("sound");
         let dt = Plan::new(scene).dt;
         for _ in 0..steps {
             MassSprings.step(&mut world, dt).expect("finite");
@@ -161,7 +162,7 @@ fn springs_yield_for_good_and_ties_hold_in_a_scene() {
     let (sound, _) = offset(&scene, steps);
     assert!(yielded > 1.05 * sound && sound < 1.5 * start, "{start}, {sound}, {yielded}");
     scene.mass_spring.as_mut().expect("a net").ties[0].to = 100;
-    let message = scene.build().map(|_| ()).expect_err("no such node").to_string();
+    let message = World::build(&scene).map(|_| ()).expect_err("no such node").to_string();
     assert!(message.contains("names node 100"), "{message}");
 }
 
@@ -171,13 +172,13 @@ fn steps_above_the_limit_are_warned_of() {
     let dt = Plan::new(&scene).dt;
     for integrator in [Integrator::Leapfrog, Integrator::RungeKutta] {
         scene.mass_spring.as_mut().expect("a rope").integrator = integrator;
-        let world = scene.build().expect("sound");
+        let world = World::build(&scene).expect("sound");
         assert_eq!(world.warning(dt), None);
         let warning = world.warning(10.0 * dt).expect("far above the limit");
         assert!(warning.contains("is not below the stability limit of"), "{warning}");
     }
     scene.mass_spring.as_mut().expect("a rope").integrator = Integrator::ImplicitEuler;
-    assert_eq!(scene.build().expect("sound").warning(1.0), None);
+    assert_eq!(World::build(&scene).expect("sound").warning(1.0), None);
 }
 
 #[test]
@@ -191,7 +192,7 @@ fn a_step_above_the_limit_stops_with_step_and_node() {
     let mut touching = named("ring");
     let springs = touching.mass_spring.as_mut().expect("a ring");
     (springs.frequency, springs.damping_ratio, springs.substeps) = (1e4, 0.0, 100);
-    let mut world = touching.build().expect("sound");
+    let mut world = World::build(&touching).expect("sound");
     let late = MassSprings.step(&mut world, 0.5).expect_err("unstable").to_string();
     assert!(!late.contains("in step 1:") && late.contains("left all bounds"), "{late}");
     assert!(error.contains("left all bounds in step") && error.contains("node "), "{error}");
@@ -218,7 +219,7 @@ fn nonsense_is_refused_with_its_place() {
     }
     let mut scene = named("cloth-on-a-line");
     scene.mass_spring.as_mut().expect("a net").holds[0].node = 100;
-    let message = scene.build().map(|_| ()).expect_err("no such node").to_string();
+    let message = World::build(&scene).map(|_| ()).expect_err("no such node").to_string();
     assert!(message.contains("names node 100") && message.contains("0 to 99"), "{message}");
 }
 
@@ -243,7 +244,7 @@ fn node_over_a_plane() -> Scene {
 
 #[test]
 fn an_object_that_moves_pushes_nodes_and_comes_to_rest() {
-    let mut world = node_over_a_plane().build().expect("sound");
+    let mut world = World::build(&node_over_a_plane()).expect("sound");
     let mut rises = |steps: usize| {
         for _ in 0..steps {
             MassSprings.step(&mut world, 1e-3).expect("finite");

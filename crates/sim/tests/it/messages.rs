@@ -1,8 +1,8 @@
 //! What a scene that is wrong is told: where, which field, and what is allowed.
 
 use proptest::prelude::*;
-use rapunzel_sim::scene::Problem;
-use rapunzel_sim::{Scene, SimError};
+use rapunzel_sim::scene::{Problem, SceneError};
+use rapunzel_sim::{Scene, World};
 
 const SOUND: &str = "(
     format: 1,
@@ -24,7 +24,7 @@ const SOUND: &str = "(
 fn problems(from: &str, to: &str) -> Vec<Problem> {
     assert_eq!(SOUND.matches(from).count(), 1, "{from} is in the scene once");
     match Scene::from_ron(&SOUND.replace(from, to)) {
-        Err(SimError::Scene { problems, .. }) => problems,
+        Err(SceneError { problems, .. }) => problems,
         other => panic!("{to} was not refused as a scene: {other:?}"),
     }
 }
@@ -196,7 +196,7 @@ fn all_problems_are_told_at_once() {
 fn what_only_does_not_fit_together_names_the_bundle() {
     let wave = "tip: Free, shape: Sine(amplitude: 0.1, wavelength: 0.01)";
     let scene = Scene::from_ron(&SOUND.replace("tip: Free", wave)).expect("each number is sound");
-    let error = scene.build().err().expect("10 segments cannot resolve it").to_string();
+    let error = World::build(&scene).err().expect("10 segments cannot resolve it").to_string();
     assert!(error.starts_with("fibers[0]: "), "{error}");
 }
 
@@ -212,8 +212,7 @@ proptest! {
     ) {
         let end = (at + removed).min(SOUND.len());
         let text = format!("{}{typed}{}", &SOUND[..at], &SOUND[end..]);
-        if let Err(error) = Scene::from_ron(&text) {
-            let SimError::Scene { problems, .. } = error else { panic!("{error}") };
+        if let Err(SceneError { problems, .. }) = Scene::from_ron(&text) {
             prop_assert!(!problems.is_empty());
             for problem in problems {
                 let place = problem.place.expect("a place");

@@ -3,7 +3,7 @@
 use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
-use rapunzel_sim::{Bearing, Partner, Scene, SimError};
+use rapunzel_sim::{Bearing, Partner, Scene, SimError, World};
 use std::path::Path;
 
 /// Radius of the hairs of this file, m.
@@ -127,7 +127,7 @@ fn a_mesh_is_read_from_beside_the_scene() {
     assert!(error < 0.5 * 3.0_f64.sqrt() * 5e-4, "{error}");
 
     let refused = |name: &str| {
-        let error = scene(&file(name), folder.path()).build().err().expect("refused");
+        let error = World::build(&scene(&file(name), folder.path())).err().expect("refused");
         let message = error.to_string();
         assert!(message.contains(&folder.path().join(name).display().to_string()), "{message}");
         (error, message)
@@ -300,7 +300,7 @@ fn objects_that_make_no_sense_are_refused() {
             hair("")
         );
         let error = Scene::from_ron(&text).expect_err(object);
-        let SimError::Scene { problems, .. } = &error else { panic!("{error}") };
+        let problems = &error.problems;
         assert_eq!(problems[0].path, path, "{error}");
         assert!(problems[0].message.contains(message), "{error}");
     }

@@ -4,7 +4,7 @@ use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
 use rapunzel_contact::RigidBody;
-use rapunzel_sim::{Partner, Scene, SimError};
+use rapunzel_sim::{Partner, Scene, SimError, World, stepper_for};
 
 const G: f64 = 9.81;
 /// Of the steps, s.
@@ -369,8 +369,8 @@ fn what_cannot_be_told_is_refused() {
     };
     let built = |objects: &str| {
         let scene = scene(objects, "friction: Isotropic(0.3)", Vector3::zeros());
-        let world = scene.build().expect("a world");
-        scene.stepper_of(&world).map(|stepper| (world, stepper))
+        let world = World::build(&scene).expect("a world");
+        stepper_for(&scene, &world).map(|stepper| (world, stepper))
     };
     let error = built(&two(0.019, 0.0)).err().expect("an overlap");
     let SimError::Overlap { sides, segment: None, depth } = error else { panic!("{error}") };
@@ -389,7 +389,7 @@ fn what_cannot_be_told_is_refused() {
     let text = scene(&two(0.03, 0.0), "friction: Isotropic(0.3)", level()).to_ron().expect("RON");
     let text = text.replace("Isotropic(0.3)", cuticle.trim_start_matches("friction: "));
     let error = Scene::from_ron(&text).expect_err("no axis");
-    let SimError::Scene { problems, .. } = &error else { panic!("{error}") };
+    let problems = &error.problems;
     assert_eq!(problems[0].path, "objects[0]", "{error}");
     assert!(problems[0].message.contains("objects[1]"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use rapunzel_sim::{
     Cancel, Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary,
-    run,
+    World, run,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -95,7 +95,7 @@ fn tables_hold_what_the_world_does() {
         text.lines().skip(1).map(|row| row.split(',').map(number).collect()).collect()
     };
     let (energies, probes) = (rows("energies.csv"), rows("probes.csv"));
-    let mut world = scene().build().expect("a sound scene");
+    let mut world = World::build(&scene()).expect("a sound scene");
     for (step, (energies, probe)) in energies.iter().zip(&probes).enumerate() {
         // Numbers are written so that they read back as the same bits.
         let energy = world.energy();

@@ -1,7 +1,7 @@
 //! The scenes that ship.
 
 use rapunzel_sim::scene::Arrangement;
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper};
+use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World, stepper_for};
 use std::fs;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ fn every_scene_is_sound_and_survives_writing() {
         assert!(!scene.name.is_empty(), "{} has no title", path.display());
         let written = scene.to_ron().expect("a sound scene");
         assert_eq!(Scene::from_ron(&written).expect("reads back"), scene);
-        scene.build().unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        World::build(&scene).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     }
 }
 
@@ -91,8 +91,8 @@ fn every_scene_runs() {
                 _ => {}
             }
         }
-        let mut world = scene.build().expect("a sound scene");
-        let mut stepper = scene.stepper_of(&world).expect("a stepper");
+        let mut world = World::build(&scene).expect("a sound scene");
+        let mut stepper = stepper_for(&scene, &world).expect("a stepper");
         for _ in 0..12 {
             stepper
                 .step(&mut world, Plan::new(&scene).dt)
@@ -116,7 +116,7 @@ fn steps_do_not_depend_on_the_threads() {
     let after = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            let mut world = scene.build().expect("a sound scene");
+            let mut world = World::build(&scene).expect("a sound scene");
             for _ in 0..3 {
                 FreeFibers.step(&mut world, 1e-3).expect("converges");
             }
@@ -143,8 +143,8 @@ fn contacts_do_not_depend_on_the_threads() {
         let after = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.expect("threads").install(|| {
-                let mut world = scene.build().expect("a sound scene");
-                let mut stepper = scene.stepper_of(&world).expect("a stepper");
+                let mut world = World::build(&scene).expect("a sound scene");
+                let mut stepper = stepper_for(&scene, &world).expect("a stepper");
                 let mut most = 0;
                 for _ in 0..40 {
                     let report = stepper.step(&mut world, 1e-3).expect("a step");

@@ -1,14 +1,15 @@
 //! Hair wound wet keeps its turn when it is dried, and loses it when the air becomes humid.
 
-use rapunzel_sim::{Scene, SimError, World};
+use rapunzel_sim::scene::SceneError;
+use rapunzel_sim::{Scene, World, stepper_for};
 
 const SCENE: &str = include_str!("../../../../scenes/water-wave.ron");
 
 /// Runs a scene to each of some times, s, and reads how far from straight the first hair is: one less
 /// the distance of its ends over its length.
 fn bends(scene: &Scene, times: &[f64]) -> Vec<f64> {
-    let mut world = scene.build().expect("a world");
-    let mut stepper = scene.stepper_of(&world).expect("a stepper");
+    let mut world = World::build(scene).expect("a world");
+    let mut stepper = stepper_for(scene, &world).expect("a stepper");
     let mut read = |end: f64| {
         while world.time() < end {
             stepper.step(&mut world, scene.stepper.dt).expect("a step");
@@ -41,8 +42,8 @@ fn a_water_wave_holds_in_dry_air_and_is_lost_in_humid_air() {
 #[test]
 fn a_wave_resumes_to_the_same_bits() {
     let scene = Scene::from_ron(SCENE).expect("a scene");
-    let mut world = scene.build().expect("a world");
-    let mut stepper = scene.stepper_of(&world).expect("a stepper");
+    let mut world = World::build(&scene).expect("a world");
+    let mut stepper = stepper_for(&scene, &world).expect("a stepper");
     let mut run = |world: &mut World, steps: u32| {
         (0..steps).for_each(|_| {
             stepper.step(world, scene.stepper.dt).expect("a step");
@@ -51,7 +52,7 @@ fn a_wave_resumes_to_the_same_bits() {
     run(&mut world, 440);
     let half = world.snapshot();
     run(&mut world, 300);
-    let mut resumed = scene.build().expect("a world");
+    let mut resumed = World::build(&scene).expect("a world");
     resumed.restore(&half).expect("of the same scene");
     run(&mut resumed, 300);
     assert_eq!(world.snapshot(), resumed.snapshot());
@@ -60,7 +61,7 @@ fn a_wave_resumes_to_the_same_bits() {
 #[test]
 fn keratin_that_makes_no_sense_is_refused() {
     let refused = |from: &str, to: &str| match Scene::from_ron(&SCENE.replacen(from, to, 1)) {
-        Err(SimError::Scene { problems, .. }) => problems[0].to_string(),
+        Err(SceneError { problems, .. }) => problems[0].to_string(),
         other => panic!("{other:?}"),
     };
     let misspelt = refused("Caucasian", "Caucasien");

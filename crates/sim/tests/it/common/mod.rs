@@ -4,7 +4,7 @@ pub(crate) mod topology;
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
-use rapunzel_sim::{Scene, StepReport, Stepper, World};
+use rapunzel_sim::{Scene, StepReport, Stepper, World, stepper_for};
 use std::fmt::Write;
 
 pub(crate) struct Run {
@@ -15,8 +15,8 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn new(scene: &Scene) -> Self {
-        let world = scene.build().expect("a world");
-        let stepper = scene.stepper_of(&world).expect("a stepper");
+        let world = World::build(scene).expect("a world");
+        let stepper = stepper_for(scene, &world).expect("a stepper");
         Self { dt: scene.stepper.dt, world, stepper }
     }
 

@@ -1,6 +1,4 @@
 use super::check::{Allowed, Check};
-use crate::contact::{Partner, Touch};
-use rapunzel_contact::{ContactError, LimitCurve};
 use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::surface::{self, Direction, Spray, Wetness};
 use serde::{Deserialize, Serialize};
@@ -114,11 +112,11 @@ pub enum Adhesion {
 
 /// Bonds between what touches at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bonds {
+pub struct Bonds {
     /// Tensile force under which one breaks, N.
-    pub(crate) strength: f64,
+    pub strength: f64,
     /// Largest gap at the start of the run, m.
-    pub(crate) range: f64,
+    pub range: f64,
 }
 
 /// Coefficients of friction of a fibre.
@@ -210,7 +208,7 @@ impl ContactSettings {
 
 impl Adhesion {
     /// The bonds, if it is these that hold.
-    pub(crate) fn bonds(self) -> Option<Bonds> {
+    pub fn bonds(self) -> Option<Bonds> {
         match self {
             Self::Bonds { strength, range } => Some(Bonds { strength, range }),
             Self::Spray { hold, range } => {
@@ -275,37 +273,7 @@ impl Friction {
     }
 
     /// Whether it is by the axis of a fibre, which two objects do not have.
-    pub(crate) fn needs_axis(&self) -> bool {
+    pub fn needs_axis(&self) -> bool {
         matches!(self, Self::Cuticle { .. })
-    }
-
-    /// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
-    /// friction, each by its own axis; with an object the axis is the fibre's.
-    pub(crate) fn of(
-        &self,
-        touch: &Touch,
-        sticks: impl Fn() -> bool,
-    ) -> Result<LimitCurve, ContactError> {
-        match *self {
-            Self::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
-            Self::Keratin { on, wetness } => match on.friction(wetness) {
-                Ok(mu) => Ok(LimitCurve::Circle { mu }),
-                Err(_) => Err(ContactError::Invalid {
-                    what: "the coefficient of friction",
-                    value: f64::NAN,
-                    why: "the table has none for this surface, dry; the scene must not ask for it",
-                }),
-            },
-            Self::Resting { resting, sliding } => {
-                Ok(LimitCurve::Circle { mu: if sticks() { resting } else { sliding } })
-            }
-            Self::Cuticle { with, against, across } => {
-                let curve = LimitCurve::cuticle(with, against, across);
-                match touch.sides[1] {
-                    Partner::Object(_) => Ok(curve),
-                    Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
-                }
-            }
-        }
     }
 }

@@ -1,6 +1,12 @@
-use crate::SimError;
-use crate::scene::{
-    Allowed, Check, FORMAT, LoadFrame, Material, Orientation, Pose, Problem, check_section, parse,
+//! What a user asks of one rod at rest: the case.
+//!
+//! A case is a RON file like a scene: SI units, angles in degrees, the world frame; unknown fields
+//! and numbers that make no sense are errors. Its rod is clamped at its root, loaded along its
+//! length, and its far end is free, in a joint, in a bearing, or clamped.
+
+use crate::{
+    Allowed, Check, FORMAT, LoadFrame, Material, Orientation, Pose, Problem, SceneError,
+    check_section, parse,
 };
 use rapunzel_fiber::{NodeProperties, Section};
 use serde::{Deserialize, Serialize};
@@ -202,9 +208,9 @@ impl Case {
     /// Reads and validates a case.
     ///
     /// # Errors
-    /// [`SimError::Scene`] with everything that is wrong, at line, column and path.
-    pub fn from_ron(text: &str) -> Result<Self, SimError> {
-        let refuse = |problems| Err(SimError::Scene { source_text: text.to_owned(), problems });
+    /// [`SceneError`] with everything that is wrong, at line, column and path.
+    pub fn from_ron(text: &str) -> Result<Self, SceneError> {
+        let refuse = |problems| Err(SceneError { source_text: text.to_owned(), problems });
         match parse::<Self>(text) {
             Err(problem) => refuse(vec![problem]),
             Ok(case) => {
@@ -225,7 +231,7 @@ impl Case {
     }
 
     /// Stiffnesses (N m^2), mass per length (kg/m) and radius (m).
-    pub(crate) fn properties(&self) -> ([f64; 3], f64, f64) {
+    pub fn properties(&self) -> ([f64; 3], f64, f64) {
         match self.rod {
             Rod::Solid { section, material } => {
                 let solid = material.solid().expect("the case has been checked");
@@ -240,7 +246,7 @@ impl Case {
     }
 
     /// Whether the rod is approximated by a chain: what only that can do is asked for.
-    pub(crate) fn needs_chain(&self) -> bool {
+    pub fn needs_chain(&self) -> bool {
         !self.places.is_empty() || self.forces.iter().any(|f| f.frame == LoadFrame::Follower)
     }
 

@@ -1,6 +1,5 @@
 use super::check::{Check, Place, Problem};
-use super::{Scene, locate};
-use crate::SimError;
+use super::{Scene, SceneError, locate};
 use ron::error::Error::{
     ExpectedFloat, ExpectedInteger, ExpectedString, IntegerOutOfBounds, MissingStructField,
 };
@@ -18,9 +17,9 @@ impl Scene {
     /// Reads and validates a scene.
     ///
     /// # Errors
-    /// [`SimError::Scene`] with everything that is wrong, at line, column and path.
-    pub fn from_ron(text: &str) -> Result<Self, SimError> {
-        let refuse = |problems| Err(SimError::Scene { source_text: text.to_owned(), problems });
+    /// [`SceneError`] with everything that is wrong, at line, column and path.
+    pub fn from_ron(text: &str) -> Result<Self, SceneError> {
+        let refuse = |problems| Err(SceneError { source_text: text.to_owned(), problems });
         match parse::<Self>(text) {
             Err(problem) => refuse(vec![problem]),
             Ok(scene) => {
@@ -33,8 +32,8 @@ impl Scene {
     /// The scene as RON with all defaults filled in; reads back as the same scene, bit for bit.
     ///
     /// # Errors
-    /// [`SimError::Scene`] if it makes no sense.
-    pub fn to_ron(&self) -> Result<String, SimError> {
+    /// [`SceneError`] if it makes no sense.
+    pub fn to_ron(&self) -> Result<String, SceneError> {
         let config = PrettyConfig::new().struct_names(false).compact_arrays(true);
         let text = options().to_string_pretty(self, config).unwrap_or_default() + "\n";
         Self::from_ron(&text).map(|_| text)
@@ -43,11 +42,11 @@ impl Scene {
     /// Checks every number of a scene that was not read from a text.
     ///
     /// # Errors
-    /// [`SimError::Scene`] with everything that is wrong.
-    pub fn validate(&self) -> Result<(), SimError> {
+    /// [`SceneError`] with everything that is wrong.
+    pub fn validate(&self) -> Result<(), SceneError> {
         let problems = self.problems(None);
         let source_text = String::new();
-        if problems.is_empty() { Ok(()) } else { Err(SimError::Scene { source_text, problems }) }
+        if problems.is_empty() { Ok(()) } else { Err(SceneError { source_text, problems }) }
     }
 
     fn problems(&self, text: Option<&str>) -> Vec<Problem> {

@@ -232,7 +232,7 @@ impl Pose {
 
 impl Bundle {
     /// What its sections do.
-    pub(crate) fn law(&self) -> Law {
+    pub fn law(&self) -> Law {
         self.material.keratin().map_or(Law::Elastic, |keratin| keratin.law)
     }
 
@@ -317,7 +317,7 @@ impl Initial {
     }
 
     /// The file that holds it, if any does.
-    pub(crate) fn file(&self) -> Option<&Path> {
+    pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Knot { curve: ClosedCurve::File(file), .. } => Some(file),
             _ => None,

@@ -219,8 +219,14 @@ impl ObjectShape {
         }
     }
 
+    /// Whether the shape reaches on beyond what is shown of it.
+    #[must_use]
+    pub fn is_endless(&self) -> bool {
+        matches!(self, Self::Plane { .. } | Self::HeightField { .. })
+    }
+
     /// The radius of what is round, m.
-    pub(crate) fn radius(&self) -> Option<f64> {
+    pub fn radius(&self) -> Option<f64> {
         match self {
             Self::Ball { radius } | Self::Capsule { radius, .. } => Some(*radius),
             _ => None,
@@ -228,7 +234,7 @@ impl ObjectShape {
     }
 
     /// The file that holds it, if any does.
-    pub(crate) fn file(&self) -> Option<&Path> {
+    pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Mesh { file, .. } => Some(file),
             _ => None,

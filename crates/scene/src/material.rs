@@ -149,7 +149,7 @@ impl Keratin {
     }
 
     /// What a rod of the hair needs to know, and its laws.
-    pub(crate) fn rod(
+    pub fn rod(
         &self,
         hair: &Hair,
         climate: &keratin::Climate,
@@ -174,7 +174,7 @@ impl Keratin {
 /// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to fade with a
 /// logarithmic decrement, whatever their frequency: with an inertia they are the roots of `s^2 + k s^n`,
 /// which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
-pub(crate) fn fading_power(decrement: f64) -> f64 {
+pub fn fading_power(decrement: f64) -> f64 {
     let x = 2.0 / PI * (decrement / TAU).atan();
     2.0 * x / (1.0 + x)
 }

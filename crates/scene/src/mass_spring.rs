@@ -239,7 +239,7 @@ pub struct NodeContacts {
 
 impl MassSpring {
     /// Masses and springs as the crate takes them.
-    pub(crate) fn element(&self) -> Element {
+    pub fn element(&self) -> Element {
         Element {
             mass: self.mass,
             frequency: self.frequency,
@@ -249,7 +249,7 @@ impl MassSpring {
     }
 
     /// Number of nodes.
-    pub(crate) fn nodes(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         match &self.model {
             Model::Rope { nodes, .. } => *nodes,
             Model::Net { place, .. } => place.nodes(),
@@ -262,7 +262,7 @@ impl MassSpring {
 
     /// The most segments that a line of springs has in frames, where no limit bounds them, and the
     /// field that says so.
-    pub(crate) fn longest_line(&self) -> Option<(&'static str, usize)> {
+    pub fn longest_line(&self) -> Option<(&'static str, usize)> {
         match &self.model {
             Model::Rope { nodes, .. } => Some(("model.nodes", nodes.saturating_sub(1))),
             Model::Ring { count, .. } => Some(("model.count", count.saturating_sub(1))),
@@ -330,7 +330,7 @@ impl MassSpring {
 
 impl Shape {
     /// The body of the crate.
-    pub(crate) fn body(self) -> Body {
+    pub fn body(self) -> Body {
         match self {
             Self::ThinBeamGuided => Body::ThinBeamGuided,
             Self::ThinBeam => Body::ThinBeam,

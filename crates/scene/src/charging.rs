@@ -2,14 +2,18 @@
 
 use super::check::{Allowed, Check};
 use super::{Object, ObjectShape};
-use crate::scene::{Motion, Moves};
+use crate::{Motion, Moves};
 use rapunzel_electrostatics::{self as electrostatics, FieldGrid, units};
+use rapunzel_keratin::surface::resistance;
+use rapunzel_keratin::{Climate, KeratinError, Outside};
 use serde::{Deserialize, Serialize};
 
 /// The most portions, against typing errors.
 const MOST_PORTIONS: usize = 100_000;
 /// The most points of a grid, some 10 GB.
 const MOST_POINTS: usize = 100_000_000;
+/// Length of the hair whose resistance is known, m.
+const MEASURED: f64 = 0.01;
 
 /// The charge of a bundle; it lies where it is put unless the scene lets it flow.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -191,7 +195,7 @@ impl From<Grid> for FieldGrid {
 
 impl Charge {
     /// The charges of the segments of fibre number `fiber` of a bundle, C, when all is dealt.
-    pub(crate) fn of_segments(
+    pub fn of_segments(
         &self,
         fiber: usize,
         fibers: usize,
@@ -264,7 +268,7 @@ impl Charge {
 
 impl Dealing {
     /// The share of the charge that each portion deals.
-    pub(crate) fn shares(self) -> Vec<f64> {
+    pub fn shares(self) -> Vec<f64> {
         match self {
             Self::Once => electrostatics::Dealing::Once,
             Self::Equal(portions) => electrostatics::Dealing::Equal(portions),
@@ -363,6 +367,19 @@ impl Charging {
             matches!(object.shape, ObjectShape::Plane { .. } | ObjectShape::HeightField { .. });
         if endless && matches!(self.head, Head::Conductor { .. }) {
             check.refuse("object", format!("is {index}, which has no end; a conductor must end"));
+        }
+    }
+}
+
+impl Flow {
+    /// Resistance a length in a climate, ohm/m.
+    ///
+    /// # Errors
+    /// Those of [`rapunzel_keratin::surface::resistance`].
+    pub fn resistance_in(&self, climate: &Climate) -> Result<f64, KeratinError> {
+        match self.resistance {
+            Resistance::OhmPerMeter(resistance) => Ok(resistance),
+            Resistance::Climate => Ok(resistance(climate, Outside::Refuse)?.value / MEASURED),
         }
     }
 }

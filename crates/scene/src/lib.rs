@@ -1,13 +1,11 @@
-//! What a user asks for: the scene.
-//!
-//! A scene is a RON file. Every number is in SI units, angles in degrees; positions and
-//! directions are in the world frame. Fields that are left out have defaults; a field that is not
-//! known is an error, and so is a number that makes no sense.
+#![doc = include_str!("../README.md")]
 
 mod arrangement;
+pub mod case;
 mod charging;
 mod check;
 mod contact;
+mod error;
 mod fibers;
 mod locate;
 mod mass_spring;
@@ -15,33 +13,38 @@ mod material;
 mod motion;
 mod object;
 mod output;
+mod plan;
 mod read;
 mod stepper;
 mod tip;
 
 pub use arrangement::Arrangement;
-pub(crate) use arrangement::scalp;
+pub use arrangement::scalp;
 pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, Friction, Surface};
+pub use error::SceneError;
 pub use fibers::{Bundle, ClosedCurve, Initial, Orientation, PointForce, Pose, Shape};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
-pub(crate) use material::fading_power;
+pub use material::fading_power;
 pub use material::{Climate, Keratin, Law, Material};
-pub(crate) use motion::ramped;
+pub use motion::ramped;
 pub use motion::{Keyframe, Motion, Pace};
 pub use object::{Mass, Moves, Object, ObjectShape};
 pub use output::{Format, Node, Output, Probe, Quantity};
+pub use plan::Plan;
 pub use stepper::{Method, StepperSettings, Weights};
 pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
 
-use crate::Plan;
-pub(crate) use check::{Allowed, Check};
-pub(crate) use fibers::check_section;
+use check::{Allowed, Check};
+use fibers::check_section;
 use nalgebra::Vector3;
-pub(crate) use read::parse;
+use rapunzel_fiber::{NodeProperties, Section};
+use rapunzel_keratin::{Hair, KeratinError};
+use rapunzel_rod_dynamic::SectionLaws;
+use read::parse;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -202,15 +205,51 @@ impl Scene {
         self
     }
 
+    /// What the fibres of a bundle are made of, and the laws of their sections, at time `t`, s.
+    ///
+    /// # Errors
+    /// [`KeratinError`] for hair that is not known in the climate then.
+    pub fn matter(
+        &self,
+        bundle: &Bundle,
+        t: f64,
+    ) -> Result<(NodeProperties, SectionLaws), KeratinError> {
+        let Some(keratin) = bundle.material.keratin() else {
+            // Another material without a section has been refused.
+            let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
+            let solid = bundle.material.solid()?;
+            return Ok((NodeProperties::new(section, &solid), SectionLaws::Linear));
+        };
+        let climate = self.environment.climate.at(t)?;
+        keratin.rod(&keratin.hair(bundle.section)?, &climate)
+    }
+
+    /// The hair of a bundle whose law follows the climate, if that changes.
+    #[must_use]
+    pub fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
+        let keratin = bundle.material.keratin()?;
+        let follows = keratin.law == Law::ThreeElement && self.environment.climate.changes();
+        keratin.hair(bundle.section).ok().filter(|_| follows)
+    }
+
+    /// Radius of the roundest object (m), or zero, where objects may touch each other.
+    #[must_use]
+    pub fn roundest(&self) -> Option<f64> {
+        let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
+        let can_meet = one_is_free && self.objects.len() > 1;
+        let radii = self.objects.iter().filter_map(|object| object.shape.radius());
+        can_meet.then(|| radii.fold(0.0, f64::max))
+    }
+
     /// The files that it is made of beside its text.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
         let meshes = self.objects.iter().filter_map(|object| object.shape.file());
         meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
     /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No motion
     /// of it may gain any.
-    pub(crate) fn is_closed(&self) -> bool {
+    pub fn is_closed(&self) -> bool {
         let still = |bundle: &Bundle| {
             bundle.motion == Motion::Fixed
                 && matches!(bundle.tip, Tip::Free | Tip::Held)

@@ -112,18 +112,18 @@ impl StepperSettings {
     }
 
     /// Whether it can move fibres that touch.
-    pub(crate) fn can_touch(&self) -> bool {
+    pub fn can_touch(&self) -> bool {
         self.method(true) == Method::BackwardEuler && self.tolerance.is_none()
     }
 
     /// Whether it can tell what the energy of fibres becomes.
-    pub(crate) fn keeps_ledgers(&self) -> bool {
+    pub fn keeps_ledgers(&self) -> bool {
         !matches!(self.method, Some(Method::Box { .. })) && self.tolerance.is_none()
     }
 
     /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in long
     /// steps. The bound is that up to which whips have been tried.
-    pub(crate) fn may_create_energy(&self) -> bool {
+    pub fn may_create_energy(&self) -> bool {
         let undamped = |method: &Method| matches!(method, Method::Staggered { rho_infinity } if *rho_infinity > 0.4);
         self.keeps_ledgers() && self.method.as_ref().is_some_and(undamped)
     }

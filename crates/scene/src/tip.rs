@@ -190,7 +190,7 @@ impl Load {
 
 impl Joint {
     /// The end at time `t` (s), in the given pose.
-    pub(crate) fn end(&self, t: f64, pose: Isometry3<f64>) -> rod::End {
+    pub fn end(&self, t: f64, pose: Isometry3<f64>) -> rod::End {
         match self {
             Self::Clamped => rod::End::Held(pose),
             Self::Ball { moment } => {

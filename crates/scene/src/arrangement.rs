@@ -136,7 +136,7 @@ fn check_axes(check: &mut Check, semi_axes: &[f64]) {
 ///
 /// In height they are evenly spaced, which on a sphere is even in area, and each is turned on by the golden
 /// ratio of the way around.
-pub(crate) fn scalp(
+pub fn scalp(
     semi_axes: [f64; 3],
     count: usize,
     polar: [f64; 2],

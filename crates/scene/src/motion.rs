@@ -175,7 +175,7 @@ impl Motion {
 }
 
 /// What a speed that grows from 0 to 1 within `ramp` has covered by the time `t`.
-pub(crate) fn ramped(t: f64, ramp: f64) -> f64 {
+pub fn ramped(t: f64, ramp: f64) -> f64 {
     if t < ramp { 0.5 * t * t / ramp } else { t - 0.5 * ramp }
 }
 

@@ -37,7 +37,7 @@ pub struct Place {
 
 impl Place {
     /// The place of a range of bytes.
-    pub(crate) fn of(text: &str, span: std::ops::Range<usize>) -> Self {
+    pub fn of(text: &str, span: std::ops::Range<usize>) -> Self {
         let before = &text[..span.start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
         Self {

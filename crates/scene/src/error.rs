@@ -1,0 +1,20 @@
+use crate::Problem;
+use thiserror::Error;
+
+/// Why a scene or a case was refused.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("the scene has {}:{}", counted(problems.len()), listed(problems))]
+pub struct SceneError {
+    /// The text that was read, to underline the problems in; empty if there was none.
+    pub source_text: String,
+    /// Everything that is wrong, in the order of the text.
+    pub problems: Vec<Problem>,
+}
+
+fn counted(problems: usize) -> String {
+    if problems == 1 { "a problem".into() } else { format!("{problems} problems") }
+}
+
+fn listed(problems: &[Problem]) -> String {
+    problems.iter().map(|p| format!("\n  {p}")).collect()
+}
