@@ -1,10 +1,9 @@
 //! "How long must it be."
 
 use super::answer::{Equilibrium, Length};
-use super::solve::equilibria;
+use super::solve::{equilibria, near};
 use crate::SimError;
 use nalgebra::Vector3;
-use rapunzel_rod_static::StaticError;
 use rapunzel_scene::case::{Case, Wish, Wished};
 
 /// Lengths that are tried before the first that does is narrowed down.
@@ -21,24 +20,29 @@ pub(super) fn find_length(case: &Case, wish: &Wish) -> Result<Length, SimError> 
     let from = Vector3::from(case.clamp.position);
     let way = case.end.position().map_or(0.0, |end| (Vector3::from(end) - from).norm());
     let shortest = case.length.max(way * (1.0 + SLACK));
-    let of = |length: f64| -> Option<f64> {
+    // From one length to the next the rod changes little: a search from all starts is the last resort.
+    let of = |length: f64, beside: Option<&Equilibrium>| -> Option<Equilibrium> {
         let case = Case { length, all_with_turns: None, ..case.clone() };
-        let found = equilibria(&case).ok()?;
-        Some(measure(wish.so_that, found.first()?))
+        let found = beside.and_then(|beside| near(&case, beside));
+        found.or_else(|| equilibria(&case).ok()?.into_iter().next())
     };
-    let does = |length: f64| of(length).is_some_and(|x| is_met(wish.so_that, x));
+    let does = |found: &Equilibrium| is_met(wish.so_that, measure(wish.so_that, found));
     let at = |i: u32| shortest + (wish.longest - shortest) * f64::from(i) / f64::from(TRIED);
-    let first = (0..=TRIED).find(|i| does(at(*i)));
-    let first = first.ok_or(SimError::NoLength { shortest, longest: wish.longest })?;
+    let mut tried = (0..=TRIED).map(|i| (i, of(at(i), None)));
+    let first = tried.find_map(|(i, found)| Some((i, found.filter(&does)?)));
+    let (first, mut found) = first.ok_or(SimError::NoLength { shortest, longest: wish.longest })?;
     let mut length = at(first);
     if first > 0 {
         let mut short = at(first - 1);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (short + length);
-            *if does(middle) { &mut length } else { &mut short } = middle;
+            match of(middle, Some(&found)).filter(&does) {
+                Some(better) => (length, found) = (middle, better),
+                None => short = middle,
+            }
         }
     }
-    let reached = of(length).ok_or(StaticError::NotFound)?;
+    let reached = measure(wish.so_that, &found);
     Ok(Length { length, reached })
 }
 

@@ -1,7 +1,7 @@
 use super::answer::{Answer, Equilibrium, Peak, Stability, Station};
 use super::length::find_length;
 use crate::SimError;
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
 use rapunzel_rod_static as rods;
 use rapunzel_scene::case::{Case, End};
 use rapunzel_scene::{LoadFrame, Pose, SceneError};
@@ -50,6 +50,27 @@ pub(super) fn equilibria(case: &Case) -> Result<Vec<Equilibrium>, SimError> {
         return Err(StaticError::NotFound.into());
     }
     Ok(found.iter().map(|one| resolved(case, one)).collect())
+}
+
+/// The stable equilibrium of a case near one of a rod of another length, if Newton's method leads
+/// from that to one; cases that need a chain have none.
+pub(super) fn near(case: &Case, other: &Equilibrium) -> Option<Equilibrium> {
+    if case.needs_chain() {
+        return None;
+    }
+    let problem = Problem::new(&pose(&case.clamp).ok()?, pieces(case), far_end(case).ok()?).ok()?;
+    let longer = case.length / other.stations.last()?.s;
+    let state = |station: &Station| State {
+        position: station.position.into(),
+        frame: Rotation3::from_matrix_unchecked(Matrix3::from_columns(
+            &station.frame.map(Vector3::from),
+        )),
+        force: station.force.into(),
+        moment: station.moment.into(),
+    };
+    let guess: Vec<_> = other.stations.iter().map(|one| (one.s * longer, state(one))).collect();
+    let found = problem.solve_near(&guess).ok()?;
+    found.is_stable().then(|| resolved(case, &found))
 }
 
 fn resolved(case: &Case, found: &rods::Equilibrium) -> Equilibrium {
