@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_sim::statics::Case;
-use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, SimError, run, World, Estimate};
+use rapunzel_sim::{Cancel, Control, Estimate, Existing, RunFolder, Scene, SimError, World, run};
 use std::fs;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;

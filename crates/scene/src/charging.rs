@@ -1,7 +1,7 @@
 //! What a scene says of charge.
 
+use super::Object;
 use super::check::{Allowed, Check};
-use super::{Object, ObjectShape};
 use crate::{Motion, Moves};
 use rapunzel_electrostatics::{self as electrostatics, FieldGrid, units};
 use rapunzel_keratin::surface::resistance;
@@ -363,9 +363,7 @@ impl Charging {
         if object.motion != Motion::Fixed || object.moves != Moves::Led {
             check.refuse("object", format!("is {index}, which moves; a head must rest"));
         }
-        let endless =
-            matches!(object.shape, ObjectShape::Plane { .. } | ObjectShape::HeightField { .. });
-        if endless && matches!(self.head, Head::Conductor { .. }) {
+        if object.shape.is_endless() && matches!(self.head, Head::Conductor { .. }) {
             check.refuse("object", format!("is {index}, which has no end; a conductor must end"));
         }
     }

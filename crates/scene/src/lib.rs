@@ -18,8 +18,7 @@ mod read;
 mod stepper;
 mod tip;
 
-pub use arrangement::Arrangement;
-pub use arrangement::scalp;
+pub use arrangement::{Arrangement, scalp};
 pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
 pub use check::{Place, Problem};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, Friction, Surface};
@@ -28,10 +27,8 @@ pub use fibers::{Bundle, ClosedCurve, Initial, Orientation, PointForce, Pose, Sh
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
 };
-pub use material::fading_power;
-pub use material::{Climate, Keratin, Law, Material};
-pub use motion::ramped;
-pub use motion::{Keyframe, Motion, Pace};
+pub use material::{Climate, Keratin, Law, Material, fading_power};
+pub use motion::{Keyframe, Motion, Pace, ramped};
 pub use object::{Mass, Moves, Object, ObjectShape};
 pub use output::{Format, Node, Output, Probe, Quantity};
 pub use plan::Plan;

@@ -158,7 +158,7 @@ impl Object {
         if self.motion != Motion::Fixed {
             check.refuse("motion", "is given, but the object moves freely: leave one out".into());
         }
-        if matches!(self.shape, ObjectShape::Plane { .. } | ObjectShape::HeightField { .. }) {
+        if self.shape.is_endless() {
             check.refuse("moves", "is Free, but the shape has no end: it cannot fall".into());
         }
     }

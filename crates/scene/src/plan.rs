@@ -28,7 +28,7 @@ pub struct Plan {
 const REST: f64 = 1e-6;
 
 impl Plan {
-    /// The plan of a valid scene.
+    /// The plan of a scene; of one that was not validated it may have no end.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         // With charge every step is a frame.
@@ -44,7 +44,6 @@ impl Plan {
         let rest = duration - intervals as f64 / frame_rate;
         let rest_steps =
             if intervals == 0 || rest > REST * dt { up(rest / scene.stepper.dt) } else { 0 };
-        // The plan of a scene that is still to be refused may have no end.
         let steps = intervals.saturating_mul(steps_per_frame).saturating_add(rest_steps);
         let last_dt = rest / rest_steps.max(1) as f64;
         Self {

@@ -49,7 +49,7 @@ impl Surroundings {
 
 type Field = Box<dyn DistanceField + Send + Sync>;
 
-/// Object number `index` of the scene as it is at the start.
+/// Object number `index` of a scene, `scene`, as it is at the start.
 ///
 /// # Errors
 /// [`SimError::Io`] and [`SimError::Mesh`] for a mesh that cannot be read or bounds nothing,
