@@ -80,5 +80,5 @@ fn checkpoint(data: &[u8]) -> Result<(), SimError> {
         progress: &mut |_| {},
         stopwatch: None,
     };
-    run(&scene, &mut run_folder, control).map(|_| ())
+    run(&scene, World::build(&scene)?, &mut run_folder, control).map(|_| ())
 }

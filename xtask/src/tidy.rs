@@ -6,7 +6,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("fiber", &[]),
     ("lanes", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
@@ -21,6 +21,11 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "collision"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
+    ("coupling", &["fiber", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
+    (
+        "charging",
+        &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],
+    ),
     ("hairgen", &["fiber", "collision", "rod-static"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),

@@ -1,7 +1,7 @@
 use crate::words::{complain, say};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use rapunzel_sim::SimError;
 use rapunzel_sim::scene::{Problem, SceneError};
+use rapunzel_sim::{ChargingError, CouplingError, SimError};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,18 +42,10 @@ impl Failure {
         match self {
             Self::Sim {
                 error:
-                    SimError::Step { .. }
-                    | SimError::NotFinite { .. }
+                    SimError::NotFinite { .. }
                     | SimError::Created { .. }
-                    | SimError::Lost { .. }
-                    | SimError::Leap { .. }
-                    | SimError::Collision(_)
-                    | SimError::Contact(_)
                     | SimError::Static(_)
                     | SimError::Equilibrium(_)
-                    | SimError::Rest { .. }
-                    | SimError::InHead { .. }
-                    | SimError::Electrostatics { .. }
                     | SimError::NoLength { .. },
                 ..
             } => FAILED,
@@ -74,9 +66,18 @@ impl Failure {
                     | SimError::Memory { .. }
                     | SimError::Rod { .. }
                     | SimError::Object { .. }
-                    | SimError::Overlap { .. },
+                    | SimError::Body { .. }
+                    | SimError::Coupling(CouplingError::Overlap { .. })
+                    | SimError::Charging(ChargingError::Keratin { .. } | ChargingError::Head { .. }),
                 ..
             } => SCENE,
+            Self::Sim {
+                error:
+                    SimError::Coupling(CouplingError::Restore(_))
+                    | SimError::Charging(ChargingError::Saved { .. }),
+                ..
+            } => FILE,
+            Self::Sim { error: SimError::Coupling(_) | SimError::Charging(_), .. } => FAILED,
             Self::Sim { .. } | Self::File(_) => FILE,
         }
     }

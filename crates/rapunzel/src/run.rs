@@ -6,7 +6,7 @@ use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
 use rapunzel_sim::{
     Cancel, ContactTimes, Control, Estimate, Existing, Outcome, Progress, RunFolder, SimError,
-    Summary,
+    Summary, World,
 };
 use std::fs::File;
 use std::num::NonZero;
@@ -76,7 +76,8 @@ pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitC
     };
     tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
     estimate.notes.iter().for_each(|note| tracing::warn!("{note}"));
-    let result = rapunzel_sim::run(&scene, &mut folder, control);
+    let run = |world| rapunzel_sim::run(&scene, world, &mut folder, control);
+    let result = World::build(&scene).and_then(run);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();
     let steps = first.zip(before).map_or_else(Steps::default, |(first, last)| Steps {

@@ -198,6 +198,23 @@ pub struct PointForce {
     pub profile: Profile,
 }
 
+impl Bundle {
+    /// The forces on all nodes of each of its fibres at time `t` (s), N, world; `None` if it has none.
+    #[must_use]
+    pub fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
+        if self.point_forces.is_empty() {
+            return None;
+        }
+        let mut forces = vec![Vector3::zeros(); self.segments + 1];
+        for force in &self.point_forces {
+            #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
+            let node = (force.at * self.segments as f64).round() as usize;
+            forces[node] += Vector3::from(force.value) * force.profile.at(t);
+        }
+        Some(forces)
+    }
+}
+
 impl Pose {
     /// The pose as a map from the material frame to the world.
     ///

@@ -3,7 +3,7 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
-use rapunzel_sim::{Scene, Stepper, World, stepper_for};
+use rapunzel_sim::{Scene, World};
 use std::time::Duration;
 
 const LOCK: &str = include_str!("../../../scenes/contact/lock-on-ball.ron");
@@ -32,13 +32,13 @@ fn reference(c: &mut Criterion) {
 
 /// Times steps of a scene that has come so many steps far, always the same.
 fn steps(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scene: &Scene, before: usize) {
-    let (mut world, mut stepper) = after(scene, before);
+    let mut world = after(scene, before);
     let start = world.snapshot();
     group.bench_function(name, |b| {
         b.iter(|| {
             world.restore(&start).expect("its own");
             for _ in 0..STEPS {
-                stepper.step(&mut world, scene.stepper.dt).expect("a step");
+                world.step(scene.stepper.dt).expect("a step");
             }
         });
     });
@@ -50,7 +50,7 @@ fn million(c: &mut Criterion) {
     let mut group = c.benchmark_group("contact");
     group.sample_size(10);
     let mut scene = pack(288, 12);
-    let (mut world, mut stepper) = after(&scene, 10);
+    let mut world = after(&scene, 10);
     for turned in [false, true] {
         let mut name = "pack at rest, 10^6 contacts, a step";
         if turned {
@@ -59,11 +59,10 @@ fn million(c: &mut Criterion) {
             let rest = world.snapshot();
             world = World::build(&scene).expect("a world");
             world.restore(&rest).expect("its own");
-            stepper = stepper_for(&scene, &world).expect("a stepper");
         }
         group.bench_function(name, |b| {
             b.iter(|| {
-                let report = stepper.step(&mut world, scene.stepper.dt).expect("a step");
+                let report = world.step(scene.stepper.dt).expect("a step");
                 let listed = report.contact.listed;
                 assert!(listed >= 1_000_000, "it has {listed} contacts");
             });
@@ -71,13 +70,12 @@ fn million(c: &mut Criterion) {
     }
 }
 
-fn after(scene: &Scene, steps: usize) -> (World, Box<dyn Stepper>) {
+fn after(scene: &Scene, steps: usize) -> World {
     let mut world = World::build(scene).expect("a world");
-    let mut stepper = stepper_for(scene, &world).expect("a stepper");
     for _ in 0..steps {
-        stepper.step(&mut world, scene.stepper.dt).expect("a step");
+        world.step(scene.stepper.dt).expect("a step");
     }
-    (world, stepper)
+    world
 }
 
 /// Free hairs of 100 segments that lie in layers on the floor between two walls, each upon the gap between

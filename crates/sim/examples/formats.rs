@@ -2,7 +2,7 @@
 
 use rapunzel_export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
+use rapunzel_sim::{Plan, Scene, World};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -24,7 +24,7 @@ fn simulated() -> Result<Vec<Frame>, Box<dyn Error>> {
     let mut frames = vec![frame(&world, 0)];
     for index in 1..FRAMES {
         for _ in 0..plan.steps_per_frame {
-            FreeFibers.step(&mut world, plan.dt)?;
+            world.step(plan.dt)?;
         }
         frames.push(frame(&world, index));
     }

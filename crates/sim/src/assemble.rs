@@ -1,16 +1,21 @@
-use crate::charging::{Charged, Electric, Resting, relax, set_matter};
-use crate::conditions::{BundleConditions, FiberConditions};
-use crate::contact::{Surroundings, Touching, build_object};
 use crate::curve::knot;
-use crate::group::{Batch, Group, Rods};
-use crate::scene::{Arrangement, Bundle, Flow, Initial, Method, Scene, Shape, scalp};
-use crate::{FreeFibers, MassSprings, Plan, SimError, Stepper, World, mass_spring};
+use crate::mass_spring::MassSprings;
+use crate::objects::{Sizes, build_object};
+use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, scalp};
+use crate::stepper::{Scenery, Stepper};
+use crate::steppers::{Charged, Free, InContact};
+use crate::{Plan, SimError, World};
 use nalgebra::{Point3, Vector3};
+use rapunzel_charging::{ChargedFibers, HeadGeometry};
+use rapunzel_coupling::{
+    Batch, BundleConditions, FiberConditions, Fibers, FibersInContact, Group, Object, Rods,
+    Surroundings,
+};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError, NodeProperties, so3};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Drag, Rod, RodError, RodIntegrator, RodState, SectionLaws,
-    Staggered, StaggeredBatch,
+    BoxIntegrator, BoxOptions, Rod, RodError, RodIntegrator, RodState, SectionLaws, Staggered,
+    StaggeredBatch,
 };
 use std::sync::Arc;
 
@@ -54,7 +59,7 @@ impl World {
                 grow(bundle, node, seed).map_err(|source| SimError::Fiber { bundle: i, source })?;
             let radius = node.section.equivalent_radius();
             let conditions = Arc::new(
-                conditions(scene, bundle, radius)
+                BundleConditions::new(scene, bundle, radius)
                     .map_err(|source| SimError::Rod { bundle: i, source })?,
             );
             let course = course(bundle, i)?;
@@ -69,149 +74,108 @@ impl World {
             }
         }
         let assembly = Assembly::new(starts.iter().map(|s| s.rod.fiber.clone()).collect());
-        let groups = assembly
-            .groups()
-            .map(|fibers| {
-                let starts: Vec<&Start> = fibers.iter().map(|&f| &starts[f]).collect();
-                let bundle = starts[0].bundle;
-                let method = scene.stepper.method(scene.contact.is_some());
-                let batch = match scene.charging {
-                    Some(_) => {
-                        let rods = starts.iter().map(|start| &start.rod.fiber);
-                        Box::new(Resting::new(rods, fibers)?) as Box<dyn Batch>
-                    }
-                    None => batch(method, scene.stepper.tolerance, &starts)
-                        .map_err(|source| SimError::Rod { bundle, source })?,
-                };
-                let lane = |(lane, start): (usize, &&Start)| FiberConditions {
-                    bundle: Arc::clone(&start.conditions),
-                    root: *start.rod.fiber.root(),
-                    tip: batch.state(lane).tip(&start.rod.fiber),
-                };
-                let lanes = starts.iter().enumerate().map(lane).collect();
-                Ok(Group { fibers: fibers.to_vec(), batch, lanes })
-            })
-            .collect::<Result<_, SimError>>()?;
-        let mut world = Self::new(scene.environment.clone(), assembly, groups);
-        if scene.output.ledger || scene.stepper.may_create_energy() {
-            world.keep_works();
-        }
-        if let Some(springs) = &scene.mass_spring {
-            let refused = |source| SimError::MassSpring { time: 0.0, source };
-            let springs = mass_spring::build(springs).map_err(refused)?;
-            world.springs = Some(springs);
-            if let Some(warning) = world.warning(Plan::new(scene).dt) {
-                tracing::warn!("{warning}");
-            }
-        }
-        let around = surroundings(scene, &world);
+        let springs = scene.mass_spring.as_ref().map(MassSprings::new).transpose();
+        let springs = springs.map_err(|source| SimError::MassSpring { time: 0.0, source })?;
+        let sizes = match &springs {
+            Some(springs) => sizes_of_springs(scene, springs),
+            None => sizes_of_fibers(scene, &assembly),
+        };
         let objects = scene.objects.iter().enumerate();
-        world.objects = objects
-            .map(|(i, object)| build_object(object, i, &around))
-            .collect::<Result<_, _>>()?;
-        if let Some(charging) = &scene.charging {
-            world.electric = Some(Electric::new(charging, &scene.objects, &world)?);
-            load_at(scene, &mut world, 0.0)?;
-            let gravity = world.gravity();
-            relax(&mut world, &gravity)?;
+        let objects = objects.map(|(i, object)| build_object(object, i, &sizes));
+        let mut objects = objects.collect::<Result<Vec<_>, _>>()?;
+        let stepper = match springs {
+            Some(springs) => Box::new(springs) as Box<dyn Stepper>,
+            None => stepper(scene, &starts, assembly, &mut objects)?,
+        };
+        let mut world = Self::new(scene.environment.clone(), objects, stepper);
+        if let Some(warning) = world.warning(Plan::new(scene).dt) {
+            tracing::warn!("{warning}");
         }
-        if world.works().is_some() || scene.is_closed() {
+        if world.ledger().is_some() || scene.is_closed() {
             world.keep_budget();
         }
         Ok(world)
     }
 }
 
-/// The sizes of what is around objects.
-fn surroundings(scene: &Scene, world: &World) -> Surroundings {
-    if let Some(springs) = &world.springs {
-        let from_first = |node| (springs.node(node).0 - springs.node(0).0).norm();
-        let contacts = scene.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
-        return Surroundings {
-            roundest: None,
-            longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
-            thickest: contacts.map_or(0.0, |contacts| contacts.radius),
-        };
+/// What moves the fibres of a scene.
+fn stepper(
+    scene: &Scene,
+    starts: &[Start],
+    assembly: Assembly,
+    objects: &mut [Object],
+) -> Result<Box<dyn Stepper>, SimError> {
+    let scenery = Scenery::of_fibers(scene);
+    if let Some(charging) = &scene.charging {
+        let head = charging.head.object().map(|i| HeadGeometry {
+            field: Arc::clone(objects[i].field()),
+            pose: objects[i].pose(0.0),
+            surface: objects[i].surface().clone(),
+        });
+        let fibers = ChargedFibers::new(scene, charging, assembly, head)?;
+        return Ok(Box::new(Charged { fibers, scenery }));
     }
-    let lengths = world.assembly().fibers().iter().map(|fiber| fiber.length());
-    Surroundings {
+    let keeps_ledger = scene.output.ledger || scene.stepper.may_create_energy();
+    let tells_ledger = scene.output.ledger;
+    let Some(settings) = &scene.contact else {
+        let groups = groups(&assembly, starts, |starts| {
+            batch(scene.stepper.method(false), scene.stepper.tolerance, starts)
+        })?;
+        let fibers = Fibers::new(assembly, groups, keeps_ledger);
+        return Ok(Box::new(Free { fibers, scenery, tells_ledger }));
+    };
+    let groups = groups(&assembly, starts, |starts| {
+        // Fibres that touch are integrated by backward Euler: all else has been refused.
+        side_by_side(StaggeredBatch::backward_euler(rods(starts))?, starts)
+    })?;
+    let count = objects.len();
+    let environment = &scene.environment;
+    let mut around = Surroundings { environment, objects, start: 0.0, end: 0.0 };
+    let fibers = Fibers::new(assembly, groups, keeps_ledger);
+    let fibers = FibersInContact::new(settings.clone(), fibers, &mut around)?;
+    Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
+}
+
+/// The fibres of an assembly in its groups, each group as `batch` makes it.
+fn groups<B: Batch + ?Sized>(
+    assembly: &Assembly,
+    starts: &[Start],
+    batch: impl Fn(&[&Start]) -> Result<Box<B>, RodError>,
+) -> Result<Vec<Group<B>>, SimError> {
+    let group = |fibers: &[usize]| {
+        let starts: Vec<&Start> = fibers.iter().map(|&fiber| &starts[fiber]).collect();
+        let bundle = starts[0].bundle;
+        let batch = batch(&starts).map_err(|source| SimError::Rod { bundle, source })?;
+        let lane = |(lane, start): (usize, &&Start)| FiberConditions {
+            bundle: Arc::clone(&start.conditions),
+            root: *start.rod.fiber.root(),
+            tip: batch.state(lane).tip(&start.rod.fiber),
+        };
+        let lanes = starts.iter().enumerate().map(lane).collect();
+        Ok(Group { fibers: fibers.to_vec(), batch, lanes })
+    };
+    assembly.groups().map(group).collect()
+}
+
+/// The sizes of what meets objects: a mass-spring system.
+fn sizes_of_springs(scene: &Scene, springs: &MassSprings) -> Sizes {
+    let from_first = |node| (springs.node(0, Some(node)).0 - springs.node(0, Some(0)).0).norm();
+    let contacts = scene.mass_spring.as_ref().and_then(|system| system.contacts.as_ref());
+    Sizes {
+        roundest: None,
+        longest: (0..springs.nodes()).map(from_first).fold(0.0, f64::max),
+        thickest: contacts.map_or(0.0, |contacts| contacts.radius),
+    }
+}
+
+/// The sizes of what meets objects: fibres, and other objects.
+fn sizes_of_fibers(scene: &Scene, assembly: &Assembly) -> Sizes {
+    let lengths = assembly.fibers().iter().map(|fiber| fiber.length());
+    Sizes {
         roundest: scene.roundest(),
         longest: lengths.fold(0.0, f64::max),
-        thickest: world.assembly().radii().iter().copied().fold(0.0, f64::max),
+        thickest: assembly.radii().iter().copied().fold(0.0, f64::max),
     }
-}
-
-/// What moves the world of a scene.
-///
-/// # Errors
-/// [`SimError::Collision`] if its fibres cannot be searched for contacts.
-pub fn stepper_for(scene: &Scene, world: &World) -> Result<Box<dyn Stepper>, SimError> {
-    if scene.mass_spring.is_some() {
-        return Ok(Box::new(MassSprings));
-    }
-    if let Some(charging) = &scene.charging {
-        return Ok(Box::new(Charged::new(scene, charging.dealing)));
-    }
-    Ok(match &scene.contact {
-        None => Box::new(FreeFibers),
-        Some(settings) => Box::new(Touching::new(settings.clone(), world)?),
-    })
-}
-
-/// Puts the loads of the scene at time `t` (s) on fibres at rest, and makes them of their matter in the
-/// climate then, if that changes.
-pub(crate) fn load_at(scene: &Scene, world: &mut World, t: f64) -> Result<(), SimError> {
-    for group in &mut world.groups {
-        group.put_forces(t).map_err(|source| SimError::Step { time: t, source })?;
-    }
-    if !scene.environment.climate.changes() {
-        return Ok(());
-    }
-    let mut fiber = 0;
-    for (i, bundle) in scene.fibers.iter().enumerate() {
-        let (node, _) = matter(scene, bundle, i, t)?;
-        for _ in 0..bundle.arrangement.fibers() {
-            set_matter(world, fiber, &node)?;
-            fiber += 1;
-        }
-    }
-    Ok(())
-}
-
-/// Resistance of fibres a length at time `t` (s), ohm/m.
-pub(crate) fn resistance(scene: &Scene, flow: &Flow, t: f64) -> Result<f64, SimError> {
-    let climate = scene.environment.climate.at(t);
-    climate
-        .and_then(|climate| flow.resistance_in(&climate))
-        .map_err(|source| SimError::Keratin { bundle: 0, source })
-}
-
-fn conditions(scene: &Scene, bundle: &Bundle, radius: f64) -> Result<BundleConditions, RodError> {
-    let viscosity = scene.environment.viscosity;
-    let drag = (viscosity > 0.0)
-        .then(|| Drag::slender_body(viscosity, bundle.length, radius))
-        .transpose()?;
-    let node = |at: f64| {
-        #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
-        let node = (at * bundle.segments as f64).round() as usize;
-        node
-    };
-    let node_forces = bundle
-        .point_forces
-        .iter()
-        .map(|f| (node(f.at), Vector3::from(f.value), f.profile.clone()))
-        .collect();
-    Ok(BundleConditions {
-        environment: scene.environment.clone(),
-        drag,
-        motion: bundle.motion.clone(),
-        root_joint: bundle.root_joint.clone(),
-        tip: bundle.tip.clone(),
-        start: Point3::from(bundle.root.position),
-        nodes: bundle.segments + 1,
-        node_forces,
-        hair: scene.changing_hair(bundle),
-    })
 }
 
 /// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
@@ -352,19 +316,25 @@ fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
     }
 }
 
-/// The integrator of a group of fibres of equal segment count.
+/// The rods of some fibres.
+fn rods(starts: &[&Start]) -> Vec<Rod> {
+    starts.iter().map(|start| start.rod.clone()).collect()
+}
+
+/// The integrator of a group of fibres of equal segment count, which touch nothing.
 fn batch(
     method: Method,
     tolerance: Option<f64>,
     starts: &[&Start],
 ) -> Result<Box<dyn Batch>, RodError> {
-    let rods = || starts.iter().map(|start| start.rod.clone()).collect();
     match method {
         Method::Staggered { rho_infinity } if tolerance.is_none() => {
-            side_by_side(StaggeredBatch::new(rods(), rho_infinity)?, starts)
+            Ok(side_by_side(StaggeredBatch::new(rods(starts), rho_infinity)?, starts)?)
         }
         // With a tolerance the scene has been refused: its error is estimated for second order.
-        Method::BackwardEuler => side_by_side(StaggeredBatch::backward_euler(rods())?, starts),
+        Method::BackwardEuler => {
+            Ok(side_by_side(StaggeredBatch::backward_euler(rods(starts))?, starts)?)
+        }
         Method::Staggered { rho_infinity } => {
             let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
             Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
@@ -379,7 +349,10 @@ fn batch(
 }
 
 /// Fibres in SIMD lanes, each at its start.
-fn side_by_side(mut batch: StaggeredBatch, starts: &[&Start]) -> Result<Box<dyn Batch>, RodError> {
+fn side_by_side(
+    mut batch: StaggeredBatch,
+    starts: &[&Start],
+) -> Result<Box<StaggeredBatch>, RodError> {
     for (lane, start) in starts.iter().enumerate() {
         if let Some(state) = start.moving(|| batch.state(lane)) {
             batch.set_state(lane, &state)?;

@@ -1,5 +1,4 @@
-use crate::contact::ContactWork;
-use crate::{SimError, Works, World};
+use crate::{ContactWork, SimError, World};
 use rapunzel_rod_dynamic::Energy;
 use serde::{Deserialize, Serialize};
 
@@ -42,10 +41,10 @@ impl EnergyBudget {
     ///
     /// # Errors
     /// [`SimError::Created`] if more energy has come from nowhere than may.
-    pub(crate) fn watch(&mut self, world: &World, works: Option<&Works>) -> Result<(), SimError> {
+    pub(crate) fn watch(&mut self, world: &World) -> Result<(), SimError> {
         let energy = world.energy();
         let fallen = self.height - energy.gravitational;
-        let given = works.map_or([fallen, 0.0, 0.0, 0.0, 0.0], |works| {
+        let given = world.ledger().map_or([fallen, 0.0, 0.0, 0.0, 0.0], |works| {
             let ContactWork { led, adhesion, .. } = world.contact_work();
             [works.gravity, works.loads, works.drag, works.supports, led + adhesion]
         });

@@ -1,12 +1,12 @@
-use crate::{Partner, Unresolved};
+use rapunzel_charging::ChargingError;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
-use rapunzel_electrostatics::ElectrostaticsError;
+use rapunzel_coupling::CouplingError;
 use rapunzel_export::ExportError;
 use rapunzel_fiber::FiberError;
 use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;
-use rapunzel_rod_dynamic::{EquilibriumError, RodError, StepError};
+use rapunzel_rod_dynamic::{EquilibriumError, RodError};
 use rapunzel_rod_static::StaticError;
 use rapunzel_scene::SceneError;
 use std::io;
@@ -50,13 +50,25 @@ pub enum SimError {
     /// A hair of the laboratory has no equilibrium.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
-    /// A step could not be taken.
-    #[error("the run stopped at t = {time} s: {source}")]
-    Step {
-        /// Start of the step, s.
-        time: f64,
-        /// Which fibre and why.
-        source: StepError,
+    /// Fibres cannot start or be moved.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// Fibres with charge do not come to rest.
+    #[error(transparent)]
+    Charging(#[from] ChargingError),
+    /// A state is given to what is no fibre.
+    #[error("a state can only be given to fibres, and only to those that are no charged ones")]
+    NoFibers,
+    /// A snapshot is one of other objects.
+    #[error("the saved state belongs to a world with other free objects")]
+    OtherObjects,
+    /// A mesh of an object cannot be given a mass.
+    #[error("objects[{object}]: {source}")]
+    Body {
+        /// Index of the object in the scene.
+        object: usize,
+        /// What is wrong with its mass.
+        source: ContactError,
     },
     /// A motion has left all bounds.
     #[error(
@@ -84,19 +96,6 @@ pub enum SimError {
         supplied: f64,
         /// The fibre with most energy, counted over all bundles, if there are fibres.
         fiber: Option<usize>,
-    },
-    /// Fibres or objects start inside each other.
-    #[error(
-        "{} starts {depth:.2e} m deep in {}{}; move them apart, or leave `contact` out",
-        sides[0], sides[1], along(*segment)
-    )]
-    Overlap {
-        /// The two; fibres are counted over all bundles.
-        sides: [Partner; 2],
-        /// Where along the first, from the root, if that is a fibre.
-        segment: Option<usize>,
-        /// How deep, m.
-        depth: f64,
     },
     /// The file of a closed curve is not understood.
     #[error(
@@ -131,81 +130,9 @@ pub enum SimError {
         /// What is wrong with it.
         source: CollisionError,
     },
-    /// An object moves so fast that fibres could not get out of its way, or that it could pass through
-    /// another.
-    #[error(
-        "objects[{object}] moves by {way:.2e} m in the step at t = {time} s, and at most {most:.2e} \
-         m, its smallest side or a segment, or near other objects half a side or what a mesh tells of \
-         its distance, are allowed; set stepper.dt to at most {dt:.2e} s, or move it more slowly"
-    )]
-    Leap {
-        /// Index of the object in the scene.
-        object: usize,
-        /// Start of the step, s.
-        time: f64,
-        /// How far a point of it would move, as seen from the other object if there is one, m.
-        way: f64,
-        /// How far it may, m.
-        most: f64,
-        /// The longest step that would do, s.
-        dt: f64,
-    },
-    /// Contacts throw fibres about even in the shortest part of a step.
-    #[error(
-        "the run stopped at t = {time} s: contacts do not converge in a part of a step, {dt:.2e} s{}; set \
-         stepper.dt to less, or let things meet more gently",
-        meeting(worst.as_ref())
-    )]
-    Lost {
-        /// Start of the part, s.
-        time: f64,
-        /// Its length, s.
-        dt: f64,
-        /// Where contacts were farthest from their law, or deepest.
-        worst: Option<Unresolved>,
-    },
-    /// Contacts could not be looked for.
-    #[error("contacts cannot be found: {0}")]
-    Collision(#[from] CollisionError),
-    /// Contacts could not be solved.
-    #[error("contacts cannot be solved: {0}")]
-    Contact(#[from] ContactError),
     /// A rod has no equilibrium that was found.
     #[error("the case has no answer: {0}")]
     Static(#[from] StaticError),
-    /// A fibre of a scene with charge has no equilibrium that was found.
-    #[error("fibre {fiber} does not come to rest: {source}; deal its charge in more portions")]
-    Rest {
-        /// Index of the fibre, over all bundles.
-        fiber: usize,
-        /// Why.
-        source: StaticError,
-    },
-    /// A charged fibre is in the head.
-    #[error(
-        "fibre {fiber} is {depth:.2e} m deep in objects[{object}], the head, at its segment {segment}, \
-         t = {time} s; nothing but charge keeps it out: move it, make it shorter, or charge it more"
-    )]
-    InHead {
-        /// Index of the fibre, over all bundles.
-        fiber: usize,
-        /// Where along it, from the root.
-        segment: usize,
-        /// Index of the object that is the head.
-        object: usize,
-        /// How deep at least, m.
-        depth: f64,
-        /// End of the step, s.
-        time: f64,
-    },
-    /// The forces of charges were not found.
-    #[error("charging, t = {time} s: {source}")]
-    Electrostatics {
-        /// End of the step, s.
-        time: f64,
-        /// What is wrong.
-        source: ElectrostaticsError,
-    },
     /// No length of a rod does what is wished.
     #[error(
         "no length between {shortest} and {longest} m does what is wished; allow a longer rod, or \
@@ -342,11 +269,6 @@ pub enum SimError {
 }
 
 impl SimError {
-    /// An [`SimError::Electrostatics`] at a time, s.
-    pub(crate) fn electric(time: f64) -> impl Fn(ElectrostaticsError) -> Self {
-        move |source| Self::Electrostatics { time, source }
-    }
-
     /// An [`SimError::Export`] of a file.
     pub(crate) fn export(path: &Path) -> impl FnOnce(ExportError) -> Self {
         move |source| Self::Export { path: path.to_owned(), source }
@@ -359,17 +281,6 @@ impl SimError {
     ) -> impl FnOnce(io::Error) -> Self + 'a {
         move |source| Self::Io { action, path: path.as_ref().to_owned(), source }
     }
-}
-
-fn along(segment: Option<usize>) -> String {
-    segment.map(|segment| format!(", at its segment {segment}")).unwrap_or_default()
-}
-
-fn meeting(worst: Option<&Unresolved>) -> String {
-    let tell = |Unresolved { sides: [first, second], segment, .. }: &Unresolved| {
-        format!(", worst where {second} meets {first}{}", along(*segment))
-    };
-    worst.map(tell).unwrap_or_default()
 }
 
 /// Most faults that a message tells.

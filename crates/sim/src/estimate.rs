@@ -1,7 +1,7 @@
 //! What a scene takes of memory, told before anything is built.
 
 use crate::assemble::matter;
-use crate::contact::{Surroundings, read_mesh};
+use crate::objects::{Sizes, read_mesh};
 use crate::scene::{Bundle, MassSpring, Method, ObjectShape};
 use crate::{Scene, SimError};
 use rapunzel_collision::field::Grid;
@@ -83,7 +83,7 @@ impl Estimate {
     pub fn new(scene: &Scene) -> Result<Self, SimError> {
         scene.validate()?;
         let mut estimate = Self::default();
-        let around = Surroundings { roundest: scene.roundest(), ..sizes(scene)? };
+        let around = Sizes { roundest: scene.roundest(), ..sizes(scene)? };
         for (i, bundle) in scene.fibers.iter().enumerate() {
             let Bundle { arrangement, segments, .. } = bundle;
             let nodes = arrangement.fibers() as f64 * (segments + 1) as f64;
@@ -109,7 +109,7 @@ impl Estimate {
         &mut self,
         index: usize,
         shape: &ObjectShape,
-        around: &Surroundings,
+        around: &Sizes,
     ) -> Result<(), SimError> {
         let path = format!("objects[{index}]");
         match shape {
@@ -155,8 +155,8 @@ fn bytes_of_node(scene: &Scene) -> f64 {
 }
 
 /// The longest and the thickest of what meets objects.
-fn sizes(scene: &Scene) -> Result<Surroundings, SimError> {
-    let mut around = Surroundings { longest: 0.0, thickest: 0.0, roundest: None };
+fn sizes(scene: &Scene) -> Result<Sizes, SimError> {
+    let mut around = Sizes { longest: 0.0, thickest: 0.0, roundest: None };
     if let Some(MassSpring { contacts: Some(contacts), .. }) = &scene.mass_spring {
         around.thickest = contacts.radius;
     }

@@ -1,15 +1,11 @@
-use crate::assemble::{load_at, stepper_for};
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{
-    CHARGE, CHECKPOINT, CONTACTS, ENERGIES, LOG, NEXT_CHECKPOINT, OBJECTS, PROBES, RunFolder,
-    SCENE, SUMMARY,
+    CHECKPOINT, ENERGIES, LOG, NEXT_CHECKPOINT, PROBES, RunFolder, SCENE, SUMMARY,
 };
 use crate::manifest::{Entry, Manifest};
-use crate::observers::{Column, FieldWriter, FrameWriter, Objects, Observer, Show, Table};
+use crate::observers::{FieldWriter, FrameWriter, Objects, Observer, Show, Table};
 use crate::storage::{rename_durably, replace, sync};
-use crate::{
-    Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, mass_spring,
-};
+use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World};
 use rapunzel_electrostatics::FieldGrid;
 use std::io::Write;
 use std::path::Path;
@@ -73,7 +69,9 @@ pub struct Progress {
     pub statistics: Statistics,
 }
 
-/// Runs a scene in a folder, from its checkpoint if there is one and from its start if not.
+/// Runs the `world` of a scene in a folder, from the checkpoint there if there is one and from its start
+/// if not. The scene tells how long, in which steps and what is written; the world is what [`World::build`]
+/// makes of it, or any other in which a [`Stepper`] of the caller's moves.
 ///
 /// The contents of all files depend on the scene alone, not on the number of threads nor on
 /// interruptions; only the log, which this function does not write, tells of them. An older run that the
@@ -82,8 +80,13 @@ pub struct Progress {
 /// # Errors
 /// [`SimError`]; where a step could not be taken, the last checkpoint is that of the frame before.
 /// After every error a run that has a frame can be resumed once its cause is removed.
-pub fn run(scene: &Scene, folder: &mut RunFolder, control: Control) -> Result<Summary, SimError> {
-    let mut run = Run::start(scene, folder)?;
+pub fn run(
+    scene: &Scene,
+    world: World,
+    folder: &mut RunFolder,
+    control: Control,
+) -> Result<Summary, SimError> {
+    let mut run = Run::start(scene, world, folder)?;
     let result = run.go(control);
     let outcome = match &result {
         Ok(outcome) => outcome.clone(),
@@ -100,7 +103,6 @@ struct Run<'a> {
     folder: &'a mut RunFolder,
     plan: Plan,
     world: World,
-    stepper: Box<dyn Stepper>,
     statistics: Statistics,
     observers: Vec<Box<dyn Observer>>,
     /// Of the scene.
@@ -108,23 +110,21 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn start(scene: &'a Scene, folder: &'a mut RunFolder) -> Result<Self, SimError> {
+    fn start(scene: &'a Scene, world: World, folder: &'a mut RunFolder) -> Result<Self, SimError> {
         let plan = Plan::new(scene);
-        let world = World::build(scene)?;
-        let stepper = stepper_for(scene, &world)?;
         let hash = scene_hash(scene)?;
         let mut checkpoints = vec![folder.file(NEXT_CHECKPOINT), folder.file(CHECKPOINT)];
         checkpoints.retain(|path| path.exists());
         let fresh = checkpoints.is_empty();
         if fresh {
             scene.files().for_each(|file| folder.protect(file));
-            folder.begin(&files(scene, &plan))?;
+            folder.begin(&files(scene, world.stepper(), &plan))?;
         } else {
             folder.go_on()?;
         }
         let observers = observers(scene, &world, folder, plan)?;
         let statistics = Statistics::default();
-        let mut run = Self { scene, folder, plan, world, stepper, statistics, observers, hash };
+        let mut run = Self { scene, folder, plan, world, statistics, observers, hash };
         // Only a loss of power damages the newer one.
         let mut resumed = checkpoints.iter().map(|path| run.resume(path));
         match resumed.next() {
@@ -185,8 +185,8 @@ impl<'a> Run<'a> {
 
     fn step(&mut self) -> Result<(), SimError> {
         let dt = self.plan.step_after(self.world.steps());
-        let report = self.stepper.step(&mut self.world, dt)?;
-        self.statistics.add(&report);
+        let report = self.world.step(dt)?;
+        self.statistics.add(&report, self.world.charge_report());
         if self.plan.is_frame(self.world.steps()) {
             self.world.watch_energy()?;
         }
@@ -210,10 +210,6 @@ impl<'a> Run<'a> {
         }
         self.statistics = last.statistics;
         self.world.restore(&last.snapshot)?;
-        if self.scene.charging.is_some() {
-            let time = self.world.time();
-            load_at(self.scene, &mut self.world, time)?;
-        }
         let mut outputs = self.observers.iter_mut().zip(&last.marks);
         outputs.try_for_each(|(observer, mark)| observer.rewind(*mark))
     }
@@ -257,11 +253,13 @@ impl<'a> Run<'a> {
 }
 
 /// The files of a run.
-fn files(scene: &Scene, plan: &Plan) -> Manifest {
+fn files(scene: &Scene, stepper: &dyn Stepper, plan: &Plan) -> Manifest {
     let objects = Objects::of(&scene.objects);
     let mut files = FrameWriter::files(&scene.output.formats, objects, plan.frames());
     files.extend([SCENE, SUMMARY, CHECKPOINT, NEXT_CHECKPOINT, LOG].map(Entry::from));
-    files.extend(tables(scene).into_iter().map(|(name, _)| name.into()));
+    files.push(ENERGIES.into());
+    files.extend(stepper.tables().into_iter().map(|(name, _)| name.into()));
+    files.extend((!scene.output.probes.is_empty()).then(|| PROBES.into()));
     files.extend(field_grid(scene).map(|_| FieldWriter::files(plan.frames())));
     files.into_iter().collect()
 }
@@ -274,9 +272,15 @@ fn observers(
 ) -> Result<Vec<Box<dyn Observer>>, SimError> {
     let frames = FrameWriter::new(folder, Show::of(scene, world), plan);
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames)];
-    for (name, columns) in tables(scene) {
-        observers.push(Box::new(Table::open(&folder.file(name), columns, plan)?));
+    let (file, stepper) = (|name| folder.file(name), world.stepper());
+    let mut tables = vec![Table::energies(&file(ENERGIES), stepper, plan)?];
+    for (table, (name, columns)) in stepper.tables().into_iter().enumerate() {
+        tables.push(Table::of_stepper(&file(name), table, columns, plan)?);
     }
+    if !scene.output.probes.is_empty() {
+        tables.push(Table::probes(&file(PROBES), &scene.output.probes, plan)?);
+    }
+    observers.extend(tables.into_iter().map(|table| Box::new(table) as Box<dyn Observer>));
     if let Some(grid) = field_grid(scene) {
         observers.push(Box::new(FieldWriter::new(folder, grid, plan)));
     }
@@ -285,27 +289,4 @@ fn observers(
 
 fn field_grid(scene: &Scene) -> Option<FieldGrid> {
     scene.charging.as_ref()?.grid.map(Into::into)
-}
-
-/// The tables of a run: their files and what is in them.
-fn tables(scene: &Scene) -> Vec<(&'static str, Vec<Column>)> {
-    let output = &scene.output;
-    let readings = scene.mass_spring.as_ref().map(mass_spring::readings);
-    let work = scene.contact.as_ref().map(|_| Column::ContactWork);
-    let works = output.ledger.then_some(Column::Works);
-    let columns = [Column::Energies].into_iter().chain(work).chain(works);
-    let mut tables = vec![(ENERGIES, columns.chain(readings.map(Column::Springs)).collect())];
-    if scene.contact.is_some() {
-        tables.push((CONTACTS, vec![Column::Contacts]));
-    }
-    if scene.charging.is_some() {
-        tables.push((CHARGE, vec![Column::Charge]));
-    }
-    if !output.probes.is_empty() {
-        tables.push((PROBES, output.probes.iter().copied().map(Column::Probe).collect()));
-    }
-    if scene.contact.is_some() && !scene.objects.is_empty() {
-        tables.push((OBJECTS, (0..scene.objects.len()).map(Column::ObjectForce).collect()));
-    }
-    tables
 }

@@ -1,82 +1,153 @@
-use crate::charging::ChargeReport;
-use crate::contact::{ContactReport, ContactTimes};
-use crate::{SimError, World};
-use rapunzel_rod_dynamic::Ledger;
-use rayon::prelude::*;
+use crate::SimError;
+use nalgebra::{Point3, Vector3};
+use rapunzel_charging::ChargedFibers;
+use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
+use rapunzel_export::Strand;
+use rapunzel_export::preview::Support;
+use rapunzel_export::usd::{Prim, Shape};
+use rapunzel_fiber::Assembly;
+use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
+use std::ops::Range;
 
-/// What a step of many fibres cost.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StepReport {
-    /// Number of fibres.
-    pub fibers: usize,
-    /// Newton iterations, summed over the fibres.
-    pub iterations: usize,
-    /// Iterations of the fibre that needed most.
-    pub worst_iterations: usize,
-    /// How often the step of a fibre was halved because Newton's method failed.
-    pub halvings: usize,
-    /// How often a step was longer than its tolerance allows although it was the smallest.
-    pub missed: usize,
-    /// What the contacts were and cost, if there are any.
-    pub contact: ContactReport,
-    /// What their phases took.
-    pub contact_times: ContactTimes,
-    /// How charged fibres came to rest, if there are any.
-    pub charge: ChargeReport,
-}
-
-impl StepReport {
-    /// The report of a single fibre.
-    pub(crate) fn of_one(iterations: usize, halvings: usize, missed: usize) -> Self {
-        Self {
-            fibers: 1,
-            iterations,
-            worst_iterations: iterations,
-            halvings,
-            missed,
-            ..Self::default()
-        }
-    }
-
-    /// Counts the fibres of another report too.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.fibers += other.fibers;
-        self.iterations += other.iterations;
-        self.worst_iterations = self.worst_iterations.max(other.worst_iterations);
-        self.halvings += other.halvings;
-        self.missed += other.missed;
-        self.contact.add(&other.contact);
-        self.contact_times += other.contact_times;
-        self.charge.add(&other.charge);
-    }
-}
-
-/// Moves a world in time.
-pub trait Stepper {
-    /// Moves all of `world` by `dt` seconds. The result does not depend on the number of threads.
+/// Something that moves, with its whole state: the seam between a [world](crate::World), which has a
+/// clock, an environment and objects, and what is in it.
+///
+/// The first methods are what every run needs. The others have defaults: columns of tables, what
+/// frames show beside strands, and views of a state that is one of fibres.
+pub trait Stepper: Send + Sync {
+    /// Moves everything by `dt`, s. The result must not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SimError::Step`] names the fibre. After any error some fibres have been moved and others not,
-    /// or all of them by a part of the step: [restore](World::restore) a snapshot before going on.
-    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError>;
+    /// [`SimError`]; some may have been moved then and others not: [restore](Self::restore) what was saved
+    /// before going on.
+    fn step(&mut self, around: &mut Surroundings, dt: f64) -> Result<StepReport, SimError>;
+
+    /// Energy, J, in a gravity, m/s^2, zero at the world's origin.
+    fn energy(&self, gravity: &Vector3<f64>) -> Energy;
+
+    /// Number of nodes of each strand. What has no strands has no frames and no probes.
+    fn strand_nodes(&self) -> Vec<usize>;
+
+    /// Strands as frames show them, each made when it is asked for.
+    fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_>;
+
+    /// Number of nodes of everything.
+    fn nodes(&self) -> usize {
+        self.strand_nodes().iter().sum()
+    }
+
+    /// Position (m) and velocity (m/s) of a node, world: of a strand, or, where nodes are counted as a
+    /// whole, of everything. `None` is the last node.
+    ///
+    /// # Panics
+    /// If there is no such strand or node, as indexing does.
+    fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>);
+
+    /// All numbers from which the motion goes on bit for bit, as lists that are made one at a time;
+    /// the iterator tells their number exactly.
+    fn save(&self) -> Box<dyn Iterator<Item = Vec<f64>> + '_>;
+
+    /// Goes back to numbers that were saved at a time, s.
+    ///
+    /// # Errors
+    /// [`SimError`] if they were saved of something else.
+    fn restore(&mut self, saved: &[Vec<f64>], time: f64) -> Result<(), SimError>;
+
+    /// What frames show besides.
+    fn scenery(&self) -> Scenery {
+        let strands = 0..self.strand_nodes().len();
+        let shape = Shape::Curves { strands, guide: false };
+        let prim = Prim { name: "Lines".to_owned(), shape, color: Scenery::ROPE };
+        Scenery { layer: Scenery::FIBERS, prims: vec![prim], supports: Vec::new() }
+    }
+
+    /// Names, with units, of the columns that this adds to the table of energies.
+    fn energy_columns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Numbers of these columns.
+    fn energy_row(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Tables of its own: the name of the file, and names of the columns with their units.
+    fn tables(&self) -> Vec<(&'static str, Vec<String>)> {
+        Vec::new()
+    }
+
+    /// Numbers of a row of the table number `table`.
+    fn row(&self, _table: usize) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// What speaks against steps of `dt`, s.
+    fn warning(&self, _dt: f64) -> Option<String> {
+        None
+    }
+
+    /// Sets what tells how long phases of steps take.
+    fn set_stopwatch(&mut self, _stopwatch: Option<Stopwatch>) {}
+
+    /// The state of fibres, if it is one.
+    fn fibers(&self) -> Option<&dyn FiberStates> {
+        None
+    }
+
+    /// Puts a fibre into a state.
+    ///
+    /// # Errors
+    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] where nothing can be put so.
+    fn set_state(&mut self, _fiber: usize, _state: &RodState) -> Result<(), SimError> {
+        Err(SimError::NoFibers)
+    }
+
+    /// The fibres with their contacts, if there are any.
+    fn in_contact(&self) -> Option<&FibersInContact> {
+        None
+    }
+
+    /// The fibres with their charge, if there are any.
+    fn charged(&self) -> Option<&ChargedFibers> {
+        None
+    }
 }
 
-/// Every fibre by itself: no contacts. Parallel over groups of fibres.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct FreeFibers;
+/// Fibres that can be looked at.
+pub trait FiberStates {
+    /// The fibres in their natural state.
+    fn assembly(&self) -> &Assembly;
 
-impl Stepper for FreeFibers {
-    fn step(&mut self, world: &mut World, dt: f64) -> Result<StepReport, SimError> {
-        let time = world.time();
-        // The order of the results is that of the groups, whoever computes them; of several
-        // errors the first fibre's is reported.
-        let results: Vec<_> = world.groups.par_iter_mut().map(|g| g.step(time, dt)).collect();
-        let mut report = StepReport::default();
-        for result in results {
-            report.add(&result.map_err(|source| SimError::Step { time, source })?);
-        }
-        world.book(&Ledger::default());
-        world.advance_clock(dt);
-        Ok(report)
+    /// State of a fibre. Allocates; costs one pass over its nodes.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    fn state(&self, fiber: usize) -> RodState;
+
+    /// Energy of a fibre, J, in a gravity, m/s^2.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    fn energy_of(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy;
+
+    /// Momentum of all fibres about the world's origin, if it is told.
+    fn momentum(&self) -> Option<Momentum> {
+        None
     }
+
+    /// Works done on the fibres since the start, if a ledger is kept.
+    fn ledger(&self) -> Option<EnergyLedger> {
+        None
+    }
+}
+
+/// What frames show beside points of strands.
+#[derive(Debug, Clone)]
+pub struct Scenery {
+    /// The USD layer of the strands, a name of a file, and the prim that holds them.
+    pub layer: (&'static str, &'static str),
+    /// What the strands are in it.
+    pub prims: Vec<Prim>,
+    /// What holds strands, and when, s.
+    pub supports: Vec<(Support, Range<f64>)>,
 }

@@ -32,8 +32,8 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Counts a step.
-    pub(crate) fn add(&mut self, report: &StepReport) {
+    /// Counts a step, in which charged fibres came to rest so.
+    pub(crate) fn add(&mut self, report: &StepReport, charge: Option<ChargeReport>) {
         self.iterations += report.iterations as u64;
         self.fiber_steps += report.fibers as u64;
         self.worst_iterations = self.worst_iterations.max(report.worst_iterations as u64);
@@ -41,7 +41,7 @@ impl Statistics {
         self.missed += report.missed as u64;
         self.contact.add(&report.contact);
         self.contact_times += report.contact_times;
-        self.charge.add(&report.charge);
+        self.charge.add(&charge.unwrap_or_default());
     }
 
     /// Mean number of iterations in a step of a fibre.

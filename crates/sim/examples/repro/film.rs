@@ -2,7 +2,7 @@
 
 use crate::Fallible;
 use crate::drawing::Picture;
-use rapunzel_sim::{Plan, Scene, World, stepper_for};
+use rapunzel_sim::{Plan, Scene, World};
 use std::fs;
 use std::path::Path;
 
@@ -18,11 +18,10 @@ pub(crate) fn scene(name: &str) -> Fallible<Scene> {
 pub(crate) fn play(scene: &Scene, mut observe: impl FnMut(&World)) -> Fallible<()> {
     let plan = Plan::new(scene);
     let mut world = World::build(scene)?;
-    let mut stepper = stepper_for(scene, &world)?;
     observe(&world);
     while world.steps() < plan.steps {
         let dt = plan.step_after(world.steps());
-        stepper.step(&mut world, dt)?;
+        world.step(dt)?;
         observe(&world);
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::{Number, Reading, Record, Sample};
 use crate::scene::Surface;
-use crate::{Scene, SimError, World, stepper_for};
+use crate::{Scene, SimError, World};
 use nalgebra::Vector3;
 use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::surface::Wetness;
@@ -60,14 +60,10 @@ pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
         if bent { Vector3::y() / axis } else { Vector3::zeros() }
     });
     let start = super::natural(&over.map_err(KeratinError::from)?)?;
-    if let Some(batch) = world.groups[0].batch.coupled() {
-        let refused = |source| SimError::Rod { bundle: 0, source };
-        batch.set_state(0, &start).map_err(refused)?;
-    }
-    let mut stepper = stepper_for(&scene, &world)?;
+    world.set_state(0, &start)?;
     let mut points = Vec::new();
     for _ in 0..STEPS {
-        stepper.step(&mut world, DT)?;
+        world.step(DT)?;
         points.push([world.time(), world.state(0).forces[0].norm()]);
     }
     let read = &points[STEPS / 2..];

@@ -12,7 +12,7 @@ mod torsion;
 mod tress;
 
 use crate::scene::{self, Keratin, Law, Material};
-use crate::{Scene, SimError};
+use crate::{CouplingError, Scene, SimError};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_fiber::generate::root_pose;
 use rapunzel_fiber::{Fiber, NodeProperties};
@@ -158,7 +158,7 @@ fn record(
     let mut record = vec![(0.0, read(start))];
     while moving.time() < end {
         let time = moving.time();
-        moving.step(dt, conditions).map_err(|source| SimError::Step { time, source })?;
+        moving.step(dt, conditions).map_err(|source| CouplingError::Step { time, source })?;
         record.push((moving.time(), read(&moving.state())));
     }
     Ok(record)

@@ -2,7 +2,7 @@
 
 use super::{Number, Reading, Record, Sample};
 use crate::scene::Scene;
-use crate::{SimError, World, stepper_for};
+use crate::{SimError, World};
 use rapunzel_keratin::lab::tress;
 use rapunzel_keratin::surface::Wetness;
 
@@ -86,10 +86,9 @@ fn run(
 ) -> Result<Vec<[f64; 2]>, SimError> {
     sample.put_into(&mut scene);
     let mut world = World::build(&scene)?;
-    let mut stepper = stepper_for(&scene, &world)?;
     let mut points = vec![[0.0, read(&world)]];
     while world.time() < scene.duration {
-        stepper.step(&mut world, scene.stepper.dt)?;
+        world.step(scene.stepper.dt)?;
         points.push([world.time(), read(&world)]);
     }
     Ok(points)

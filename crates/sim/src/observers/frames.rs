@@ -7,7 +7,7 @@ use crate::{Plan, SimError, World};
 use nalgebra::Isometry3;
 use rapunzel_export::preview::Picture;
 use rapunzel_export::surface::Placed;
-use rapunzel_export::{self as export, ExportError, Frame, Strand, usd};
+use rapunzel_export::{self as export, ExportError, Frame, usd};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::Range;
@@ -139,7 +139,7 @@ impl FrameWriter {
         };
         let strands = self.write_strands(timeline);
         let objects = (self.show.objects != Objects::None).then(|| self.write_objects(&timeline));
-        let layers = [(self.show.layer.0, Some(strands)), (OBJECTS_USD, objects)];
+        let layers = [(self.show.scenery.layer.0, Some(strands)), (OBJECTS_USD, objects)];
         let (mut written, mut faults) = (Vec::new(), Vec::new());
         for (layer, result) in layers {
             match result {
@@ -156,9 +156,9 @@ impl FrameWriter {
     }
 
     fn write_strands(&self, timeline: usd::Timeline) -> Result<(), SimError> {
-        let (layer, scope) = self.show.layer;
+        let (layer, scope) = self.show.scenery.layer;
         let path = self.folder.join(layer);
-        let prims = self.show.prims.clone();
+        let prims = self.show.scenery.prims.clone();
         let strands = usd::Strands::new(timeline, scope, prims, |index| self.open_frame(index))
             .map_err(SimError::export(&path))?;
         let clip = |frames: Range<usize>| {
@@ -217,12 +217,12 @@ impl Observer for FrameWriter {
             let path = self.folder.join(objects_name(file));
             save(&path, |to| export::surface::write(to, time, &objects))?;
         }
-        let counts = counts(world);
+        let counts = world.stepper().strand_nodes();
         save(&self.file(index, "vtp"), |to| {
-            export::vtp::write_strands(to, (index, time), &counts, strands(world))
+            export::vtp::write_strands(to, (index, time), &counts, world.stepper().strands())
         })?;
         if self.show.formats.iter().any(|format| *format != Format::Usd) {
-            let frame = Frame { index, time, strands: strands(world).collect() };
+            let frame = Frame { index, time, strands: world.stepper().strands().collect() };
             for format in &self.show.formats {
                 // What fails is tried again at the end, and told then.
                 let _ = self.write_frame(*format, &frame, &objects);
@@ -279,30 +279,4 @@ fn name(index: usize, extension: &str) -> String {
 /// The name of a file of objects as seen from the folder of the run.
 fn objects_name(index: usize) -> String {
     format!("{FRAMES}/objects-{index:06}.vtp")
-}
-
-/// All fibres as they are now, one after another: all of them together are half as much as the world.
-fn strands(world: &World) -> impl Iterator<Item = Strand> {
-    let strand = |i: usize| {
-        let state = world.state(i);
-        let nodes = world.assembly().layout().node_range(i);
-        Strand {
-            points: state.positions,
-            radii: world.assembly().radii()[nodes].to_vec(),
-            velocities: state.velocities,
-            frames: state.frames,
-            curvatures: state.curvatures,
-            forces: state.forces,
-        }
-    };
-    let springs = world.springs.iter().flat_map(|springs| springs.strands());
-    springs.chain((0..world.assembly().fibers().len()).map(strand))
-}
-
-/// The number of points of each.
-fn counts(world: &World) -> Vec<usize> {
-    let layout = world.assembly().layout();
-    let springs = world.springs.iter().flat_map(|springs| springs.strands());
-    let springs = springs.map(|strand| strand.points.len());
-    springs.chain((0..layout.fibers()).map(|i| layout.node_range(i).len())).collect()
 }

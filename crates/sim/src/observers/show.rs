@@ -1,24 +1,17 @@
-use crate::World;
-use crate::folder::{SPRINGS_USD, USD};
-use crate::scene::{Format, Joint, MassSpring, Motion, Moves, Object, Scene, Tip, Wind};
+use crate::scene::{Format, Motion, Moves, Object, Scene, Wind};
+use crate::{Scenery, World};
 use rapunzel_export::preview::Support;
-use rapunzel_export::usd::{Prim, Shape};
-use std::ops::Range;
 
 /// What frames show.
 #[derive(Debug)]
 pub(crate) struct Show {
     /// As which files beside those for ParaView.
     pub(crate) formats: Vec<Format>,
-    /// The USD layer of the strands, and the prim that holds them.
-    pub(crate) layer: (&'static str, &'static str),
-    /// What the strands are in it.
-    pub(crate) prims: Vec<Prim>,
+    /// What there is beside points of strands.
+    pub(crate) scenery: Scenery,
     pub(crate) objects: Objects,
     /// Which previews show.
     pub(crate) wind: Wind,
-    /// What holds the strands, and when, s.
-    holds: Vec<(Support, Range<f64>)>,
 }
 
 /// Which files hold the objects.
@@ -32,108 +25,21 @@ pub(crate) enum Objects {
     Always,
 }
 
-/// Colours of hair, bundle by bundle: red, green and blue, linear.
-const HAIR: [[f64; 3]; 6] = [
-    [0.09, 0.045, 0.02],
-    [0.35, 0.2, 0.08],
-    [0.25, 0.06, 0.02],
-    [0.03, 0.02, 0.015],
-    [0.55, 0.4, 0.2],
-    [0.35, 0.33, 0.3],
-];
-/// Colour of springs.
-const ROPE: [f64; 3] = [0.5, 0.4, 0.25];
-
 impl Show {
-    /// Of a scene and its world.
+    /// What frames show of a scene and its world.
     pub(crate) fn of(scene: &Scene, world: &World) -> Self {
         let springs = scene.mass_spring.as_ref();
         let wind = springs.map_or(scene.environment.wind, |springs| springs.wind);
-        let layer = springs.map_or((USD, "Fibers"), |_| (SPRINGS_USD, "Springs"));
-        Self {
-            formats: scene.output.formats.clone(),
-            layer,
-            prims: prims(scene, world),
-            objects: Objects::of(&scene.objects),
-            wind,
-            holds: springs.map_or_else(|| holds(scene), |springs| node_holds(springs, world)),
-        }
+        let scenery = world.stepper().scenery();
+        let (formats, objects) = (scene.output.formats.clone(), Objects::of(&scene.objects));
+        Self { formats, scenery, objects, wind }
     }
 
     /// What holds the strands at a time, s.
     pub(crate) fn supports(&self, time: f64) -> Vec<Support> {
-        let now = self.holds.iter().filter(|(_, times)| times.contains(&time));
+        let now = self.scenery.supports.iter().filter(|(_, times)| times.contains(&time));
         now.map(|(support, _)| *support).collect()
     }
-}
-
-/// From the start on.
-const ALWAYS: Range<f64> = 0.0..f64::INFINITY;
-
-/// What holds the ends of fibres.
-fn holds(scene: &Scene) -> Vec<(Support, Range<f64>)> {
-    let bundles = scene.fibers.iter();
-    let bundles = bundles.flat_map(|bundle| (0..bundle.arrangement.fibers()).map(move |_| bundle));
-    let holds = bundles.enumerate().flat_map(|(strand, bundle)| {
-        let by = |joint: &Joint| match joint {
-            Joint::Clamped => Some(true),
-            Joint::Ball { .. } => Some(false),
-            Joint::Free => None,
-        };
-        let tip = match &bundle.tip {
-            Tip::Free | Tip::Loaded { .. } => None,
-            Tip::Pulled { until, .. } => Some((true, 0.0..*until)),
-            Tip::Held => Some((true, ALWAYS)),
-            Tip::Driven { joint, .. } => by(joint).map(|clamped| (clamped, ALWAYS)),
-        };
-        let root = by(&bundle.root_joint).map(|clamped| (clamped, ALWAYS));
-        let ends = [(0, root), (bundle.segments, tip)];
-        ends.into_iter().filter_map(move |(point, hold)| {
-            let (clamped, times) = hold?;
-            Some((Support { strand, point, clamped }, times))
-        })
-    });
-    holds.collect()
-}
-
-/// What holds nodes of a mass-spring system.
-fn node_holds(scene: &MassSpring, world: &World) -> Vec<(Support, Range<f64>)> {
-    let Some(springs) = &world.springs else { return Vec::new() };
-    let mut holds = Vec::new();
-    for (node, [strand, point]) in springs.places() {
-        let support = Support { strand, point, clamped: false };
-        let taken = scene.holds.iter().filter(|hold| hold.node == node);
-        let end = |release, until| if release { until } else { f64::INFINITY };
-        if springs.is_held(node) {
-            let ends = taken.clone().map(|hold| end(hold.release, hold.until));
-            holds.push((support, 0.0..ends.fold(f64::INFINITY, f64::min)));
-        }
-        holds.extend(taken.map(|hold| (support, hold.from..end(hold.release, hold.until))));
-    }
-    holds
-}
-
-/// A prim for each bundle; of springs their surface, to which the lines are a guide.
-fn prims(scene: &Scene, world: &World) -> Vec<Prim> {
-    if let Some(springs) = &world.springs {
-        let surface = springs.surface();
-        let (strands, guide) = (0..springs.strands().len(), surface.is_some());
-        let lines = Shape::Curves { strands, guide };
-        let prim = |(name, shape): (&str, _)| Prim { name: name.to_owned(), shape, color: ROPE };
-        let surface = surface.map(|shape| ("Surface", shape));
-        return surface.into_iter().chain([("Lines", lines)]).map(prim).collect();
-    }
-    let bundles = scene.fibers.iter().scan(0, |end, bundle| {
-        let first = *end;
-        *end += bundle.arrangement.fibers();
-        Some(first..*end)
-    });
-    let prim = |(i, strands): (usize, Range<usize>)| Prim {
-        name: format!("Bundle_{i}"),
-        shape: Shape::Curves { strands, guide: false },
-        color: HAIR[i % HAIR.len()],
-    };
-    bundles.enumerate().map(prim).collect()
 }
 
 impl Objects {

@@ -1,6 +1,6 @@
 use super::Observer;
 use crate::scene::{Node, Probe, Quantity};
-use crate::{Plan, SimError, Works, World};
+use crate::{Plan, SimError, Stepper, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -8,12 +8,11 @@ use std::path::{Path, PathBuf};
 /// A CSV file with a row at regular steps; its first column is the time.
 ///
 /// Rows are appended as wholes, so that the file can be watched while it grows.
-#[derive(Debug)]
 pub(crate) struct Table {
     path: PathBuf,
     file: File,
     header: String,
-    columns: Vec<Column>,
+    row: Row,
     /// Has a row when a record is due.
     plan: Plan,
     /// Rows that are not in the file yet.
@@ -22,43 +21,66 @@ pub(crate) struct Table {
     length: u64,
 }
 
-/// One or several numbers of a row.
-#[derive(Debug, Clone)]
-pub(crate) enum Column {
-    /// Kinetic, elastic, gravitational energy and their sum.
-    Energies,
-    /// Work of contacts since the start: see [`crate::ContactWork`].
-    ContactWork,
-    /// All other work since the start.
-    Works,
-    /// What a mass-spring system shows besides, by the names with their units.
-    Springs(Vec<String>),
-    /// What a probe reads.
-    Probe(Probe),
-    /// What the contacts of the last step were and cost.
-    Contacts,
-    /// Force of all fibres on an object, by its index.
-    ObjectForce(usize),
-    /// How charged fibres came to rest in the last step.
-    Charge,
-}
+/// The numbers of a row after its time.
+type Row = Box<dyn Fn(&World) -> Vec<f64>>;
 
 /// Pending rows are written when they are longer than this, bytes.
 const BUFFER: usize = 1 << 16;
 
 impl Table {
+    /// Kinetic, elastic, gravitational energy and their sum, and what a stepper adds to them.
+    pub(crate) fn energies(
+        path: &Path,
+        stepper: &dyn Stepper,
+        plan: Plan,
+    ) -> Result<Self, SimError> {
+        let names = ["kinetic (J)", "elastic (J)", "gravitational (J)", "total (J)"];
+        let names = names.map(str::to_owned).into_iter().chain(stepper.energy_columns());
+        let row = |world: &World| {
+            let energy = world.energy();
+            let mut row =
+                vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()];
+            row.extend(world.stepper().energy_row());
+            row
+        };
+        Self::open(path, names, Box::new(row), plan)
+    }
+
+    /// Table number `table` of a stepper, with these columns.
+    pub(crate) fn of_stepper(
+        path: &Path,
+        table: usize,
+        columns: Vec<String>,
+        plan: Plan,
+    ) -> Result<Self, SimError> {
+        let row = move |world: &World| world.stepper().row(table);
+        Self::open(path, columns, Box::new(row), plan)
+    }
+
+    /// What probes read.
+    pub(crate) fn probes(path: &Path, probes: &[Probe], plan: Plan) -> Result<Self, SimError> {
+        let (names, probes) = (probes.iter().flat_map(columns), probes.to_vec());
+        let row = move |world: &World| probes.iter().flat_map(|probe| read(probe, world)).collect();
+        Self::open(path, names, Box::new(row), plan)
+    }
+
     /// Opens the file of a table without changing it; [`Observer::rewind`] says where to begin.
-    pub(crate) fn open(path: &Path, columns: Vec<Column>, plan: Plan) -> Result<Self, SimError> {
+    fn open(
+        path: &Path,
+        names: impl IntoIterator<Item = String>,
+        row: Row,
+        plan: Plan,
+    ) -> Result<Self, SimError> {
         let file = File::options()
             .write(true)
             .create(true)
             .truncate(false)
             .open(path)
             .map_err(SimError::io("write", path))?;
-        let names: String = columns.iter().map(|c| c.names()).collect();
+        let names: String = names.into_iter().map(|name| format!(",{name}")).collect();
         let header = format!("time (s){names}\n");
         let pending = String::new();
-        Ok(Self { path: path.to_owned(), file, header, columns, plan, pending, length: 0 })
+        Ok(Self { path: path.to_owned(), file, header, row, plan, pending, length: 0 })
     }
 
     fn flush(&mut self) -> Result<(), SimError> {
@@ -75,10 +97,8 @@ impl Observer for Table {
             return Ok(());
         }
         self.pending += &format!("{:?}", world.time());
-        for column in &self.columns {
-            for x in column.read(world) {
-                self.pending += &format!(",{x:?}");
-            }
+        for x in (self.row)(world) {
+            self.pending += &format!(",{x:?}");
         }
         self.pending.push('\n');
         if self.pending.len() > BUFFER { self.flush() } else { Ok(()) }
@@ -120,100 +140,28 @@ impl Observer for Table {
     }
 }
 
-impl Column {
-    /// The names with their units, each after a comma.
-    fn names(&self) -> String {
-        match self {
-            Self::Energies => ",kinetic (J),elastic (J),gravitational (J),total (J)".to_owned(),
-            Self::ContactWork => {
-                ",work of friction (J),work of closing (J),work of gap repair (J),\
-                                  work of restitution (J),work of adhesion (J),\
-                                  work of compliance (J),work of led objects (J)"
-                    .to_owned()
-            }
-            Self::Works => ",work of gravity (J),work of loads (J),work of drag (J),\
-                            work of damping (J),work of supports (J),work of the integrator (J),\
-                            work of the solver (J)"
-                .to_owned(),
-            Self::Springs(names) => names.iter().map(|name| format!(",{name}")).collect(),
-            Self::Probe(Probe { fiber, node, quantity }) => {
-                let node = match node {
-                    Node::Tip => "tip".to_owned(),
-                    Node::At { index } => format!("node {index}"),
-                };
-                let (symbol, unit) = match quantity {
-                    Quantity::Position => ("", "m"),
-                    Quantity::Velocity => ("v", "m/s"),
-                };
-                let name = |axis| format!(",fiber {fiber} {node} {symbol}{axis} ({unit})");
-                ["x", "y", "z"].map(name).concat()
-            }
-            Self::Contacts => ",listed,active,parts,lists,solves,iterations,unresolved,residual,\
-                normal error (m/s),slip error (m/s),depth (m)"
-                .to_owned(),
-            Self::Charge => {
-                ",charge (C),drained (C),electric (J),mean field (V/m),lift,evaluations,\
-                retreats,unsettled,residual"
-                    .to_owned()
-            }
-            Self::ObjectForce(object) => {
-                ["x", "y", "z"].map(|axis| format!(",objects[{object}] force {axis} (N)")).concat()
-            }
-        }
-    }
+/// Names, with units, of what a probe reads.
+fn columns(probe: &Probe) -> [String; 3] {
+    let node = match probe.node {
+        Node::Tip => "tip".to_owned(),
+        Node::At { index } => format!("node {index}"),
+    };
+    let (symbol, unit) = match probe.quantity {
+        Quantity::Position => ("", "m"),
+        Quantity::Velocity => ("v", "m/s"),
+    };
+    ["x", "y", "z"].map(|axis| format!("fiber {} {node} {symbol}{axis} ({unit})", probe.fiber))
+}
 
-    fn read(&self, world: &World) -> Vec<f64> {
-        match self {
-            Self::Energies => {
-                let energy = world.energy();
-                vec![energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
-            }
-            Self::ContactWork => {
-                let work = world.contact_work();
-                vec![
-                    work.friction,
-                    work.closing,
-                    work.repair,
-                    work.restitution,
-                    work.adhesion,
-                    work.compliance,
-                    work.led,
-                ]
-            }
-            Self::Works => {
-                let works = world.works().unwrap_or_default();
-                let Works { gravity, loads, drag, damping, supports, integrator, solver } = works;
-                vec![gravity, loads, drag, damping, supports, integrator, solver]
-            }
-            Self::Springs(_) => {
-                world.springs.as_ref().map(|springs| springs.readings()).unwrap_or_default()
-            }
-            Self::Probe(probe) => {
-                let node = match probe.node {
-                    Node::Tip => None,
-                    Node::At { index } => Some(index),
-                };
-                let (position, velocity) = world.node(probe.fiber, node);
-                let value = match probe.quantity {
-                    Quantity::Position => position.coords,
-                    Quantity::Velocity => velocity,
-                };
-                value.iter().copied().collect()
-            }
-            Self::Contacts => {
-                let of = &world.contacts.report;
-                let counts = [of.listed, of.active, of.parts, of.lists, of.solves, of.iterations];
-                let counts = counts.into_iter().chain([of.unresolved]).map(|count| count as f64);
-                let errors = [of.residual, of.normal_error, of.slip_error, of.depth];
-                counts.chain(errors).collect()
-            }
-            Self::Charge => {
-                let of = world.charge_report().unwrap_or_default();
-                let counts = [of.evaluations, of.retreats, of.unsettled].map(|n| n as f64);
-                let sizes = [of.charge, of.drained, of.energy, of.mean_field, of.lift];
-                sizes.into_iter().chain(counts).chain([of.residual]).collect()
-            }
-            Self::ObjectForce(object) => world.force_on(*object).iter().copied().collect(),
-        }
+/// What a probe reads of a world.
+fn read(probe: &Probe, world: &World) -> [f64; 3] {
+    let node = match probe.node {
+        Node::Tip => None,
+        Node::At { index } => Some(index),
+    };
+    let (position, velocity) = world.node(probe.fiber, node);
+    match probe.quantity {
+        Quantity::Position => position.coords.into(),
+        Quantity::Velocity => velocity.into(),
     }
 }

@@ -1,7 +1,7 @@
 //! A rod on two ball joints under thrust and torque, against A. G. Greenhill, On the strength of
 //! shafting, Proc. Inst. Mech. Eng. 34 (1883).
 
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World};
+use rapunzel_sim::{Plan, Scene, World};
 use std::f64::consts::{PI, TAU};
 
 const LENGTH: f64 = 0.1;
@@ -35,7 +35,7 @@ fn thrust(torque: f64, shortening: f64) -> f64 {
     let scene = Scene::from_ron(&text).expect("a sound scene");
     let mut world = World::build(&scene).expect("a sound scene");
     for _ in 0..1000 {
-        FreeFibers.step(&mut world, 1e-3).expect("converges");
+        world.step(1e-3).expect("converges");
     }
     let state = world.state(0);
     let euler = PI * PI * stiffness / (LENGTH * LENGTH);
@@ -60,7 +60,7 @@ fn the_scene_collapses_into_a_loop_that_rests() {
     let mut world = World::build(&scene).expect("sound");
     let (mut wound, mut collapsing) = (0.0_f64, 0.0_f64);
     for _ in 0..plan.steps {
-        FreeFibers.step(&mut world, plan.dt).expect("converges");
+        world.step(plan.dt).expect("converges");
         let kinetic = world.energy().kinetic;
         let most = if world.time() < 2.5 { &mut wound } else { &mut collapsing };
         if world.time() > 0.5 {

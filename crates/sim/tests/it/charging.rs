@@ -4,7 +4,7 @@ use crate::common::Run;
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{COULOMB_CONSTANT, units};
 use rapunzel_sim::scene::{Arrangement, SceneError};
-use rapunzel_sim::{ChargeReport, Scene, SimError, World};
+use rapunzel_sim::{ChargeReport, ChargingError, Scene, SimError, World};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -16,7 +16,8 @@ const WEIGHT: f64 = 1320.0 * PI * 1.6e-9 * 9.81;
 
 /// A step that comes to rest.
 fn settled(run: &mut Run) -> ChargeReport {
-    let report = run.step().charge;
+    run.step();
+    let report = run.world.charge_report().expect("with charge");
     assert_eq!(report.unsettled, 0, "{report:?}");
     report
 }
@@ -299,8 +300,10 @@ fn bad_heads_are_refused() {
     for shape in ["Ball(radius: 0.06)", "Capsule(length: 0, radius: 0.06)"] {
         let inside = Scene::from_ron(&SMALL.replace("Ball(radius: 0.05)", shape));
         let mut run = Run::new(&inside.expect("a scene"));
-        let error = run.stepper.step(&mut run.world, 1.0).expect_err("they start in it");
-        let SimError::InHead { fiber, segment, object: 0, depth, .. } = error else {
+        let error = run.world.step(1.0).expect_err("they start in it");
+        let SimError::Charging(ChargingError::InHead { fiber, segment, object: 0, depth, .. }) =
+            error
+        else {
             panic!("{error}")
         };
         // The charge is within half a segment from its middle.

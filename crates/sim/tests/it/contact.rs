@@ -2,7 +2,7 @@
 
 use crate::common::Run;
 use nalgebra::{Point3, Vector3};
-use rapunzel_sim::{Scene, World, stepper_for};
+use rapunzel_sim::{Scene, World};
 
 /// Diameter of the hairs of this file, m.
 const DIAMETER: f64 = 7e-5;
@@ -186,8 +186,7 @@ fn overlaps_at_the_start_are_refused() {
     let lying = hair(20, "root: (orientation: Along(direction: (1, 0, 0)))");
     let refused = |fibers: &[String], objects: &str| {
         let scene = Scene::from_ron(&scene(fibers, objects, 0.3, 0.0, 1e-3)).expect("sound");
-        let world = World::build(&scene).expect("a world");
-        stepper_for(&scene, &world).err().expect("an overlap").to_string()
+        World::build(&scene).err().expect("an overlap").to_string()
     };
     let message = refused(&[lying.clone(), crossing], "");
     assert!(
@@ -209,9 +208,7 @@ fn roots_that_are_held_in_each_other_are_refused() {
     };
     let built = |root: &str| {
         let scene = Scene::from_ron(&scene(&hairs(root), "", 0.3, 0.0, 1e-3)).expect("sound");
-        let mut world = World::build(&scene).expect("a world");
-        stepper_for(&scene, &world)
-            .map(|mut stepper| stepper.step(&mut world, 1e-3).expect("a step"))
+        World::build(&scene).map(|mut world| world.step(1e-3).expect("a step"))
     };
     let message = built("root: ").expect_err("held in each other").to_string();
     assert!(

@@ -3,7 +3,7 @@
 use crate::common::Run;
 use nalgebra::Vector3;
 use rapunzel_contact::Cylinders;
-use rapunzel_sim::{Scene, World, stepper_for};
+use rapunzel_sim::{Scene, World};
 use std::f64::consts::PI;
 
 /// Radius of the hairs of this file, m.
@@ -393,8 +393,7 @@ fn water_draws_hairs_together() {
         "(format: 1, duration: 1.0, fibers: [{lower}], contact: ({drowned}), stepper: (dt: 1e-4))"
     );
     let scene = Scene::from_ron(&scene).expect("a scene");
-    let error =
-        stepper_for(&scene, &World::build(&scene).expect("a world")).err().expect("it drowns");
+    let error = World::build(&scene).err().expect("it drowns");
     assert!(error.to_string().contains("area of the liquid"), "{error}");
 }
 

@@ -25,7 +25,7 @@ fn the_ledger_of_hairs_that_do_not_touch_closes() {
             books.step();
         }
         println!("{method}: {:.1e} a step, {:.1e} in all", books.worst, books.whole());
-        println!("{:?}", books.run.world.works());
+        println!("{:?}", books.run.world.ledger());
         assert!(books.worst < 1e-9 && books.whole() < 1e-12, "{:e}", books.worst);
     }
 }
@@ -67,7 +67,7 @@ fn the_ledger_of_hairs_that_touch_closes() {
         println!("{name}: {:.1e} a step, {:.1e} in all", books.worst, books.whole());
         println!(
             "{active} contacts; {:?} {:?}",
-            books.run.world.works(),
+            books.run.world.ledger(),
             books.run.world.contact_work()
         );
         assert!(active > 3, "{name}: they touch");

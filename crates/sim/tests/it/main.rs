@@ -23,6 +23,7 @@ mod reference;
 mod rigid;
 mod runs;
 mod scenes;
+mod stepper;
 mod stick_slip;
 mod strip;
 mod usd;

@@ -2,8 +2,7 @@
 
 use rapunzel_sim::scene::{Integrator, Mass, Model, Motion, Moves, ObjectShape};
 use rapunzel_sim::{
-    Cancel, Control, Existing, MassSprings, Outcome, Plan, RunFolder, Scene, SimError, Stepper,
-    World, run,
+    Cancel, Control, Existing, Outcome, Plan, RunFolder, Scene, SimError, World, run,
 };
 use std::fs;
 use std::path::PathBuf;
@@ -36,7 +35,7 @@ fn every_scene_is_sound_and_stays_finite() {
         let mut world = World::build(&scene).unwrap_or_else(|e| panic!("{path}: {e}"));
         let dt = Plan::new(&scene).dt;
         for _ in 0..40 {
-            MassSprings.step(&mut world, dt).unwrap_or_else(|e| panic!("{path}: {e}"));
+            world.step(dt).unwrap_or_else(|e| panic!("{path}: {e}"));
         }
         assert!(world.energy().total().is_finite(), "{path}");
     }
@@ -47,9 +46,9 @@ fn what_is_restored_goes_on_to_the_same_bits() {
     for (path, scene) in shipped() {
         let dt = Plan::new(&scene).dt;
         let mut world = World::build(&scene).expect("sound");
-        let steps = |world: &mut _, count| {
+        let steps = |world: &mut World, count| {
             for _ in 0..count {
-                MassSprings.step(world, dt).expect("finite");
+                world.step(dt).expect("finite");
             }
         };
         steps(&mut world, 70);
@@ -71,7 +70,7 @@ fn run_in(scene: &Scene, folder: &std::path::Path) -> Result<Outcome, SimError> 
     let mut folder = RunFolder::open(folder, Existing::Refuse).expect("an empty folder");
     let (cancel, progress) = (&Cancel::new(), &mut |_: &_| {});
     let control = Control { sync_is_due: &mut || false, cancel, progress, stopwatch: None };
-    run(scene, &mut folder, control).map(|summary| summary.outcome)
+    run(scene, World::build(scene)?, &mut folder, control).map(|summary| summary.outcome)
 }
 
 #[test]
@@ -149,7 +148,7 @@ fn springs_yield_for_good_and_ties_hold_in_a_scene() {
         let mut world = World::build(scene).expect("sound");
         let dt = Plan::new(scene).dt;
         for _ in 0..steps {
-            MassSprings.step(&mut world, dt).expect("finite");
+            world.step(dt).expect("finite");
         }
         let at = |node| world.node(0, Some(node)).0;
         ((at(99) - at(9)).norm(), at(55) - at(44))
@@ -193,7 +192,7 @@ fn a_step_above_the_limit_stops_with_step_and_node() {
     let springs = touching.mass_spring.as_mut().expect("a ring");
     (springs.frequency, springs.damping_ratio, springs.substeps) = (1e4, 0.0, 100);
     let mut world = World::build(&touching).expect("sound");
-    let late = MassSprings.step(&mut world, 0.5).expect_err("unstable").to_string();
+    let late = world.step(0.5).expect_err("unstable").to_string();
     assert!(!late.contains("in step 1:") && late.contains("left all bounds"), "{late}");
     assert!(error.contains("left all bounds in step") && error.contains("node "), "{error}");
     assert!(error.contains("mass_spring, t = "), "{error}");
@@ -247,7 +246,7 @@ fn an_object_that_moves_pushes_nodes_and_comes_to_rest() {
     let mut world = World::build(&node_over_a_plane()).expect("sound");
     let mut rises = |steps: usize| {
         for _ in 0..steps {
-            MassSprings.step(&mut world, 1e-3).expect("finite");
+            world.step(1e-3).expect("finite");
         }
         world.node(0, Some(1))
     };

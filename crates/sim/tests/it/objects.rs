@@ -3,7 +3,7 @@
 use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
-use rapunzel_sim::{Bearing, Partner, Scene, SimError, World};
+use rapunzel_sim::{Bearing, CouplingError, Partner, Scene, SimError, World};
 use std::path::Path;
 
 /// Radius of the hairs of this file, m.
@@ -238,13 +238,15 @@ fn an_object_that_leaps_is_refused() {
                 motion: Translate(velocity: (0, 0, 10), until: 0.002))";
     let scene = |dt| read(&[hair("")], ball, "Isotropic(0.3)", 0.0, dt);
     let mut run = Run::new(&scene(1e-3));
-    let error = run.stepper.step(&mut run.world, 1e-3).expect_err("10 mm over segments of 3 mm");
-    let SimError::Leap { object: 0, way, most, dt, .. } = error else { panic!("{error}") };
+    let error = run.world.step(1e-3).expect_err("10 mm over segments of 3 mm");
+    let SimError::Coupling(CouplingError::Leap { object: 0, way, most, dt, .. }) = error else {
+        panic!("{error}")
+    };
     assert!((way - 0.01).abs() < 1e-12 && (most - 0.003).abs() < 1e-12, "{way} {most}");
     assert!((dt - 3e-4).abs() < 1e-12, "{dt}");
     assert!(error.to_string().contains("set stepper.dt to at most 3.00e-4 s"), "{error}");
     let mut run = Run::new(&scene(2.9e-4));
-    assert!(run.stepper.step(&mut run.world, 2.9e-4).is_ok());
+    assert!(run.world.step(2.9e-4).is_ok());
 }
 
 /// A clamped root that a ball is driven into cannot give way: told, with what and where.
@@ -256,7 +258,7 @@ fn a_clamped_root_that_is_pressed_is_told() {
     // Few iterations: more would not help either.
     let friction = "Isotropic(0.3), iterations: 20";
     let mut run = Run::new(&read(&[standing], ball, friction, 0.0, 1e-3));
-    let report = run.stepper.step(&mut run.world, 1e-3).expect("is taken as far as it comes");
+    let report = run.world.step(1e-3).expect("is taken as far as it comes");
     let found = report.contact.first_unresolved.unwrap_or_else(|| panic!("{report:?}"));
     assert_eq!((found.sides, found.segment), ([Partner::Fiber(0), Partner::Object(0)], Some(0)));
     assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");

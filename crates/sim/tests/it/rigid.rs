@@ -4,7 +4,7 @@ use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
 use rapunzel_contact::RigidBody;
-use rapunzel_sim::{Partner, Scene, SimError, World, stepper_for};
+use rapunzel_sim::{CouplingError, Partner, Scene, SimError, World};
 
 const G: f64 = 9.81;
 /// Of the steps, s.
@@ -369,21 +369,24 @@ fn what_cannot_be_told_is_refused() {
     };
     let built = |objects: &str| {
         let scene = scene(objects, "friction: Isotropic(0.3)", Vector3::zeros());
-        let world = World::build(&scene).expect("a world");
-        stepper_for(&scene, &world).map(|stepper| (world, stepper))
+        World::build(&scene)
     };
     let error = built(&two(0.019, 0.0)).err().expect("an overlap");
-    let SimError::Overlap { sides, segment: None, depth } = error else { panic!("{error}") };
+    let SimError::Coupling(CouplingError::Overlap { sides, segment: None, depth }) = error else {
+        panic!("{error}")
+    };
     assert_eq!(sides, [0, 1].map(Partner::Object));
     assert!((depth - 0.001).abs() < 1e-9, "{depth}");
     assert!(error.to_string().starts_with("objects[0] starts 1.00e-3 m deep in objects[1]; move"));
 
-    let (mut world, mut stepper) = built(&two(0.03, 11.0)).expect("apart");
-    let error = stepper.step(&mut world, DT).expect_err("11 mm toward what is 20 mm thick");
-    let SimError::Leap { object: 0, way, most, .. } = error else { panic!("{error}") };
+    let mut world = built(&two(0.03, 11.0)).expect("apart");
+    let error = world.step(DT).expect_err("11 mm toward what is 20 mm thick");
+    let SimError::Coupling(CouplingError::Leap { object: 0, way, most, .. }) = error else {
+        panic!("{error}")
+    };
     assert!((way - 0.011).abs() < 1e-12 && (most - 0.01).abs() < 1e-12, "{way} {most}");
-    let (mut world, mut stepper) = built(&two(0.06, 11.0)).expect("far apart");
-    assert!(stepper.step(&mut world, DT).is_ok());
+    let mut world = built(&two(0.06, 11.0)).expect("far apart");
+    assert!(world.step(DT).is_ok());
 
     let cuticle = "friction: Cuticle(with: 0.1, against: 0.3, across: 0.2)";
     let text = scene(&two(0.03, 0.0), "friction: Isotropic(0.3)", level()).to_ron().expect("RON");

@@ -1,8 +1,8 @@
 //! Runs in folders: their files, and what interruptions and errors leave.
 
 use rapunzel_sim::{
-    Cancel, Control, Existing, FreeFibers, Outcome, RunFolder, Scene, SimError, Stepper, Summary,
-    World, run,
+    Cancel, Control, CouplingError, Existing, Outcome, RunFolder, Scene, SimError, Summary, World,
+    run,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -45,7 +45,8 @@ fn run_until(
         frames % 3 == 0
     };
     let (sync_is_due, progress) = (&mut sync_is_due, &mut progress);
-    run(scene, &mut folder, Control { sync_is_due, cancel: &cancel, progress, stopwatch: None })
+    let control = Control { sync_is_due, cancel: &cancel, progress, stopwatch: None };
+    run(scene, World::build(scene)?, &mut folder, control)
 }
 
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -105,7 +106,7 @@ fn tables_hold_what_the_world_does() {
             [time, energy.kinetic, energy.elastic, energy.gravitational, energy.total()]
         );
         assert_eq!(probe[..], [time, velocity.x, velocity.y, velocity.z], "step {step}");
-        FreeFibers.step(&mut world, 0.005).expect("converges");
+        world.step(0.005).expect("converges");
     }
     let last = fs::read(folder.path().join("frames/frame-000010.vtp")).expect("readable");
     let last = rapunzel_export::vtp::read(&mut &last[..]).expect("a frame");
@@ -168,7 +169,7 @@ fn a_step_that_fails_leaves_a_checkpoint() {
     let folder = tempfile::tempdir().expect("a folder");
     let error = run_until(&scene, folder.path(), Existing::Refuse, u64::MAX).expect_err("fails");
     let message = error.to_string();
-    assert!(matches!(error, SimError::Step { .. }), "{message}");
+    assert!(matches!(error, SimError::Coupling(CouplingError::Step { .. })), "{message}");
     assert!(message.contains("fibre 0: tip at t = 0 s: as far from the root"), "{message}");
     let summary = Summary::read(folder.path()).expect("is written");
     assert_eq!((summary.outcome, summary.steps), (Outcome::Failed { error: message }, 0));
@@ -186,7 +187,9 @@ fn contacts_that_lead_nowhere_end_a_run_that_keeps_what_it_has() {
     let scene = Scene::from_ron(&text).expect("each number is sound");
     let folder = tempfile::tempdir().expect("a folder");
     let error = run_until(&scene, folder.path(), Existing::Refuse, u64::MAX).expect_err("fails");
-    let SimError::Lost { time, dt, worst: Some(worst) } = error else { panic!("{error}") };
+    let SimError::Coupling(CouplingError::Lost { time, dt, worst: Some(worst) }) = error else {
+        panic!("{error}")
+    };
     // The shortest part of a step; the lowest hairs reach the plane, 20 mm below them, after 64 ms.
     assert!((64.0 * dt / 4e-3 - 1.0).abs() < 1e-12, "{dt}");
     assert!((0.06..0.08).contains(&time), "{time}");

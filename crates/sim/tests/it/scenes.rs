@@ -1,7 +1,7 @@
 //! The scenes that ship.
 
 use rapunzel_sim::scene::Arrangement;
-use rapunzel_sim::{FreeFibers, Plan, Scene, Stepper, World, stepper_for};
+use rapunzel_sim::{Plan, Scene, World};
 use std::fs;
 use std::path::PathBuf;
 
@@ -92,11 +92,8 @@ fn every_scene_runs() {
             }
         }
         let mut world = World::build(&scene).expect("a sound scene");
-        let mut stepper = stepper_for(&scene, &world).expect("a stepper");
         for _ in 0..12 {
-            stepper
-                .step(&mut world, Plan::new(&scene).dt)
-                .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            world.step(Plan::new(&scene).dt).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         }
         for i in 0..world.assembly().fibers().len() {
             let (state, fiber) = (world.state(i), &world.assembly().fibers()[i]);
@@ -118,7 +115,7 @@ fn steps_do_not_depend_on_the_threads() {
         pool.install(|| {
             let mut world = World::build(&scene).expect("a sound scene");
             for _ in 0..3 {
-                FreeFibers.step(&mut world, 1e-3).expect("converges");
+                world.step(1e-3).expect("converges");
             }
             world.snapshot()
         })
@@ -144,10 +141,9 @@ fn contacts_do_not_depend_on_the_threads() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.expect("threads").install(|| {
                 let mut world = World::build(&scene).expect("a sound scene");
-                let mut stepper = stepper_for(&scene, &world).expect("a stepper");
                 let mut most = 0;
                 for _ in 0..40 {
-                    let report = stepper.step(&mut world, 1e-3).expect("a step");
+                    let report = world.step(1e-3).expect("a step");
                     most = most.max(report.contact.active);
                 }
                 (most, world.snapshot())

@@ -1,7 +1,9 @@
 //! Runs that leave a USD stage, whatever their frame rate, step and kind.
 
 use proptest::prelude::*;
-use rapunzel_sim::{Cancel, Control, Existing, Outcome, RunFolder, Scene, SimError, Summary, run};
+use rapunzel_sim::{
+    Cancel, Control, Existing, Outcome, RunFolder, Scene, SimError, Summary, World, run,
+};
 use std::fs;
 use std::path::Path;
 
@@ -14,7 +16,7 @@ fn run_in(path: &Path, text: &str, existing: Existing) -> Result<Summary, SimErr
         progress: &mut |_| (),
         stopwatch: None,
     };
-    run(&scene, &mut folder, control)
+    run(&scene, World::build(&scene)?, &mut folder, control)
 }
 
 /// A number of the head of a layer.
@@ -146,7 +148,9 @@ fn a_fault_costs_one_file() {
         progress: &mut progress,
         stopwatch: None,
     };
-    let error = run(&scene, &mut run_folder, control).expect_err("three files are in the way");
+    let world = World::build(&scene).expect("a world");
+    let error =
+        run(&scene, world, &mut run_folder, control).expect_err("three files are in the way");
     drop(run_folder);
     let SimError::Unwritten { faults } = &error else { panic!("{error}") };
     assert_eq!(faults.len(), 3, "{error}");

@@ -1,7 +1,7 @@
 //! Hair wound wet keeps its turn when it is dried, and loses it when the air becomes humid.
 
 use rapunzel_sim::scene::SceneError;
-use rapunzel_sim::{Scene, World, stepper_for};
+use rapunzel_sim::{Scene, World};
 
 const SCENE: &str = include_str!("../../../../scenes/water-wave.ron");
 
@@ -9,10 +9,9 @@ const SCENE: &str = include_str!("../../../../scenes/water-wave.ron");
 /// the distance of its ends over its length.
 fn bends(scene: &Scene, times: &[f64]) -> Vec<f64> {
     let mut world = World::build(scene).expect("a world");
-    let mut stepper = stepper_for(scene, &world).expect("a stepper");
     let mut read = |end: f64| {
         while world.time() < end {
-            stepper.step(&mut world, scene.stepper.dt).expect("a step");
+            world.step(scene.stepper.dt).expect("a step");
         }
         bend(&world)
     };
@@ -43,10 +42,9 @@ fn a_water_wave_holds_in_dry_air_and_is_lost_in_humid_air() {
 fn a_wave_resumes_to_the_same_bits() {
     let scene = Scene::from_ron(SCENE).expect("a scene");
     let mut world = World::build(&scene).expect("a world");
-    let mut stepper = stepper_for(&scene, &world).expect("a stepper");
-    let mut run = |world: &mut World, steps: u32| {
+    let run = |world: &mut World, steps: u32| {
         (0..steps).for_each(|_| {
-            stepper.step(world, scene.stepper.dt).expect("a step");
+            world.step(scene.stepper.dt).expect("a step");
         });
     };
     run(&mut world, 440);

@@ -13,7 +13,7 @@ pub(crate) struct Books {
 }
 
 fn works(world: &World) -> [f64; 14] {
-    let works = world.works().expect("the scene asks for it");
+    let works = world.ledger().expect("the scene asks for it");
     let contacts = world.contact_work();
     [
         works.gravity,

@@ -4,20 +4,18 @@ pub(crate) mod topology;
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
-use rapunzel_sim::{Scene, StepReport, Stepper, World, stepper_for};
+use rapunzel_sim::{Scene, StepReport, World};
 use std::fmt::Write;
 
 pub(crate) struct Run {
     pub(crate) world: World,
-    pub(crate) stepper: Box<dyn Stepper>,
     pub(crate) dt: f64,
 }
 
 impl Run {
     pub(crate) fn new(scene: &Scene) -> Self {
         let world = World::build(scene).expect("a world");
-        let stepper = stepper_for(scene, &world).expect("a stepper");
-        Self { dt: scene.stepper.dt, world, stepper }
+        Self { dt: scene.stepper.dt, world }
     }
 
     pub(crate) fn read(text: &str) -> Self {
@@ -27,7 +25,7 @@ impl Run {
     /// A step whose contacts are all resolved, and that leaves fibres as long as they are. Of charged ones, which
     /// come to rest as curves, nodes are the ends of arcs.
     pub(crate) fn step(&mut self) -> StepReport {
-        let report = self.stepper.step(&mut self.world, self.dt).expect("a step");
+        let report = self.world.step(self.dt).expect("a step");
         assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
         if report.contact.parts > 0 {
             self.assert_lengths();

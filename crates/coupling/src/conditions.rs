@@ -1,0 +1,107 @@
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use rapunzel_keratin::law::ThreeElement;
+use rapunzel_keratin::{Hair, KeratinError};
+use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant, RodError, SectionLaws};
+use rapunzel_scene::{Bundle, Environment, Scene, Tip, ramped};
+use std::sync::Arc;
+
+/// What acts on all fibres of a bundle.
+#[derive(Debug)]
+pub struct BundleConditions {
+    bundle: Bundle,
+    environment: Environment,
+    drag: Option<Drag>,
+    /// The hair whose law follows the climate, where that changes.
+    hair: Option<Hair>,
+}
+
+impl BundleConditions {
+    /// The conditions of a bundle of a scene, whose fibres have this equivalent `radius`, m.
+    ///
+    /// # Errors
+    /// [`RodError`] for fibres that are not slender enough for their drag.
+    pub fn new(scene: &Scene, bundle: &Bundle, radius: f64) -> Result<Self, RodError> {
+        let viscosity = scene.environment.viscosity;
+        let drag = (viscosity > 0.0)
+            .then(|| Drag::slender_body(viscosity, bundle.length, radius))
+            .transpose()?;
+        let (environment, hair) = (scene.environment.clone(), scene.changing_hair(bundle));
+        Ok(Self { bundle: bundle.clone(), environment, drag, hair })
+    }
+
+    /// The law of the sections at time `t`, s, if it changes.
+    pub(crate) fn laws(&self, t: f64) -> Option<Result<SectionLaws, KeratinError>> {
+        let hair = self.hair.as_ref()?;
+        let climate = self.environment.climate.at(t);
+        let law = climate.and_then(|climate| ThreeElement::section(hair, &climate));
+        Some(law.map(|law| SectionLaws::Same(Arc::new(law))))
+    }
+}
+
+/// What acts on one fibre.
+#[derive(Debug, Clone)]
+pub struct FiberConditions {
+    /// The conditions of its bundle.
+    pub bundle: Arc<BundleConditions>,
+    /// Pose of the root at the start.
+    pub root: Isometry3<f64>,
+    /// Pose of the tip, the last node, at the start.
+    pub tip: Isometry3<f64>,
+}
+
+/// The conditions during one step.
+///
+/// What kind of end a tip is may change between steps only, so it is decided for a step as a
+/// whole, by the middle of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepConditions<'a> {
+    fiber: &'a FiberConditions,
+    middle: f64,
+}
+
+impl FiberConditions {
+    pub(crate) fn during(&self, middle: f64) -> StepConditions<'_> {
+        StepConditions { fiber: self, middle }
+    }
+
+    /// The forces on all nodes at time `t` (s), N, world; `None` if there are none.
+    pub(crate) fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
+        self.bundle.bundle.node_forces(t)
+    }
+
+    /// The tip's start pose, moved along by `way` and turned by `angle` about its tangent.
+    fn moved_tip(&self, way: Vector3<f64>, angle: f64) -> Isometry3<f64> {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        Translation3::from(way) * self.tip * turn
+    }
+}
+
+impl Conditions for StepConditions<'_> {
+    fn at(&self, t: f64) -> Instant {
+        let BundleConditions { bundle, environment, drag, .. } = &*self.fiber.bundle;
+        let Bundle { motion, root_joint, tip, .. } = bundle;
+        let start = Point3::from(bundle.root.position);
+        let moved_tip = |way, angle| self.fiber.moved_tip(way, angle);
+        let tip = match tip {
+            Tip::Free => End::FREE,
+            Tip::Loaded { force, moment } => {
+                End::Loaded { force: force.at(t), moment: moment.at(t) }
+            }
+            Tip::Pulled { until, .. } if self.middle >= *until => End::FREE,
+            Tip::Pulled { velocity, .. } => End::Held(moved_tip(Vector3::from(*velocity) * t, 0.0)),
+            Tip::Held => End::Held(moved_tip(Vector3::zeros(), 0.0)),
+            Tip::Driven { velocity, ramp, until, joint, twist } => {
+                let way = ramped(t.min(*until), *ramp);
+                let angle = twist.to_radians() * way / ramped(*until, *ramp);
+                joint.end(t, moved_tip(Vector3::from(*velocity) * way, angle))
+            }
+        };
+        Instant {
+            gravity: environment.gravity_at(t),
+            distributed: Vector3::zeros(),
+            root: root_joint.end(t, motion.displacement(t, &start) * self.fiber.root),
+            tip,
+            air: drag.map(|drag| Air { wind: environment.wind.at(t), drag }),
+        }
+    }
+}

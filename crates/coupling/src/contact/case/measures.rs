@@ -1,0 +1,197 @@
+//! What the contacts of a step do where all nodes have given velocities.
+
+use super::{Case, opening};
+use crate::contact::system::System;
+use crate::contact::velocities::Velocities;
+use crate::contact::work::ContactWork;
+use crate::touch::Touch;
+use nalgebra::Vector3;
+use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
+use rayon::prelude::*;
+use std::ops::AddAssign;
+
+/// Contacts that one task takes.
+const CHUNK: usize = 1024;
+
+/// The part of the kinetic energy that contacts may give in a step, for want of shorter ones.
+const MUCH: f64 = 0.1;
+
+impl Case {
+    /// Number of contacts that bear something.
+    pub(crate) fn active(&self) -> usize {
+        self.working.par_iter().filter(|&&i| self.bears(i)).count()
+    }
+
+    fn bears(&self, contact: usize) -> bool {
+        self.impulses[contact] != Vector3::zeros()
+    }
+
+    /// How well the law holds where all nodes have the given mean velocities.
+    pub(crate) fn certificate(
+        &self,
+        system: &System,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Report {
+        let near = self.near_where(system, mean);
+        let mean = Velocities::new(system, mean);
+        // What opens and bears nothing is right.
+        let acting: Vec<usize> =
+            near.into_par_iter().filter(|&i| self.acts(i, touches, &mean)).collect();
+        report(acting.len(), |k| self.judged(acting[k], &touches[acting[k]], &mean))
+    }
+
+    /// Which contact is farthest from the law where all nodes have the given mean velocities.
+    pub(crate) fn worst(
+        &self,
+        system: &System,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> Option<usize> {
+        let mean = Velocities::new(system, mean);
+        let wrong = |i: usize| {
+            let (contact, velocity, impulse, weight) = self.judged(i, &touches[i], &mean);
+            Violation::new(&contact, &velocity, &impulse, weight).impulse
+        };
+        (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
+    }
+
+    /// A contact with its relative velocity, what gives way included, its impulse and the mass that compares them.
+    fn judged(
+        &self,
+        i: usize,
+        touch: &Touch,
+        mean: &Velocities,
+    ) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
+        let contact = self.laws[i].contact(touch, [0, 1]);
+        let impulse = self.impulses[i];
+        let velocity = contact.frame.tr_mul(&mean.between(touch)) + contact.bias;
+        let velocity = velocity + impulse * contact.compliance;
+        (contact, velocity, impulse, self.weights[i])
+    }
+
+    /// What the contacts do where all nodes have the given mean velocities.
+    pub(crate) fn work(
+        &self,
+        system: &System,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+    ) -> ContactWork {
+        let mean = Velocities::new(system, mean);
+        let of_one = |i: usize| {
+            let touch = &touches[i];
+            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            let drive = contact.frame.tr_mul(&touch.drive());
+            let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
+            let given = (before - impulse) * contact.compliance;
+            let mut work = ContactWork {
+                friction: impulse.yz().dot(&velocity.yz()),
+                compliance: impulse.dot(&given),
+                led: impulse.dot(&drive),
+                ..Default::default()
+            };
+            // What is pressed in without having given way.
+            let gap = self.laws[i].gap + before.x * contact.compliance;
+            let along = match impulse.x {
+                pull if pull < 0.0 => &mut work.adhesion,
+                _ if contact.bias.x < gap => &mut work.restitution,
+                _ if gap < 0.0 => &mut work.repair,
+                _ => &mut work.closing,
+            };
+            let opening = contact.frame.tr_mul(&mean.between(touch)).x - drive.x;
+            *along = impulse.x * (opening - given.x);
+            work
+        };
+        self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
+    }
+
+    /// The sum of something of all contacts that may bear, in an order that the number of threads does not
+    /// change.
+    fn summed<T: Default + AddAssign + Send>(&self, of_one: impl Fn(usize) -> T + Sync) -> T {
+        let sum = |mut sum: T, one: T| {
+            sum += one;
+            sum
+        };
+        let part = |part: &[usize]| part.iter().map(|&i| of_one(i)).fold(T::default(), sum);
+        let parts: Vec<T> = self.working.par_chunks(CHUNK).map(part).collect();
+        parts.into_iter().fold(T::default(), sum)
+    }
+
+    /// Whether contacts that are not led give, beyond what friction takes, a good part of the kinetic energy
+    /// that there was before the step, where nodes have the given mean velocities. Those give whose normals
+    /// turned within the step so far that along them they were deeper at its start than may be: `repair`, m/s,
+    /// is how fast what may be is repaired. What errors of the slip up to `slip`, m/s, give does not count.
+    pub(crate) fn drives(
+        &self,
+        system: &System,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+        [repair, slip]: [f64; 2],
+    ) -> bool {
+        let velocities = Velocities::new(system, mean);
+        let given = |i: usize| {
+            if touches[i].drive() != Vector3::zeros() {
+                return 0.0;
+            }
+            let (contact, velocity, impulse, _) = self.judged(i, &touches[i], &velocities);
+            let friction = impulse.yz().dot(&velocity.yz()) - impulse.yz().norm() * slip;
+            let gap = self.laws[i].gap + impulse.x * contact.compliance;
+            impulse.x.max(0.0) * (-gap - repair).max(0.0) + friction
+        };
+        let gain: f64 = self.summed(given);
+        gain > 0.0 && gain > MUCH * system.kinetic_energy()
+    }
+
+    /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
+    /// `tolerance`, m/s, where all nodes have the given mean velocities.
+    pub(crate) fn tear(
+        &self,
+        system: &System,
+        touches: &mut [Touch],
+        mean: &[Vector3<f64>],
+        [strength, tolerance]: [f64; 2],
+    ) -> Result<(), ContactError> {
+        let mean = Velocities::new(system, mean);
+        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
+            let mut bond = Bond::new(strength)?;
+            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            bond.update(&contact, &velocity, &impulse, tolerance);
+            touch.bonded = bond.is_intact();
+        }
+        Ok(())
+    }
+
+    /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
+    pub(crate) fn near(
+        &self,
+        system: &System,
+        touches: &[Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) -> Vec<Touch> {
+        let near = self.near_where(system, mean);
+        let mean = Velocities::new(system, mean);
+        let one = |&i: &usize| Touch { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
+        near.par_iter().map(one).collect()
+    }
+
+    /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
+    pub(crate) fn set_gaps(
+        &self,
+        system: &System,
+        touches: &mut [Touch],
+        mean: &[Vector3<f64>],
+        dt: f64,
+    ) {
+        let mean = Velocities::new(system, mean);
+        let all = touches.par_iter_mut().enumerate();
+        all.for_each(|(i, touch)| touch.gap = self.gap(i, touch, &mean, dt));
+    }
+
+    /// The gap along the normal, m, where nodes have the given mean velocities.
+    fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
+        let law = &self.laws[i];
+        // The bias may be another than that of the gap.
+        dt * (opening(law, touch, mean) - law.bias.x + law.gap)
+    }
+}

@@ -1,0 +1,407 @@
+//! The contacts of a step as the solver takes them.
+
+mod measures;
+mod openings;
+
+use super::body::{Fibers, Written};
+use super::law::Laws;
+use super::velocities::Velocities;
+use crate::contact::system::System;
+use crate::touch::{Partner, Push, Touch};
+use nalgebra::Vector3;
+use openings::{ALWAYS, Openings};
+use rapunzel_contact::{
+    Body, Contact, ContactError, LimitCurve, Polished, Report, Solver, Tolerance,
+};
+use rapunzel_rod_dynamic::Point;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Residuals, and errors of velocities in m/s, below this take more than single precision.
+const ROUNDING: f64 = 1e-5;
+
+/// Openings are found anew where more than one in so many contacts may close.
+const MANY: usize = 8;
+
+/// From so many contacts on, memory counts. To keep answers with added masses takes more of it than it saves time:
+/// they are used again in one of seven solves, and take some 2 kB a contact.
+const MANY_WORKING: usize = 50_000;
+
+/// Answers of fibres that turn by less, rad, are used again.
+const CHORD: f64 = 1e-2;
+
+/// Where a contact is not among those that are solved.
+const NONE: usize = usize::MAX;
+
+/// A side of a contact: that one's number, and 0 or 1.
+type Side = (usize, usize);
+
+/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than twice as large,
+/// and most of a dense list are never solved.
+struct Law {
+    bias: Vector3<f64>,
+    friction: LimitCurve,
+    adhesion: f64,
+    compliance: f64,
+    /// The gap at the start of the step over its length, m/s.
+    gap: f64,
+}
+
+impl Law {
+    /// The contact of a touch, as a solver takes it, between two points.
+    fn contact(&self, touch: &Touch, [first, second]: [usize; 2]) -> Contact {
+        Contact {
+            first,
+            second: (!touch.led).then_some(second),
+            frame: touch.frame(),
+            bias: self.bias,
+            friction: self.friction.clone(),
+            adhesion: self.adhesion,
+            compliance: self.compliance,
+        }
+    }
+}
+
+/// All contacts of a list, in the order of the touches they are made of. As long as it stands these keep
+/// their order; what is asked of it takes them.
+pub(super) struct Case {
+    laws: Vec<Law>,
+    /// Impulses, N s, in the frames of the contacts.
+    impulses: Vec<Vector3<f64>>,
+    /// Impulses as those of the step before, N s, world; none where nothing gives way.
+    before: Vec<Vector3<f64>>,
+    /// Those that bear something or that the solver looked at last, in their order.
+    working: Vec<usize>,
+    /// Their impulses on their first sides, N s, system.
+    pushes: Vec<Vector3<f64>>,
+    /// Where there are so many that to look at all nodes costs less than to look at all contacts.
+    openings: Option<Openings>,
+    /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of those that
+    /// have not been solved that of a segment.
+    weights: Vec<f64>,
+    /// What the last solve left, in tolerances.
+    error: Option<f64>,
+    /// By group: answers that are written out, as long as the fibres hardly turn.
+    written: Vec<Option<Written>>,
+    /// By group: the points that these have.
+    kept: Vec<Vec<Side>>,
+    /// What the solver got last.
+    solved: Vec<Contact>,
+}
+
+/// What takes most room in a case, for that of the next step.
+#[derive(Default)]
+pub(super) struct Room {
+    laws: Vec<Law>,
+    solved: Vec<Contact>,
+}
+
+impl Case {
+    /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the given mean
+    /// velocities. What gives way has done so already under impulses as those of the step `before`, N s, world:
+    /// along tangents only the rest of them moves it; along normals the gap tells.
+    pub(super) fn new(
+        system: &System,
+        touches: &[Touch],
+        nodes: &[Vector3<f64>],
+        dt: f64,
+        laws: &Laws,
+        before: Vec<Vector3<f64>>,
+        room: Room,
+    ) -> Result<Self, ContactError> {
+        let Room { laws: mut own, solved } = room;
+        let refused = Mutex::new(None::<(usize, ContactError)>);
+        let start = system.fibers.velocities();
+        let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, nodes));
+        let law = |(i, touch): (usize, &Touch)| {
+            let frame = touch.frame();
+            let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
+            let drive = frame.tr_mul(&touch.drive());
+            // At the velocities that led to this gap, the gap is what may still close.
+            let gap = touch.gap / dt - relative(&mean).x;
+            let first = || relative(&first) - drive;
+            let friction = laws.friction(touch, first).unwrap_or_else(|error| {
+                let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
+                if refused.as_ref().is_none_or(|(first, _)| i < *first) {
+                    *refused = Some((i, error));
+                }
+                LimitCurve::Circle { mu: 0.0 }
+            });
+            let closing = laws.closing(touch, gap, first);
+            let compliance = if closing < gap { 0.0 } else { laws.compliance() };
+            let mut bias = Vector3::new(closing, -drive.y, -drive.z);
+            if compliance > 0.0 {
+                let given = frame.tr_mul(&before[i]) * compliance;
+                bias -= Vector3::new(0.0, given.y, given.z);
+            }
+            let impulse = match touch.impulse {
+                none if none == Vector3::zeros() => none,
+                world => frame.tr_mul(&world),
+            };
+            (Law { bias, friction, adhesion: 0.0, compliance, gap }, impulse)
+        };
+        let made = touches.par_iter().enumerate().map(law);
+        // Twice the room, as they would grow by, is much.
+        own.clear();
+        own.reserve_exact(touches.len());
+        let mut impulses = Vec::new();
+        made.unzip_into_vecs(&mut own, &mut impulses);
+        drop(start);
+        if let Some((_, error)) = refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(error);
+        }
+        let pulls =
+            laws.adhesion(system.fibers.assembly(), touches, own.iter().map(|law| law.gap))?;
+        own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
+        let acts = |touch: &Touch| touch.working || touch.impulse != Vector3::zeros();
+        let openings = (touches.len() > nodes.len()).then(|| {
+            let speeds = touches.par_iter().zip(&own).map(|(touch, law)| {
+                let always = acts(touch) || law.adhesion > 0.0;
+                if always { ALWAYS } else { touch.gap / dt + law.bias.x - law.gap }
+            });
+            Openings::new(system, touches, speeds.collect(), nodes)
+        });
+        let masses =
+            system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
+        let working: Vec<usize> =
+            (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
+        let pushes = working.iter().map(|&i| touches[i].impulse).collect();
+        let mass = masses.fold(f64::INFINITY, f64::min);
+        let weights = vec![mass; touches.len()];
+        let written = system.fibers.groups.iter().map(|_| None).collect();
+        let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
+        Ok(Self {
+            laws: own,
+            impulses,
+            before,
+            working,
+            pushes,
+            openings,
+            weights,
+            error,
+            written,
+            kept,
+            solved,
+        })
+    }
+
+    /// Leaves its room for the next.
+    pub(super) fn into_room(self) -> Room {
+        Room { laws: self.laws, solved: self.solved }
+    }
+
+    pub(super) fn contacts(&self) -> usize {
+        self.laws.len()
+    }
+
+    /// What the last iteration left, in tolerances; `None` before the first.
+    pub(super) fn error(&self) -> Option<f64> {
+        self.error
+    }
+
+    pub(super) fn set_error(&mut self, error: f64) {
+        self.error = Some(error);
+    }
+
+    /// Points that are used no more stay where answers are written out that have all that are used, by group.
+    fn keep(&mut self, used: &mut [Vec<Side>]) {
+        for ((used, kept), written) in used.iter_mut().zip(&mut self.kept).zip(&mut self.written) {
+            let known = || used.iter().all(|side| kept.binary_search(side).is_ok());
+            if written.is_some() && known() {
+                used.clone_from(kept);
+            } else {
+                *written = None;
+                kept.clone_from(used);
+            }
+        }
+    }
+
+    /// Tells by how much the fibres of every group have turned, rad.
+    pub(super) fn turned(&mut self, turns: &[f64]) {
+        for (written, turn) in self.written.iter_mut().zip(turns) {
+            if *turn > CHORD {
+                *written = None;
+            }
+        }
+    }
+
+    /// The contacts that may close where nodes are so fast, in their order.
+    fn near_where(&self, system: &System, nodes: &[Vector3<f64>]) -> Vec<usize> {
+        let layout = system.fibers.assembly().layout();
+        let all = || (0..self.laws.len()).collect();
+        self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
+    }
+
+    /// The same. If these are many of all, it is found anew how fast contacts open.
+    fn look(&mut self, system: &System, touches: &[Touch], nodes: &Velocities) -> Vec<usize> {
+        let near = self.near_where(system, nodes.nodes());
+        let Some(openings) = self.openings.as_mut().filter(|_| near.len() > touches.len() / MANY)
+        else {
+            return near;
+        };
+        let one = |(touch, law): (&Touch, &Law)| opening(law, touch, nodes);
+        let speeds = touches.par_iter().zip(&self.laws).map(one);
+        openings.renew(speeds, nodes.nodes());
+        openings.near(system.fibers.assembly().layout(), nodes.nodes())
+    }
+
+    /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers go, as
+    /// they were when these were written out. Only contacts that bear something, pull or would close, or
+    /// did so before, are looked at: all others would do nothing but hold back the solver. Those that this
+    /// lets close take part the next time.
+    pub(super) fn solve(
+        &mut self,
+        system: &mut System,
+        touches: &[Touch],
+        solver: &mut Polished,
+        patient: bool,
+    ) -> Result<Report, ContactError> {
+        let nodes = system.fibers.linear_velocities();
+        let linear = Velocities::new(system, &nodes);
+        let near = self.look(system, touches, &linear);
+        let works = near.par_iter().map(|&i| {
+            patient && self.working.binary_search(&i).is_ok() || self.acts(i, touches, &linear)
+        });
+        let works: Vec<bool> = works.collect();
+        let working = near.into_iter().zip(works).filter_map(|(i, works)| works.then_some(i));
+        let working: Vec<usize> = working.collect();
+        if let Some(openings) = &mut self.openings {
+            openings.hold(&working);
+        }
+        let [mut used, on_objects] = self.sides(system, touches, &working);
+        self.keep(&mut used);
+        let sides: Vec<Side> = used.iter().chain(&on_objects).flatten().copied().collect();
+        let mut place = vec![NONE; self.laws.len()];
+        working.iter().enumerate().for_each(|(k, &i)| place[i] = k);
+        let mut index = vec![[0; 2]; working.len()];
+        for (point, &(i, side)) in sides.iter().enumerate() {
+            // What is only kept has no contact.
+            if place[i] != NONE {
+                index[place[i]][side] = point;
+            }
+        }
+        let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
+        let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
+        drop(nodes);
+        let (laws, all) = (&self.laws, working.par_iter().zip(&index));
+        let solved = all.map(|(&i, points)| laws[i].contact(&touches[i], *points));
+        self.solved.clear();
+        self.solved.reserve_exact(working.len());
+        solved.collect_into_vec(&mut self.solved);
+        let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
+        let points = each(&used, |i, side| point(system, &touches[i], side));
+        let levers = each(&on_objects, |i, side| touches[i].lever(side));
+        let mut free = system.free_bodies(&levers)?;
+        let Tolerance { residual, normal, slip, .. } = solver.tolerance;
+        let exact = residual.min(normal).min(slip) < ROUNDING;
+        let few = working.len() < MANY_WORKING;
+        let groups = system.fibers.groups.par_iter_mut().zip(&points).zip(&mut self.written);
+        let mut fibers: Vec<Fibers> = groups
+            .map(|((group, points), written)| {
+                Fibers::new(&mut group.batch, points, exact, few, written)
+            })
+            .collect::<Result<_, ContactError>>()?;
+        let mut bodies: Vec<&mut dyn Body> =
+            fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
+        bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
+        let traces = traces(&mut bodies);
+        let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
+        let pushes =
+            self.solved.par_iter().zip(&impulses).map(|(contact, own)| contact.frame * own);
+        pushes.collect_into_vec(&mut self.pushes);
+        working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
+        self.weigh(touches, &working, &traces);
+        self.working = working;
+        Ok(report)
+    }
+
+    /// Notes the masses that solved contacts compare errors with, by the traces of how their points answer
+    /// themselves. Free bodies may be far heavier than what presses them: with these it stays that of a segment.
+    fn weigh(&mut self, touches: &[Touch], working: &[usize], traces: &[f64]) {
+        let both = working.par_iter().zip(&self.solved);
+        let mass = both.map(|(&i, Contact { first, second, .. })| {
+            let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
+            (trace > 0.0 && !touches[i].has_free()).then(|| 3.0 / trace)
+        });
+        let masses: Vec<Option<f64>> = mass.collect();
+        for (&i, mass) in working.iter().zip(masses) {
+            self.weights[i] = mass.unwrap_or(self.weights[i]);
+        }
+    }
+
+    /// The sides of some contacts that move, by group of fibres and by object.
+    fn sides(&self, system: &System, touches: &[Touch], contacts: &[usize]) -> [Vec<Vec<Side>>; 2] {
+        let mut used = vec![Vec::new(); system.fibers.groups.len()];
+        let mut on_objects = vec![Vec::new(); system.objects.len()];
+        let moving = |&i: &usize| {
+            let [first, second] = touches[i].sides;
+            [Some(first), (!touches[i].led).then_some(second)]
+        };
+        let moving: Vec<_> = contacts.par_iter().map(moving).collect();
+        for (&i, sides) in contacts.iter().zip(moving) {
+            for (side, partner) in sides.into_iter().flatten().enumerate() {
+                match partner {
+                    Partner::Fiber(fiber) => {
+                        used[system.fibers.lane(fiber as usize).0].push((i, side));
+                    }
+                    Partner::Object(object) => on_objects[object as usize].push((i, side)),
+                }
+            }
+        }
+        [used, on_objects]
+    }
+
+    /// The touches that bear something or that the solver looked at last, with their impulses.
+    pub(super) fn pushes(&self, touches: &[Touch]) -> impl Iterator<Item = Push> + Clone {
+        self.working.iter().zip(&self.pushes).map(|(&i, push)| touches[i].push(*push))
+    }
+
+    /// Gives the impulses back to the touches, and tells which the solver looked at last.
+    pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
+        touches.par_iter_mut().for_each(|touch| {
+            (touch.impulse, touch.working) = (Vector3::zeros(), false);
+        });
+        for (&i, push) in self.working.iter().zip(&self.pushes) {
+            (touches[i].impulse, touches[i].working) = (*push, true);
+        }
+    }
+
+    /// Whether a contact bears something, pulls, or closes where things are so fast.
+    fn acts(&self, i: usize, touches: &[Touch], velocities: &Velocities) -> bool {
+        let law = &self.laws[i];
+        self.impulses[i] != Vector3::zeros()
+            || law.adhesion > 0.0
+            || opening(law, &touches[i], velocities) < 0.0
+    }
+}
+
+/// How all points of some bodies answer themselves, 1/kg.
+fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
+    let of_body = |body: &mut &mut dyn Body| {
+        let mut traces = vec![0.0; body.points()];
+        body.own_traces(&mut traces);
+        traces
+    };
+    bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
+}
+
+/// The relative velocity of a contact along its normal, with its bias, m/s.
+fn opening(law: &Law, touch: &Touch, velocities: &Velocities) -> f64 {
+    touch.normal.dot(&velocities.between(touch)) + law.bias.x
+}
+
+/// A side of a touch that is a fibre, as a point of its group.
+fn point(system: &System, touch: &Touch, side: usize) -> Point {
+    let fiber = match touch.sides[side] {
+        Partner::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
+        Partner::Object(_) => 0,
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
+    Point { fiber: fiber as u32, segment: touch.segments[side], fraction: touch.fractions[side] }
+}
+
+/// Something of every side, in lists as they are given.
+fn each<T: Send>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T + Sync) -> Vec<Vec<T>> {
+    let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
+    sides.par_iter().map(list).collect()
+}

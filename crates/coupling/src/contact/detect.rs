@@ -1,0 +1,421 @@
+//! Who touches whom at the end of a step, and whom they would have passed through.
+
+use super::fiber_touch::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
+use super::passing::{bends, goes_on, keep_sides, leads_through, passing, travel};
+use crate::object::{Object, Strand};
+use crate::pair;
+use crate::touch::{self, Partner, Touch, retain_others};
+use nalgebra::Point3;
+use rapunzel_collision::{
+    Candidates, Capsules, CollisionError, Contact, Pair, contacts_of_groups, squared_distances,
+};
+use rapunzel_fiber::Layout;
+use rayon::prelude::*;
+
+/// Pairs that one task takes.
+const CHUNK: usize = 2048;
+
+/// Fibres that one task looks for at objects.
+const FIBERS: usize = 8;
+
+/// How much closer two segments may come before the list of pairs is made anew, in margins.
+const RESERVE: f64 = 16.0;
+
+/// Finds touches, with lists that live for many steps.
+pub(crate) struct Detector {
+    /// Largest gap of a touch that is listed, m.
+    margin: f64,
+    /// How much larger it is where all are asked for, m.
+    more: f64,
+    /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
+    holds: bool,
+    candidates: Candidates,
+    leads_through: bool,
+}
+
+/// All nodes before and after a step.
+pub(crate) struct Motion<'a> {
+    pub(crate) layout: &'a Layout,
+    pub(crate) radii: &'a [f64],
+    pub(crate) start: &'a [Point3<f64>],
+    pub(crate) end: &'a [Point3<f64>],
+    pub(crate) time: f64,
+    pub(crate) dt: f64,
+}
+
+impl Motion<'_> {
+    /// All segments at its start and at its end.
+    fn capsules(&self) -> Result<[Capsules<'_>; 2], CollisionError> {
+        let at = |positions| Capsules::new(self.layout, positions, self.radii);
+        Ok([at(self.start)?, at(self.end)?])
+    }
+}
+
+impl Detector {
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked for; if a
+    /// film `holds` them, also those that only had such gaps at the start.
+    pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
+        // Of what is farther, a list knows what was near when it was made: chance would decide.
+        let candidates = Candidates::new(margin + more, RESERVE * margin)?;
+        Ok(Self { margin, more, holds, candidates, leads_through: false })
+    }
+
+    /// Whether the last motion whose touches were asked for at its end leads fibres through each other,
+    /// whatever the touches there.
+    pub(crate) fn leads_through(&self) -> bool {
+        self.leads_through
+    }
+
+    /// All touches of a motion, with their places and normals at its end, sorted by pair and place; none is
+    /// missed that a straight motion of all nodes would lead through.
+    pub(crate) fn touches(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        touches: &mut Vec<Touch>,
+    ) -> Result<(), CollisionError> {
+        self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
+    }
+
+    /// The touches of fibres that are deeper than `depth`, m, in each other at the end of a motion, or that
+    /// it would lead through each other, with gaps up to the margin, and those of objects. The others of a
+    /// dense list are many, and of no use where it has been solved. Returns how deep the deepest are, m; not
+    /// below zero.
+    pub(crate) fn overlaps(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        depth: f64,
+        touches: &mut Vec<Touch>,
+    ) -> Result<f64, CollisionError> {
+        let mut deepest = 0.0;
+        let chosen = |end: &Capsules, near, fast: &[Contact]| {
+            let (chosen, left) = of_overlapping(end, near, fast, depth);
+            deepest = left;
+            chosen
+        };
+        self.list(motion, objects, self.margin, chosen, touches)?;
+        Ok(touches.iter().map(|touch| -touch.gap).fold(deepest, f64::max))
+    }
+
+    /// The touches with gaps up to `margin`, m, of those pairs that are near which `chosen` leaves.
+    fn list(
+        &mut self,
+        motion: &Motion,
+        objects: &[Object],
+        margin: f64,
+        chosen: impl FnOnce(&Capsules, Vec<Pair>, &[Contact]) -> Vec<Pair>,
+        touches: &mut Vec<Touch>,
+    ) -> Result<(), CollisionError> {
+        let [start, end] = motion.capsules()?;
+        let pairs = self.candidates.on_the_way(&start, &end)?;
+        let (near, fast) = sort(&start, &end, &pairs, margin, self.holds);
+        // They are many more than what follows is of.
+        drop(pairs);
+        let near = by_fibers(end.layout(), chosen(&end, near, &fast));
+        let most = if self.holds { f64::MAX } else { margin };
+        let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
+        let chosen = |found: &[Contact], stay: &mut Vec<Contact>| places(&end, found, stay);
+        let mut contacts = Vec::new();
+        contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
+        drop(near);
+        self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
+        add(&end, fast, &mut contacts);
+        let mut others = of_objects(motion, objects, margin);
+        others.sort_unstable_by_key(Touch::rank);
+        others.dedup_by(|b, a| a.rank().same(&b.rank()));
+        put_together(&end, &contacts, &others, touches);
+        keep_sides(&start, touches);
+        Ok(())
+    }
+}
+
+/// Puts contacts on the way between the others, but those that are one place with another, or where a
+/// fibre only bends.
+fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
+    if fast.is_empty() {
+        return;
+    }
+    let layout = end.layout();
+    let rank = |contact: &Contact| fiber_rank(layout, contact);
+    fast.sort_unstable_by_key(rank);
+    touch::merge(contacts, fast, |a, b| rank(a) > rank(b));
+    let same =
+        |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
+    let goes = |i: usize| {
+        let own = &contacts[i];
+        i > 0 && same([&contacts[i - 1], own]) || bends(end, own)
+    };
+    let goes: Vec<bool> = (0..contacts.len()).into_par_iter().map(goes).collect();
+    retain_others(contacts, goes);
+}
+
+/// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the
+/// first stays, and none where a fibre only bends, or goes on towards the other.
+fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
+    let Some(first) = found.first() else { return };
+    let layout = end.layout();
+    // As by rank, with less to look up, and less to move.
+    let firsts = fibers(layout, &first.pair).map(|f| layout.segment_range(f).start);
+    let key = |(i, contact): (usize, &Contact)| {
+        let at = |side: usize| {
+            let segment = contact.pair[side] as usize - firsts[side];
+            (segment as f64 + contact.fractions[side]).to_bits()
+        };
+        ([at(0), at(1)], contact.pair, i)
+    };
+    let proper = found.iter().enumerate().filter(|(_, contact)| !goes_on(end, contact));
+    let mut ordered: Vec<_> = proper.map(key).collect();
+    ordered.sort_unstable();
+    let mut before = None;
+    for (at, _, i) in ordered {
+        if !before.is_some_and(|before| touch::same_place(before, at)) && !bends(end, &found[i]) {
+            stay.push(found[i]);
+        }
+        before = Some(at);
+    }
+}
+
+/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their first fibres,
+/// then each of these by itself.
+fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
+    let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
+    let key = |pair: &Pair| [pair[1], pair[0]];
+    let is_sorted = |two: &[Pair]| (first(&two[0]), key(&two[0])) <= (first(&two[1]), key(&two[1]));
+    if pairs.par_windows(2).all(is_sorted) {
+        return pairs;
+    }
+    let mut next = vec![0; layout.fibers() + 1];
+    pairs.iter().for_each(|pair| next[first(pair) + 1] += 1);
+    (0..layout.fibers()).for_each(|fiber| next[fiber + 1] += next[fiber]);
+    let mut dealt = vec![[0; 2]; pairs.len()];
+    for pair in pairs {
+        let next = &mut next[first(&pair)];
+        dealt[*next] = pair;
+        *next += 1;
+    }
+    let of_fibers = dealt.par_chunk_by_mut(|a, b| first(a) == first(b));
+    of_fibers.for_each(|own| own.sort_unstable_by_key(key));
+    dealt
+}
+
+/// Those of some pairs of segments whose fibres are somewhere deeper than `depth`, m, in each other, or in
+/// themselves at all, or have a contact on the way; and how deep those are that are left out, m.
+fn of_overlapping(
+    end: &Capsules,
+    mut near: Vec<Pair>,
+    on_the_way: &[Contact],
+    depth: f64,
+) -> (Vec<Pair>, f64) {
+    let fibers = |pair: &Pair| fibers(end.layout(), pair);
+    let overlaps = |pairs: &[Pair]| {
+        let (mut squared, mut chosen, mut deepest) = (Vec::new(), Vec::new(), 0.0);
+        squared_distances(end, pairs, &mut squared);
+        for (pair, squared) in pairs.iter().zip(squared) {
+            let reach = pair.map(|segment| end.radii()[segment as usize]).iter().sum::<f64>();
+            if squared >= reach * reach {
+                continue;
+            }
+            let [fiber, partner] = fibers(pair);
+            let deep = reach - squared.sqrt();
+            // The fast distances may be off by roundings. In a bend a fibre does not overlap itself.
+            if deep >= depth - 1e-6 * reach || fiber == partner {
+                chosen.push([fiber, partner]);
+            } else {
+                deepest = f64::max(deepest, deep);
+            }
+        }
+        (chosen, deepest)
+    };
+    let parts: Vec<_> = near.par_chunks(CHUNK).map(overlaps).collect();
+    let deepest = parts.iter().map(|(_, deepest)| *deepest).fold(0.0, f64::max);
+    let mut chosen: Vec<_> = parts.into_iter().flat_map(|(chosen, _)| chosen).collect();
+    chosen.extend(on_the_way.iter().map(|contact| fibers(&contact.pair)));
+    chosen.par_sort_unstable();
+    chosen.dedup();
+    near.retain(|pair| chosen.binary_search(&fibers(pair)).is_ok());
+    (near, deepest)
+}
+
+/// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and normals
+/// of these; infinitely if one side is an object.
+pub(crate) fn gaps(motion: &Motion, touches: &[Touch]) -> Result<Vec<f64>, CollisionError> {
+    let [_, end] = motion.capsules()?;
+    let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
+    let chunk = |(touches, gaps): (&[Touch], &mut [f64])| {
+        let (mut places, mut pairs, mut squared) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, touch) in touches.iter().enumerate() {
+            if let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides {
+                let [s, t] = touch.segments;
+                places.push(i);
+                pairs.push([first(fiber) + s, first(partner) + t]);
+            }
+        }
+        squared_distances(&end, &pairs, &mut squared);
+        for ((place, pair), squared) in places.into_iter().zip(pairs).zip(squared) {
+            let [r, q] = pair.map(|segment| motion.radii[segment as usize]);
+            gaps[place] = squared.sqrt() - r - q;
+        }
+    };
+    let mut gaps = vec![f64::INFINITY; touches.len()];
+    touches.par_chunks(CHUNK).zip(gaps.par_chunks_mut(CHUNK)).for_each(chunk);
+    Ok(gaps)
+}
+
+/// What fibres, and objects that move freely, touch of the objects.
+fn of_objects(motion: &Motion, objects: &[Object], margin: f64) -> Vec<Touch> {
+    let strand = |fiber: usize| {
+        let mut found = Vec::new();
+        for (index, object) in (0..).zip(objects) {
+            let strand = Strand {
+                fiber: fiber_number(fiber),
+                start: &motion.start[motion.layout.node_range(fiber)],
+                end: &motion.end[motion.layout.node_range(fiber)],
+                radii: &motion.radii[motion.layout.segment_range(fiber)],
+            };
+            object.touches(index, &strand, [motion.time, motion.dt], margin, &mut found);
+        }
+        found
+    };
+    // Few of many may be near any.
+    let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
+    let found: Vec<_> = fibers.map(strand).collect();
+    let mut found = found.concat();
+    found.extend(pair::touches(objects, [motion.time, motion.dt], margin));
+    found
+}
+
+/// Of pairs with their squared distances at the start, m², those with gaps up to `margin`, m, at the end, or
+/// at `either` end, that cannot have passed through each other, and contacts of those that would.
+fn sort(
+    start: &Capsules,
+    end: &Capsules,
+    pairs: &[(Pair, f64)],
+    margin: f64,
+    either: bool,
+) -> (Vec<Pair>, Vec<Contact>) {
+    let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
+    let ways = start.positions().iter().zip(end.positions()).map(way);
+    // How far one can have gone relative to another, squared.
+    let most = 4.0 * ways.fold(0.0, f64::max);
+    let chunk = |pairs: &[(Pair, f64)]| {
+        let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
+        let mut after = Vec::new();
+        squared_distances(end, &numbers, &mut after);
+        let (mut near, mut fast) = (Vec::with_capacity(pairs.len()), Vec::new());
+        for (pair, (before, after)) in numbers.into_iter().zip(before.into_iter().zip(after)) {
+            let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
+            let reach = r + q;
+            // Axes that were apart by more than the way cannot have crossed.
+            let far = (0.25 * reach * reach).max(before);
+            let crosses = most >= far && travel(start, end, pair) >= far;
+            let least = if either { before.min(after) } else { after };
+            // The fast distances may be off by roundings.
+            let close = (reach + margin) * (1.0 + 1e-6);
+            match crosses.then(|| passing(start, end, pair)).flatten() {
+                Some(contact) => fast.push(contact),
+                None if least <= close * close => near.push(pair),
+                None => (),
+            }
+        }
+        (near, fast)
+    };
+    let (near, fast): (Vec<_>, Vec<_>) = pairs.par_chunks(CHUNK).map(chunk).unzip();
+    (near.concat(), fast.concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::passing::LEAN;
+    use super::*;
+    use proptest::prelude::*;
+
+    const RADIUS: f64 = 3.5e-5;
+    const LENGTH: f64 = 3e-3;
+
+    /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last coordinate in
+    /// radii.
+    fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<Touch> {
+        let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
+        let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
+        let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
+        let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
+        let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+        let mut detector = Detector::new(RADIUS, RADIUS, false).expect("lengths");
+        let mut touches = Vec::new();
+        detector.touches(&motion, &[], &mut touches).expect("one layout");
+        touches
+    }
+
+    proptest! {
+        /// Fibres that lie side by side touch across, at every node, wherever the nodes of the other are: nothing
+        /// catches as they slide.
+        #[test]
+        fn fibers_side_by_side_touch_across(shift in prop_oneof![-1e-2..1e-2, -0.9..0.9_f64]) {
+            let line = |from: f64, z: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| [from + i, 0.0, z]);
+            let touches = touches_at_rest(&[&line(0.0, 0.0), &line(shift, 2.01)]);
+            for touch in &touches {
+                prop_assert!(touch.normal.x.abs() <= LEAN * (1.0 + 1e-9), "{touch:?}");
+            }
+            // Of places that are nearer to each other than a radius one stays.
+            let apart = RADIUS / LENGTH;
+            for node in [1.0, 2.0, 3.0] {
+                for side in [0, 1] {
+                    let there = |touch: &Touch| (touch.at()[side] - node).abs() <= apart;
+                    prop_assert!(touches.iter().any(there), "{node}: {touches:?}");
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn pairs_are_put_in_order_by_their_fibers(
+            mut pairs in prop::collection::vec([0..12_u32, 0..12_u32], 0..60),
+        ) {
+            let layout = Layout::new([3, 1, 5, 3]);
+            let dealt = by_fibers(&layout, pairs.clone());
+            let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
+            pairs.sort_unstable_by_key(|pair| (first(pair), pair[1], pair[0]));
+            prop_assert_eq!(&dealt, &pairs);
+            prop_assert_eq!(by_fibers(&layout, dealt), pairs);
+        }
+    }
+
+    /// Where both segments lead away from what their node touches it is the node that touches.
+    #[test]
+    fn a_bend_touches_with_its_node() {
+        let bent = [[-1.0, 0.0, 40.0], [0.0, 0.0, 0.0], [1.0, 0.0, 40.0]];
+        let touches = touches_at_rest(&[&bent, &[[0.0, -1.0, -2.01], [0.0, 1.0, -2.01]]]);
+        let [touch] = touches[..] else { panic!("one touch: {touches:?}") };
+        assert!((touch.at()[0] - 1.0).abs() < 1e-12 && touch.normal.z > 1.0 - 1e-12, "{touch:?}");
+    }
+
+    /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the lower
+    /// one it has passed through it.
+    #[test]
+    fn a_way_through_another_fibre_is_told() {
+        let radius = 3.5e-5;
+        let layout = Layout::new([1, 1]);
+        let at = |height: f64| {
+            let z = 2.0 * radius * height;
+            [[-5e-4, 0.0, 0.0], [5e-4, 0.0, 0.0], [0.0, -5e-4, z], [0.0, 5e-4, z]].map(Point3::from)
+        };
+        let heights = [(1.01, false), (0.98, false), (0.6, false), (-0.1, true), (-2.0, true)];
+        for (height, through) in heights {
+            let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
+            let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+            let mut detector = Detector::new(radius, radius, false).expect("lengths");
+            let mut touches = Vec::new();
+            let deepest = detector.overlaps(&motion, &[], 0.1 * radius, &mut touches);
+            let deepest = deepest.expect("one layout");
+            assert_eq!(detector.leads_through(), through, "{height}");
+            let deep = touches.iter().any(|touch| touch.gap < -0.5 * radius);
+            assert_eq!(deep, height < 0.7, "{height}");
+            // What is hardly deep is told, but not listed.
+            assert_eq!(touches.is_empty(), height > 0.7, "{height}");
+            let depth = 2.0 * radius * (1.0 - height).max(0.0);
+            assert!(through || (deepest - depth).abs() < 1e-9 * radius, "{height}: {deepest}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Touches of fibres, of what is found of their segments.
+
+use crate::touch::{Partner, Rank, Touch};
+use nalgebra::Vector3;
+use rapunzel_collision::{Capsules, Contact, Pair};
+use rapunzel_fiber::Layout;
+use rayon::prelude::*;
+
+/// The touches of all contacts, and others between them, both in order, in place of what a list held.
+pub(super) fn put_together(
+    end: &Capsules,
+    contacts: &[Contact],
+    others: &[Touch],
+    touches: &mut Vec<Touch>,
+) {
+    let place = |(i, other): (usize, &Touch)| {
+        let rank = other.rank();
+        i + contacts.partition_point(|contact| fiber_rank(end.layout(), contact) < rank)
+    };
+    let places: Vec<usize> = others.par_iter().enumerate().map(place).collect();
+    let touch = |i: usize| {
+        let before = places.partition_point(|&place| place < i);
+        let own = places.get(before) == Some(&i);
+        if own { others[before] } else { fiber_touch(end, &contacts[i - before]) }
+    };
+    let count = contacts.len() + others.len();
+    // Twice the room, as they would grow by, is much.
+    touches.clear();
+    touches.reserve_exact(count);
+    (0..count).into_par_iter().map(touch).collect_into_vec(touches);
+}
+
+/// The fibres of two segments.
+pub(super) fn fibers(layout: &Layout, pair: &Pair) -> [usize; 2] {
+    pair.map(|segment| layout.segment_fibers()[segment as usize])
+}
+
+pub(super) fn same_fibers(layout: &Layout, a: &Pair, b: &Pair) -> bool {
+    fibers(layout, a) == fibers(layout, b)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "nodes are counted with 32 bits")]
+pub(super) fn fiber_number(fiber: usize) -> u32 {
+    fiber as u32
+}
+
+/// The fibres of a contact, the one with the smaller number first, and the segments in them.
+fn of_fibers(layout: &Layout, contact: &Contact) -> ([Partner; 2], [u32; 2]) {
+    let fibers = fibers(layout, &contact.pair);
+    let segment =
+        |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
+    (fibers.map(|fiber| Partner::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
+}
+
+pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
+    let (sides, segments) = of_fibers(layout, contact);
+    Rank::new(sides, segments, contact.fractions)
+}
+
+fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
+    let (sides, segments) = of_fibers(here.layout(), contact);
+    let arms = contact.pair.map(|segment| {
+        let capsule = here.get(segment as usize);
+        capsule.end - capsule.start
+    });
+    Touch {
+        sides,
+        segments,
+        fractions: contact.fractions,
+        normal: -*contact.normal,
+        arms,
+        gap: contact.gap,
+        impulse: Vector3::zeros(),
+        working: false,
+        bonded: false,
+        led: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use rapunzel_collision::contacts_of_groups;
+
+    /// Three fibres side by side of which all but one touch an object: what is put together is in order.
+    #[test]
+    fn others_are_put_between_contacts() {
+        let layout = Layout::new([1, 1, 1]);
+        let lines = [0.0, 1.0, 2.0].map(|y| [[0.0, y, 0.0], [1.0, y, 0.0]]);
+        let positions = lines.as_flattened().iter().copied().map(Point3::from).collect::<Vec<_>>();
+        let end = Capsules::new(&layout, &positions, &[0.5; 3]).expect("one layout");
+        let mut contacts = Vec::new();
+        let same = |_: &Pair, _: &Pair| false;
+        let all = |found: &[Contact], stay: &mut Vec<Contact>| stay.extend_from_slice(found);
+        contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, same, all, &mut contacts)
+            .expect("lengths");
+        let of_object = |fiber: u32| Touch {
+            sides: [Partner::Fiber(fiber), Partner::Object(0)],
+            ..fiber_touch(&end, &contacts[0])
+        };
+        let mut touches = vec![of_object(1); 9];
+        for others in [vec![], vec![of_object(0), of_object(2)]] {
+            put_together(&end, &contacts, &others, &mut touches);
+            let mut expected: Vec<Touch> =
+                contacts.iter().map(|one| fiber_touch(&end, one)).collect();
+            expected.extend(others);
+            expected.sort_by_key(Touch::rank);
+            let ranks = |touches: &[Touch]| touches.iter().map(Touch::rank).collect::<Vec<_>>();
+            assert!(contacts.len() > 2 && ranks(&touches) == ranks(&expected), "{touches:?}");
+        }
+        put_together(&end, &[], &[], &mut touches);
+        assert!(touches.is_empty());
+    }
+}

@@ -1,0 +1,118 @@
+use super::memory::{Bearing, Memory};
+use super::report::ContactReport;
+use super::stepper::ContactStepper;
+use super::system::System;
+use super::times::Stopwatch;
+use super::work::ContactWork;
+use crate::touch::Partner;
+use crate::{CouplingError, Fibers, StepReport, Surroundings};
+use nalgebra::Vector3;
+use rapunzel_rod_dynamic::{RodError, StaggeredBatch};
+use rapunzel_scene::ContactSettings;
+
+/// Fibres with all contacts among them and with objects.
+pub struct FibersInContact {
+    fibers: Fibers<StaggeredBatch>,
+    stepper: ContactStepper,
+}
+
+impl FibersInContact {
+    /// Fibres that are to touch each other and the objects around them.
+    ///
+    /// # Errors
+    /// [`CouplingError::Overlap`] for what starts too deep in each other, and errors of detection and of
+    /// settings.
+    pub fn new(
+        settings: ContactSettings,
+        mut fibers: Fibers<StaggeredBatch>,
+        around: &mut Surroundings,
+    ) -> Result<Self, CouplingError> {
+        let stepper = ContactStepper::new(settings, &System::new(&mut fibers, around))?;
+        Ok(Self { fibers, stepper })
+    }
+
+    /// The fibres.
+    #[must_use]
+    pub fn fibers(&self) -> &Fibers<StaggeredBatch> {
+        &self.fibers
+    }
+
+    /// The fibres, to be changed between steps.
+    pub fn fibers_mut(&mut self) -> &mut Fibers<StaggeredBatch> {
+        &mut self.fibers
+    }
+
+    /// Moves fibres and free objects by `dt`, s. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`CouplingError`]; all of them may have been moved by a part of the step then:
+    /// [restore](Self::restore) what was saved before going on.
+    pub fn step(
+        &mut self,
+        around: &mut Surroundings,
+        dt: f64,
+    ) -> Result<StepReport, CouplingError> {
+        let mut system = System::new(&mut self.fibers, around);
+        // A step has thousands of parallel loops: a thread outside the pool would sleep at each.
+        rayon::scope(|_| self.stepper.step_in_parts(&mut system, dt))
+    }
+
+    /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
+    /// by place.
+    pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
+        self.stepper.memory.bearings()
+    }
+
+    /// Mean force of all fibres and other objects on an object over the last part of a step, N, world.
+    /// Cost: that of looking at all contacts.
+    #[must_use]
+    pub fn force_on(&self, object: usize) -> Vector3<f64> {
+        let of = |side| matches!(side, Partner::Object(number) if number as usize == object);
+        let forces = self.contacts().flat_map(|contact| {
+            let forces = contact.sides.into_iter().zip([contact.force, -contact.force]);
+            forces.filter(|(side, _)| of(*side)).map(|(_, force)| force)
+        });
+        forces.sum()
+    }
+
+    /// Work that contacts have done on fibres and free objects since the start.
+    #[must_use]
+    pub fn contact_work(&self) -> ContactWork {
+        self.stepper.memory.work
+    }
+
+    /// What the contacts of the last step were and cost.
+    #[must_use]
+    pub fn contact_report(&self) -> ContactReport {
+        self.stepper.memory.report
+    }
+
+    /// Sets what tells how long phases of steps take; `None`, as at first, for not at all.
+    pub fn set_stopwatch(&mut self, stopwatch: Option<Stopwatch>) {
+        self.stepper.stopwatch = stopwatch;
+    }
+
+    /// All numbers that change, of fibres and contacts: lists that are made one at a time.
+    pub fn save(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.fibers.save().chain(self.stepper.memory.save())
+    }
+
+    /// Number of the lists that [`save`](Self::save) makes.
+    #[must_use]
+    pub fn saved(&self) -> usize {
+        self.fibers.save().len() + self.stepper.memory.save().len()
+    }
+
+    /// Goes back to saved numbers.
+    ///
+    /// # Errors
+    /// [`CouplingError::Restore`] if they are those of other fibres.
+    pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
+        let expected = self.fibers.save().len();
+        let wrong = RodError::Length { what: "saved lists", expected, found: saved.len() };
+        let (fibers, contacts) = saved.split_at_checked(expected).ok_or(wrong.clone())?;
+        self.fibers.restore(fibers)?;
+        self.stepper.memory = Memory::restored(contacts).ok_or(wrong)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,123 @@
+//! What a touch obeys, by the scene, its partner and what it did when the step began.
+
+use super::film::Film;
+use crate::object::Object;
+use crate::touch::{Partner, Touch};
+use nalgebra::Vector3;
+use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
+use rapunzel_fiber::Assembly;
+use rapunzel_scene::{Adhesion, ContactSettings, Friction};
+
+/// The laws of contact in one part of a step.
+pub(super) struct Laws<'a> {
+    settings: &'a ContactSettings,
+    film: Option<&'a Film>,
+    objects: &'a [Object],
+    /// What gravity adds to a velocity in the part, m/s.
+    fall: f64,
+    /// Length of the part, s.
+    dt: f64,
+}
+
+impl<'a> Laws<'a> {
+    /// Those of a part of `dt` seconds under `gravity`, m/s^2.
+    pub(super) fn new(
+        settings: &'a ContactSettings,
+        film: Option<&'a Film>,
+        objects: &'a [Object],
+        gravity: f64,
+        dt: f64,
+    ) -> Self {
+        Self { settings, film, objects, fall: gravity * dt, dt }
+    }
+
+    /// By how much more slowly two that touch come together for an impulse between them, 1/kg.
+    pub(super) fn compliance(&self) -> f64 {
+        self.settings.compliance / (self.dt * self.dt)
+    }
+
+    /// [`closing`] of a touch in the part. `gap` is that at the start over the length of the part, `before` tells
+    /// the relative velocity then, in the frame of the touch.
+    pub(super) fn closing(
+        &self,
+        touch: &Touch,
+        gap: f64,
+        before: impl Fn() -> Vector3<f64>,
+    ) -> f64 {
+        let own = self.own(touch, |object| object.restitution);
+        let restitution = own.unwrap_or(self.settings.restitution);
+        closing(gap, restitution, self.fall, || before().x)
+    }
+
+    /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its frame, `before`
+    /// tells. Backward Euler ends with its mean velocity: the slip at the start is that of the part
+    /// before.
+    pub(super) fn friction(
+        &self,
+        touch: &Touch,
+        before: impl Fn() -> Vector3<f64>,
+    ) -> Result<LimitCurve, ContactError> {
+        let between_objects = matches!(touch.sides[0], Partner::Object(_));
+        let own = self.own(touch, |object| {
+            object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
+        });
+        let sticks = || before().yz().norm() <= self.settings.slip;
+        limit_curve(&own.unwrap_or(self.settings.friction), touch, sticks)
+    }
+
+    /// Tensile impulses that touches bear, N s; `gaps` are those at the start, as in
+    /// [`Self::closing`]. Sorted by pair and place; none where nothing pulls.
+    pub(super) fn adhesion(
+        &self,
+        assembly: &Assembly,
+        touches: &[Touch],
+        gaps: impl Iterator<Item = f64>,
+    ) -> Result<Vec<f64>, ContactError> {
+        if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
+            let bears = Bond::new(bonds.strength)?.adhesion(self.dt);
+            return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
+        }
+        let Some(film) = self.film else { return Ok(Vec::new()) };
+        let gaps: Vec<_> = gaps.map(|gap| gap * self.dt).collect();
+        let forces = film.forces(assembly, touches, &gaps);
+        Ok(forces.into_iter().map(|force| force * self.dt).collect())
+    }
+
+    /// What an object says of its own, the second side before the first.
+    fn own<T>(&self, touch: &Touch, of: impl Fn(&Object) -> Option<T>) -> Option<T> {
+        touch.sides.iter().rev().find_map(|side| match side {
+            Partner::Object(object) => of(&self.objects[*object as usize]),
+            Partner::Fiber(_) => None,
+        })
+    }
+}
+
+/// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
+/// friction, each by its own axis; with an object the axis is the fibre's.
+fn limit_curve(
+    friction: &Friction,
+    touch: &Touch,
+    sticks: impl Fn() -> bool,
+) -> Result<LimitCurve, ContactError> {
+    match *friction {
+        Friction::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+        Friction::Keratin { on, wetness } => match on.friction(wetness) {
+            Ok(mu) => Ok(LimitCurve::Circle { mu }),
+            Err(_) => Err(ContactError::Invalid {
+                what: "the coefficient of friction",
+                value: f64::NAN,
+                why: "the table has none for this surface, dry; the scene must not ask for it",
+            }),
+        },
+        Friction::Resting { resting, sliding } => {
+            Ok(LimitCurve::Circle { mu: if sticks() { resting } else { sliding } })
+        }
+        Friction::Cuticle { with, against, across } => {
+            let curve = LimitCurve::cuticle(with, against, across);
+            match touch.sides[1] {
+                Partner::Object(_) => Ok(curve),
+                Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! Impulses of the step before, from which the search for those of this step starts.
+
+use super::report::ContactReport;
+use super::work::ContactWork;
+use crate::touch::{Partner, Push, Touch};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// The contacts of the last part of a step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Memory {
+    /// Those that bore something or are bonded, by pair and place.
+    pub(crate) bearing: Vec<Remembered>,
+    /// Length of the part, s; `None` before the first.
+    pub(crate) dt: Option<f64>,
+    /// Since the start.
+    pub(crate) work: ContactWork,
+    /// On the whole step.
+    pub(crate) report: ContactReport,
+}
+
+/// A contact that bore something or is bonded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Remembered {
+    pub(crate) push: Push,
+    bonded: bool,
+}
+
+/// A contact that bore something in the last part of a step, or is bonded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// What touches. A fibre comes before an object, of two fibres the one with the smaller number,
+    /// and of two objects one that moves freely.
+    pub sides: [Partner; 2],
+    /// Where along each side that is a fibre: in segments from the root.
+    pub at: [f64; 2],
+    /// Mean force on the first side over that part, N, system.
+    pub force: Vector3<f64>,
+    /// Whether a bond of glue holds it.
+    pub bonded: bool,
+}
+
+impl Memory {
+    /// The contacts that bore something or are bonded.
+    pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
+        let dt = self.dt.unwrap_or(1.0);
+        self.bearing.iter().map(move |one| Bearing {
+            sides: one.push.sides,
+            at: one.push.at(),
+            force: one.push.impulse / dt,
+            bonded: one.bonded,
+        })
+    }
+}
+
+/// Numbers of a saved contact.
+const NUMBERS: usize = 18;
+/// Contacts in a list of saved numbers, at most.
+const LISTED: usize = 4096;
+
+impl Remembered {
+    fn numbers(&self) -> [f64; NUMBERS] {
+        let Push { sides, segments, fractions, levers: [a, b], impulse } = self.push;
+        let [(p, i), (q, j)] = sides.map(|side| match side {
+            Partner::Fiber(fiber) => (0.0, f64::from(fiber)),
+            Partner::Object(object) => (1.0, f64::from(object)),
+        });
+        let [s, t] = segments.map(f64::from);
+        let [u, v] = fractions;
+        let (bonded, x) = (f64::from(u8::from(self.bonded)), impulse);
+        [p, i, q, j, s, t, u, v, a.x, a.y, a.z, b.x, b.y, b.z, x.x, x.y, x.z, bonded]
+    }
+
+    fn from_numbers(numbers: &[f64; NUMBERS]) -> Self {
+        let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, bonded] = *numbers;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saved from u32"
+        )]
+        let whole = |number: f64| number as u32;
+        let side = |kind: f64, number: f64| {
+            if kind == 0.0 { Partner::Fiber(whole(number)) } else { Partner::Object(whole(number)) }
+        };
+        let push = Push {
+            sides: [side(p, i), side(q, j)],
+            segments: [s, t].map(whole),
+            fractions: [u, v],
+            levers: [Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)],
+            impulse: Vector3::new(x, y, z),
+        };
+        Self { push, bonded: bonded != 0.0 }
+    }
+}
+
+impl Memory {
+    /// All numbers that determine what follows: those of the whole, then some contacts in each list.
+    pub(crate) fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
+        let (work, lists) = (self.work.numbers(), self.bearing.len().div_ceil(LISTED));
+        (0..lists + 1).map(move |list| match list.checked_sub(1) {
+            None => work.into_iter().chain(self.dt).collect(),
+            Some(list) => {
+                let end = self.bearing.len().min((list + 1) * LISTED);
+                let own = &self.bearing[list * LISTED..end];
+                own.iter().flat_map(Remembered::numbers).collect()
+            }
+        })
+    }
+
+    /// The memory of saved numbers; `None` if these are no memory.
+    pub(crate) fn restored(saved: &[Vec<f64>]) -> Option<Self> {
+        let (whole, lists) = saved.split_first()?;
+        let (work, dt) = whole.split_first_chunk()?;
+        let mut bearing = Vec::new();
+        for list in lists {
+            let (contacts, rest) = list.as_chunks::<NUMBERS>();
+            bearing.extend(contacts.iter().map(Remembered::from_numbers));
+            if !rest.is_empty() {
+                return None;
+            }
+        }
+        let (work, report) = (ContactWork::from_numbers(work), ContactReport::default());
+        Some(Self { bearing, dt: dt.first().copied(), work, report })
+    }
+}
+
+/// How far a contact may have moved to be the same, in segments.
+const REACH: f64 = 1.0;
+
+/// What contacts of the step before are expected to do in this one.
+pub(crate) struct Expected<'a> {
+    /// By pair and place.
+    pub(crate) known: &'a [Remembered],
+    /// By how much larger impulses are.
+    pub(crate) scale: f64,
+}
+
+impl Expected<'_> {
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = Push> + Clone {
+        self.known.iter().map(|one| Push { impulse: self.scale * one.push.impulse, ..one.push })
+    }
+}
+
+/// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are nearest: what
+/// held something still holds it there. Both are sorted by pair and place.
+pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
+    let Expected { known, scale } = *expected;
+    touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
+        let sides = group[0].sides;
+        let known = &known[known.partition_point(|r| r.push.sides < sides)..];
+        let of_pair = known.iter().take_while(|r| r.push.sides == sides);
+        recall_pair(of_pair, scale, group);
+    });
+}
+
+/// The same for the contacts of one pair.
+fn recall_pair<'a>(
+    known: impl Iterator<Item = &'a Remembered>,
+    scale: f64,
+    mut group: &mut [Touch],
+) {
+    for touch in &mut *group {
+        (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
+    }
+    for one in known {
+        let place = one.push.at();
+        // Those that come before are out of reach of all that follow.
+        let before = group.iter().take_while(|touch| touch.at()[0] <= place[0] - REACH).count();
+        group = &mut group[before..];
+        let ahead = group.iter_mut().take_while(|touch| touch.at()[0] < place[0] + REACH);
+        let both = ahead.map(|touch| (touch.apart(place), touch));
+        let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
+            touch.impulse += scale * one.push.impulse;
+            touch.bonded |= one.bonded;
+        }
+    }
+}
+
+/// The impulses that are expected of touches, N s, system.
+pub(crate) fn recalled(expected: &Expected, touches: &[Touch]) -> Vec<Vector3<f64>> {
+    let mut touches = touches.to_vec();
+    recall(expected, &mut touches);
+    touches.into_iter().map(|touch| touch.impulse).collect()
+}
+
+/// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
+pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
+    let pairs = touches.chunk_by(|a, b| a.sides == b.sides);
+    let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
+    let bonded =
+        nearest.filter(|touch| touch.gap <= range).map(|touch| Touch { bonded: true, ..*touch });
+    let mut bonds = Vec::new();
+    remember(&bonded.collect::<Vec<_>>(), &mut bonds);
+    bonds
+}
+
+/// Writes what is to be remembered of some touches, in their order.
+pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
+    remembered.clear();
+    let lasts = |touch: &Touch| touch.bonded || touch.impulse != Vector3::zeros();
+    let lasting: Vec<&Touch> = touches.par_iter().filter(|touch| lasts(touch)).collect();
+    // Of a known number each is written where it stays.
+    remembered.par_extend(
+        lasting
+            .into_par_iter()
+            .map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn remembered(place: f64, push: f64, bonded: bool) -> Remembered {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
+        let segment = place as u32;
+        let push = Push {
+            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+            segments: [segment; 2],
+            fractions: [place.fract(); 2],
+            levers: [Vector3::zeros(); 2],
+            impulse: Vector3::z() * push,
+        };
+        Remembered { push, bonded }
+    }
+
+    /// As a touch of which no more is known.
+    fn touch(Remembered { push, bonded }: Remembered) -> Touch {
+        let Push { sides, segments, fractions, impulse, .. } = push;
+        let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
+        let (working, led) = (false, false);
+        Touch { sides, segments, fractions, normal, arms, gap, impulse, working, bonded, led }
+    }
+
+    proptest! {
+        /// Of all touches of a pair the nearest gets an impulse, as if every one had been looked at.
+        #[test]
+        fn impulses_go_to_the_nearest(
+            mut known in prop::collection::vec((0..40_u32, 0..40_u32), 0..20),
+            mut places in prop::collection::vec((0..40_u32, 0..40_u32), 1..20),
+        ) {
+            known.sort_unstable();
+            places.sort_unstable();
+            let at = |&(s, t): &(u32, u32)| {
+                let mut one = remembered(0.0, 1.0, false);
+                one.push.segments = [s / 4, t / 4];
+                one.push.fractions = [s, t].map(|x| f64::from(x % 4) / 4.0);
+                one
+            };
+            let known: Vec<_> = known.iter().map(at).collect();
+            let mut touches: Vec<_> = places.iter().map(|place| touch(at(place))).collect();
+            let mut expected = vec![0.0; touches.len()];
+            for one in &known {
+                let apart = |i: &usize| touches[*i].apart(one.push.at());
+                let nearest = (0..touches.len()).min_by(|i, j| apart(i).total_cmp(&apart(j)));
+                if let Some(i) = nearest.filter(|i| apart(i) < REACH) {
+                    expected[i] += 1.0;
+                }
+            }
+            recall(&Expected { known: &known, scale: 1.0 }, &mut touches);
+            let found: Vec<f64> = touches.iter().map(|touch| touch.impulse.z).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    /// Two of three go to the only touch that is left near them, one is too far from any.
+    #[test]
+    fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
+        let known = [(2.0, 1.0, false), (2.5, 2.0, true), (6.0, 4.0, false)];
+        let known = known.map(|(place, push, bonded)| remembered(place, push, bonded));
+        let mut touches = [remembered(2.1, 7.0, false), remembered(4.0, 8.0, true)].map(touch);
+        recall(&Expected { known: &known, scale: 2.0 }, &mut touches);
+        assert_eq!(touches.map(|touch| touch.impulse.z), [6.0, 0.0]);
+        assert_eq!(touches.map(|touch| touch.bonded), [true, false]);
+    }
+}

@@ -1,0 +1,36 @@
+use super::detect::Motion;
+use super::system::System;
+use super::work::ContactWork;
+use crate::StepReport;
+use crate::touch::Touch;
+use nalgebra::{Point3, Vector3};
+
+/// The part of a step at hand.
+pub(super) struct Part {
+    /// Its start and length, s.
+    pub(super) time: f64,
+    pub(super) dt: f64,
+    pub(super) touches: Vec<Touch>,
+    pub(super) work: ContactWork,
+    pub(super) report: StepReport,
+}
+
+impl Part {
+    /// Positions of all nodes at its start, and at its end if they have these mean velocities.
+    pub(super) fn ends(&self, system: &System, mean: &[Vector3<f64>]) -> [Vec<Point3<f64>>; 2] {
+        let start = system.fibers.positions();
+        let end = start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect();
+        [start, end]
+    }
+
+    /// The motion between such positions.
+    pub(super) fn motion<'a>(
+        &self,
+        system: &'a System<'_>,
+        radii: &'a [f64],
+        [start, end]: &'a [Vec<Point3<f64>>; 2],
+    ) -> Motion<'a> {
+        let layout = system.fibers.assembly().layout();
+        Motion { layout, radii, start, end, time: self.time, dt: self.dt }
+    }
+}

@@ -1,0 +1,192 @@
+//! What fibres do on their way through a step: which would pass through each other, which have changed sides, and
+//! which places where they seem to touch are none.
+
+use super::fiber_touch::fibers;
+use crate::touch::{Partner, Touch, retain_others};
+use nalgebra::Vector3;
+use rapunzel_collision::continuous::{Impact, MovingSegment};
+use rapunzel_collision::{Capsules, Contact, Pair};
+use rayon::prelude::*;
+
+/// Axes that come nearer to each other than this, in the sum of the radii, on the way would go on.
+const INTO: f64 = 0.9;
+
+/// Axes whose way is longer than their distance and that come nearer than this, in the sum of the radii,
+/// may pass through each other; what goes less far does not, or is left deep in each other.
+const THROUGH: f64 = 0.5;
+
+/// Cosine of the angle to a normal from which on a segment leads towards the other side.
+pub(super) const LEAN: f64 = 1e-3;
+
+/// The gap along the normal of a contact between its places, m.
+fn gap(end: &Capsules, contact: &Contact) -> f64 {
+    let [first, second] = contact.pair.map(|segment| end.get(segment as usize));
+    let [s, t] = contact.fractions;
+    (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
+}
+
+/// The largest squared way, m^2, of a point of one segment relative to one of the other.
+pub(super) fn travel(start: &Capsules, end: &Capsules, pair: Pair) -> f64 {
+    let ways = pair.map(|segment| {
+        let nodes = start.layout().segment_nodes(segment as usize);
+        nodes.map(|node| end.positions()[node] - start.positions()[node])
+    });
+    let squared = |i: usize, j: usize| (ways[0][i] - ways[1][j]).norm_squared();
+    squared(0, 0).max(squared(0, 1)).max(squared(1, 0)).max(squared(1, 1))
+}
+
+/// When two axes first come as near as a part of the sum of the radii, and where.
+fn impact(start: &Capsules, end: &Capsules, pair: Pair, part: f64) -> Option<Impact<2>> {
+    let [i, j] = pair.map(|segment| segment as usize);
+    let (a0, b0, a1, b1) = (start.get(i), start.get(j), end.get(i), end.get(j));
+    let reach = a0.radius + b0.radius;
+    let (a, b) = (MovingSegment::between(&a0, &a1), MovingSegment::between(&b0, &b1));
+    a.impact(&b, part * reach, 1e-3 * reach)
+}
+
+/// Where two segments would pass through each other: the place of their impact, with the normal at
+/// that time and the gap along it at the end.
+pub(super) fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
+    let impact = impact(start, end, pair, INTO)?;
+    let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
+    let contact = Contact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
+    Some(Contact { gap: gap(end, &contact), ..contact })
+}
+
+/// Whether a contact on the way is one of fibres that come so near that they may pass through each other.
+pub(super) fn leads_through(start: &Capsules, end: &Capsules, contact: &Contact) -> bool {
+    !bends(end, contact) && impact(start, end, contact.pair, THROUGH).is_some()
+}
+
+/// Whether two places are so near along one fibre that not even the tightest bend, a half turn about
+/// its own radius, lets them touch: what is between them is too short, and only straight capsules
+/// overlap there.
+pub(super) fn bends(end: &Capsules, contact: &Contact) -> bool {
+    let layout = end.layout();
+    let [first, second] = contact.pair.map(|segment| segment as usize);
+    let [fiber, partner] = fibers(layout, &contact.pair);
+    if fiber != partner {
+        return false;
+    }
+    let length = |segment: usize| {
+        let capsule = end.get(segment);
+        (capsule.end - capsule.start).norm()
+    };
+    let [s, t] = contact.fractions;
+    let reach = 0.5 * std::f64::consts::PI * (end.radii()[first] + end.radii()[second]);
+    let mut between = (1.0 - s) * length(first) + t * length(second);
+    for segment in first + 1..second {
+        between += length(segment);
+        if between > reach {
+            return false;
+        }
+    }
+    between < reach
+}
+
+/// Whether a contact is at a node where its fibre goes on towards the other one: the next segment is nearer,
+/// and has the place. The normal of such a one leans along the fibre, which would catch on each node of the other
+/// as it slides.
+pub(super) fn goes_on(end: &Capsules, contact: &Contact) -> bool {
+    let (layout, nodes) = (end.layout(), end.positions());
+    [0, 1].into_iter().any(|side| {
+        let segment = contact.pair[side] as usize;
+        let segments = layout.segment_range(layout.segment_fibers()[segment]);
+        let [root, tip] = layout.segment_nodes(segment);
+        let [before, node, next] = match contact.fractions[side] {
+            0.0 if segment > segments.start => [tip, root, root - 1],
+            1.0 if segment + 1 < segments.end => [root, tip, tip + 1],
+            _ => return false,
+        };
+        let towards = if side == 0 { *contact.normal } else { -*contact.normal };
+        let leads = |way: Vector3<f64>| {
+            let along = way.dot(&towards);
+            along > 0.0 && along * along > LEAN * LEAN * way.norm_squared()
+        };
+        leads(nodes[node] - nodes[before]) && leads(nodes[next] - nodes[node])
+    })
+}
+
+/// Whether the places of a touch of fibres were on the other side of each other at the start.
+fn turned(start: &Capsules, touch: &Touch) -> bool {
+    let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides else { return false };
+    let [s, t] = touch.segments;
+    let at = |fiber: u32, segment: u32, fraction: f64| {
+        let first = start.layout().segment_range(fiber as usize).start;
+        start.get(first + segment as usize).at(fraction)
+    };
+    let own = at(fiber, s, touch.fractions[0]);
+    (own - at(partner, t, touch.fractions[1])).dot(&touch.normal) < 0.0
+}
+
+/// Drops the touches that have turned to the other side beside one of their pair that has not. About
+/// a bend one segment may meet a fibre that its neighbor would pass through, and find it on its far
+/// side: between the two normals the fibre could not move at all. Touches are sorted by pair.
+pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
+    let turned: Vec<bool> = touches.par_iter().map(|touch| turned(start, touch)).collect();
+    let jams = |i: usize| {
+        let pair = touches[i].sides;
+        let first = touches.partition_point(|touch| touch.sides < pair);
+        let from_first = touches[first..].iter().zip(&turned[first..]);
+        let mut of_pair = from_first.take_while(|(touch, _)| touch.sides == pair);
+        of_pair.any(|(touch, turned)| !turned && touch.opposes(&touches[i]))
+    };
+    let jammed = (0..touches.len()).into_par_iter().map(|i| turned[i] && jams(i)).collect();
+    retain_others(touches, jammed);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use proptest::prelude::*;
+    use rapunzel_fiber::Layout;
+
+    proptest! {
+        /// Of touches of three fibres that cross each other, with normals up or down, those go that have turned
+        /// beside one of their pair that has not; two that both have stay.
+        #[test]
+        fn touches_that_jam_others_go(
+            mut all in prop::collection::vec((0..2_u32, 0..8_u32, any::<bool>()), 0..20),
+        ) {
+            const SEGMENTS: usize = 4;
+            all.sort_by_key(|&(fiber, place, _)| (fiber, place));
+            let layout = Layout::new([SEGMENTS; 3]);
+            const CROSSING: f64 = 1.9;
+            let node = |i: usize| {
+                let (fiber, x) = (i / (SEGMENTS + 1), (i % (SEGMENTS + 1)) as f64);
+                [x, 0.0, fiber as f64 * (x - CROSSING)]
+            };
+            let nodes: Vec<_> = (0..layout.nodes()).map(|i| Point3::from(node(i))).collect();
+            let radii = vec![0.4; layout.segments()];
+            let start = Capsules::new(&layout, &nodes, &radii).expect("one layout");
+            let touch = |&(fiber, place, up): &(u32, u32, bool)| Touch {
+                sides: [fiber, fiber + 1].map(Partner::Fiber),
+                segments: [place / 2; 2],
+                fractions: [0.5 * f64::from(place % 2); 2],
+                normal: Vector3::z() * if up { 1.0 } else { -1.0 },
+                arms: [Vector3::x(); 2],
+                gap: 0.2,
+                impulse: Vector3::zeros(),
+                working: false,
+                bonded: false,
+                led: false,
+            };
+            let mut touches: Vec<_> = all.iter().map(touch).collect();
+            keep_sides(&start, &mut touches);
+            let turned = |&(_, place, up): &(u32, u32, bool)| up == (0.5 * f64::from(place) > CROSSING);
+            let jams = |one: &(u32, u32, bool)| {
+                // Within less than a segment.
+                let beside = |other: &(u32, u32, bool)| {
+                    other.0 == one.0 && other.1.abs_diff(one.1) < 2 && other.2 != one.2
+                };
+                turned(one) && all.iter().any(|other| beside(other) && !turned(other))
+            };
+            let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(touch).collect();
+            let told = |touches: &[Touch]| -> Vec<_> {
+                touches.iter().map(|one| (one.sides, one.at(), one.normal.z)).collect()
+            };
+            prop_assert_eq!(told(&touches), told(&expected));
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What touches before the first step.
+
+use super::detect::{Detector, Motion};
+use super::system::System;
+use crate::CouplingError;
+use crate::touch::{Partner, Touch};
+use rapunzel_rod_dynamic::{Conditions, End};
+
+/// How deep in each other things may be at the start, in radii: steps push them apart.
+const OVERLAP: f64 = 0.2;
+/// A step in which nothing moves, s.
+const INSTANT: f64 = 1e-12;
+
+/// All touches of a world, with the radii of all its segments, m. It is refused where things are so deep
+/// in each other that no step would part them: ends that are held may be no deeper than `depth`, m, and
+/// all else by a part of the smallest `radius`.
+pub(super) fn touches(
+    system: &System,
+    detector: &mut Detector,
+    radii: &[f64],
+    [radius, depth]: [f64; 2],
+) -> Result<Vec<Touch>, CouplingError> {
+    let start = system.fibers.positions();
+    let motion = Motion {
+        layout: system.fibers.assembly().layout(),
+        radii,
+        start: &start,
+        end: &start,
+        time: system.start,
+        dt: INSTANT,
+    };
+    let mut touches = Vec::new();
+    detector.touches(&motion, system.objects, &mut touches)?;
+    let too_deep = |touch: &&Touch| {
+        let held = [0, 1].iter().all(|&side| is_held(system, touch, side));
+        -touch.gap > if held { depth } else { OVERLAP * radius }
+    };
+    match touches.iter().filter(too_deep).min_by(|a, b| a.gap.total_cmp(&b.gap)) {
+        Some(touch) => Err(CouplingError::Overlap {
+            sides: touch.sides,
+            segment: touch.segment(),
+            depth: -touch.gap,
+        }),
+        None => Ok(touches),
+    }
+}
+
+/// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is led.
+fn is_held(system: &System, touch: &Touch, side: usize) -> bool {
+    let fiber = match touch.sides[side] {
+        Partner::Object(object) => return !system.objects[object as usize].is_free(),
+        Partner::Fiber(fiber) => fiber as usize,
+    };
+    let (group, lane) = system.fibers.lane(fiber);
+    let now = system.fibers.groups[group].lanes[lane].during(system.start).at(system.start);
+    let segments = system.fibers.assembly().fibers()[fiber].segments() as f64;
+    let ends = [(0.0, now.root), (segments, now.tip)];
+    let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
+    ends.iter().any(|(place, end)| touch.at()[side] == *place && fixed(end))
+}

@@ -1,0 +1,68 @@
+use super::system::System;
+use crate::object::ObjectMotion;
+use crate::touch::{Partner, Touch};
+use nalgebra::Vector3;
+use rapunzel_contact::RigidBody;
+use rapunzel_fiber::Layout;
+
+/// How fast all nodes and objects are.
+pub(super) struct Velocities<'a> {
+    layout: &'a Layout,
+    nodes: &'a [Vector3<f64>],
+    /// Of the centers of mass, m/s, and about them, rad/s; zero for what is led.
+    objects: Vec<[Vector3<f64>; 2]>,
+}
+
+impl<'a> Velocities<'a> {
+    /// Those of given nodes, m/s, and of objects as they have been solved so far.
+    pub(super) fn new(system: &'a System<'_>, nodes: &'a [Vector3<f64>]) -> Self {
+        Self::of(system, nodes, |[_, solved]| solved)
+    }
+
+    /// Those of given nodes, m/s, and of objects at the start of the step.
+    pub(super) fn before(system: &'a System<'_>, nodes: &'a [Vector3<f64>]) -> Self {
+        Self::of(system, nodes, |[state, _]| state)
+    }
+
+    fn of(
+        system: &'a System<'_>,
+        nodes: &'a [Vector3<f64>],
+        chosen: impl Fn([&'a RigidBody; 2]) -> &'a RigidBody,
+    ) -> Self {
+        let objects = system.objects.iter().map(|object| match &object.motion {
+            ObjectMotion::Dynamic(body) => {
+                let [state, _] = body.bodies();
+                let moving = chosen(body.bodies());
+                // With the inertia at the start of the step, as the solver has it.
+                [moving.velocity, state.inverse_inertia() * moving.angular_momentum]
+            }
+            ObjectMotion::Kinematic(_) => [Vector3::zeros(); 2],
+        });
+        Self { layout: system.fibers.assembly().layout(), nodes, objects: objects.collect() }
+    }
+
+    /// Of all nodes, m/s.
+    pub(super) fn nodes(&self) -> &'a [Vector3<f64>] {
+        self.nodes
+    }
+
+    /// That of a side of a touch, m/s; zero for an object that is led.
+    pub(super) fn of_side(&self, touch: &Touch, side: usize) -> Vector3<f64> {
+        match touch.sides[side] {
+            Partner::Fiber(fiber) => {
+                let first = self.layout.node_range(fiber as usize).start;
+                let node = first + touch.segments[side] as usize;
+                self.nodes[node].lerp(&self.nodes[node + 1], touch.fractions[side])
+            }
+            Partner::Object(object) => {
+                let [velocity, omega] = self.objects[object as usize];
+                velocity + omega.cross(&touch.lever(side))
+            }
+        }
+    }
+
+    /// That of the first side as seen from the second, m/s.
+    pub(super) fn between(&self, touch: &Touch) -> Vector3<f64> {
+        self.of_side(touch, 0) - self.of_side(touch, 1)
+    }
+}

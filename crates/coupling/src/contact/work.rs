@@ -1,0 +1,59 @@
+use std::ops::AddAssign;
+
+/// Work that contacts have done on fibres and free objects, J: impulses times the mean velocities of
+/// the steps in which they acted, which backward Euler ends with. A rebound so does work, and the
+/// integrator takes more than that: half the mass times the squared change of velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactWork {
+    /// Of friction against the slip, not positive but for the solver's tolerance.
+    pub friction: f64,
+    /// Of what stops those that come together, as far as the gap lets them: not positive but for the
+    /// solver's tolerance.
+    pub closing: f64,
+    /// Of what drives apart those that were in each other when the step began.
+    pub repair: f64,
+    /// Of what lets those that meet rebound.
+    pub restitution: f64,
+    /// Of what holds together those that would part.
+    pub adhesion: f64,
+    /// Of what gives way under pressure and friction. It takes what it holds, and what backward Euler damps of
+    /// it: it is not positive.
+    pub compliance: f64,
+    /// Of objects that are led: all of their impulses times the velocities of their surfaces.
+    pub led: f64,
+}
+
+impl ContactWork {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        let along = self.closing + self.repair + self.restitution + self.adhesion;
+        self.friction + along + self.compliance + self.led
+    }
+}
+
+impl ContactWork {
+    /// All of them, in the order of the fields.
+    pub(crate) fn numbers(&self) -> [f64; 7] {
+        let Self { friction, closing, repair, restitution, adhesion, compliance, led } = *self;
+        [friction, closing, repair, restitution, adhesion, compliance, led]
+    }
+
+    /// The work that these numbers are.
+    pub(crate) fn from_numbers(numbers: &[f64; 7]) -> Self {
+        let [friction, closing, repair, restitution, adhesion, compliance, led] = *numbers;
+        Self { friction, closing, repair, restitution, adhesion, compliance, led }
+    }
+}
+
+impl AddAssign for ContactWork {
+    fn add_assign(&mut self, other: Self) {
+        self.friction += other.friction;
+        self.closing += other.closing;
+        self.repair += other.repair;
+        self.restitution += other.restitution;
+        self.adhesion += other.adhesion;
+        self.compliance += other.compliance;
+        self.led += other.led;
+    }
+}

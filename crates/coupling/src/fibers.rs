@@ -1,0 +1,184 @@
+use crate::{Batch, CouplingError, EnergyLedger, Group, StepReport, Surroundings};
+use nalgebra::{Point3, Vector3};
+use rapunzel_fiber::Assembly;
+use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
+use rayon::prelude::*;
+
+/// All fibres of a scene at one instant, with what acts on them; contacts apart.
+pub struct Fibers<B: Batch + ?Sized> {
+    assembly: Assembly,
+    pub(crate) groups: Vec<Group<B>>,
+    /// Group and lane of every fibre.
+    lanes: Vec<(usize, usize)>,
+    /// Since the start, if it is kept.
+    ledger: Option<EnergyLedger>,
+}
+
+impl<B: Batch + ?Sized> Fibers<B> {
+    /// Fibres of an assembly, in its groups and their order; with a ledger of their energy if asked for.
+    #[must_use]
+    pub fn new(assembly: Assembly, mut groups: Vec<Group<B>>, keeps_ledger: bool) -> Self {
+        let mut lanes = vec![(0, 0); assembly.fibers().len()];
+        for (g, group) in groups.iter().enumerate() {
+            for (lane, &fiber) in group.fibers.iter().enumerate() {
+                lanes[fiber] = (g, lane);
+            }
+        }
+        if keeps_ledger {
+            groups.iter_mut().for_each(|group| group.batch.keep_ledgers());
+        }
+        Self { assembly, groups, lanes, ledger: keeps_ledger.then(EnergyLedger::default) }
+    }
+
+    /// The fibres in their natural state.
+    #[must_use]
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// Group and lane of a fibre.
+    pub(crate) fn lane(&self, fiber: usize) -> (usize, usize) {
+        self.lanes[fiber]
+    }
+
+    /// State of a fibre. Allocates; costs one pass over its nodes.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn state(&self, fiber: usize) -> RodState {
+        let (group, lane) = self.lanes[fiber];
+        self.groups[group].batch.state(lane)
+    }
+
+    /// Puts a fibre into a state.
+    ///
+    /// # Errors
+    /// [`RodError`] for a state of another fibre.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    pub fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), RodError> {
+        let (group, lane) = self.lanes[fiber];
+        self.groups[group].batch.set_state(lane, state)
+    }
+
+    /// Position (m) and velocity (m/s) of a node of a fibre, world; of its tip for `None`.
+    ///
+    /// # Panics
+    /// If there is no such fibre or node, as indexing does.
+    #[must_use]
+    pub fn node(&self, fiber: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {
+        let state = self.state(fiber);
+        let node = node.unwrap_or(state.positions.len() - 1);
+        (state.positions[node], state.velocities[node])
+    }
+
+    /// Energy of a fibre, J, in a gravity, m/s^2.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn energy_of(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
+        let (group, lane) = self.lanes[fiber];
+        self.groups[group].batch.energy(lane, gravity)
+    }
+
+    /// Energy of all fibres, J, in a gravity, m/s^2. Costs one pass over all nodes.
+    #[must_use]
+    pub fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        let mut sum = Energy::default();
+        for group in &self.groups {
+            for energy in (0..group.fibers.len()).map(|lane| group.batch.energy(lane, gravity)) {
+                sum.kinetic += energy.kinetic;
+                sum.elastic += energy.elastic;
+                sum.gravitational += energy.gravitational;
+            }
+        }
+        sum
+    }
+
+    /// Momentum of all fibres about the world's origin, if their integrators tell it.
+    #[must_use]
+    pub fn momentum(&self) -> Option<Momentum> {
+        let mut sum = Momentum::default();
+        for group in &self.groups {
+            for lane in 0..group.fibers.len() {
+                sum += group.batch.momentum(lane)?;
+            }
+        }
+        Some(sum)
+    }
+
+    /// Works done since the start, if a ledger is kept.
+    #[must_use]
+    pub fn ledger(&self) -> Option<EnergyLedger> {
+        self.ledger
+    }
+
+    /// Records the step, or part of one, that all groups have taken, beside the works on free objects.
+    pub(crate) fn record(&mut self, objects: &Ledger) {
+        let Some(ledger) = &mut self.ledger else { return };
+        ledger.record(objects);
+        for group in &self.groups {
+            let lanes = (0..group.fibers.len()).filter_map(|lane| group.batch.ledger(lane));
+            lanes.for_each(|one| ledger.record(&one));
+        }
+    }
+
+    /// Moves every fibre by itself, without contacts, in parallel over groups. The result does not
+    /// depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`CouplingError::Step`] names the first fibre that failed; others have been moved then:
+    /// [restore](Self::restore) what was saved before going on.
+    pub fn step(&mut self, around: &Surroundings, dt: f64) -> Result<StepReport, CouplingError> {
+        let time = around.start;
+        // The order of the results is the order of the groups, whoever computes them.
+        let results: Vec<_> = self.groups.par_iter_mut().map(|g| g.step(time, dt)).collect();
+        let mut report = StepReport::default();
+        for result in results {
+            report.add(&result.map_err(|source| CouplingError::Step { time, source })?);
+        }
+        self.record(&Ledger::default());
+        Ok(report)
+    }
+
+    /// All numbers that change: a list for each group, made one at a time, and one of the ledger.
+    pub fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
+        let ledger = self.ledger.map_or_else(Vec::new, |ledger| ledger.numbers().to_vec());
+        (0..self.groups.len() + 1).map(move |i| match self.groups.get(i) {
+            Some(group) => {
+                let mut numbers = Vec::new();
+                group.batch.save(&mut numbers);
+                numbers
+            }
+            None => ledger.clone(),
+        })
+    }
+
+    /// Goes back to saved numbers.
+    ///
+    /// # Errors
+    /// [`CouplingError::Restore`] if they are those of other fibres.
+    pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
+        let (expected, found) = (self.groups.len() + 1, saved.len());
+        let [groups @ .., ledger] = saved else {
+            return Err(RodError::Length { what: "groups of fibers", expected, found }.into());
+        };
+        if groups.len() != self.groups.len() {
+            return Err(RodError::Length { what: "groups of fibers", expected, found }.into());
+        }
+        for (group, numbers) in self.groups.iter_mut().zip(groups) {
+            group.batch.restore(numbers)?;
+        }
+        if let Some(own) = &mut self.ledger {
+            *own = EnergyLedger::from_numbers(ledger).ok_or(RodError::Length {
+                what: "energy ledger",
+                expected: own.numbers().len(),
+                found: ledger.len(),
+            })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,107 @@
+use crate::StepReport;
+use crate::batch::Batch;
+use crate::conditions::{BundleConditions, FiberConditions};
+use nalgebra::Vector3;
+use rapunzel_rod_dynamic::{self as rod, Conditions, SectionLaws, StaggeredBatch, StepError};
+use std::sync::Arc;
+
+/// A batch of fibres with what acts on them: the unit of parallel work.
+pub struct Group<B: Batch + ?Sized> {
+    /// Indices of the fibres in the assembly, one per lane.
+    pub fibers: Vec<usize>,
+    /// Their rods.
+    pub batch: Box<B>,
+    /// What acts on each.
+    pub lanes: Vec<FiberConditions>,
+}
+
+impl<B: Batch + ?Sized> Group<B> {
+    /// Moves all fibres of the group from `time` by `dt`, s.
+    pub(crate) fn step(&mut self, time: f64, dt: f64) -> Result<StepReport, StepError> {
+        let middle = self.load(time, dt)?;
+        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
+        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
+        self.batch.step(dt, &lanes).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Gives sections the law of the climate at the end of the step from `time` by `dt`, s.
+    fn follow_climate(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        let mut last: Option<(Arc<BundleConditions>, SectionLaws)> = None;
+        for (lane, FiberConditions { bundle, .. }) in self.lanes.iter().enumerate() {
+            let error = |why| StepError::Conditions {
+                fiber: self.fibers[lane],
+                what: "climate",
+                time,
+                why,
+            };
+            let laws = match &last {
+                Some((of, laws)) if Arc::ptr_eq(of, bundle) => laws.clone(),
+                _ => match bundle.laws(time + dt) {
+                    None => continue,
+                    Some(laws) => laws.map_err(|_| error("the law of hair is not known in it"))?,
+                },
+            };
+            last = Some((Arc::clone(bundle), laws.clone()));
+            let set = self.batch.set_laws(lane, laws);
+            set.map_err(|_| error("laws must remember alike"))?;
+        }
+        Ok(())
+    }
+
+    /// Sets the forces on nodes for the step from `time` by `dt`, s. Returns its middle.
+    fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
+        let middle = time + 0.5 * dt;
+        self.follow_climate(time, dt)?;
+        self.put_forces(middle)?;
+        Ok(middle)
+    }
+
+    /// Puts the forces of the scene at a time (s) on the nodes.
+    pub(crate) fn put_forces(&mut self, time: f64) -> Result<(), StepError> {
+        for (lane, conditions) in self.lanes.iter().enumerate() {
+            if let Some(forces) = conditions.node_forces(time) {
+                self.batch.set_node_forces(lane, &forces).map_err(|_| StepError::Conditions {
+                    fiber: self.fibers[lane],
+                    what: "node forces",
+                    time,
+                    why: "must be finite",
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The parts of a step of fibres in contact.
+impl Group<StaggeredBatch> {
+    /// Sets out on the step from `time` by `dt`, s, with impulses (N s) on all nodes of all fibres
+    /// at its start, without solving it.
+    pub(crate) fn set_out(
+        &mut self,
+        time: f64,
+        dt: f64,
+        impulses: &[Vector3<f64>],
+    ) -> Result<(), StepError> {
+        let middle = self.load(time, dt)?;
+        let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
+        let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
+        let mut reports = [rod::StepReport::default(); StaggeredBatch::MAX_FIBERS];
+        let done = self.batch.set_out(dt, &lanes, impulses, &mut reports);
+        done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Puts other impulses (N s) on all nodes in place of those before, without moving anything.
+    pub(crate) fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+        self.batch.press(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Solves Newton's equations of the step; returns the largest increment, rad.
+    pub(crate) fn linearize(&mut self) -> Result<f64, StepError> {
+        self.batch.linearize().map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+
+    /// Takes the increments, with other impulses.
+    pub(crate) fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
+        self.batch.advance(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    }
+}

@@ -1,0 +1,331 @@
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// By this, rad, a normal along a fibre is tilted.
+const TILT: f64 = 1e-9;
+
+/// One of the two that touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Partner {
+    /// A fibre, which may touch itself.
+    Fiber(u32),
+    /// An object of the scene.
+    Object(u32),
+}
+
+impl Partner {
+    fn is_object(&self) -> bool {
+        matches!(self, Self::Object(_))
+    }
+}
+
+impl fmt::Display for Partner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fiber(fiber) => write!(f, "fibre {fiber}"),
+            Self::Object(object) => write!(f, "objects[{object}]"),
+        }
+    }
+}
+
+/// Cosine of the angle from which on two normals of fibres face each other: about a bend both of two at right
+/// angles may be needed. A corner of an object has but one at a time.
+const FACING: f64 = -0.5;
+
+/// A place where two things touch, or nearly do, at the end of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    /// The first is a fibre or an object that moves freely, the second may be anything: a pair is
+    /// always named in the same order.
+    pub(crate) sides: [Partner; 2],
+    /// Segments within the fibres; 0 of an object that a fibre touches, and between objects the edge
+    /// of the one and 0 of the other.
+    pub(crate) segments: [u32; 2],
+    /// Fractions along the segments or edges.
+    pub(crate) fractions: [f64; 2],
+    /// Unit normal from the second side to the first, world.
+    pub(crate) normal: Vector3<f64>,
+    /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit length.
+    /// Of an object that moves freely the lever from its center of mass to where the impulse acts, m: on the
+    /// axis of a fibre, in the middle of the gap between objects. Of one that is led the mean velocity of its
+    /// surface over the step, m/s.
+    pub(crate) arms: [Vector3<f64>; 2],
+    /// Distance of the surfaces at the end of the step, m.
+    pub(crate) gap: f64,
+    /// Impulse on the first side, N s, world.
+    pub(crate) impulse: Vector3<f64>,
+    /// Whether it has borne something, or would have closed, in this step.
+    pub(crate) working: bool,
+    /// Whether a bond holds it together.
+    pub(crate) bonded: bool,
+    /// Whether the second side is an object that is led.
+    pub(crate) led: bool,
+}
+
+/// What a touch does to its two sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Push {
+    /// As in a touch.
+    pub(crate) sides: [Partner; 2],
+    pub(crate) segments: [u32; 2],
+    pub(crate) fractions: [f64; 2],
+    /// Of each side that is an object which moves freely, else zero.
+    pub(crate) levers: [Vector3<f64>; 2],
+    /// Impulse on the first side, N s, world.
+    pub(crate) impulse: Vector3<f64>,
+}
+
+/// A place along two fibres, in segments.
+fn along(segments: [u32; 2], fractions: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| f64::from(segments[i]) + fractions[i])
+}
+
+impl Push {
+    /// As of a touch.
+    pub(crate) fn at(&self) -> [f64; 2] {
+        along(self.segments, self.fractions)
+    }
+}
+
+impl Touch {
+    /// What it does with an impulse on the first side, N s, world.
+    pub(crate) fn push(&self, impulse: Vector3<f64>) -> Push {
+        let Self { sides, segments, fractions, .. } = *self;
+        let levers = [0, 1].map(|side| self.lever(side));
+        Push { sides, segments, fractions, levers, impulse }
+    }
+
+    /// Whether a side is an object that moves freely.
+    fn is_free(&self, side: usize) -> bool {
+        self.sides[side].is_object() && !(self.led && side == 1)
+    }
+
+    /// The same of any.
+    pub(crate) fn has_free(&self) -> bool {
+        self.is_free(0) || self.is_free(1)
+    }
+
+    /// The axis of a side, from root to tip, not of unit length; zero for an object.
+    fn axis(&self, side: usize) -> Vector3<f64> {
+        if self.sides[side].is_object() { Vector3::zeros() } else { self.arms[side] }
+    }
+
+    /// From the center of mass of a side that is an object which moves freely to where the impulse acts, m;
+    /// else zero.
+    pub(crate) fn lever(&self, side: usize) -> Vector3<f64> {
+        if self.is_free(side) { self.arms[side] } else { Vector3::zeros() }
+    }
+
+    /// Mean velocity of the second side's surface over the step if that is led, else zero, m/s.
+    pub(crate) fn drive(&self) -> Vector3<f64> {
+        if self.led { self.arms[1] } else { Vector3::zeros() }
+    }
+
+    /// Where it is along both sides, in segments.
+    pub(crate) fn at(&self) -> [f64; 2] {
+        along(self.segments, self.fractions)
+    }
+
+    /// How far it is from another place of its pair along either side, at most, in segments.
+    pub(crate) fn apart(&self, [u, v]: [f64; 2]) -> f64 {
+        let [s, t] = self.at();
+        (s - u).abs().max((t - v).abs())
+    }
+
+    /// The segment of the first side if that is a fibre.
+    pub(crate) fn segment(&self) -> Option<usize> {
+        matches!(self.sides[0], Partner::Fiber(_)).then_some(self.segments[0] as usize)
+    }
+
+    /// Angle from the first side's axis to the second's about the normal, rad.
+    pub(crate) fn turn(&self) -> f64 {
+        let [axis, other] = [0, 1].map(|side| self.axis(side));
+        other.dot(&self.normal.cross(&axis)).atan2(other.dot(&axis))
+    }
+
+    /// Normal, along the first side from root to tip, across it; without an axis any two directions across the
+    /// normal.
+    pub(crate) fn frame(&self) -> Matrix3<f64> {
+        let (normal, axis) = (&self.normal, self.axis(0));
+        let along = axis - normal * normal.dot(&axis);
+        let end_on = || {
+            let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+            // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
+            let tilt = if axis == Vector3::zeros() { 0.0 } else { TILT };
+            ((normal + tilt * aside).normalize(), aside)
+        };
+        let oblique = along.try_normalize(1e-6 * axis.norm()).map(|along| (*normal, along));
+        let (normal, along) = oblique.unwrap_or_else(end_on);
+        // Once more, for what rounding left along the normal.
+        let along = (along - normal * normal.dot(&along)).normalize();
+        Matrix3::from_columns(&[normal, along, normal.cross(&along)])
+    }
+
+    pub(crate) fn rank(&self) -> Rank {
+        Rank::new(self.sides, self.segments, self.fractions)
+    }
+
+    /// Whether two are of one pair, and not far from each other.
+    pub(crate) fn near(&self, other: &Self) -> bool {
+        self.sides == other.sides && self.apart(other.at()) < 0.1
+    }
+
+    /// Whether two touches of one pair lie beside each other with normals that face each other.
+    pub(crate) fn opposes(&self, other: &Self) -> bool {
+        let facing = if self.sides.iter().any(Partner::is_object) { 0.0 } else { FACING };
+        self.apart(other.at()) < 1.0 && self.normal.dot(&other.normal) < facing
+    }
+}
+
+/// Places that are nearer to each other along both sides, in segments, are one: named by two segments that
+/// share a node, or two nodes that face each other where fibres were laid side by side.
+const SAME: f64 = 1e-4;
+
+/// From this number on, sides are objects.
+const OBJECTS: u32 = 1 << 31;
+
+/// By pair, then by place, then by segments: of two that name one node the same comes first whatever
+/// the order in which they were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Rank {
+    /// Fibres before objects.
+    sides: [u32; 2],
+    /// In segments; places are not negative, so that their bits are in order.
+    at: [u64; 2],
+    segments: [u32; 2],
+}
+
+impl Rank {
+    pub(crate) fn new(sides: [Partner; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
+        let at = along(segments, fractions).map(f64::to_bits);
+        let sides = sides.map(|side| match side {
+            Partner::Fiber(fiber) => fiber,
+            Partner::Object(object) => OBJECTS + object,
+        });
+        Self { sides, at, segments }
+    }
+
+    /// Whether two are the same place.
+    pub(crate) fn same(&self, other: &Self) -> bool {
+        self.sides == other.sides && same_place(self.at, other.at)
+    }
+}
+
+/// Whether two are the same place of a pair, in the bits of segments along both.
+pub(crate) fn same_place(a: [u64; 2], b: [u64; 2]) -> bool {
+    let near = |i: usize| (f64::from_bits(a[i]) - f64::from_bits(b[i])).abs() < SAME;
+    near(0) && near(1)
+}
+
+/// Puts some things between those of a list, both in order, where `after` tells whether one of the list
+/// comes after one of the others. Costs no more than what has to move.
+pub(crate) fn merge<T: Copy>(
+    list: &mut Vec<T>,
+    mut others: Vec<T>,
+    after: impl Fn(&T, &T) -> bool,
+) {
+    let (mut left, mut at) = (list.len(), list.len() + others.len());
+    list.reserve_exact(others.len());
+    list.extend_from_slice(&others);
+    while let Some(last) = others.last() {
+        at -= 1;
+        if left > 0 && after(&list[left - 1], last) {
+            left -= 1;
+            list[at] = list[left];
+        } else {
+            list[at] = *last;
+            others.pop();
+        }
+    }
+}
+
+/// Keeps what does not go.
+pub(crate) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
+    // Of most lists nothing does.
+    if goes.contains(&true) {
+        let mut goes = goes.into_iter();
+        list.retain(|_| !goes.next().unwrap_or_default());
+    }
+}
+
+/// The touches of a list together with those of another that are deeper than `depth`, in place of
+/// those that oppose them or are near them, unless there is nothing to `replace` any more: then only what is
+/// both goes, as fibres that cross at a small angle may need two with opposite normals. Both are sorted.
+pub(crate) fn merged(
+    mut list: Vec<Touch>,
+    other: &[Touch],
+    depth: f64,
+    replace: bool,
+) -> Vec<Touch> {
+    let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
+    list.retain(|touch| {
+        let start = new.partition_point(|deep| deep.sides < touch.sides);
+        let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
+        let deep = of_pair.find(|deep| {
+            let [opposes, near] = [deep.opposes(touch), deep.near(touch)];
+            if replace { opposes || near } else { opposes && near }
+        });
+        let Some(deep) = deep else { return true };
+        deep.bonded |= touch.bonded;
+        if deep.impulse == Vector3::zeros() {
+            deep.impulse = touch.impulse;
+        }
+        false
+    });
+    merge(&mut list, new, |touch, deep| touch.rank() > deep.rank());
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A touch of two fibres at a place along both, in segments, its normal up or down.
+    fn touch(place: f64, up: f64, gap: f64) -> Touch {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
+        let segment = place as u32;
+        Touch {
+            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+            segments: [segment; 2],
+            fractions: [place.fract(); 2],
+            normal: Vector3::z() * up,
+            arms: [Vector3::x(); 2],
+            gap,
+            impulse: Vector3::zeros(),
+            working: false,
+            bonded: false,
+            led: false,
+        }
+    }
+
+    /// Fibres that cross at a small angle touch on opposite sides: one takes the other's place at first, and
+    /// when both have turned up again and again, both stay. At one place there is but one.
+    #[test]
+    fn opposite_touches_stay_both_in_the_end() {
+        let places = |new: &Touch, replace: bool| -> Vec<f64> {
+            let merged = merged(vec![touch(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
+            merged.iter().map(|touch| touch.at()[0]).collect()
+        };
+        let (beside, there) = (touch(2.9, -1.0, -1e-5), touch(3.25, -1.0, -1e-5));
+        assert_eq!((places(&beside, true), places(&beside, false)), (vec![2.9], vec![2.9, 3.2]));
+        assert_eq!((places(&there, true), places(&there, false)), (vec![3.25], vec![3.25]));
+        let alike = touch(3.25, 1.0, -1e-5);
+        assert_eq!((places(&alike, true), places(&alike, false)), (vec![3.25], vec![3.2, 3.25]));
+        let shallow = touch(2.9, -1.0, -1e-7);
+        assert_eq!((places(&shallow, true), places(&shallow, false)), (vec![3.2], vec![3.2]));
+    }
+
+    proptest! {
+        #[test]
+        fn merging_sorts(mut list in prop::collection::vec(0..20, 0..20), mut others in prop::collection::vec(0..20, 0..20)) {
+            list.sort_unstable();
+            others.sort_unstable();
+            let mut all = [list.clone(), others.clone()].concat();
+            all.sort_unstable();
+            merge(&mut list, others, |a, b| a > b);
+            prop_assert_eq!(list, all);
+        }
+    }
+}

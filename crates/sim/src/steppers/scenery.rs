@@ -1,0 +1,120 @@
+use crate::folder::{SPRINGS_USD, USD};
+use crate::scene::{Joint, MassSpring, Scene, Tip};
+use crate::stepper::{FiberStates, Scenery};
+use rapunzel_export::Strand;
+use rapunzel_export::preview::Support;
+use rapunzel_export::usd::{Prim, Shape};
+use std::ops::Range;
+
+/// Colours of hair, bundle by bundle: red, green and blue, linear.
+const HAIR: [[f64; 3]; 6] = [
+    [0.09, 0.045, 0.02],
+    [0.35, 0.2, 0.08],
+    [0.25, 0.06, 0.02],
+    [0.03, 0.02, 0.015],
+    [0.55, 0.4, 0.2],
+    [0.35, 0.33, 0.3],
+];
+/// From the start on.
+const ALWAYS: Range<f64> = 0.0..f64::INFINITY;
+
+/// Number of nodes of each fibre.
+pub(super) fn fiber_nodes(fibers: &dyn FiberStates) -> Vec<usize> {
+    let layout = fibers.assembly().layout();
+    (0..layout.fibers()).map(|fiber| layout.node_range(fiber).len()).collect()
+}
+
+/// All fibres as they are now, one after another: all strands together are half as much as the state.
+pub(super) fn fiber_strands(fibers: &dyn FiberStates) -> impl Iterator<Item = Strand> {
+    let assembly = fibers.assembly();
+    (0..assembly.fibers().len()).map(move |fiber| {
+        let state = fibers.state(fiber);
+        Strand {
+            points: state.positions,
+            radii: assembly.radii()[assembly.layout().node_range(fiber)].to_vec(),
+            velocities: state.velocities,
+            frames: state.frames,
+            curvatures: state.curvatures,
+            forces: state.forces,
+        }
+    })
+}
+
+impl Scenery {
+    /// The USD layer of fibres, and the prim that holds them.
+    pub(crate) const FIBERS: (&'static str, &'static str) = (USD, "Fibers");
+    /// The USD layer of springs, and the prim that holds them.
+    pub(crate) const SPRINGS: (&'static str, &'static str) = (SPRINGS_USD, "Springs");
+    /// Colour of springs and other lines: red, green and blue, linear.
+    pub(crate) const ROPE: [f64; 3] = [0.5, 0.4, 0.25];
+
+    /// The scenery of the fibres of a scene: a prim for each bundle.
+    pub(crate) fn of_fibers(scene: &Scene) -> Self {
+        let bundles = scene.fibers.iter().scan(0, |end, bundle| {
+            let first = *end;
+            *end += bundle.arrangement.fibers();
+            Some(first..*end)
+        });
+        let prim = |(i, strands): (usize, Range<usize>)| Prim {
+            name: format!("Bundle_{i}"),
+            shape: Shape::Curves { strands, guide: false },
+            color: HAIR[i % HAIR.len()],
+        };
+        let prims = bundles.enumerate().map(prim).collect();
+        Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene) }
+    }
+
+    /// The scenery of a mass-spring system at its start: lines, which are a guide to its surface if it
+    /// has one. `places` are strand and point of nodes, `is_held` tells whether something holds a node.
+    pub(crate) fn of_springs(
+        scene: &MassSpring,
+        lines: usize,
+        surface: Option<Shape>,
+        places: impl IntoIterator<Item = (usize, [usize; 2])>,
+        is_held: impl Fn(usize) -> bool,
+    ) -> Self {
+        let shape = Shape::Curves { strands: 0..lines, guide: surface.is_some() };
+        let prim =
+            |(name, shape): (&str, _)| Prim { name: name.to_owned(), shape, color: Self::ROPE };
+        let surface = surface.map(|shape| ("Surface", shape));
+        let prims = surface.into_iter().chain([("Lines", shape)]).map(prim).collect();
+        let mut supports = Vec::new();
+        for (node, [strand, point]) in places {
+            let support = Support { strand, point, clamped: false };
+            let taken = scene.holds.iter().filter(|hold| hold.node == node);
+            let end = |release, until| if release { until } else { f64::INFINITY };
+            if is_held(node) {
+                let ends = taken.clone().map(|hold| end(hold.release, hold.until));
+                supports.push((support, 0.0..ends.fold(f64::INFINITY, f64::min)));
+            }
+            supports.extend(taken.map(|hold| (support, hold.from..end(hold.release, hold.until))));
+        }
+        Self { layer: Self::SPRINGS, prims, supports }
+    }
+}
+
+/// What holds the ends of fibres, and when, s.
+fn fiber_supports(scene: &Scene) -> Vec<(Support, Range<f64>)> {
+    let bundles = scene.fibers.iter();
+    let bundles = bundles.flat_map(|bundle| (0..bundle.arrangement.fibers()).map(move |_| bundle));
+    let supports = bundles.enumerate().flat_map(|(strand, bundle)| {
+        let by = |joint: &Joint| match joint {
+            Joint::Clamped => Some(true),
+            Joint::Ball { .. } => Some(false),
+            Joint::Free => None,
+        };
+        let tip = match &bundle.tip {
+            Tip::Free | Tip::Loaded { .. } => None,
+            Tip::Pulled { until, .. } => Some((true, 0.0..*until)),
+            Tip::Held => Some((true, ALWAYS)),
+            Tip::Driven { joint, .. } => by(joint).map(|clamped| (clamped, ALWAYS)),
+        };
+        let root = by(&bundle.root_joint).map(|clamped| (clamped, ALWAYS));
+        let ends = [(0, root), (bundle.segments, tip)];
+        ends.into_iter().filter_map(move |(point, hold)| {
+            let (clamped, times) = hold?;
+            Some((Support { strand, point, clamped }, times))
+        })
+    });
+    supports.collect()
+}
