@@ -6,7 +6,7 @@ use rapunzel_rod_dynamic::{
 };
 
 /// Rods that are stepped together: one in each lane.
-pub trait Batch: Send + Sync {
+pub trait RodBatch: Send + Sync {
     /// The state of the rod in a lane; allocates.
     fn state(&self, lane: usize) -> RodState;
     /// Puts the rod in a lane into a state.
@@ -51,7 +51,7 @@ pub trait Batch: Send + Sync {
 }
 
 /// Fibres in SIMD lanes.
-impl Batch for StaggeredBatch {
+impl RodBatch for StaggeredBatch {
     fn state(&self, lane: usize) -> RodState {
         self.state(lane)
     }
@@ -132,7 +132,7 @@ impl<I: RodIntegrator> Rods<I> {
     }
 }
 
-impl<I: RodIntegrator + Sync> Batch for Rods<I> {
+impl<I: RodIntegrator + Sync> RodBatch for Rods<I> {
     fn state(&self, lane: usize) -> RodState {
         self.rods[lane].state()
     }

@@ -1,4 +1,4 @@
-use crate::{Partner, Unresolved};
+use crate::{BodyRef, Unresolved};
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_rod_dynamic::{RodError, StepError};
@@ -23,7 +23,7 @@ pub enum CouplingError {
     )]
     Overlap {
         /// The two; fibres are counted over all bundles.
-        sides: [Partner; 2],
+        sides: [BodyRef; 2],
         /// Where along the first, from the root, if that is a fibre.
         segment: Option<usize>,
         /// How deep, m.

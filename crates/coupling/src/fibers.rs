@@ -1,23 +1,23 @@
-use crate::{Batch, CouplingError, EnergyLedger, Group, StepReport, Surroundings};
+use crate::{CouplingError, EnergyLedger, FiberGroup, RodBatch, StepReport, Surroundings};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
 use rayon::prelude::*;
 
 /// All fibres of a scene at one instant, with what acts on them; contacts apart.
-pub struct Fibers<B: Batch + ?Sized> {
+pub struct Fibers<B: RodBatch + ?Sized> {
     assembly: Assembly,
-    pub(crate) groups: Vec<Group<B>>,
+    pub(crate) groups: Vec<FiberGroup<B>>,
     /// Group and lane of every fibre.
     lanes: Vec<(usize, usize)>,
     /// Since the start, if it is kept.
     ledger: Option<EnergyLedger>,
 }
 
-impl<B: Batch + ?Sized> Fibers<B> {
+impl<B: RodBatch + ?Sized> Fibers<B> {
     /// Fibres of an assembly, in its groups and their order; with a ledger of their energy if asked for.
     #[must_use]
-    pub fn new(assembly: Assembly, mut groups: Vec<Group<B>>, keeps_ledger: bool) -> Self {
+    pub fn new(assembly: Assembly, mut groups: Vec<FiberGroup<B>>, keeps_ledger: bool) -> Self {
         let mut lanes = vec![(0, 0); assembly.fibers().len()];
         for (g, group) in groups.iter().enumerate() {
             for (lane, &fiber) in group.fibers.iter().enumerate() {

@@ -1,12 +1,12 @@
 use crate::StepReport;
-use crate::batch::Batch;
+use crate::batch::RodBatch;
 use crate::conditions::{BundleConditions, FiberConditions};
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{self as rod, Conditions, SectionLaws, StaggeredBatch, StepError};
 use std::sync::Arc;
 
 /// A batch of fibres with what acts on them: the unit of parallel work.
-pub struct Group<B: Batch + ?Sized> {
+pub struct FiberGroup<B: RodBatch + ?Sized> {
     /// Indices of the fibres in the assembly, one per lane.
     pub fibers: Vec<usize>,
     /// Their rods.
@@ -15,7 +15,7 @@ pub struct Group<B: Batch + ?Sized> {
     pub lanes: Vec<FiberConditions>,
 }
 
-impl<B: Batch + ?Sized> Group<B> {
+impl<B: RodBatch + ?Sized> FiberGroup<B> {
     /// Moves all fibres of the group from `time` by `dt`, s.
     pub(crate) fn step(&mut self, time: f64, dt: f64) -> Result<StepReport, StepError> {
         let middle = self.load(time, dt)?;
@@ -73,7 +73,7 @@ impl<B: Batch + ?Sized> Group<B> {
 }
 
 /// The parts of a step of fibres in contact.
-impl Group<StaggeredBatch> {
+impl FiberGroup<StaggeredBatch> {
     /// Sets out on the step from `time` by `dt`, s, with impulses (N s) on all nodes of all fibres
     /// at its start, without solving it.
     pub(crate) fn set_out(

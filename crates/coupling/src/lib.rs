@@ -3,6 +3,7 @@
 mod batch;
 mod conditions;
 mod contact;
+mod contact_point;
 mod error;
 mod fibers;
 mod free_body;
@@ -12,19 +13,18 @@ mod object;
 mod pair;
 mod report;
 mod surroundings;
-mod touch;
 
-pub use batch::{Batch, Rods};
+pub use batch::{RodBatch, Rods};
 pub use conditions::{BundleConditions, FiberConditions};
 pub use contact::{
-    Bearing, ContactReport, ContactTimes, ContactWork, FibersInContact, Stopwatch, Unresolved,
+    ActiveContact, ContactReport, ContactTimes, ContactWork, FibersInContact, Stopwatch, Unresolved,
 };
+pub use contact_point::BodyRef;
 pub use error::CouplingError;
 pub use fibers::Fibers;
 pub use free_body::FreeBody;
-pub use group::Group;
+pub use group::FiberGroup;
 pub use ledger::EnergyLedger;
-pub use object::{Field, Geometry, Object, ObjectMotion, extents};
+pub use object::{Field, Object, ObjectGeometry, ObjectMotion, extents};
 pub use report::StepReport;
 pub use surroundings::Surroundings;
-pub use touch::Partner;

@@ -1,7 +1,7 @@
 //! What fibres lie on and bump into, and each other.
 
+use crate::contact_point::{BodyRef, ContactPoint};
 use crate::free_body::FreeBody;
-use crate::touch::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
@@ -21,11 +21,11 @@ const EVEN: f64 = 1e-3;
 pub type Field = Arc<dyn DistanceField + Send + Sync>;
 
 /// What an object is like, in its own frame.
-pub struct Geometry {
+pub struct ObjectGeometry {
     /// Distance to the surface.
     pub field: Field,
     /// Capsules that touch other objects: the edges, or a round shape itself.
-    pub skeleton: Vec<Capsule>,
+    pub edge_capsules: Vec<Capsule>,
     /// What is shown of the surface.
     pub surface: Soup,
     /// Whether the object reaches on beyond what is shown of it.
@@ -34,7 +34,7 @@ pub struct Geometry {
 
 /// A surface and what moves it.
 pub struct Object {
-    pub(crate) geometry: Geometry,
+    pub(crate) geometry: ObjectGeometry,
     /// Corners of the box around the surface, in the object's frame.
     corners: [Point3<f64>; 8],
     /// Smallest extent, m; infinite for what has no end.
@@ -99,7 +99,7 @@ fn at_ends(
 }
 
 /// One fibre before and after a step.
-pub(crate) struct Strand<'a> {
+pub(crate) struct MovingFiber<'a> {
     pub(crate) fiber: u32,
     pub(crate) start: &'a [Point3<f64>],
     pub(crate) end: &'a [Point3<f64>],
@@ -110,7 +110,7 @@ impl Object {
     /// An object; `friction` and `restitution` stand in for the scene's where they are given.
     #[must_use]
     pub fn new(
-        geometry: Geometry,
+        geometry: ObjectGeometry,
         motion: ObjectMotion,
         friction: Option<Friction>,
         restitution: Option<f64>,
@@ -210,7 +210,7 @@ impl Object {
 
     /// The same of what touches other objects: a round shape turns in itself.
     pub(crate) fn way_of_skeleton(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
-        match self.geometry.skeleton[..] {
+        match self.geometry.edge_capsules[..] {
             [Capsule { start, end, .. }] => longest_way(&[start, end], poses),
             _ => self.way(poses),
         }
@@ -228,10 +228,10 @@ impl Object {
     pub(crate) fn touches(
         &self,
         index: u32,
-        strand: &Strand,
+        strand: &MovingFiber,
         span: [f64; 2],
         margin: f64,
-        found: &mut Vec<Touch>,
+        found: &mut Vec<ContactPoint>,
     ) {
         let poses = self.poses(span);
         let field = &*self.geometry.field;
@@ -303,8 +303,8 @@ impl Object {
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                 let segment = s as u32;
-                found.push(Touch {
-                    sides: [Partner::Fiber(strand.fiber), Partner::Object(index)],
+                found.push(ContactPoint {
+                    sides: [BodyRef::Fiber(strand.fiber), BodyRef::Object(index)],
                     segments: [segment, 0],
                     fractions: [contact.fraction, 0.0],
                     normal,
@@ -372,14 +372,14 @@ mod tests {
     const RADIUS: f64 = 3.5e-5;
 
     /// The touches of one segment, 3 mm long, whose ends have these gaps above the top of a shape.
-    fn touches(field: Field, gaps: [f64; 2]) -> Vec<Touch> {
+    fn touches(field: Field, gaps: [f64; 2]) -> Vec<ContactPoint> {
         let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
-        let geometry = Geometry { field, skeleton: Vec::new(), surface, endless: true };
+        let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
         let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
         let object = Object::new(geometry, rests, None, None);
         let [a, b] = gaps.map(|gap| RADIUS + gap);
         let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
-        let strand = Strand { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
+        let strand = MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
         let mut found = Vec::new();
         object.touches(0, &strand, [0.0, 1e-3], RADIUS, &mut found);
         found

@@ -4,8 +4,8 @@
 //! edges of the one on faces and edges of the other are all places where solids can first meet. A
 //! round shape is its own skeleton, and tells all of a pair alone.
 
+use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::{Object, ObjectMotion};
-use crate::touch::{Partner, Touch};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::field::{DistanceField, FieldContact, Posed, Search};
@@ -38,21 +38,21 @@ pub(crate) fn pairs(objects: &[Object]) -> Vec<[u32; 2]> {
 
 /// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`, m,
 /// at its end.
-pub(crate) fn touches(objects: &[Object], span: [f64; 2], margin: f64) -> Vec<Touch> {
+pub(crate) fn touches(objects: &[Object], span: [f64; 2], margin: f64) -> Vec<ContactPoint> {
     let found = pairs(objects).into_par_iter().map(|numbers| {
-        let pair = Pair::new(objects, numbers);
-        pair.touches(numbers.map(Partner::Object), span, margin)
+        let pair = ObjectPair::new(objects, numbers);
+        pair.touches(numbers.map(BodyRef::Object), span, margin)
     });
     found.collect::<Vec<_>>().concat()
 }
 
 /// Two objects, the first of them free.
-pub(crate) struct Pair<'a>([&'a Object; 2]);
+pub(crate) struct ObjectPair<'a>([&'a Object; 2]);
 
 /// Poses of the two at the start and at the end of a step.
 type Poses = [[Isometry3<f64>; 2]; 2];
 
-impl<'a> Pair<'a> {
+impl<'a> ObjectPair<'a> {
     pub(crate) fn new(objects: &'a [Object], numbers: [u32; 2]) -> Self {
         Self(numbers.map(|i| &objects[i as usize]))
     }
@@ -86,17 +86,17 @@ impl<'a> Pair<'a> {
 
     /// The touches at the end of a step. Where an axis has come into the other, inside of which faces
     /// are told by chance, they are those of the start, as in a rebound that has been missed.
-    fn touches(&self, sides: [Partner; 2], span: [f64; 2], margin: f64) -> Vec<Touch> {
+    fn touches(&self, sides: [BodyRef; 2], span: [f64; 2], margin: f64) -> Vec<ContactPoint> {
         let poses = self.0.map(|object| object.poses(span));
         let [start, end] =
-            [0, 1].map(|when| Step { pair: self, sides, poses, when, dt: span[1], margin });
+            [0, 1].map(|when| PairStep { pair: self, sides, poses, when, dt: span[1], margin });
         let (touches, inside) = end.touches(margin);
         if inside { start.touches(margin + self.way(&poses)).0 } else { touches }
     }
 
     /// Which of the two are searched in the other's field.
     fn searched(&self) -> Vec<usize> {
-        let is_round = |&i: &usize| self.0[i].geometry.skeleton.len() == 1;
+        let is_round = |&i: &usize| self.0[i].geometry.edge_capsules.len() == 1;
         [0, 1].into_iter().find(is_round).map_or_else(|| vec![0, 1], |round| vec![round])
     }
 }
@@ -109,9 +109,9 @@ fn at(field: &impl DistanceField, capsule: &Capsule, fraction: f64) -> FieldCont
 }
 
 /// A step of a pair, whose contacts are taken at its start or its end, 0 or 1.
-struct Step<'a> {
-    pair: &'a Pair<'a>,
-    sides: [Partner; 2],
+struct PairStep<'a> {
+    pair: &'a ObjectPair<'a>,
+    sides: [BodyRef; 2],
     poses: Poses,
     when: usize,
     dt: f64,
@@ -119,9 +119,9 @@ struct Step<'a> {
     margin: f64,
 }
 
-impl Step<'_> {
+impl PairStep<'_> {
     /// The touches with gaps up to `reach`, m, where they are taken, and whether an axis is inside there.
-    fn touches(&self, reach: f64) -> (Vec<Touch>, bool) {
+    fn touches(&self, reach: f64) -> (Vec<ContactPoint>, bool) {
         let (objects, poses) = (self.pair.0, self.poses.map(|of_one| of_one[self.when]));
         if self.pair.is_apart([&poses[0], &poses[1]], reach) {
             return (Vec::new(), false);
@@ -137,7 +137,7 @@ impl Step<'_> {
                 let half = 0.5 * (bone.end - bone.start).norm();
                 (bone.at(0.5) - center).norm() <= radius + half + bone.radius + reach
             };
-            let bones = (0..).zip(&objects[of].geometry.skeleton);
+            let bones = (0..).zip(&objects[of].geometry.edge_capsules);
             for (number, bone) in bones.filter(|(_, bone)| is_near(bone)) {
                 let [start, end] = [bone.start, bone.end].map(|p| poses[of] * p);
                 let bone = Capsule { start, end, ..*bone };
@@ -164,7 +164,7 @@ impl Step<'_> {
         number: u32,
         bone: &Capsule,
         contact: &FieldContact,
-    ) -> (Touch, Point3<f64>) {
+    ) -> (ContactPoint, Point3<f64>) {
         let FieldContact { fraction, gap, normal } = *contact;
         let axis = bone.at(fraction);
         let foot = axis - normal * (bone.radius + gap);
@@ -179,7 +179,7 @@ impl Step<'_> {
         // Numbers of one skeleton are so far apart that no two of its capsules are taken for one.
         let (mut segments, mut fractions) = ([0; 2], [0.0; 2]);
         (segments[of], fractions[of]) = (2 * number + 1, fraction);
-        let touch = Touch {
+        let touch = ContactPoint {
             sides: self.sides,
             segments,
             fractions,
@@ -203,10 +203,10 @@ impl Step<'_> {
 }
 
 /// Drops all but the first of those that name one place, to within `distance`, m, and one normal.
-fn distinct(found: Vec<(Touch, Point3<f64>)>, distance: f64) -> Vec<Touch> {
-    let mut kept: Vec<(Touch, Point3<f64>)> = Vec::new();
+fn distinct(found: Vec<(ContactPoint, Point3<f64>)>, distance: f64) -> Vec<ContactPoint> {
+    let mut kept: Vec<(ContactPoint, Point3<f64>)> = Vec::new();
     for (touch, place) in found {
-        let same = |(other, at): &(Touch, Point3<f64>)| {
+        let same = |(other, at): &(ContactPoint, Point3<f64>)| {
             (place - at).norm() <= distance && touch.normal.dot(&other.normal) > PARALLEL
         };
         if !kept.iter().any(same) {

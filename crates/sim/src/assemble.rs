@@ -8,7 +8,7 @@ use crate::{Plan, SimError, World};
 use nalgebra::{Point3, Vector3};
 use rapunzel_charging::{ChargedFibers, HeadGeometry};
 use rapunzel_coupling::{
-    Batch, BundleConditions, FiberConditions, Fibers, FibersInContact, Group, Object, Rods,
+    BundleConditions, FiberConditions, FiberGroup, Fibers, FibersInContact, Object, RodBatch, Rods,
     Surroundings,
 };
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -137,11 +137,11 @@ fn stepper(
 }
 
 /// The fibres of an assembly in its groups, each group as `batch` makes it.
-fn groups<B: Batch + ?Sized>(
+fn groups<B: RodBatch + ?Sized>(
     assembly: &Assembly,
     starts: &[Start],
     batch: impl Fn(&[&Start]) -> Result<Box<B>, RodError>,
-) -> Result<Vec<Group<B>>, SimError> {
+) -> Result<Vec<FiberGroup<B>>, SimError> {
     let group = |fibers: &[usize]| {
         let starts: Vec<&Start> = fibers.iter().map(|&fiber| &starts[fiber]).collect();
         let bundle = starts[0].bundle;
@@ -152,7 +152,7 @@ fn groups<B: Batch + ?Sized>(
             tip: batch.state(lane).tip(&start.rod.fiber),
         };
         let lanes = starts.iter().enumerate().map(lane).collect();
-        Ok(Group { fibers: fibers.to_vec(), batch, lanes })
+        Ok(FiberGroup { fibers: fibers.to_vec(), batch, lanes })
     };
     assembly.groups().map(group).collect()
 }
@@ -326,7 +326,7 @@ fn batch(
     method: Method,
     tolerance: Option<f64>,
     starts: &[&Start],
-) -> Result<Box<dyn Batch>, RodError> {
+) -> Result<Box<dyn RodBatch>, RodError> {
     match method {
         Method::Staggered { rho_infinity } if tolerance.is_none() => {
             Ok(side_by_side(StaggeredBatch::new(rods(starts), rho_infinity)?, starts)?)

@@ -27,7 +27,7 @@ pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim, in_use};
 pub use rapunzel_charging::{ChargeReport, ChargingError};
 pub use rapunzel_coupling::{
-    Bearing, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger, Partner,
+    ActiveContact, BodyRef, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger,
     StepReport, Stopwatch, Surroundings, Unresolved,
 };
 pub use rapunzel_scene::{self as scene, Plan, Scene};

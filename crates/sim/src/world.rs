@@ -4,7 +4,7 @@ use crate::{ChargeReport, ContactWork, EnergyLedger, SimError, scene::Environmen
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
-use rapunzel_coupling::{Bearing, Object, StepReport, Stopwatch, Surroundings};
+use rapunzel_coupling::{ActiveContact, Object, StepReport, Stopwatch, Surroundings};
 use rapunzel_electrostatics::Fields;
 use rapunzel_export::surface::Placed;
 use rapunzel_fiber::Assembly;
@@ -244,7 +244,7 @@ impl World {
 
     /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
     /// by place.
-    pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
+    pub fn contacts(&self) -> impl Iterator<Item = ActiveContact> {
         self.stepper.in_contact().into_iter().flat_map(|fibers| fibers.contacts())
     }
 

@@ -1,10 +1,10 @@
-use super::memory::{Bearing, Memory};
+use super::contact_work::ContactWork;
+use super::phase_times::Stopwatch;
 use super::report::ContactReport;
 use super::stepper::ContactStepper;
-use super::system::System;
-use super::times::Stopwatch;
-use super::work::ContactWork;
-use crate::touch::Partner;
+use super::system::CoupledSystem;
+use super::warm_start::{ActiveContact, WarmStart};
+use crate::contact_point::BodyRef;
 use crate::{CouplingError, Fibers, StepReport, Surroundings};
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{RodError, StaggeredBatch};
@@ -27,7 +27,7 @@ impl FibersInContact {
         mut fibers: Fibers<StaggeredBatch>,
         around: &mut Surroundings,
     ) -> Result<Self, CouplingError> {
-        let stepper = ContactStepper::new(settings, &System::new(&mut fibers, around))?;
+        let stepper = ContactStepper::new(settings, &CoupledSystem::new(&mut fibers, around))?;
         Ok(Self { fibers, stepper })
     }
 
@@ -52,14 +52,14 @@ impl FibersInContact {
         around: &mut Surroundings,
         dt: f64,
     ) -> Result<StepReport, CouplingError> {
-        let mut system = System::new(&mut self.fibers, around);
+        let mut system = CoupledSystem::new(&mut self.fibers, around);
         // A step has thousands of parallel loops: a thread outside the pool would sleep at each.
-        rayon::scope(|_| self.stepper.step_in_parts(&mut system, dt))
+        rayon::scope(|_| self.stepper.step_in_substeps(&mut system, dt))
     }
 
     /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
     /// by place.
-    pub fn contacts(&self) -> impl Iterator<Item = Bearing> {
+    pub fn contacts(&self) -> impl Iterator<Item = ActiveContact> {
         self.stepper.memory.bearings()
     }
 
@@ -67,7 +67,7 @@ impl FibersInContact {
     /// Cost: that of looking at all contacts.
     #[must_use]
     pub fn force_on(&self, object: usize) -> Vector3<f64> {
-        let of = |side| matches!(side, Partner::Object(number) if number as usize == object);
+        let of = |side| matches!(side, BodyRef::Object(number) if number as usize == object);
         let forces = self.contacts().flat_map(|contact| {
             let forces = contact.sides.into_iter().zip([contact.force, -contact.force]);
             forces.filter(|(side, _)| of(*side)).map(|(_, force)| force)
@@ -112,7 +112,7 @@ impl FibersInContact {
         let wrong = RodError::Length { what: "saved lists", expected, found: saved.len() };
         let (fibers, contacts) = saved.split_at_checked(expected).ok_or(wrong.clone())?;
         self.fibers.restore(fibers)?;
-        self.stepper.memory = Memory::restored(contacts).ok_or(wrong)?;
+        self.stepper.memory = WarmStart::restored(contacts).ok_or(wrong)?;
         Ok(())
     }
 }

@@ -1,9 +1,9 @@
-use super::system::System;
+use super::system::CoupledSystem;
 use crate::CouplingError;
-use crate::pair::{Pair, pairs};
+use crate::pair::{ObjectPair, pairs};
 
 /// Refuses a step of `dt`, s, in which an object would jump over fibres or another object.
-pub(super) fn refuse_leaps(system: &System, dt: f64) -> Result<(), CouplingError> {
+pub(super) fn refuse_leaps(system: &CoupledSystem, dt: f64) -> Result<(), CouplingError> {
     let segments =
         system.fibers.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
     let (segment, time) = (segments.fold(f64::INFINITY, f64::min), system.start);
@@ -20,7 +20,8 @@ pub(super) fn refuse_leaps(system: &System, dt: f64) -> Result<(), CouplingError
         refuse(object, one.way(&poses[object]), one.size.min(segment))?;
     }
     for numbers in pairs(system.objects) {
-        let (pair, [a, b]) = (Pair::new(system.objects, numbers), numbers.map(|i| i as usize));
+        let (pair, [a, b]) =
+            (ObjectPair::new(system.objects, numbers), numbers.map(|i| i as usize));
         let way = pair.way(&[poses[a], poses[b]]);
         if !pair.is_apart([&poses[a][0], &poses[b][0]], way) {
             refuse(a, way, pair.most_way())?;

@@ -4,10 +4,10 @@
 //! method, and every iteration solves all contacts together with the linearised rods:
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
-//! 2. touches are found where that would lead, as well as on the way there (`detect`, `passing`). A touch
+//! 2. touches are found where that would lead, as well as on the way there (`detection`, `tunnelling`). A touch
 //!    that has changed sides beside one of its pair that has not is none;
-//! 3. the rods are linearised where they are, all impulses are solved for (`case`) as well as that
-//!    is of use (`effort`), and the rods take the increment that belongs to them;
+//! 3. the rods are linearised where they are, all impulses are solved for (`problem`) as well as that
+//!    is of use (`forcing_term`), and the rods take the increment that belongs to them;
 //! 4. 3 repeats, with places and normals of the contacts kept, until rods and law agree, or until it is
 //!    seen that others are missing;
 //! 5. touches are looked for where the fibres really are. Those that are too deep replace or join
@@ -18,42 +18,42 @@
 //!
 //! Only contacts that bear something or would close are solved for: others would hold the solver
 //! back. After some lists none is dropped any more, so that no two take turns for ever. Of long lists
-//! most are not even looked at: they open faster than anything near them has changed (`case::openings`).
+//! most are not even looked at: they open faster than anything near them has changed (`problem::culling`).
 //!
 //! Solving contacts within Newton's method, not around it, is what makes violent steps converge: a
 //! rod that buckles under given forces is held by the very contacts that press it. A step that does
 //! not end so is taken in halves (`stepper`).
 //!
-//! Objects are led on a way of their own or move freely (`free`): then they are bodies of the solver
+//! Objects are led on a way of their own or move freely (`free_body`): then they are bodies of the solver
 //! as the fibres are, and touch other objects too (`pair`).
 //!
 //! Contacts act on the axes of fibres: friction does not spin them.
 
-mod body;
-mod case;
-mod cut;
-mod detect;
-mod effort;
-mod explicit;
-mod fiber_touch;
-mod film;
-mod gather;
+mod adhesive_film;
+mod contact_work;
+mod delassus;
+mod detection;
+mod fiber_contacts;
+mod forcing_term;
+mod group_body;
 mod in_contact;
-mod law;
+mod initial_overlaps;
+mod laws;
 mod leaps;
-mod memory;
-mod part;
-mod passing;
+mod node_arrays;
+mod phase_times;
+mod problem;
 mod report;
-mod start;
 mod stepper;
+mod substep;
+mod substep_failure;
 mod system;
-mod times;
+mod tunnelling;
 mod velocities;
-mod work;
+mod warm_start;
 
+pub use contact_work::ContactWork;
 pub use in_contact::FibersInContact;
-pub use memory::Bearing;
+pub use phase_times::{ContactTimes, Stopwatch};
 pub use report::{ContactReport, Unresolved};
-pub use times::{ContactTimes, Stopwatch};
-pub use work::ContactWork;
+pub use warm_start::ActiveContact;

@@ -1,4 +1,4 @@
-use crate::touch::{Partner, Touch};
+use crate::contact_point::{BodyRef, ContactPoint};
 use serde::{Deserialize, Serialize};
 
 /// What the contacts of a step, or of a run, were and cost.
@@ -37,7 +37,7 @@ pub struct Unresolved {
     /// Start of the part of a step, s.
     pub time: f64,
     /// The two that touch: a fibre before an object.
-    pub sides: [Partner; 2],
+    pub sides: [BodyRef; 2],
     /// The segment of the first, from the root, if that is a fibre.
     pub segment: Option<usize>,
     /// How deep they are in each other, m; negative if they are not.
@@ -69,12 +69,12 @@ impl ContactReport {
 }
 
 impl Unresolved {
-    pub(super) fn new(time: f64, touch: &Touch) -> Self {
+    pub(super) fn new(time: f64, touch: &ContactPoint) -> Self {
         Self { time, sides: touch.sides, segment: touch.segment(), depth: -touch.gap }
     }
 
     /// Where the deepest of some touches is.
-    pub(super) fn deepest(time: f64, touches: &[Touch]) -> Option<Self> {
+    pub(super) fn deepest(time: f64, touches: &[ContactPoint]) -> Option<Self> {
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
         Some(Self::new(time, deepest))
     }

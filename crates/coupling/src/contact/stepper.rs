@@ -1,20 +1,22 @@
-use super::case::{Case, Room};
-use super::cut::{Cut, lost};
-use super::detect::{self, Detector};
-use super::effort::Effort;
-use super::film::Film;
-use super::law::Laws;
+use super::adhesive_film::AdhesiveFilm;
+use super::contact_work::ContactWork;
+use super::detection::{self, ContactDetector};
+use super::forcing_term::ForcingTerm;
+use super::initial_overlaps;
+use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
-use super::memory::Memory;
-use super::memory::{Expected, Remembered, glue, recall, recalled, remember};
-use super::part::Part;
+use super::phase_times::Stopwatch;
+use super::phase_times::{ContactTimes, PhaseTimer};
+use super::problem::{ContactProblem, ProblemWorkspace};
 use super::report::Unresolved;
-use super::start;
-use super::system::System;
-use super::times::Stopwatch;
-use super::times::{ContactTimes, Laps};
-use super::work::ContactWork;
-use crate::touch::{Touch, merged};
+use super::substep::Substep;
+use super::substep_failure::{SubstepFailure, lost};
+use super::system::CoupledSystem;
+use super::warm_start::WarmStart;
+use super::warm_start::{
+    CachedImpulse, ExpectedImpulses, bonds_within, cache_impulses, cached_impulses, match_cached,
+};
+use crate::contact_point::{ContactPoint, merged};
 use crate::{CouplingError, StepReport};
 use nalgebra::Vector3;
 use rapunzel_collision::{CollisionError, segment_radii};
@@ -51,40 +53,45 @@ const MOST_HALVINGS: u32 = 6;
 /// Fibres with all contacts among them and with objects.
 pub(super) struct ContactStepper {
     settings: ContactSettings,
-    film: Option<Film>,
-    detector: Detector,
+    film: Option<AdhesiveFilm>,
+    detector: ContactDetector,
     solver: Polished,
     /// Of all segments, m.
     radii: Vec<f64>,
     /// The smallest, m.
     radius: f64,
     /// At the start of a run.
-    bonds: Vec<Remembered>,
+    bonds: Vec<CachedImpulse>,
     /// The touches of the step before, whose room those of the next take.
-    touches: Vec<Touch>,
+    touches: Vec<ContactPoint>,
     /// That of its last case.
-    room: Room,
+    room: ProblemWorkspace,
     /// What the phases of the step at hand have taken.
     times: ContactTimes,
     /// What touched in the last part.
-    pub(super) memory: Memory,
+    pub(super) memory: WarmStart,
     /// What tells how long phases take.
     pub(super) stopwatch: Option<Stopwatch>,
 }
 
 impl ContactStepper {
     /// Refuses a world that starts too deep in itself, and puts bonds where it touches itself.
-    pub(super) fn new(settings: ContactSettings, system: &System) -> Result<Self, CouplingError> {
+    pub(super) fn new(
+        settings: ContactSettings,
+        system: &CoupledSystem,
+    ) -> Result<Self, CouplingError> {
         let radii =
             segment_radii(system.fibers.assembly().layout(), system.fibers.assembly().radii());
         let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        let film = settings.adhesion.map(|adhesion| Film::new(adhesion, radius)).transpose()?;
+        let film =
+            settings.adhesion.map(|adhesion| AdhesiveFilm::new(adhesion, radius)).transpose()?;
         let film = film.flatten();
         let bonds = settings.adhesion.and_then(Adhesion::bonds);
-        let of_film = || film.as_ref().map_or(0.0, Film::reach);
+        let of_film = || film.as_ref().map_or(0.0, AdhesiveFilm::reach);
         let range = bonds.map_or_else(of_film, |bonds| bonds.range);
-        let detector = Detector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
+        let detector =
+            ContactDetector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         let mut solver = Polished::new(Tolerance::EXACT);
         if settings.solver == ContactMethod::Splitting {
             solver.splits = usize::MAX;
@@ -98,15 +105,16 @@ impl ContactStepper {
             radius,
             bonds: Vec::new(),
             touches: Vec::new(),
-            room: Room::default(),
+            room: ProblemWorkspace::default(),
             times: ContactTimes::default(),
-            memory: Memory::default(),
+            memory: WarmStart::default(),
             stopwatch: None,
         };
         let depths = [radius, stepper.depth()];
-        let touches = start::touches(system, &mut stepper.detector, &stepper.radii, depths)?;
+        let touches =
+            initial_overlaps::touches(system, &mut stepper.detector, &stepper.radii, depths)?;
         if let Some(bonds) = bonds {
-            stepper.bonds = glue(&touches, bonds.range);
+            stepper.bonds = bonds_within(&touches, bonds.range);
         }
         Ok(stepper)
     }
@@ -115,9 +123,9 @@ impl ContactStepper {
 impl ContactStepper {
     /// Takes the step in parts where it must. A part of the shortest length is taken as far as it
     /// has come, which the report tells.
-    pub(super) fn step_in_parts(
+    pub(super) fn step_in_substeps(
         &mut self,
-        system: &mut System,
+        system: &mut CoupledSystem,
         dt: f64,
     ) -> Result<StepReport, CouplingError> {
         let start = system.start;
@@ -131,7 +139,7 @@ impl ContactStepper {
         while done < whole {
             let length = dt * f64::from(part) / f64::from(whole);
             let time = start + dt * f64::from(done) / f64::from(whole);
-            match self.take(system, time, length, part == 1) {
+            match self.try_substep(system, time, length, part == 1) {
                 Ok(one) => {
                     report.iterations += one.iterations;
                     report.worst_iterations = report.worst_iterations.max(one.worst_iterations);
@@ -141,11 +149,13 @@ impl ContactStepper {
                         part *= 2;
                     }
                 }
-                Err(Cut::Fatal(error)) if part == 1 || !lost(&error) => return Err(error),
-                Err(Cut::Rod(source)) if part == 1 => {
+                Err(SubstepFailure::Fatal(error)) if part == 1 || !lost(&error) => {
+                    return Err(error);
+                }
+                Err(SubstepFailure::Rod(source)) if part == 1 => {
                     return Err(CouplingError::Step { time, source });
                 }
-                Err(Cut::Contacts(worst)) if part == 1 => {
+                Err(SubstepFailure::Contacts(worst)) if part == 1 => {
                     return Err(CouplingError::Lost { time, dt: length, worst });
                 }
                 Err(_) => {
@@ -161,15 +171,15 @@ impl ContactStepper {
 
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
     /// as it comes, unless it leads nowhere or through a fibre.
-    fn take(
+    fn try_substep(
         &mut self,
-        system: &mut System,
+        system: &mut CoupledSystem,
         time: f64,
         dt: f64,
         last: bool,
-    ) -> Result<StepReport, Cut> {
+    ) -> Result<StepReport, SubstepFailure> {
         self.solver.forget();
-        let mut part = Part {
+        let mut part = Substep {
             time,
             dt,
             touches: std::mem::take(&mut self.touches),
@@ -181,10 +191,11 @@ impl ContactStepper {
         let first = self.memory.dt.is_none();
         let bearing = std::mem::take(&mut self.memory.bearing);
         let mut known = if first { self.bonds.clone() } else { bearing };
-        let solved = self.solve(system, &mut part, &Expected { known: &known, scale }, last);
+        let solved =
+            self.solve(system, &mut part, &ExpectedImpulses { known: &known, scale }, last);
         if solved.is_ok() {
             system.accept(time, dt);
-            remember(&part.touches, &mut known);
+            cache_impulses(&part.touches, &mut known);
         } else {
             system.abandon();
             if first {
@@ -202,37 +213,37 @@ impl ContactStepper {
 
     fn solve(
         &mut self,
-        system: &mut System,
-        part: &mut Part,
-        expected: &Expected,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        expected: &ExpectedImpulses,
         last: bool,
-    ) -> Result<(), Cut> {
+    ) -> Result<(), SubstepFailure> {
         let (time, dt) = (part.time, part.dt);
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         system.push(expected.pushes(), time, dt)?;
         system
             .fibers
             .with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
-        laps.book(&mut self.times.rods);
+        laps.lap(&mut self.times.rods);
         self.list(system, part, expected)?;
         let mean = system.fibers.mean_velocities();
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(system, part, expected, &mean, room)?;
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let start = case.certificate(system, &part.touches, &mean);
-        laps.book(&mut self.times.laws);
+        laps.lap(&mut self.times.laws);
         drop(mean);
-        let mut effort = self.rough(Effort::first(self.tolerance(dt).error(&start)));
+        let mut effort = self.rough(ForcingTerm::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
         for list in 0..MOST_LISTS {
             let solved = self.converge(system, part, &mut case, list, effort, last)?;
             let mut bearing = std::mem::take(&mut part.touches);
             case.give_impulses(&mut bearing);
             let deepest = self.look_at_end(system, part, &bearing)?;
-            let mut laps = Laps::start(self.stopwatch);
+            let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = system.fibers.mean_velocities();
             part.work = case.work(system, &bearing, &mean);
-            laps.book(&mut self.times.laws);
+            laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.contacts(), case.active());
             report.lists += 1;
@@ -248,7 +259,7 @@ impl ContactStepper {
                     worst_touch = worst_touch.or_else(|| worst(system, part, &case));
                     // No part is so short that fibres may go through each other.
                     if through || !last {
-                        return Err(Cut::Contacts(worst_touch));
+                        return Err(SubstepFailure::Contacts(worst_touch));
                     }
                     part.report.contact.miss(worst_touch);
                 }
@@ -256,17 +267,17 @@ impl ContactStepper {
                     let bounds = [bonds.strength, self.settings.slip];
                     case.tear(system, &mut part.touches, &mean, bounds)?;
                 }
-                self.room = case.into_room();
+                self.room = case.into_workspace();
                 return Ok(());
             }
             case.set_gaps(system, &mut bearing, &mean, dt);
             part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
-            case = self.case(system, part, expected, &mean, case.into_room())?;
-            effort = self.rough(Effort::where_off(deepest / self.depth()));
+            case = self.case(system, part, expected, &mean, case.into_workspace())?;
+            effort = self.rough(ForcingTerm::where_off(deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| worst(system, part, &case));
         if !last || self.detector.leads_through() {
-            return Err(Cut::Contacts(worst_touch));
+            return Err(SubstepFailure::Contacts(worst_touch));
         }
         part.report.contact.miss(worst_touch);
         Ok(())
@@ -274,12 +285,12 @@ impl ContactStepper {
 
     /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
     /// answers would fling them apart.
-    fn rough(&self, effort: Effort) -> Effort {
-        if self.film.is_some() { Effort::LAST } else { self.of_use(effort) }
+    fn rough(&self, effort: ForcingTerm) -> ForcingTerm {
+        if self.film.is_some() { ForcingTerm::LAST } else { self.of_use(effort) }
     }
 
     /// An effort as far as that is of use.
-    fn of_use(&self, effort: Effort) -> Effort {
+    fn of_use(&self, effort: ForcingTerm) -> ForcingTerm {
         let polished = self.settings.solver == ContactMethod::Polished;
         if polished { effort.polished() } else { effort }
     }
@@ -301,13 +312,13 @@ impl ContactStepper {
     /// what is swept then could be everything.
     fn converge(
         &mut self,
-        system: &mut System,
-        part: &mut Part,
-        case: &mut Case,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        case: &mut ContactProblem,
         list: usize,
-        mut effort: Effort,
+        mut effort: ForcingTerm,
         last: bool,
-    ) -> Result<bool, Cut> {
+    ) -> Result<bool, SubstepFailure> {
         let patient = list >= PATIENCE;
         let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
         for _ in 0..MOST_ITERATIONS {
@@ -320,9 +331,9 @@ impl ContactStepper {
             if list == 0 && !solved && error < CLOSE && self.strays(system, part, case)? {
                 return Ok(false);
             }
-            let mut laps = Laps::start(self.stopwatch);
+            let mut laps = PhaseTimer::start(self.stopwatch);
             let own = largest(system.fibers.for_groups(|group| group.linearize())?);
-            laps.book(&mut self.times.rods);
+            laps.lap(&mut self.times.rods);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
@@ -331,29 +342,35 @@ impl ContactStepper {
             // Fibres may be so entangled by where the step began that no impulses let them through.
             let left = case.error().unwrap_or(f64::INFINITY);
             if !reached && longer && !last && left > PROGRESS * error {
-                return Err(Cut::Contacts(worst(system, part, case)));
+                return Err(SubstepFailure::Contacts(worst(system, part, case)));
             }
             longer = !reached;
-            effort = if longer { effort.again(LONGER) } else { self.of_use(Effort::after(left)) };
+            effort =
+                if longer { effort.again(LONGER) } else { self.of_use(ForcingTerm::after(left)) };
         }
-        if turn > LOST { Err(Cut::Contacts(worst(system, part, case))) } else { Ok(false) }
+        if turn > LOST {
+            Err(SubstepFailure::Contacts(worst(system, part, case)))
+        } else {
+            Ok(false)
+        }
     }
 
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
     /// solution with these contacts would be found to be none.
     fn strays(
         &mut self,
-        system: &System,
-        part: &Part,
-        case: &Case,
+        system: &CoupledSystem,
+        part: &Substep,
+        case: &ContactProblem,
     ) -> Result<bool, CollisionError> {
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let mean = system.fibers.mean_velocities();
         let ends = part.ends(system, &mean);
         let near = case.near(system, &part.touches, &mean, part.dt);
-        let found = detect::gaps(&part.motion(system, &self.radii, &ends), &near)?;
-        laps.book(&mut self.times.detection);
-        let deeper = |(touch, found): (&Touch, f64)| touch.gap.min(0.0) - found > self.depth();
+        let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
+        laps.lap(&mut self.times.detection);
+        let deeper =
+            |(touch, found): (&ContactPoint, f64)| touch.gap.min(0.0) - found > self.depth();
         Ok(near.iter().zip(found).any(deeper))
     }
 
@@ -361,23 +378,24 @@ impl ContactStepper {
     /// impulses act from now on and no others: some may have been expected of touches that are gone.
     fn case(
         &mut self,
-        system: &mut System,
-        part: &Part,
-        expected: &Expected,
+        system: &mut CoupledSystem,
+        part: &Substep,
+        expected: &ExpectedImpulses,
         mean: &[Vector3<f64>],
-        room: Room,
-    ) -> Result<Case, Cut> {
-        let mut laps = Laps::start(self.stopwatch);
+        room: ProblemWorkspace,
+    ) -> Result<ContactProblem, SubstepFailure> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let gravity = system.environment.gravity_at(part.time + 0.5 * part.dt).norm();
-        let laws = Laws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
+        let laws =
+            ContactLaws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
         let gives = self.settings.compliance > 0.0;
-        let before = if gives { recalled(expected, &part.touches) } else { Vec::new() };
-        let case = Case::new(system, &part.touches, mean, part.dt, &laws, before, room)?;
-        laps.book(&mut self.times.laws);
+        let before = if gives { cached_impulses(expected, &part.touches) } else { Vec::new() };
+        let case = ContactProblem::new(system, &part.touches, mean, part.dt, &laws, before, room)?;
+        laps.lap(&mut self.times.laws);
         let pushes = case.pushes(&part.touches);
         system.push(pushes.clone(), part.time, part.dt)?;
         system.fibers.with_impulses(pushes, |group, own| group.press(own))?;
-        laps.book(&mut self.times.rods);
+        laps.lap(&mut self.times.rods);
         Ok(case)
     }
 
@@ -391,25 +409,25 @@ impl ContactStepper {
     /// increment, rad, and whether the contacts were solved as well as asked.
     fn iterate(
         &mut self,
-        system: &mut System,
-        part: &mut Part,
-        case: &mut Case,
-        effort: Effort,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        case: &mut ContactProblem,
+        effort: ForcingTerm,
         patient: bool,
-    ) -> Result<(f64, bool), Cut> {
+    ) -> Result<(f64, bool), SubstepFailure> {
         self.solver.tolerance = effort.of(&self.tolerance(part.dt));
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let one = case.solve(system, &part.touches, &mut self.solver, patient)?;
-        laps.book(&mut self.times.solver);
+        laps.lap(&mut self.times.solver);
         let pushes = case.pushes(&part.touches);
         let turns = system.fibers.with_impulses(pushes.clone(), |group, own| group.advance(own))?;
         system.push(pushes, part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(turns);
-        laps.book(&mut self.times.rods);
+        laps.lap(&mut self.times.rods);
         let found = case.certificate(system, &part.touches, &system.fibers.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
-        laps.book(&mut self.times.laws);
+        laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();
         part.report.worst_iterations += 1;
         let report = &mut part.report.contact;
@@ -424,19 +442,19 @@ impl ContactStepper {
     /// Lists the touches where the step leads, with the impulses expected of them.
     fn list(
         &mut self,
-        system: &System,
-        part: &mut Part,
-        expected: &Expected,
+        system: &CoupledSystem,
+        part: &mut Substep,
+        expected: &ExpectedImpulses,
     ) -> Result<(), CollisionError> {
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let mut touches = std::mem::take(&mut part.touches);
         // Lists take much room: the velocities go before, and come again.
         let ends = part.ends(system, &system.fibers.mean_velocities());
         let motion = part.motion(system, &self.radii, &ends);
         self.detector.touches(&motion, system.objects, &mut touches)?;
-        recall(expected, &mut touches);
+        match_cached(expected, &mut touches);
         part.touches = touches;
-        laps.book(&mut self.times.detection);
+        laps.lap(&mut self.times.detection);
         Ok(())
     }
 
@@ -444,11 +462,11 @@ impl ContactStepper {
     /// most, m, where these do not give way.
     fn look_at_end(
         &mut self,
-        system: &System,
-        part: &mut Part,
-        bearing: &[Touch],
+        system: &CoupledSystem,
+        part: &mut Substep,
+        bearing: &[ContactPoint],
     ) -> Result<f64, CollisionError> {
-        let mut laps = Laps::start(self.stopwatch);
+        let mut laps = PhaseTimer::start(self.stopwatch);
         let mut touches = Vec::new();
         let ends = part.ends(system, &system.fibers.mean_velocities());
         let motion = part.motion(system, &self.radii, &ends);
@@ -457,23 +475,24 @@ impl ContactStepper {
         if self.settings.compliance > 0.0 {
             // What is not listed is no deeper.
             let mut known = Vec::new();
-            remember(bearing, &mut known);
-            let impulses = recalled(&Expected { known: &known, scale: 1.0 }, &touches);
+            cache_impulses(bearing, &mut known);
+            let impulses =
+                cached_impulses(&ExpectedImpulses { known: &known, scale: 1.0 }, &touches);
             let gives = self.settings.compliance / part.dt;
-            let depth = |(touch, impulse): (&Touch, Vector3<f64>)| {
+            let depth = |(touch, impulse): (&ContactPoint, Vector3<f64>)| {
                 -touch.gap - gives * impulse.dot(&touch.normal)
             };
             let depths = touches.iter().zip(impulses).map(depth);
             deepest = depths.fold(deepest.min(shallow), f64::max);
         }
         part.touches = touches;
-        laps.book(&mut self.times.detection);
+        laps.lap(&mut self.times.detection);
         Ok(deepest)
     }
 }
 
 /// The touch that is farthest from its law.
-fn worst(system: &System, part: &Part, case: &Case) -> Option<Unresolved> {
+fn worst(system: &CoupledSystem, part: &Substep, case: &ContactProblem) -> Option<Unresolved> {
     let touch =
         &part.touches[case.worst(system, &part.touches, &system.fibers.mean_velocities())?];
     Some(Unresolved::new(part.time, touch))

@@ -1,6 +1,6 @@
+use crate::contact_point::{BodyRef, ContactImpulse};
 use crate::free_body::moved;
 use crate::object::{Object, ObjectMotion};
-use crate::touch::{Partner, Push};
 use crate::{Fibers, Surroundings};
 use nalgebra::{Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidPoints};
@@ -9,7 +9,7 @@ use rapunzel_scene::Environment;
 use rayon::prelude::*;
 
 /// Fibres and objects while a step of both is solved.
-pub(super) struct System<'a> {
+pub(super) struct CoupledSystem<'a> {
     pub(super) fibers: &'a mut Fibers<StaggeredBatch>,
     pub(super) objects: &'a mut [Object],
     pub(super) environment: &'a Environment,
@@ -17,7 +17,7 @@ pub(super) struct System<'a> {
     pub(super) start: f64,
 }
 
-impl<'a> System<'a> {
+impl<'a> CoupledSystem<'a> {
     pub(super) fn new(
         fibers: &'a mut Fibers<StaggeredBatch>,
         around: &'a mut Surroundings,
@@ -48,11 +48,11 @@ impl<'a> System<'a> {
     }
 }
 
-impl System<'_> {
+impl CoupledSystem<'_> {
     /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some touches.
     pub(super) fn push(
         &mut self,
-        pushes: impl Iterator<Item = Push>,
+        pushes: impl Iterator<Item = ContactImpulse>,
         time: f64,
         dt: f64,
     ) -> Result<(), ContactError> {
@@ -62,7 +62,7 @@ impl System<'_> {
         let mut wrenches = vec![Vector6::zeros(); self.objects.len()];
         for push in pushes {
             for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
-                let Partner::Object(object) = push.sides[side] else { continue };
+                let BodyRef::Object(object) = push.sides[side] else { continue };
                 let moment = push.levers[side].cross(&impulse);
                 let wrench = &mut wrenches[object as usize];
                 *wrench += Vector6::from_iterator(impulse.iter().chain(&moment).copied());

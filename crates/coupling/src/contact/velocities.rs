@@ -1,6 +1,6 @@
-use super::system::System;
+use super::system::CoupledSystem;
+use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::ObjectMotion;
-use crate::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Layout;
@@ -15,17 +15,17 @@ pub(super) struct Velocities<'a> {
 
 impl<'a> Velocities<'a> {
     /// Those of given nodes, m/s, and of objects as they have been solved so far.
-    pub(super) fn new(system: &'a System<'_>, nodes: &'a [Vector3<f64>]) -> Self {
+    pub(super) fn new(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
         Self::of(system, nodes, |[_, solved]| solved)
     }
 
     /// Those of given nodes, m/s, and of objects at the start of the step.
-    pub(super) fn before(system: &'a System<'_>, nodes: &'a [Vector3<f64>]) -> Self {
+    pub(super) fn before(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
         Self::of(system, nodes, |[state, _]| state)
     }
 
     fn of(
-        system: &'a System<'_>,
+        system: &'a CoupledSystem<'_>,
         nodes: &'a [Vector3<f64>],
         chosen: impl Fn([&'a RigidBody; 2]) -> &'a RigidBody,
     ) -> Self {
@@ -47,14 +47,14 @@ impl<'a> Velocities<'a> {
     }
 
     /// That of a side of a touch, m/s; zero for an object that is led.
-    pub(super) fn of_side(&self, touch: &Touch, side: usize) -> Vector3<f64> {
+    pub(super) fn of_side(&self, touch: &ContactPoint, side: usize) -> Vector3<f64> {
         match touch.sides[side] {
-            Partner::Fiber(fiber) => {
+            BodyRef::Fiber(fiber) => {
                 let first = self.layout.node_range(fiber as usize).start;
                 let node = first + touch.segments[side] as usize;
                 self.nodes[node].lerp(&self.nodes[node + 1], touch.fractions[side])
             }
-            Partner::Object(object) => {
+            BodyRef::Object(object) => {
                 let [velocity, omega] = self.objects[object as usize];
                 velocity + omega.cross(&touch.lever(side))
             }
@@ -62,7 +62,7 @@ impl<'a> Velocities<'a> {
     }
 
     /// That of the first side as seen from the second, m/s.
-    pub(super) fn between(&self, touch: &Touch) -> Vector3<f64> {
+    pub(super) fn between(&self, touch: &ContactPoint) -> Vector3<f64> {
         self.of_side(touch, 0) - self.of_side(touch, 1)
     }
 }

@@ -5,7 +5,7 @@ use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::report::{Criterion, Figure, check};
 use crate::size::{Size, filmed};
 use nalgebra::Vector3;
-use rapunzel_sim::Partner;
+use rapunzel_sim::BodyRef;
 
 /// When the comb is in the tress and begins to go down, s.
 const INSIDE: f64 = 0.15;
@@ -20,7 +20,7 @@ pub(crate) fn force(size: Size) -> Fallible<Figure> {
     let film = filmed(&scene, &[0.0, 0.15, 0.3, 0.45, 0.6, 0.7], |world| {
         let way = (world.time() - INSIDE).max(0.0) * 0.078 / 0.65;
         let force = (0..teeth).map(|tooth| world.force_on(tooth).z).sum::<f64>();
-        let on_teeth = world.contacts().any(|one| matches!(one.sides[1], Partner::Object(_)));
+        let on_teeth = world.contacts().any(|one| matches!(one.sides[1], BodyRef::Object(_)));
         if world.time() >= INSIDE {
             series.push([1e3 * way, 1e6 * force]);
             if on_teeth {

@@ -1,8 +1,8 @@
 //! Objects of a scene as things in the world.
 
+mod edge_capsules;
 mod mesh;
-mod skeleton;
-mod solid;
+mod object_builder;
 
 pub(crate) use mesh::read_mesh;
-pub(crate) use solid::{Sizes, build_object};
+pub(crate) use object_builder::{Sizes, build_object};

@@ -2,14 +2,14 @@ use super::{fiber_nodes, fiber_strands};
 use crate::SimError;
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use nalgebra::{Point3, Vector3};
-use rapunzel_coupling::{Batch, EnergyLedger, Fibers, StepReport, Surroundings};
+use rapunzel_coupling::{EnergyLedger, Fibers, RodBatch, StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 
 /// Fibres that touch nothing.
 pub(crate) struct Free {
-    pub(crate) fibers: Fibers<dyn Batch>,
+    pub(crate) fibers: Fibers<dyn RodBatch>,
     pub(crate) scenery: Scenery,
     /// Whether the table of energies tells the ledger.
     pub(crate) tells_ledger: bool,
@@ -29,7 +29,7 @@ pub(super) fn ledger_row(ledger: Option<EnergyLedger>) -> Vec<f64> {
     vec![gravity, loads, drag, damping, supports, integrator, solver]
 }
 
-impl<B: Batch + ?Sized> FiberStates for Fibers<B> {
+impl<B: RodBatch + ?Sized> FiberStates for Fibers<B> {
     fn assembly(&self) -> &Assembly {
         self.assembly()
     }

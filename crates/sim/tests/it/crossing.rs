@@ -2,7 +2,7 @@
 
 use crate::common::Run;
 use crate::common::topology::crossed;
-use rapunzel_sim::{Bearing, Partner};
+use rapunzel_sim::{ActiveContact, BodyRef};
 
 const DIAMETER: f64 = 7e-5;
 
@@ -150,7 +150,7 @@ fn what_lies_still_stays_apart_in_long_steps() {
     // A few diameters a step at first.
     assert!(fastest < 0.1, "{fastest} m/s");
     let of_fibers =
-        |bearing: &Bearing| bearing.sides.iter().all(|s| matches!(s, Partner::Fiber(_)));
+        |bearing: &ActiveContact| bearing.sides.iter().all(|s| matches!(s, BodyRef::Fiber(_)));
     let touches = run.world.contacts().filter(of_fibers).count();
     // Or there would be nothing to keep apart: of forty hairs half touch another.
     assert!(touches >= 20, "{touches} contacts of hairs");

@@ -3,7 +3,7 @@
 use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
-use rapunzel_sim::{Bearing, CouplingError, Partner, Scene, SimError, World};
+use rapunzel_sim::{ActiveContact, BodyRef, CouplingError, Scene, SimError, World};
 use std::path::Path;
 
 /// Radius of the hairs of this file, m.
@@ -179,7 +179,7 @@ fn a_ball_comes_to_rest_on_a_net() {
     let center = body.center();
     assert!((height - 4e-4..height).contains(&center.z), "{center}");
     assert!(center.xy().coords.norm() < 1e-5 && body.velocity.norm() < 1e-3, "{body:?}");
-    let on_ball = |one: &Bearing| one.sides[1] == Partner::Object(0);
+    let on_ball = |one: &ActiveContact| one.sides[1] == BodyRef::Object(0);
     let borne: Vector3<f64> = run.world.contacts().filter(on_ball).map(|one| one.force).sum();
     assert!((borne + Vector3::new(0.0, 0.0, weight)).norm() < 0.02 * weight, "{borne}");
 }
@@ -260,7 +260,7 @@ fn a_clamped_root_that_is_pressed_is_told() {
     let mut run = Run::new(&read(&[standing], ball, friction, 0.0, 1e-3));
     let report = run.world.step(1e-3).expect("is taken as far as it comes");
     let found = report.contact.first_unresolved.unwrap_or_else(|| panic!("{report:?}"));
-    assert_eq!((found.sides, found.segment), ([Partner::Fiber(0), Partner::Object(0)], Some(0)));
+    assert_eq!((found.sides, found.segment), ([BodyRef::Fiber(0), BodyRef::Object(0)], Some(0)));
     assert!(found.depth > 0.0 && found.time < 1e-3, "{found:?}");
     assert!(nodes(&run).all(|p| p.iter().all(|x| x.is_finite())));
 }

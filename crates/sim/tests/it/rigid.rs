@@ -4,7 +4,7 @@ use crate::common::{Run, ply};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Terrain, shapes};
 use rapunzel_contact::RigidBody;
-use rapunzel_sim::{CouplingError, Partner, Scene, SimError, World};
+use rapunzel_sim::{BodyRef, CouplingError, Scene, SimError, World};
 
 const G: f64 = 9.81;
 /// Of the steps, s.
@@ -375,7 +375,7 @@ fn what_cannot_be_told_is_refused() {
     let SimError::Coupling(CouplingError::Overlap { sides, segment: None, depth }) = error else {
         panic!("{error}")
     };
-    assert_eq!(sides, [0, 1].map(Partner::Object));
+    assert_eq!(sides, [0, 1].map(BodyRef::Object));
     assert!((depth - 0.001).abs() < 1e-9, "{depth}");
     assert!(error.to_string().starts_with("objects[0] starts 1.00e-3 m deep in objects[1]; move"));
 

@@ -5,7 +5,7 @@ use rapunzel_contact::ContactError;
 use rapunzel_rod_dynamic::StepError;
 
 /// Why a part of a step was not taken.
-pub(super) enum Cut {
+pub(super) enum SubstepFailure {
     /// A rod did not converge.
     Rod(StepError),
     /// Contacts did not converge, and where they were worst.
@@ -14,19 +14,19 @@ pub(super) enum Cut {
     Fatal(CouplingError),
 }
 
-impl From<CollisionError> for Cut {
+impl From<CollisionError> for SubstepFailure {
     fn from(error: CollisionError) -> Self {
         Self::Fatal(error.into())
     }
 }
 
-impl From<ContactError> for Cut {
+impl From<ContactError> for SubstepFailure {
     fn from(error: ContactError) -> Self {
         Self::Fatal(error.into())
     }
 }
 
-impl From<StepError> for Cut {
+impl From<StepError> for SubstepFailure {
     fn from(error: StepError) -> Self {
         Self::Rod(error)
     }

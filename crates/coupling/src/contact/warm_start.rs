@@ -1,16 +1,16 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
+use super::contact_work::ContactWork;
 use super::report::ContactReport;
-use super::work::ContactWork;
-use crate::touch::{Partner, Push, Touch};
+use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// The contacts of the last part of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Memory {
+pub(crate) struct WarmStart {
     /// Those that bore something or are bonded, by pair and place.
-    pub(crate) bearing: Vec<Remembered>,
+    pub(crate) bearing: Vec<CachedImpulse>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
     /// Since the start.
@@ -21,17 +21,17 @@ pub(crate) struct Memory {
 
 /// A contact that bore something or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Remembered {
-    pub(crate) push: Push,
+pub(crate) struct CachedImpulse {
+    pub(crate) push: ContactImpulse,
     bonded: bool,
 }
 
 /// A contact that bore something in the last part of a step, or is bonded.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bearing {
+pub struct ActiveContact {
     /// What touches. A fibre comes before an object, of two fibres the one with the smaller number,
     /// and of two objects one that moves freely.
-    pub sides: [Partner; 2],
+    pub sides: [BodyRef; 2],
     /// Where along each side that is a fibre: in segments from the root.
     pub at: [f64; 2],
     /// Mean force on the first side over that part, N, system.
@@ -40,11 +40,11 @@ pub struct Bearing {
     pub bonded: bool,
 }
 
-impl Memory {
+impl WarmStart {
     /// The contacts that bore something or are bonded.
-    pub(crate) fn bearings(&self) -> impl Iterator<Item = Bearing> {
+    pub(crate) fn bearings(&self) -> impl Iterator<Item = ActiveContact> {
         let dt = self.dt.unwrap_or(1.0);
-        self.bearing.iter().map(move |one| Bearing {
+        self.bearing.iter().map(move |one| ActiveContact {
             sides: one.push.sides,
             at: one.push.at(),
             force: one.push.impulse / dt,
@@ -58,12 +58,12 @@ const NUMBERS: usize = 18;
 /// Contacts in a list of saved numbers, at most.
 const LISTED: usize = 4096;
 
-impl Remembered {
+impl CachedImpulse {
     fn numbers(&self) -> [f64; NUMBERS] {
-        let Push { sides, segments, fractions, levers: [a, b], impulse } = self.push;
+        let ContactImpulse { sides, segments, fractions, levers: [a, b], impulse } = self.push;
         let [(p, i), (q, j)] = sides.map(|side| match side {
-            Partner::Fiber(fiber) => (0.0, f64::from(fiber)),
-            Partner::Object(object) => (1.0, f64::from(object)),
+            BodyRef::Fiber(fiber) => (0.0, f64::from(fiber)),
+            BodyRef::Object(object) => (1.0, f64::from(object)),
         });
         let [s, t] = segments.map(f64::from);
         let [u, v] = fractions;
@@ -80,9 +80,9 @@ impl Remembered {
         )]
         let whole = |number: f64| number as u32;
         let side = |kind: f64, number: f64| {
-            if kind == 0.0 { Partner::Fiber(whole(number)) } else { Partner::Object(whole(number)) }
+            if kind == 0.0 { BodyRef::Fiber(whole(number)) } else { BodyRef::Object(whole(number)) }
         };
-        let push = Push {
+        let push = ContactImpulse {
             sides: [side(p, i), side(q, j)],
             segments: [s, t].map(whole),
             fractions: [u, v],
@@ -93,7 +93,7 @@ impl Remembered {
     }
 }
 
-impl Memory {
+impl WarmStart {
     /// All numbers that determine what follows: those of the whole, then some contacts in each list.
     pub(crate) fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
         let (work, lists) = (self.work.numbers(), self.bearing.len().div_ceil(LISTED));
@@ -102,7 +102,7 @@ impl Memory {
             Some(list) => {
                 let end = self.bearing.len().min((list + 1) * LISTED);
                 let own = &self.bearing[list * LISTED..end];
-                own.iter().flat_map(Remembered::numbers).collect()
+                own.iter().flat_map(CachedImpulse::numbers).collect()
             }
         })
     }
@@ -114,7 +114,7 @@ impl Memory {
         let mut bearing = Vec::new();
         for list in lists {
             let (contacts, rest) = list.as_chunks::<NUMBERS>();
-            bearing.extend(contacts.iter().map(Remembered::from_numbers));
+            bearing.extend(contacts.iter().map(CachedImpulse::from_numbers));
             if !rest.is_empty() {
                 return None;
             }
@@ -128,36 +128,38 @@ impl Memory {
 const REACH: f64 = 1.0;
 
 /// What contacts of the step before are expected to do in this one.
-pub(crate) struct Expected<'a> {
+pub(crate) struct ExpectedImpulses<'a> {
     /// By pair and place.
-    pub(crate) known: &'a [Remembered],
+    pub(crate) known: &'a [CachedImpulse],
     /// By how much larger impulses are.
     pub(crate) scale: f64,
 }
 
-impl Expected<'_> {
-    pub(crate) fn pushes(&self) -> impl Iterator<Item = Push> + Clone {
-        self.known.iter().map(|one| Push { impulse: self.scale * one.push.impulse, ..one.push })
+impl ExpectedImpulses<'_> {
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {
+        self.known
+            .iter()
+            .map(|one| ContactImpulse { impulse: self.scale * one.push.impulse, ..one.push })
     }
 }
 
 /// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are nearest: what
 /// held something still holds it there. Both are sorted by pair and place.
-pub(crate) fn recall(expected: &Expected, touches: &mut [Touch]) {
-    let Expected { known, scale } = *expected;
+pub(crate) fn match_cached(expected: &ExpectedImpulses, touches: &mut [ContactPoint]) {
+    let ExpectedImpulses { known, scale } = *expected;
     touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
         let sides = group[0].sides;
         let known = &known[known.partition_point(|r| r.push.sides < sides)..];
         let of_pair = known.iter().take_while(|r| r.push.sides == sides);
-        recall_pair(of_pair, scale, group);
+        match_pair(of_pair, scale, group);
     });
 }
 
 /// The same for the contacts of one pair.
-fn recall_pair<'a>(
-    known: impl Iterator<Item = &'a Remembered>,
+fn match_pair<'a>(
+    known: impl Iterator<Item = &'a CachedImpulse>,
     scale: f64,
-    mut group: &mut [Touch],
+    mut group: &mut [ContactPoint],
 ) {
     for touch in &mut *group {
         (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
@@ -178,33 +180,37 @@ fn recall_pair<'a>(
 }
 
 /// The impulses that are expected of touches, N s, system.
-pub(crate) fn recalled(expected: &Expected, touches: &[Touch]) -> Vec<Vector3<f64>> {
+pub(crate) fn cached_impulses(
+    expected: &ExpectedImpulses,
+    touches: &[ContactPoint],
+) -> Vec<Vector3<f64>> {
     let mut touches = touches.to_vec();
-    recall(expected, &mut touches);
+    match_cached(expected, &mut touches);
     touches.into_iter().map(|touch| touch.impulse).collect()
 }
 
 /// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
-pub(crate) fn glue(touches: &[Touch], range: f64) -> Vec<Remembered> {
+pub(crate) fn bonds_within(touches: &[ContactPoint], range: f64) -> Vec<CachedImpulse> {
     let pairs = touches.chunk_by(|a, b| a.sides == b.sides);
     let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
-    let bonded =
-        nearest.filter(|touch| touch.gap <= range).map(|touch| Touch { bonded: true, ..*touch });
+    let bonded = nearest
+        .filter(|touch| touch.gap <= range)
+        .map(|touch| ContactPoint { bonded: true, ..*touch });
     let mut bonds = Vec::new();
-    remember(&bonded.collect::<Vec<_>>(), &mut bonds);
+    cache_impulses(&bonded.collect::<Vec<_>>(), &mut bonds);
     bonds
 }
 
 /// Writes what is to be remembered of some touches, in their order.
-pub(crate) fn remember(touches: &[Touch], remembered: &mut Vec<Remembered>) {
+pub(crate) fn cache_impulses(touches: &[ContactPoint], remembered: &mut Vec<CachedImpulse>) {
     remembered.clear();
-    let lasts = |touch: &Touch| touch.bonded || touch.impulse != Vector3::zeros();
-    let lasting: Vec<&Touch> = touches.par_iter().filter(|touch| lasts(touch)).collect();
+    let lasts = |touch: &ContactPoint| touch.bonded || touch.impulse != Vector3::zeros();
+    let lasting: Vec<&ContactPoint> = touches.par_iter().filter(|touch| lasts(touch)).collect();
     // Of a known number each is written where it stays.
     remembered.par_extend(
         lasting
             .into_par_iter()
-            .map(|touch| Remembered { push: touch.push(touch.impulse), bonded: touch.bonded }),
+            .map(|touch| CachedImpulse { push: touch.push(touch.impulse), bonded: touch.bonded }),
     );
 }
 
@@ -213,25 +219,36 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn remembered(place: f64, push: f64, bonded: bool) -> Remembered {
+    fn remembered(place: f64, push: f64, bonded: bool) -> CachedImpulse {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
         let segment = place as u32;
-        let push = Push {
-            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+        let push = ContactImpulse {
+            sides: [BodyRef::Fiber(0), BodyRef::Fiber(1)],
             segments: [segment; 2],
             fractions: [place.fract(); 2],
             levers: [Vector3::zeros(); 2],
             impulse: Vector3::z() * push,
         };
-        Remembered { push, bonded }
+        CachedImpulse { push, bonded }
     }
 
     /// As a touch of which no more is known.
-    fn touch(Remembered { push, bonded }: Remembered) -> Touch {
-        let Push { sides, segments, fractions, impulse, .. } = push;
+    fn touch(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
+        let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
         let (working, led) = (false, false);
-        Touch { sides, segments, fractions, normal, arms, gap, impulse, working, bonded, led }
+        ContactPoint {
+            sides,
+            segments,
+            fractions,
+            normal,
+            arms,
+            gap,
+            impulse,
+            working,
+            bonded,
+            led,
+        }
     }
 
     proptest! {
@@ -259,7 +276,7 @@ mod tests {
                     expected[i] += 1.0;
                 }
             }
-            recall(&Expected { known: &known, scale: 1.0 }, &mut touches);
+            match_cached(&ExpectedImpulses { known: &known, scale: 1.0 }, &mut touches);
             let found: Vec<f64> = touches.iter().map(|touch| touch.impulse.z).collect();
             prop_assert_eq!(found, expected);
         }
@@ -271,7 +288,7 @@ mod tests {
         let known = [(2.0, 1.0, false), (2.5, 2.0, true), (6.0, 4.0, false)];
         let known = known.map(|(place, push, bonded)| remembered(place, push, bonded));
         let mut touches = [remembered(2.1, 7.0, false), remembered(4.0, 8.0, true)].map(touch);
-        recall(&Expected { known: &known, scale: 2.0 }, &mut touches);
+        match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut touches);
         assert_eq!(touches.map(|touch| touch.impulse.z), [6.0, 0.0]);
         assert_eq!(touches.map(|touch| touch.bonded), [true, false]);
     }

@@ -1,23 +1,27 @@
-use super::detect::Motion;
-use super::system::System;
-use super::work::ContactWork;
+use super::contact_work::ContactWork;
+use super::detection::NodeMotion;
+use super::system::CoupledSystem;
 use crate::StepReport;
-use crate::touch::Touch;
+use crate::contact_point::ContactPoint;
 use nalgebra::{Point3, Vector3};
 
 /// The part of a step at hand.
-pub(super) struct Part {
+pub(super) struct Substep {
     /// Its start and length, s.
     pub(super) time: f64,
     pub(super) dt: f64,
-    pub(super) touches: Vec<Touch>,
+    pub(super) touches: Vec<ContactPoint>,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,
 }
 
-impl Part {
+impl Substep {
     /// Positions of all nodes at its start, and at its end if they have these mean velocities.
-    pub(super) fn ends(&self, system: &System, mean: &[Vector3<f64>]) -> [Vec<Point3<f64>>; 2] {
+    pub(super) fn ends(
+        &self,
+        system: &CoupledSystem,
+        mean: &[Vector3<f64>],
+    ) -> [Vec<Point3<f64>>; 2] {
         let start = system.fibers.positions();
         let end = start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect();
         [start, end]
@@ -26,11 +30,11 @@ impl Part {
     /// The motion between such positions.
     pub(super) fn motion<'a>(
         &self,
-        system: &'a System<'_>,
+        system: &'a CoupledSystem<'_>,
         radii: &'a [f64],
         [start, end]: &'a [Vec<Point3<f64>>; 2],
-    ) -> Motion<'a> {
+    ) -> NodeMotion<'a> {
         let layout = system.fibers.assembly().layout();
-        Motion { layout, radii, start, end, time: self.time, dt: self.dt }
+        NodeMotion { layout, radii, start, end, time: self.time, dt: self.dt }
     }
 }

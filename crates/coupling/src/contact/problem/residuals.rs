@@ -1,10 +1,10 @@
 //! What the contacts of a step do where all nodes have given velocities.
 
-use super::{Case, opening};
-use crate::contact::system::System;
+use super::{ContactProblem, opening};
+use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
-use crate::contact::work::ContactWork;
-use crate::touch::Touch;
+use crate::contact::contact_work::ContactWork;
+use crate::contact_point::ContactPoint;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ const CHUNK: usize = 1024;
 /// The part of the kinetic energy that contacts may give in a step, for want of shorter ones.
 const MUCH: f64 = 0.1;
 
-impl Case {
+impl ContactProblem {
     /// Number of contacts that bear something.
     pub(crate) fn active(&self) -> usize {
         self.working.par_iter().filter(|&&i| self.bears(i)).count()
@@ -29,8 +29,8 @@ impl Case {
     /// How well the law holds where all nodes have the given mean velocities.
     pub(crate) fn certificate(
         &self,
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
     ) -> Report {
         let near = self.near_where(system, mean);
@@ -44,8 +44,8 @@ impl Case {
     /// Which contact is farthest from the law where all nodes have the given mean velocities.
     pub(crate) fn worst(
         &self,
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
     ) -> Option<usize> {
         let mean = Velocities::new(system, mean);
@@ -60,7 +60,7 @@ impl Case {
     fn judged(
         &self,
         i: usize,
-        touch: &Touch,
+        touch: &ContactPoint,
         mean: &Velocities,
     ) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
         let contact = self.laws[i].contact(touch, [0, 1]);
@@ -73,8 +73,8 @@ impl Case {
     /// What the contacts do where all nodes have the given mean velocities.
     pub(crate) fn work(
         &self,
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
     ) -> ContactWork {
         let mean = Velocities::new(system, mean);
@@ -123,8 +123,8 @@ impl Case {
     /// is how fast what may be is repaired. What errors of the slip up to `slip`, m/s, give does not count.
     pub(crate) fn drives(
         &self,
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
         [repair, slip]: [f64; 2],
     ) -> bool {
@@ -146,8 +146,8 @@ impl Case {
     /// `tolerance`, m/s, where all nodes have the given mean velocities.
     pub(crate) fn tear(
         &self,
-        system: &System,
-        touches: &mut [Touch],
+        system: &CoupledSystem,
+        touches: &mut [ContactPoint],
         mean: &[Vector3<f64>],
         [strength, tolerance]: [f64; 2],
     ) -> Result<(), ContactError> {
@@ -164,22 +164,23 @@ impl Case {
     /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
     pub(crate) fn near(
         &self,
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
         dt: f64,
-    ) -> Vec<Touch> {
+    ) -> Vec<ContactPoint> {
         let near = self.near_where(system, mean);
         let mean = Velocities::new(system, mean);
-        let one = |&i: &usize| Touch { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
+        let one =
+            |&i: &usize| ContactPoint { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
         near.par_iter().map(one).collect()
     }
 
     /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
     pub(crate) fn set_gaps(
         &self,
-        system: &System,
-        touches: &mut [Touch],
+        system: &CoupledSystem,
+        touches: &mut [ContactPoint],
         mean: &[Vector3<f64>],
         dt: f64,
     ) {
@@ -189,7 +190,7 @@ impl Case {
     }
 
     /// The gap along the normal, m, where nodes have the given mean velocities.
-    fn gap(&self, i: usize, touch: &Touch, mean: &Velocities, dt: f64) -> f64 {
+    fn gap(&self, i: usize, touch: &ContactPoint, mean: &Velocities, dt: f64) -> f64 {
         let law = &self.laws[i];
         // The bias may be another than that of the gap.
         dt * (opening(law, touch, mean) - law.bias.x + law.gap)

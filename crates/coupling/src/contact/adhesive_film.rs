@@ -1,6 +1,6 @@
 //! What a film between two things pulls with.
 
-use crate::touch::{Partner, Touch};
+use crate::contact_point::{BodyRef, ContactPoint};
 use rapunzel_contact::{ContactError, Cylinders};
 use rapunzel_fiber::Assembly;
 use rapunzel_scene::Adhesion;
@@ -20,7 +20,7 @@ const RULE: [(f64, f64); 3] = [
 
 /// A film: its pull per length by the gap, and where fibres cross.
 #[derive(Debug, Clone)]
-pub(super) struct Film {
+pub(super) struct AdhesiveFilm {
     /// Pulls per length at even gaps from none to the range, N/m.
     pulls: Vec<f64>,
     /// Largest gap across which it pulls along fibres, m.
@@ -29,7 +29,7 @@ pub(super) struct Film {
     crossing: Option<(Cylinders, f64)>,
 }
 
-impl Film {
+impl AdhesiveFilm {
     /// The film of a scene, if it has one, between fibres of a `radius`, m.
     pub(super) fn new(adhesion: Adhesion, radius: f64) -> Result<Option<Self>, ContactError> {
         Ok(match adhesion {
@@ -63,13 +63,18 @@ impl Film {
     /// Forces with which some touches draw, N, where they have the given gaps, m. Along fibres side by
     /// side gap and pull are taken between neighbouring touches of a pair
     /// and shared by these. Sorted by pair and place.
-    pub(super) fn forces(&self, assembly: &Assembly, touches: &[Touch], gaps: &[f64]) -> Vec<f64> {
+    pub(super) fn forces(
+        &self,
+        assembly: &Assembly,
+        touches: &[ContactPoint],
+        gaps: &[f64],
+    ) -> Vec<f64> {
         let mut forces = vec![0.0; touches.len()];
         let mut alone = vec![true; touches.len()];
         for (i, pair) in touches.windows(2).enumerate() {
             let [a, b] = [&pair[0], &pair[1]];
             let way = b.at()[0] - a.at()[0];
-            let Partner::Fiber(fiber) = a.sides[0] else { continue };
+            let BodyRef::Fiber(fiber) = a.sides[0] else { continue };
             if a.sides != b.sides || way > NEIGHBORS {
                 continue;
             }
@@ -82,7 +87,7 @@ impl Film {
         }
         if let Some((pair, volume)) = &self.crossing {
             for (i, touch) in touches.iter().enumerate().filter(|(i, _)| alone[*i]) {
-                if let [Partner::Fiber(fiber), Partner::Fiber(_)] = touch.sides {
+                if let [BodyRef::Fiber(fiber), BodyRef::Fiber(_)] = touch.sides {
                     let fiber = &assembly.fibers()[fiber as usize];
                     let most = self.at(gaps[i]) * fiber.length() / fiber.segments() as f64;
                     forces[i] = pair.crossed_force(gaps[i], *volume, touch.turn()).min(most);

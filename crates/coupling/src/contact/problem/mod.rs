@@ -1,15 +1,15 @@
 //! The contacts of a step as the solver takes them.
 
-mod measures;
-mod openings;
+mod culling;
+mod residuals;
 
-use super::body::{Fibers, Written};
-use super::law::Laws;
+use super::group_body::{DelassusCache, GroupBody};
+use super::laws::ContactLaws;
 use super::velocities::Velocities;
-use crate::contact::system::System;
-use crate::touch::{Partner, Push, Touch};
+use crate::contact::system::CoupledSystem;
+use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
-use openings::{ALWAYS, Openings};
 use rapunzel_contact::{
     Body, Contact, ContactError, LimitCurve, Polished, Report, Solver, Tolerance,
 };
@@ -34,11 +34,11 @@ const CHORD: f64 = 1e-2;
 const NONE: usize = usize::MAX;
 
 /// A side of a contact: that one's number, and 0 or 1.
-type Side = (usize, usize);
+type ContactSide = (usize, usize);
 
 /// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than twice as large,
 /// and most of a dense list are never solved.
-struct Law {
+struct ContactParameters {
     bias: Vector3<f64>,
     friction: LimitCurve,
     adhesion: f64,
@@ -47,9 +47,9 @@ struct Law {
     gap: f64,
 }
 
-impl Law {
+impl ContactParameters {
     /// The contact of a touch, as a solver takes it, between two points.
-    fn contact(&self, touch: &Touch, [first, second]: [usize; 2]) -> Contact {
+    fn contact(&self, touch: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
         Contact {
             first,
             second: (!touch.led).then_some(second),
@@ -64,8 +64,8 @@ impl Law {
 
 /// All contacts of a list, in the order of the touches they are made of. As long as it stands these keep
 /// their order; what is asked of it takes them.
-pub(super) struct Case {
-    laws: Vec<Law>,
+pub(super) struct ContactProblem {
+    laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
     /// Impulses as those of the step before, N s, world; none where nothing gives way.
@@ -75,45 +75,45 @@ pub(super) struct Case {
     /// Their impulses on their first sides, N s, system.
     pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
-    openings: Option<Openings>,
+    openings: Option<ContactCulling>,
     /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of those that
     /// have not been solved that of a segment.
     weights: Vec<f64>,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
     /// By group: answers that are written out, as long as the fibres hardly turn.
-    written: Vec<Option<Written>>,
+    written: Vec<Option<DelassusCache>>,
     /// By group: the points that these have.
-    kept: Vec<Vec<Side>>,
+    kept: Vec<Vec<ContactSide>>,
     /// What the solver got last.
     solved: Vec<Contact>,
 }
 
 /// What takes most room in a case, for that of the next step.
 #[derive(Default)]
-pub(super) struct Room {
-    laws: Vec<Law>,
+pub(super) struct ProblemWorkspace {
+    laws: Vec<ContactParameters>,
     solved: Vec<Contact>,
 }
 
-impl Case {
+impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the given mean
     /// velocities. What gives way has done so already under impulses as those of the step `before`, N s, world:
     /// along tangents only the rest of them moves it; along normals the gap tells.
     pub(super) fn new(
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         nodes: &[Vector3<f64>],
         dt: f64,
-        laws: &Laws,
+        laws: &ContactLaws,
         before: Vec<Vector3<f64>>,
-        room: Room,
+        room: ProblemWorkspace,
     ) -> Result<Self, ContactError> {
-        let Room { laws: mut own, solved } = room;
+        let ProblemWorkspace { laws: mut own, solved } = room;
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = system.fibers.velocities();
         let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, nodes));
-        let law = |(i, touch): (usize, &Touch)| {
+        let law = |(i, touch): (usize, &ContactPoint)| {
             let frame = touch.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
             let drive = frame.tr_mul(&touch.drive());
@@ -138,7 +138,7 @@ impl Case {
                 none if none == Vector3::zeros() => none,
                 world => frame.tr_mul(&world),
             };
-            (Law { bias, friction, adhesion: 0.0, compliance, gap }, impulse)
+            (ContactParameters { bias, friction, adhesion: 0.0, compliance, gap }, impulse)
         };
         let made = touches.par_iter().enumerate().map(law);
         // Twice the room, as they would grow by, is much.
@@ -153,13 +153,13 @@ impl Case {
         let pulls =
             laws.adhesion(system.fibers.assembly(), touches, own.iter().map(|law| law.gap))?;
         own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
-        let acts = |touch: &Touch| touch.working || touch.impulse != Vector3::zeros();
+        let acts = |touch: &ContactPoint| touch.working || touch.impulse != Vector3::zeros();
         let openings = (touches.len() > nodes.len()).then(|| {
             let speeds = touches.par_iter().zip(&own).map(|(touch, law)| {
                 let always = acts(touch) || law.adhesion > 0.0;
                 if always { ALWAYS } else { touch.gap / dt + law.bias.x - law.gap }
             });
-            Openings::new(system, touches, speeds.collect(), nodes)
+            ContactCulling::new(system, touches, speeds.collect(), nodes)
         });
         let masses =
             system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
@@ -186,8 +186,8 @@ impl Case {
     }
 
     /// Leaves its room for the next.
-    pub(super) fn into_room(self) -> Room {
-        Room { laws: self.laws, solved: self.solved }
+    pub(super) fn into_workspace(self) -> ProblemWorkspace {
+        ProblemWorkspace { laws: self.laws, solved: self.solved }
     }
 
     pub(super) fn contacts(&self) -> usize {
@@ -204,7 +204,7 @@ impl Case {
     }
 
     /// Points that are used no more stay where answers are written out that have all that are used, by group.
-    fn keep(&mut self, used: &mut [Vec<Side>]) {
+    fn keep(&mut self, used: &mut [Vec<ContactSide>]) {
         for ((used, kept), written) in used.iter_mut().zip(&mut self.kept).zip(&mut self.written) {
             let known = || used.iter().all(|side| kept.binary_search(side).is_ok());
             if written.is_some() && known() {
@@ -226,20 +226,25 @@ impl Case {
     }
 
     /// The contacts that may close where nodes are so fast, in their order.
-    fn near_where(&self, system: &System, nodes: &[Vector3<f64>]) -> Vec<usize> {
+    fn near_where(&self, system: &CoupledSystem, nodes: &[Vector3<f64>]) -> Vec<usize> {
         let layout = system.fibers.assembly().layout();
         let all = || (0..self.laws.len()).collect();
         self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
     }
 
     /// The same. If these are many of all, it is found anew how fast contacts open.
-    fn look(&mut self, system: &System, touches: &[Touch], nodes: &Velocities) -> Vec<usize> {
+    fn look(
+        &mut self,
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
+        nodes: &Velocities,
+    ) -> Vec<usize> {
         let near = self.near_where(system, nodes.nodes());
         let Some(openings) = self.openings.as_mut().filter(|_| near.len() > touches.len() / MANY)
         else {
             return near;
         };
-        let one = |(touch, law): (&Touch, &Law)| opening(law, touch, nodes);
+        let one = |(touch, law): (&ContactPoint, &ContactParameters)| opening(law, touch, nodes);
         let speeds = touches.par_iter().zip(&self.laws).map(one);
         openings.renew(speeds, nodes.nodes());
         openings.near(system.fibers.assembly().layout(), nodes.nodes())
@@ -251,8 +256,8 @@ impl Case {
     /// lets close take part the next time.
     pub(super) fn solve(
         &mut self,
-        system: &mut System,
-        touches: &[Touch],
+        system: &mut CoupledSystem,
+        touches: &[ContactPoint],
         solver: &mut Polished,
         patient: bool,
     ) -> Result<Report, ContactError> {
@@ -270,7 +275,7 @@ impl Case {
         }
         let [mut used, on_objects] = self.sides(system, touches, &working);
         self.keep(&mut used);
-        let sides: Vec<Side> = used.iter().chain(&on_objects).flatten().copied().collect();
+        let sides: Vec<ContactSide> = used.iter().chain(&on_objects).flatten().copied().collect();
         let mut place = vec![NONE; self.laws.len()];
         working.iter().enumerate().for_each(|(k, &i)| place[i] = k);
         let mut index = vec![[0; 2]; working.len()];
@@ -280,7 +285,7 @@ impl Case {
                 index[place[i]][side] = point;
             }
         }
-        let of_side = |&(i, side): &Side| linear.of_side(&touches[i], side);
+        let of_side = |&(i, side): &ContactSide| linear.of_side(&touches[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         drop(nodes);
         let (laws, all) = (&self.laws, working.par_iter().zip(&index));
@@ -296,9 +301,9 @@ impl Case {
         let exact = residual.min(normal).min(slip) < ROUNDING;
         let few = working.len() < MANY_WORKING;
         let groups = system.fibers.groups.par_iter_mut().zip(&points).zip(&mut self.written);
-        let mut fibers: Vec<Fibers> = groups
+        let mut fibers: Vec<GroupBody> = groups
             .map(|((group, points), written)| {
-                Fibers::new(&mut group.batch, points, exact, few, written)
+                GroupBody::new(&mut group.batch, points, exact, few, written)
             })
             .collect::<Result<_, ContactError>>()?;
         let mut bodies: Vec<&mut dyn Body> =
@@ -317,7 +322,7 @@ impl Case {
 
     /// Notes the masses that solved contacts compare errors with, by the traces of how their points answer
     /// themselves. Free bodies may be far heavier than what presses them: with these it stays that of a segment.
-    fn weigh(&mut self, touches: &[Touch], working: &[usize], traces: &[f64]) {
+    fn weigh(&mut self, touches: &[ContactPoint], working: &[usize], traces: &[f64]) {
         let both = working.par_iter().zip(&self.solved);
         let mass = both.map(|(&i, Contact { first, second, .. })| {
             let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
@@ -330,7 +335,12 @@ impl Case {
     }
 
     /// The sides of some contacts that move, by group of fibres and by object.
-    fn sides(&self, system: &System, touches: &[Touch], contacts: &[usize]) -> [Vec<Vec<Side>>; 2] {
+    fn sides(
+        &self,
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
+        contacts: &[usize],
+    ) -> [Vec<Vec<ContactSide>>; 2] {
         let mut used = vec![Vec::new(); system.fibers.groups.len()];
         let mut on_objects = vec![Vec::new(); system.objects.len()];
         let moving = |&i: &usize| {
@@ -341,10 +351,10 @@ impl Case {
         for (&i, sides) in contacts.iter().zip(moving) {
             for (side, partner) in sides.into_iter().flatten().enumerate() {
                 match partner {
-                    Partner::Fiber(fiber) => {
+                    BodyRef::Fiber(fiber) => {
                         used[system.fibers.lane(fiber as usize).0].push((i, side));
                     }
-                    Partner::Object(object) => on_objects[object as usize].push((i, side)),
+                    BodyRef::Object(object) => on_objects[object as usize].push((i, side)),
                 }
             }
         }
@@ -352,12 +362,15 @@ impl Case {
     }
 
     /// The touches that bear something or that the solver looked at last, with their impulses.
-    pub(super) fn pushes(&self, touches: &[Touch]) -> impl Iterator<Item = Push> + Clone {
+    pub(super) fn pushes(
+        &self,
+        touches: &[ContactPoint],
+    ) -> impl Iterator<Item = ContactImpulse> + Clone {
         self.working.iter().zip(&self.pushes).map(|(&i, push)| touches[i].push(*push))
     }
 
     /// Gives the impulses back to the touches, and tells which the solver looked at last.
-    pub(super) fn give_impulses(&self, touches: &mut [Touch]) {
+    pub(super) fn give_impulses(&self, touches: &mut [ContactPoint]) {
         touches.par_iter_mut().for_each(|touch| {
             (touch.impulse, touch.working) = (Vector3::zeros(), false);
         });
@@ -367,7 +380,7 @@ impl Case {
     }
 
     /// Whether a contact bears something, pulls, or closes where things are so fast.
-    fn acts(&self, i: usize, touches: &[Touch], velocities: &Velocities) -> bool {
+    fn acts(&self, i: usize, touches: &[ContactPoint], velocities: &Velocities) -> bool {
         let law = &self.laws[i];
         self.impulses[i] != Vector3::zeros()
             || law.adhesion > 0.0
@@ -386,22 +399,25 @@ fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
 }
 
 /// The relative velocity of a contact along its normal, with its bias, m/s.
-fn opening(law: &Law, touch: &Touch, velocities: &Velocities) -> f64 {
+fn opening(law: &ContactParameters, touch: &ContactPoint, velocities: &Velocities) -> f64 {
     touch.normal.dot(&velocities.between(touch)) + law.bias.x
 }
 
 /// A side of a touch that is a fibre, as a point of its group.
-fn point(system: &System, touch: &Touch, side: usize) -> Point {
+fn point(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> Point {
     let fiber = match touch.sides[side] {
-        Partner::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
-        Partner::Object(_) => 0,
+        BodyRef::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
+        BodyRef::Object(_) => 0,
     };
     #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
     Point { fiber: fiber as u32, segment: touch.segments[side], fraction: touch.fractions[side] }
 }
 
 /// Something of every side, in lists as they are given.
-fn each<T: Send>(sides: &[Vec<Side>], of_side: impl Fn(usize, usize) -> T + Sync) -> Vec<Vec<T>> {
-    let list = |sides: &Vec<Side>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
+fn each<T: Send>(
+    sides: &[Vec<ContactSide>],
+    of_side: impl Fn(usize, usize) -> T + Sync,
+) -> Vec<Vec<T>> {
+    let list = |sides: &Vec<ContactSide>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
     sides.par_iter().map(list).collect()
 }

@@ -1,8 +1,8 @@
 //! What fibres do on their way through a step: which would pass through each other, which have changed sides, and
 //! which places where they seem to touch are none.
 
-use super::fiber_touch::fibers;
-use crate::touch::{Partner, Touch, retain_others};
+use super::fiber_contacts::fibers;
+use crate::contact_point::{BodyRef, ContactPoint, retain_others};
 use nalgebra::Vector3;
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{Capsules, Contact, Pair};
@@ -108,8 +108,8 @@ pub(super) fn goes_on(end: &Capsules, contact: &Contact) -> bool {
 }
 
 /// Whether the places of a touch of fibres were on the other side of each other at the start.
-fn turned(start: &Capsules, touch: &Touch) -> bool {
-    let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides else { return false };
+fn turned(start: &Capsules, touch: &ContactPoint) -> bool {
+    let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = touch.sides else { return false };
     let [s, t] = touch.segments;
     let at = |fiber: u32, segment: u32, fraction: f64| {
         let first = start.layout().segment_range(fiber as usize).start;
@@ -122,7 +122,7 @@ fn turned(start: &Capsules, touch: &Touch) -> bool {
 /// Drops the touches that have turned to the other side beside one of their pair that has not. About
 /// a bend one segment may meet a fibre that its neighbor would pass through, and find it on its far
 /// side: between the two normals the fibre could not move at all. Touches are sorted by pair.
-pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<Touch>) {
+pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<ContactPoint>) {
     let turned: Vec<bool> = touches.par_iter().map(|touch| turned(start, touch)).collect();
     let jams = |i: usize| {
         let pair = touches[i].sides;
@@ -160,8 +160,8 @@ mod tests {
             let nodes: Vec<_> = (0..layout.nodes()).map(|i| Point3::from(node(i))).collect();
             let radii = vec![0.4; layout.segments()];
             let start = Capsules::new(&layout, &nodes, &radii).expect("one layout");
-            let touch = |&(fiber, place, up): &(u32, u32, bool)| Touch {
-                sides: [fiber, fiber + 1].map(Partner::Fiber),
+            let touch = |&(fiber, place, up): &(u32, u32, bool)| ContactPoint {
+                sides: [fiber, fiber + 1].map(BodyRef::Fiber),
                 segments: [place / 2; 2],
                 fractions: [0.5 * f64::from(place % 2); 2],
                 normal: Vector3::z() * if up { 1.0 } else { -1.0 },
@@ -183,7 +183,7 @@ mod tests {
                 turned(one) && all.iter().any(|other| beside(other) && !turned(other))
             };
             let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(touch).collect();
-            let told = |touches: &[Touch]| -> Vec<_> {
+            let told = |touches: &[ContactPoint]| -> Vec<_> {
                 touches.iter().map(|one| (one.sides, one.at(), one.normal.z)).collect()
             };
             prop_assert_eq!(told(&touches), told(&expected));

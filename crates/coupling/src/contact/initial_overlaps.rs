@@ -1,9 +1,9 @@
 //! What touches before the first step.
 
-use super::detect::{Detector, Motion};
-use super::system::System;
+use super::detection::{ContactDetector, NodeMotion};
+use super::system::CoupledSystem;
 use crate::CouplingError;
-use crate::touch::{Partner, Touch};
+use crate::contact_point::{BodyRef, ContactPoint};
 use rapunzel_rod_dynamic::{Conditions, End};
 
 /// How deep in each other things may be at the start, in radii: steps push them apart.
@@ -15,13 +15,13 @@ const INSTANT: f64 = 1e-12;
 /// in each other that no step would part them: ends that are held may be no deeper than `depth`, m, and
 /// all else by a part of the smallest `radius`.
 pub(super) fn touches(
-    system: &System,
-    detector: &mut Detector,
+    system: &CoupledSystem,
+    detector: &mut ContactDetector,
     radii: &[f64],
     [radius, depth]: [f64; 2],
-) -> Result<Vec<Touch>, CouplingError> {
+) -> Result<Vec<ContactPoint>, CouplingError> {
     let start = system.fibers.positions();
-    let motion = Motion {
+    let motion = NodeMotion {
         layout: system.fibers.assembly().layout(),
         radii,
         start: &start,
@@ -31,7 +31,7 @@ pub(super) fn touches(
     };
     let mut touches = Vec::new();
     detector.touches(&motion, system.objects, &mut touches)?;
-    let too_deep = |touch: &&Touch| {
+    let too_deep = |touch: &&ContactPoint| {
         let held = [0, 1].iter().all(|&side| is_held(system, touch, side));
         -touch.gap > if held { depth } else { OVERLAP * radius }
     };
@@ -46,10 +46,10 @@ pub(super) fn touches(
 }
 
 /// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is led.
-fn is_held(system: &System, touch: &Touch, side: usize) -> bool {
+fn is_held(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> bool {
     let fiber = match touch.sides[side] {
-        Partner::Object(object) => return !system.objects[object as usize].is_free(),
-        Partner::Fiber(fiber) => fiber as usize,
+        BodyRef::Object(object) => return !system.objects[object as usize].is_free(),
+        BodyRef::Fiber(fiber) => fiber as usize,
     };
     let (group, lane) = system.fibers.lane(fiber);
     let now = system.fibers.groups[group].lanes[lane].during(system.start).at(system.start);

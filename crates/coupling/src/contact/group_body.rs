@@ -1,6 +1,6 @@
 //! Fibres as bodies of the contact solver.
 
-use super::explicit::{Answer, Explicit, Inertia};
+use super::delassus::{DelassusProduct, FiberDelassus, InertiaKind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use rapunzel_contact::{Answers, Body, ContactError};
@@ -16,26 +16,26 @@ const LANES: usize = 8;
 const KEPT: usize = 31;
 
 /// The fibres of a group, whose step has been predicted, with the points at which they touch.
-pub(super) struct Fibers<'a> {
+pub(super) struct GroupBody<'a> {
     batch: &'a mut StaggeredBatch,
     points: &'a [Point],
     /// How the points answer, by fibre, where there are so few that this is cheaper than to go
     /// through the fibres.
-    written: &'a mut Option<Written>,
+    written: &'a mut Option<DelassusCache>,
     /// Whether contacts are so few that answers with added masses are kept for the same masses.
     few: bool,
 }
 
 /// Answers that are written out.
-pub(super) struct Written {
-    answers: Vec<Explicit>,
+pub(super) struct DelassusCache {
+    answers: Vec<FiberDelassus>,
     /// Whether in more than single precision.
     exact: bool,
     /// The masses that have been added.
     masses: Vec<f64>,
 }
 
-impl<'a> Fibers<'a> {
+impl<'a> GroupBody<'a> {
     /// What has been `written` out of the same points before is used again, as long as it is `exact` enough;
     /// with masses added only where contacts are `few`. Where they are not, only what takes no more room than
     /// passes through the fibres is written out.
@@ -44,7 +44,7 @@ impl<'a> Fibers<'a> {
         points: &'a [Point],
         exact: bool,
         few: bool,
-        written: &'a mut Option<Written>,
+        written: &'a mut Option<DelassusCache>,
     ) -> Result<Self, ContactError> {
         if written.as_ref().is_none_or(|written| exact && !written.exact) {
             *written = None;
@@ -57,16 +57,16 @@ impl<'a> Fibers<'a> {
                 let answers = batch.write_out(points).map_err(|error| refused(&error))?;
                 let answers = answers
                     .into_iter()
-                    .map(|own| Explicit::new(own, exact))
+                    .map(|own| FiberDelassus::new(own, exact))
                     .collect::<Result<_, _>>()?;
-                *written = Some(Written { answers, exact, masses: Vec::new() });
+                *written = Some(DelassusCache { answers, exact, masses: Vec::new() });
             }
         }
         Ok(Self { batch, points, written, few })
     }
 }
 
-impl Written {
+impl DelassusCache {
     /// Adds masses at the points; false if that cannot be.
     fn weigh(&mut self, masses: &[f64]) -> bool {
         if self.masses == masses {
@@ -81,7 +81,7 @@ fn refused(error: &RodError) -> ContactError {
     ContactError::Body { body: 0, why: error.to_string() }
 }
 
-impl Body for Fibers<'_> {
+impl Body for GroupBody<'_> {
     fn points(&self) -> usize {
         self.points.len()
     }
@@ -98,18 +98,28 @@ impl Body for Fibers<'_> {
     }
 
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(Written { answers: explicit, .. }) = self.written {
-            let inertia = Inertia::Own;
-            return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
+        if let Some(DelassusCache { answers: explicit, .. }) = self.written {
+            let inertia = InertiaKind::Own;
+            return Arch::new().dispatch(DelassusProduct {
+                explicit,
+                inertia,
+                impulses,
+                velocities,
+            });
         }
         let answered = self.batch.respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
     }
 
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]) {
-        if let Some(Written { answers: explicit, .. }) = self.written {
-            let inertia = Inertia::Weighted;
-            return Arch::new().dispatch(Answer { explicit, inertia, impulses, velocities });
+        if let Some(DelassusCache { answers: explicit, .. }) = self.written {
+            let inertia = InertiaKind::Weighted;
+            return Arch::new().dispatch(DelassusProduct {
+                explicit,
+                inertia,
+                impulses,
+                velocities,
+            });
         }
         let answered = self.batch.weighted_respond_at(self.points, impulses, velocities);
         debug_assert!(answered.is_ok(), "the points are on the fibres");
@@ -118,12 +128,12 @@ impl Body for Fibers<'_> {
     fn forget_weights(&mut self) {
         if let Some(written) = self.written.as_mut().filter(|_| !self.few) {
             written.masses.clear();
-            written.answers.iter_mut().for_each(Explicit::forget_weights);
+            written.answers.iter_mut().for_each(FiberDelassus::forget_weights);
         }
     }
 
     fn own_traces(&mut self, traces: &mut [f64]) {
-        if let Some(Written { answers: explicit, .. }) = self.written {
+        if let Some(DelassusCache { answers: explicit, .. }) = self.written {
             explicit.iter().for_each(|one| one.traces(traces));
             return;
         }
@@ -139,8 +149,8 @@ impl Body for Fibers<'_> {
     }
 
     fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
-        let Written { answers, .. } = self.written.as_ref()?;
-        Some(answers.iter().map(Explicit::own).collect())
+        let DelassusCache { answers, .. } = self.written.as_ref()?;
+        Some(answers.iter().map(FiberDelassus::own).collect())
     }
 }
 
@@ -178,7 +188,8 @@ mod tests {
             let points: Vec<_> = (0..count).map(point).collect();
             let is_written = |few: bool| {
                 let mut written = None;
-                Fibers::new(&mut batch, &points, false, few, &mut written).expect("points on it");
+                GroupBody::new(&mut batch, &points, false, few, &mut written)
+                    .expect("points on it");
                 written.is_some()
             };
             assert_eq!([true, false].map(is_written), written_out, "{count} points");
@@ -202,7 +213,7 @@ mod tests {
         for (written_out, exact, few) in
             [(true, false, true), (true, false, false), (true, true, true), (false, true, true)]
         {
-            let fibers = Fibers::new(&mut batch, &points, exact, few, &mut written);
+            let fibers = GroupBody::new(&mut batch, &points, exact, few, &mut written);
             let mut fibers = fibers.expect("points on the fibers");
             assert!(fibers.written.is_some());
             if !written_out {

@@ -7,20 +7,20 @@ const TILT: f64 = 1e-9;
 
 /// One of the two that touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Partner {
+pub enum BodyRef {
     /// A fibre, which may touch itself.
     Fiber(u32),
     /// An object of the scene.
     Object(u32),
 }
 
-impl Partner {
+impl BodyRef {
     fn is_object(&self) -> bool {
         matches!(self, Self::Object(_))
     }
 }
 
-impl fmt::Display for Partner {
+impl fmt::Display for BodyRef {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fiber(fiber) => write!(f, "fibre {fiber}"),
@@ -35,10 +35,10 @@ const FACING: f64 = -0.5;
 
 /// A place where two things touch, or nearly do, at the end of a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Touch {
+pub(crate) struct ContactPoint {
     /// The first is a fibre or an object that moves freely, the second may be anything: a pair is
     /// always named in the same order.
-    pub(crate) sides: [Partner; 2],
+    pub(crate) sides: [BodyRef; 2],
     /// Segments within the fibres; 0 of an object that a fibre touches, and between objects the edge
     /// of the one and 0 of the other.
     pub(crate) segments: [u32; 2],
@@ -65,9 +65,9 @@ pub(crate) struct Touch {
 
 /// What a touch does to its two sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Push {
+pub(crate) struct ContactImpulse {
     /// As in a touch.
-    pub(crate) sides: [Partner; 2],
+    pub(crate) sides: [BodyRef; 2],
     pub(crate) segments: [u32; 2],
     pub(crate) fractions: [f64; 2],
     /// Of each side that is an object which moves freely, else zero.
@@ -81,19 +81,19 @@ fn along(segments: [u32; 2], fractions: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| f64::from(segments[i]) + fractions[i])
 }
 
-impl Push {
+impl ContactImpulse {
     /// As of a touch.
     pub(crate) fn at(&self) -> [f64; 2] {
         along(self.segments, self.fractions)
     }
 }
 
-impl Touch {
+impl ContactPoint {
     /// What it does with an impulse on the first side, N s, world.
-    pub(crate) fn push(&self, impulse: Vector3<f64>) -> Push {
+    pub(crate) fn push(&self, impulse: Vector3<f64>) -> ContactImpulse {
         let Self { sides, segments, fractions, .. } = *self;
         let levers = [0, 1].map(|side| self.lever(side));
-        Push { sides, segments, fractions, levers, impulse }
+        ContactImpulse { sides, segments, fractions, levers, impulse }
     }
 
     /// Whether a side is an object that moves freely.
@@ -135,7 +135,7 @@ impl Touch {
 
     /// The segment of the first side if that is a fibre.
     pub(crate) fn segment(&self) -> Option<usize> {
-        matches!(self.sides[0], Partner::Fiber(_)).then_some(self.segments[0] as usize)
+        matches!(self.sides[0], BodyRef::Fiber(_)).then_some(self.segments[0] as usize)
     }
 
     /// Angle from the first side's axis to the second's about the normal, rad.
@@ -162,8 +162,8 @@ impl Touch {
         Matrix3::from_columns(&[normal, along, normal.cross(&along)])
     }
 
-    pub(crate) fn rank(&self) -> Rank {
-        Rank::new(self.sides, self.segments, self.fractions)
+    pub(crate) fn rank(&self) -> ContactKey {
+        ContactKey::new(self.sides, self.segments, self.fractions)
     }
 
     /// Whether two are of one pair, and not far from each other.
@@ -173,7 +173,7 @@ impl Touch {
 
     /// Whether two touches of one pair lie beside each other with normals that face each other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
-        let facing = if self.sides.iter().any(Partner::is_object) { 0.0 } else { FACING };
+        let facing = if self.sides.iter().any(BodyRef::is_object) { 0.0 } else { FACING };
         self.apart(other.at()) < 1.0 && self.normal.dot(&other.normal) < facing
     }
 }
@@ -188,7 +188,7 @@ const OBJECTS: u32 = 1 << 31;
 /// By pair, then by place, then by segments: of two that name one node the same comes first whatever
 /// the order in which they were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Rank {
+pub(crate) struct ContactKey {
     /// Fibres before objects.
     sides: [u32; 2],
     /// In segments; places are not negative, so that their bits are in order.
@@ -196,12 +196,12 @@ pub(crate) struct Rank {
     segments: [u32; 2],
 }
 
-impl Rank {
-    pub(crate) fn new(sides: [Partner; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
+impl ContactKey {
+    pub(crate) fn new(sides: [BodyRef; 2], segments: [u32; 2], fractions: [f64; 2]) -> Self {
         let at = along(segments, fractions).map(f64::to_bits);
         let sides = sides.map(|side| match side {
-            Partner::Fiber(fiber) => fiber,
-            Partner::Object(object) => OBJECTS + object,
+            BodyRef::Fiber(fiber) => fiber,
+            BodyRef::Object(object) => OBJECTS + object,
         });
         Self { sides, at, segments }
     }
@@ -253,12 +253,13 @@ pub(crate) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
 /// those that oppose them or are near them, unless there is nothing to `replace` any more: then only what is
 /// both goes, as fibres that cross at a small angle may need two with opposite normals. Both are sorted.
 pub(crate) fn merged(
-    mut list: Vec<Touch>,
-    other: &[Touch],
+    mut list: Vec<ContactPoint>,
+    other: &[ContactPoint],
     depth: f64,
     replace: bool,
-) -> Vec<Touch> {
-    let mut new: Vec<Touch> = other.iter().filter(|touch| touch.gap < -depth).copied().collect();
+) -> Vec<ContactPoint> {
+    let mut new: Vec<ContactPoint> =
+        other.iter().filter(|touch| touch.gap < -depth).copied().collect();
     list.retain(|touch| {
         let start = new.partition_point(|deep| deep.sides < touch.sides);
         let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
@@ -283,11 +284,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// A touch of two fibres at a place along both, in segments, its normal up or down.
-    fn touch(place: f64, up: f64, gap: f64) -> Touch {
+    fn touch(place: f64, up: f64, gap: f64) -> ContactPoint {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
         let segment = place as u32;
-        Touch {
-            sides: [Partner::Fiber(0), Partner::Fiber(1)],
+        ContactPoint {
+            sides: [BodyRef::Fiber(0), BodyRef::Fiber(1)],
             segments: [segment; 2],
             fractions: [place.fract(); 2],
             normal: Vector3::z() * up,
@@ -304,7 +305,7 @@ mod tests {
     /// when both have turned up again and again, both stay. At one place there is but one.
     #[test]
     fn opposite_touches_stay_both_in_the_end() {
-        let places = |new: &Touch, replace: bool| -> Vec<f64> {
+        let places = |new: &ContactPoint, replace: bool| -> Vec<f64> {
             let merged = merged(vec![touch(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
             merged.iter().map(|touch| touch.at()[0]).collect()
         };

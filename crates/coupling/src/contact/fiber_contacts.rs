@@ -1,6 +1,6 @@
 //! Touches of fibres, of what is found of their segments.
 
-use crate::touch::{Partner, Rank, Touch};
+use crate::contact_point::{BodyRef, ContactKey, ContactPoint};
 use nalgebra::Vector3;
 use rapunzel_collision::{Capsules, Contact, Pair};
 use rapunzel_fiber::Layout;
@@ -10,10 +10,10 @@ use rayon::prelude::*;
 pub(super) fn put_together(
     end: &Capsules,
     contacts: &[Contact],
-    others: &[Touch],
-    touches: &mut Vec<Touch>,
+    others: &[ContactPoint],
+    touches: &mut Vec<ContactPoint>,
 ) {
-    let place = |(i, other): (usize, &Touch)| {
+    let place = |(i, other): (usize, &ContactPoint)| {
         let rank = other.rank();
         i + contacts.partition_point(|contact| fiber_rank(end.layout(), contact) < rank)
     };
@@ -45,25 +45,25 @@ pub(super) fn fiber_number(fiber: usize) -> u32 {
 }
 
 /// The fibres of a contact, the one with the smaller number first, and the segments in them.
-fn of_fibers(layout: &Layout, contact: &Contact) -> ([Partner; 2], [u32; 2]) {
+fn of_fibers(layout: &Layout, contact: &Contact) -> ([BodyRef; 2], [u32; 2]) {
     let fibers = fibers(layout, &contact.pair);
     let segment =
         |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
-    (fibers.map(|fiber| Partner::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
+    (fibers.map(|fiber| BodyRef::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
 }
 
-pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> Rank {
+pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> ContactKey {
     let (sides, segments) = of_fibers(layout, contact);
-    Rank::new(sides, segments, contact.fractions)
+    ContactKey::new(sides, segments, contact.fractions)
 }
 
-fn fiber_touch(here: &Capsules, contact: &Contact) -> Touch {
+fn fiber_touch(here: &Capsules, contact: &Contact) -> ContactPoint {
     let (sides, segments) = of_fibers(here.layout(), contact);
     let arms = contact.pair.map(|segment| {
         let capsule = here.get(segment as usize);
         capsule.end - capsule.start
     });
-    Touch {
+    ContactPoint {
         sides,
         segments,
         fractions: contact.fractions,
@@ -95,18 +95,20 @@ mod tests {
         let all = |found: &[Contact], stay: &mut Vec<Contact>| stay.extend_from_slice(found);
         contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, same, all, &mut contacts)
             .expect("lengths");
-        let of_object = |fiber: u32| Touch {
-            sides: [Partner::Fiber(fiber), Partner::Object(0)],
+        let of_object = |fiber: u32| ContactPoint {
+            sides: [BodyRef::Fiber(fiber), BodyRef::Object(0)],
             ..fiber_touch(&end, &contacts[0])
         };
         let mut touches = vec![of_object(1); 9];
         for others in [vec![], vec![of_object(0), of_object(2)]] {
             put_together(&end, &contacts, &others, &mut touches);
-            let mut expected: Vec<Touch> =
+            let mut expected: Vec<ContactPoint> =
                 contacts.iter().map(|one| fiber_touch(&end, one)).collect();
             expected.extend(others);
-            expected.sort_by_key(Touch::rank);
-            let ranks = |touches: &[Touch]| touches.iter().map(Touch::rank).collect::<Vec<_>>();
+            expected.sort_by_key(ContactPoint::rank);
+            let ranks = |touches: &[ContactPoint]| {
+                touches.iter().map(ContactPoint::rank).collect::<Vec<_>>()
+            };
             assert!(contacts.len() > 2 && ranks(&touches) == ranks(&expected), "{touches:?}");
         }
         put_together(&end, &[], &[], &mut touches);

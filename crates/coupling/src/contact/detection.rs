@@ -1,10 +1,10 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
-use super::fiber_touch::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
-use super::passing::{bends, goes_on, keep_sides, leads_through, passing, travel};
-use crate::object::{Object, Strand};
+use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
+use super::tunnelling::{bends, goes_on, keep_sides, leads_through, passing, travel};
+use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
+use crate::object::{MovingFiber, Object};
 use crate::pair;
-use crate::touch::{self, Partner, Touch, retain_others};
 use nalgebra::Point3;
 use rapunzel_collision::{
     Candidates, Capsules, CollisionError, Contact, Pair, contacts_of_groups, squared_distances,
@@ -22,7 +22,7 @@ const FIBERS: usize = 8;
 const RESERVE: f64 = 16.0;
 
 /// Finds touches, with lists that live for many steps.
-pub(crate) struct Detector {
+pub(crate) struct ContactDetector {
     /// Largest gap of a touch that is listed, m.
     margin: f64,
     /// How much larger it is where all are asked for, m.
@@ -34,7 +34,7 @@ pub(crate) struct Detector {
 }
 
 /// All nodes before and after a step.
-pub(crate) struct Motion<'a> {
+pub(crate) struct NodeMotion<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) radii: &'a [f64],
     pub(crate) start: &'a [Point3<f64>],
@@ -43,7 +43,7 @@ pub(crate) struct Motion<'a> {
     pub(crate) dt: f64,
 }
 
-impl Motion<'_> {
+impl NodeMotion<'_> {
     /// All segments at its start and at its end.
     fn capsules(&self) -> Result<[Capsules<'_>; 2], CollisionError> {
         let at = |positions| Capsules::new(self.layout, positions, self.radii);
@@ -51,7 +51,7 @@ impl Motion<'_> {
     }
 }
 
-impl Detector {
+impl ContactDetector {
     /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked for; if a
     /// film `holds` them, also those that only had such gaps at the start.
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
@@ -70,9 +70,9 @@ impl Detector {
     /// missed that a straight motion of all nodes would lead through.
     pub(crate) fn touches(
         &mut self,
-        motion: &Motion,
+        motion: &NodeMotion,
         objects: &[Object],
-        touches: &mut Vec<Touch>,
+        touches: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
         self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
     }
@@ -83,10 +83,10 @@ impl Detector {
     /// below zero.
     pub(crate) fn overlaps(
         &mut self,
-        motion: &Motion,
+        motion: &NodeMotion,
         objects: &[Object],
         depth: f64,
-        touches: &mut Vec<Touch>,
+        touches: &mut Vec<ContactPoint>,
     ) -> Result<f64, CollisionError> {
         let mut deepest = 0.0;
         let chosen = |end: &Capsules, near, fast: &[Contact]| {
@@ -101,11 +101,11 @@ impl Detector {
     /// The touches with gaps up to `margin`, m, of those pairs that are near which `chosen` leaves.
     fn list(
         &mut self,
-        motion: &Motion,
+        motion: &NodeMotion,
         objects: &[Object],
         margin: f64,
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[Contact]) -> Vec<Pair>,
-        touches: &mut Vec<Touch>,
+        touches: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
@@ -122,7 +122,7 @@ impl Detector {
         self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
         add(&end, fast, &mut contacts);
         let mut others = of_objects(motion, objects, margin);
-        others.sort_unstable_by_key(Touch::rank);
+        others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, touches);
         keep_sides(&start, touches);
@@ -139,7 +139,7 @@ fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
     let layout = end.layout();
     let rank = |contact: &Contact| fiber_rank(layout, contact);
     fast.sort_unstable_by_key(rank);
-    touch::merge(contacts, fast, |a, b| rank(a) > rank(b));
+    contact_point::merge(contacts, fast, |a, b| rank(a) > rank(b));
     let same =
         |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
     let goes = |i: usize| {
@@ -169,7 +169,9 @@ fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
     ordered.sort_unstable();
     let mut before = None;
     for (at, _, i) in ordered {
-        if !before.is_some_and(|before| touch::same_place(before, at)) && !bends(end, &found[i]) {
+        if !before.is_some_and(|before| contact_point::same_place(before, at))
+            && !bends(end, &found[i])
+        {
             stay.push(found[i]);
         }
         before = Some(at);
@@ -239,13 +241,16 @@ fn of_overlapping(
 
 /// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and normals
 /// of these; infinitely if one side is an object.
-pub(crate) fn gaps(motion: &Motion, touches: &[Touch]) -> Result<Vec<f64>, CollisionError> {
+pub(crate) fn gaps(
+    motion: &NodeMotion,
+    touches: &[ContactPoint],
+) -> Result<Vec<f64>, CollisionError> {
     let [_, end] = motion.capsules()?;
     let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
-    let chunk = |(touches, gaps): (&[Touch], &mut [f64])| {
+    let chunk = |(touches, gaps): (&[ContactPoint], &mut [f64])| {
         let (mut places, mut pairs, mut squared) = (Vec::new(), Vec::new(), Vec::new());
         for (i, touch) in touches.iter().enumerate() {
-            if let [Partner::Fiber(fiber), Partner::Fiber(partner)] = touch.sides {
+            if let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = touch.sides {
                 let [s, t] = touch.segments;
                 places.push(i);
                 pairs.push([first(fiber) + s, first(partner) + t]);
@@ -263,11 +268,11 @@ pub(crate) fn gaps(motion: &Motion, touches: &[Touch]) -> Result<Vec<f64>, Colli
 }
 
 /// What fibres, and objects that move freely, touch of the objects.
-fn of_objects(motion: &Motion, objects: &[Object], margin: f64) -> Vec<Touch> {
+fn of_objects(motion: &NodeMotion, objects: &[Object], margin: f64) -> Vec<ContactPoint> {
     let strand = |fiber: usize| {
         let mut found = Vec::new();
         for (index, object) in (0..).zip(objects) {
-            let strand = Strand {
+            let strand = MovingFiber {
                 fiber: fiber_number(fiber),
                 start: &motion.start[motion.layout.node_range(fiber)],
                 end: &motion.end[motion.layout.node_range(fiber)],
@@ -326,7 +331,7 @@ fn sort(
 
 #[cfg(test)]
 mod tests {
-    use super::super::passing::LEAN;
+    use super::super::tunnelling::LEAN;
     use super::*;
     use proptest::prelude::*;
 
@@ -335,13 +340,13 @@ mod tests {
 
     /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last coordinate in
     /// radii.
-    fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<Touch> {
+    fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<ContactPoint> {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
         let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
         let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
-        let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
-        let mut detector = Detector::new(RADIUS, RADIUS, false).expect("lengths");
+        let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+        let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut touches = Vec::new();
         detector.touches(&motion, &[], &mut touches).expect("one layout");
         touches
@@ -361,7 +366,7 @@ mod tests {
             let apart = RADIUS / LENGTH;
             for node in [1.0, 2.0, 3.0] {
                 for side in [0, 1] {
-                    let there = |touch: &Touch| (touch.at()[side] - node).abs() <= apart;
+                    let there = |touch: &ContactPoint| (touch.at()[side] - node).abs() <= apart;
                     prop_assert!(touches.iter().any(there), "{node}: {touches:?}");
                 }
             }
@@ -404,8 +409,8 @@ mod tests {
         let heights = [(1.01, false), (0.98, false), (0.6, false), (-0.1, true), (-2.0, true)];
         for (height, through) in heights {
             let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
-            let motion = Motion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
-            let mut detector = Detector::new(radius, radius, false).expect("lengths");
+            let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+            let mut detector = ContactDetector::new(radius, radius, false).expect("lengths");
             let mut touches = Vec::new();
             let deepest = detector.overlaps(&motion, &[], 0.1 * radius, &mut touches);
             let deepest = deepest.expect("one layout");

@@ -23,7 +23,7 @@ const FARTHEST: f64 = 2.0;
 /// that faces are where they were. The field of the other is asked on their axes, and so on its outside
 /// as long as things are in each other by less than the radius: inside, the nearest face is told by
 /// chance where edge lies on edge.
-pub(super) fn skeleton(shape: &ObjectShape, surface: &Soup, radius: f64) -> Vec<Capsule> {
+pub(super) fn edge_capsules(shape: &ObjectShape, surface: &Soup, radius: f64) -> Vec<Capsule> {
     match shape {
         ObjectShape::Plane { .. } => Vec::new(),
         ObjectShape::Ball { radius } => {
@@ -84,7 +84,7 @@ mod tests {
     fn a_box_has_twelve_edges_that_leave_its_faces_where_they_are() {
         let half = Vector3::new(0.01, 0.02, 0.03);
         let shape = ObjectShape::Cuboid { sides: [0.02, 0.04, 0.06] };
-        let edges = skeleton(&shape, &shapes::cuboid(half), 1e-4);
+        let edges = edge_capsules(&shape, &shapes::cuboid(half), 1e-4);
         assert_eq!(edges.len(), 12);
         for edge in edges {
             assert_eq!(edge.radius, 1e-4);
@@ -103,7 +103,7 @@ mod tests {
         let (file, scale, repair) = ("ball.ply".into(), 1.0, false);
         let shape = ObjectShape::Mesh { file, spacing: 1e-3, scale, repair };
         let (ball, radius) = (shapes::sphere(0.01, 10), 1e-4);
-        for edge in skeleton(&shape, &ball, radius) {
+        for edge in edge_capsules(&shape, &ball, radius) {
             let depth = 0.01 - edge.start.coords.norm();
             // Triangles turn by about a tenth of a right angle from one to the next.
             assert!((depth / radius - 1.0).abs() < 0.05, "{edge:?}");

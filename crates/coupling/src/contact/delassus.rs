@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
-use rapunzel_contact::{Answer as OfPoint, Answers, ContactError, Eight};
+use rapunzel_contact::{Answers, ContactError, Answer as OfPoint, Eight};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 
@@ -12,31 +12,31 @@ const ROWS: usize = 16;
 const COLUMNS: usize = 4;
 
 /// The answers of the points of one fibre.
-pub(super) struct Explicit {
+pub(super) struct FiberDelassus {
     /// Which points they are, from root to tip.
     points: Vec<usize>,
     own: Answers,
     /// The same with masses added.
-    weighted: Weighted,
+    weighted: WeightedDelassus,
 }
 
 /// A matrix as precise as the solver needs it: half the bytes are half the time.
-enum Weighted {
-    Single(Strips<f32>),
-    Double(Strips<f64>),
+enum WeightedDelassus {
+    Single(MatrixStrips<f32>),
+    Double(MatrixStrips<f64>),
 }
 
-impl Weighted {
+impl WeightedDelassus {
     /// That of no points.
-    const NONE: Self = Self::Double(Strips(Vec::new()));
+    const NONE: Self = Self::Double(MatrixStrips(Vec::new()));
 }
 
-impl Explicit {
+impl FiberDelassus {
     /// In single precision unless `exact`.
     pub(super) fn new(own: PointResponses, exact: bool) -> Result<Self, ContactError> {
         let PointResponses { points, matrix } = own;
         let own = if exact { Answers::new(&matrix)? } else { Answers::rounded(&matrix)? };
-        Ok(Self { points, own, weighted: Weighted::NONE })
+        Ok(Self { points, own, weighted: WeightedDelassus::NONE })
     }
 
     /// Adds a mass at each point, one after another, with `W` the answer so far: a mass `m` at `i`
@@ -47,16 +47,16 @@ impl Explicit {
         let (size, add) = (3 * self.points.len(), AddMasses { answers: &self.own, masses });
         let Some(lower) = Arch::new().dispatch(add) else { return false };
         self.weighted = if exact {
-            Weighted::Double(Strips::new(&lower, stride(size), size))
+            WeightedDelassus::Double(MatrixStrips::new(&lower, stride(size), size))
         } else {
-            Weighted::Single(Strips::new(&lower, stride(size), size))
+            WeightedDelassus::Single(MatrixStrips::new(&lower, stride(size), size))
         };
         true
     }
 
     /// Takes the masses away.
     pub(super) fn forget_weights(&mut self) {
-        self.weighted = Weighted::NONE;
+        self.weighted = WeightedDelassus::NONE;
     }
 
     /// The points and their answers without masses.
@@ -74,9 +74,9 @@ impl Explicit {
 
 /// A symmetric matrix in strips of rows, each column by column, filled up with zeros: a product reads
 /// it from the first entry to the last.
-struct Strips<T>(Vec<T>);
+struct MatrixStrips<T>(Vec<T>);
 
-impl<T: RealField + Copy> Strips<T> {
+impl<T: RealField + Copy> MatrixStrips<T> {
     /// From the lower triangle of a matrix whose columns lie a `stride` apart.
     fn new(lower: &[f64], stride: usize, size: usize) -> Self {
         let columns = size.next_multiple_of(COLUMNS);
@@ -229,31 +229,31 @@ fn take<const N: usize>(
 
 /// Which of the answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Inertia {
+pub(super) enum InertiaKind {
     Own,
     Weighted,
 }
 
 /// Replaces impulses on points by the velocities that they cause, fibre by fibre.
-pub(super) struct Answer<'a> {
-    pub(super) explicit: &'a [Explicit],
-    pub(super) inertia: Inertia,
+pub(super) struct DelassusProduct<'a> {
+    pub(super) explicit: &'a [FiberDelassus],
+    pub(super) inertia: InertiaKind,
     pub(super) impulses: &'a [Vector3<f64>],
     pub(super) velocities: &'a mut [Vector3<f64>],
 }
 
-impl NullaryFnOnce for Answer<'_> {
+impl NullaryFnOnce for DelassusProduct<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
         let Self { explicit, inertia, impulses, velocities } = self;
-        let (mut single, mut double) = (Room::default(), Room::default());
+        let (mut single, mut double) = (ProductWorkspace::default(), ProductWorkspace::default());
         let mut side_by_side = Vec::new();
         // No closures: what is dispatched must be inlined into this.
-        for Explicit { points, own, weighted } in explicit {
+        for FiberDelassus { points, own, weighted } in explicit {
             match (inertia, weighted) {
-                (Inertia::Own, _) => {
+                (InertiaKind::Own, _) => {
                     gather(points, impulses, &mut side_by_side);
                     for (i, &point) in points.iter().enumerate() {
                         velocities[point] = match own.of(i) {
@@ -262,12 +262,12 @@ impl NullaryFnOnce for Answer<'_> {
                         };
                     }
                 }
-                (Inertia::Weighted, Weighted::Single(matrix)) => {
+                (InertiaKind::Weighted, WeightedDelassus::Single(matrix)) => {
                     single.gather(points, impulses);
                     matrix.multiply(&single.from, &mut single.to);
                     single.scatter(points, velocities);
                 }
-                (Inertia::Weighted, Weighted::Double(matrix)) => {
+                (InertiaKind::Weighted, WeightedDelassus::Double(matrix)) => {
                     double.gather(points, impulses);
                     matrix.multiply(&double.from, &mut double.to);
                     double.scatter(points, velocities);
@@ -279,12 +279,12 @@ impl NullaryFnOnce for Answer<'_> {
 
 /// Impulses and velocities of one fibre.
 #[derive(Default)]
-struct Room<T> {
+struct ProductWorkspace<T> {
     from: Vec<T>,
     to: Vec<T>,
 }
 
-impl<T: RealField + Copy> Room<T> {
+impl<T: RealField + Copy> ProductWorkspace<T> {
     /// Impulses of the points of the fibre, filled up with zeros, and room for velocities.
     #[inline(always)]
     fn gather(&mut self, points: &[usize], impulses: &[Vector3<f64>]) {

@@ -20,12 +20,12 @@ const SQUARE: f64 = 1e-4;
 
 /// The error that a solve may leave, in tolerances, and its iterations at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Effort {
+pub(super) struct ForcingTerm {
     slack: f64,
     most: usize,
 }
 
-impl Effort {
+impl ForcingTerm {
     /// As long as the rods are far from where they go, exact answers are wasted.
     const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
     /// What is asked for in the end.

@@ -1,7 +1,7 @@
 //! Objects of a scene as things in the world: their fields, surfaces and masses.
 
+use super::edge_capsules::edge_capsules;
 use super::mesh::read_mesh;
-use super::skeleton::skeleton;
 use crate::SimError;
 use crate::scene::{self, Mass, Moves, ObjectShape};
 use nalgebra::{
@@ -10,7 +10,7 @@ use nalgebra::{
 use rapunzel_collision::field::{Ball, Cuboid, Grid, HalfSpace, Soup, Terrain, shapes};
 use rapunzel_collision::{Capsule, CollisionError};
 use rapunzel_contact::{ContactError, RigidBody};
-use rapunzel_coupling::{Field, FreeBody, Geometry, Object, ObjectMotion};
+use rapunzel_coupling::{Field, FreeBody, Object, ObjectGeometry, ObjectMotion};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -89,9 +89,9 @@ pub(crate) fn build_object(
         }
     };
     let endless = scene.shape.is_endless();
-    let skeleton = skeleton(&scene.shape, &surface, 2.0 * around.thickest);
+    let edge_capsules = edge_capsules(&scene.shape, &surface, 2.0 * around.thickest);
     let scene::Object { friction, restitution, .. } = *scene;
-    let geometry = Geometry { field, skeleton, surface, endless };
+    let geometry = ObjectGeometry { field, edge_capsules, surface, endless };
     Ok(Object::new(geometry, motion, friction, restitution))
 }
 

@@ -1,8 +1,8 @@
 //! Which contacts of a long list can close at all.
 
-use crate::contact::system::System;
+use crate::contact::system::CoupledSystem;
+use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::Object;
-use crate::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ pub(super) const ALWAYS: f64 = f64::NEG_INFINITY;
 
 /// How fast all contacts of a list open. Most of a dense list do, and go on to wherever their fibres have not
 /// changed their velocities by as much: there they need not be looked at.
-pub(super) struct Openings {
+pub(super) struct ContactCulling {
     /// Velocities of all nodes with which contacts open so, m/s.
     nodes: Vec<Vector3<f64>>,
     /// By contact, m/s.
@@ -21,18 +21,18 @@ pub(super) struct Openings {
     fibers: Vec<[u32; 2]>,
 }
 
-impl Openings {
+impl ContactCulling {
     /// Touches open with these speeds, m/s, where all nodes have the given velocities.
     pub(super) fn new(
-        system: &System,
-        touches: &[Touch],
+        system: &CoupledSystem,
+        touches: &[ContactPoint],
         speeds: Vec<f64>,
         nodes: &[Vector3<f64>],
     ) -> Self {
         let none = number(system.fibers.assembly().layout().fibers());
-        let fiber = |side: Partner| match side {
-            Partner::Fiber(fiber) => fiber,
-            Partner::Object(_) => none,
+        let fiber = |side: BodyRef| match side {
+            BodyRef::Fiber(fiber) => fiber,
+            BodyRef::Object(_) => none,
         };
         let fibers = touches.par_iter().map(|touch| touch.sides.map(fiber)).collect();
         let mut openings = Self { nodes: nodes.to_vec(), speeds, fibers };
@@ -115,7 +115,7 @@ mod tests {
             };
             let speeds: Vec<f64> = (0..touches.len()).map(|i| speed(&before, i)).collect();
             let fibers = touches.iter().map(|touch| [0, touch.3]).collect();
-            let mut openings = Openings { nodes: before.clone(), speeds, fibers };
+            let mut openings = ContactCulling { nodes: before.clone(), speeds, fibers };
             openings.hold(&[0]);
             let near = openings.near(&layout, &after);
             prop_assert_eq!(near[0], 0);

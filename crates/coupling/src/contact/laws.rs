@@ -1,17 +1,17 @@
 //! What a touch obeys, by the scene, its partner and what it did when the step began.
 
-use super::film::Film;
+use super::adhesive_film::AdhesiveFilm;
+use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::Object;
-use crate::touch::{Partner, Touch};
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
 use rapunzel_fiber::Assembly;
 use rapunzel_scene::{Adhesion, ContactSettings, Friction};
 
 /// The laws of contact in one part of a step.
-pub(super) struct Laws<'a> {
+pub(super) struct ContactLaws<'a> {
     settings: &'a ContactSettings,
-    film: Option<&'a Film>,
+    film: Option<&'a AdhesiveFilm>,
     objects: &'a [Object],
     /// What gravity adds to a velocity in the part, m/s.
     fall: f64,
@@ -19,11 +19,11 @@ pub(super) struct Laws<'a> {
     dt: f64,
 }
 
-impl<'a> Laws<'a> {
+impl<'a> ContactLaws<'a> {
     /// Those of a part of `dt` seconds under `gravity`, m/s^2.
     pub(super) fn new(
         settings: &'a ContactSettings,
-        film: Option<&'a Film>,
+        film: Option<&'a AdhesiveFilm>,
         objects: &'a [Object],
         gravity: f64,
         dt: f64,
@@ -40,7 +40,7 @@ impl<'a> Laws<'a> {
     /// the relative velocity then, in the frame of the touch.
     pub(super) fn closing(
         &self,
-        touch: &Touch,
+        touch: &ContactPoint,
         gap: f64,
         before: impl Fn() -> Vector3<f64>,
     ) -> f64 {
@@ -54,10 +54,10 @@ impl<'a> Laws<'a> {
     /// before.
     pub(super) fn friction(
         &self,
-        touch: &Touch,
+        touch: &ContactPoint,
         before: impl Fn() -> Vector3<f64>,
     ) -> Result<LimitCurve, ContactError> {
-        let between_objects = matches!(touch.sides[0], Partner::Object(_));
+        let between_objects = matches!(touch.sides[0], BodyRef::Object(_));
         let own = self.own(touch, |object| {
             object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
         });
@@ -70,7 +70,7 @@ impl<'a> Laws<'a> {
     pub(super) fn adhesion(
         &self,
         assembly: &Assembly,
-        touches: &[Touch],
+        touches: &[ContactPoint],
         gaps: impl Iterator<Item = f64>,
     ) -> Result<Vec<f64>, ContactError> {
         if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
@@ -84,10 +84,10 @@ impl<'a> Laws<'a> {
     }
 
     /// What an object says of its own, the second side before the first.
-    fn own<T>(&self, touch: &Touch, of: impl Fn(&Object) -> Option<T>) -> Option<T> {
+    fn own<T>(&self, touch: &ContactPoint, of: impl Fn(&Object) -> Option<T>) -> Option<T> {
         touch.sides.iter().rev().find_map(|side| match side {
-            Partner::Object(object) => of(&self.objects[*object as usize]),
-            Partner::Fiber(_) => None,
+            BodyRef::Object(object) => of(&self.objects[*object as usize]),
+            BodyRef::Fiber(_) => None,
         })
     }
 }
@@ -96,7 +96,7 @@ impl<'a> Laws<'a> {
 /// friction, each by its own axis; with an object the axis is the fibre's.
 fn limit_curve(
     friction: &Friction,
-    touch: &Touch,
+    touch: &ContactPoint,
     sticks: impl Fn() -> bool,
 ) -> Result<LimitCurve, ContactError> {
     match *friction {
@@ -115,8 +115,8 @@ fn limit_curve(
         Friction::Cuticle { with, against, across } => {
             let curve = LimitCurve::cuticle(with, against, across);
             match touch.sides[1] {
-                Partner::Object(_) => Ok(curve),
-                Partner::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
+                BodyRef::Object(_) => Ok(curve),
+                BodyRef::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Arrays over all nodes of fibres, and what groups make of their parts of them.
 
-use crate::touch::{Partner, Push};
-use crate::{Fibers, Group};
+use crate::contact_point::{BodyRef, ContactImpulse};
+use crate::{FiberGroup, Fibers};
 use nalgebra::{Point3, Vector3};
 use rapunzel_rod_dynamic::{ImpulseResponse, RodError, StaggeredBatch, StepError};
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ impl Fibers<StaggeredBatch> {
         read: impl Fn(&StaggeredBatch, &mut [T]) -> Result<(), RodError> + Sync,
     ) -> Vec<T> {
         let layout = self.assembly().layout();
-        let own = |group: &Group<StaggeredBatch>| {
+        let own = |group: &FiberGroup<StaggeredBatch>| {
             let mut own = vec![none; group.batch.nodes()];
             let done = read(&group.batch, &mut own);
             debug_assert!(done.is_ok(), "there is one for each node");
@@ -60,12 +60,12 @@ impl Fibers<StaggeredBatch> {
     }
 
     /// What touches push on all nodes, N s.
-    fn impulses(&self, pushes: impl Iterator<Item = Push>) -> Vec<Vector3<f64>> {
+    fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse>) -> Vec<Vector3<f64>> {
         let layout = self.assembly().layout();
         let mut all = vec![Vector3::zeros(); layout.nodes()];
         for push in pushes {
             for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
-                let Partner::Fiber(fiber) = push.sides[side] else { continue };
+                let BodyRef::Fiber(fiber) = push.sides[side] else { continue };
                 let (segment, fraction) = (push.segments[side], push.fractions[side]);
                 let node = layout.node_range(fiber as usize).start + segment as usize;
                 all[node] += impulse * (1.0 - fraction);
@@ -78,7 +78,7 @@ impl Fibers<StaggeredBatch> {
     /// Lets every group do something, in parallel. Of several errors the first group's is told.
     pub(super) fn for_groups<T: Send>(
         &mut self,
-        act: impl Fn(&mut Group<StaggeredBatch>) -> Result<T, StepError> + Sync + Send,
+        act: impl Fn(&mut FiberGroup<StaggeredBatch>) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
         let results: Vec<_> = self.groups.par_iter_mut().map(act).collect();
         results.into_iter().collect()
@@ -87,8 +87,10 @@ impl Fibers<StaggeredBatch> {
     /// The same, each with what touches push on all its nodes.
     pub(super) fn with_impulses<T: Send>(
         &mut self,
-        pushes: impl Iterator<Item = Push>,
-        act: impl Fn(&mut Group<StaggeredBatch>, &[Vector3<f64>]) -> Result<T, StepError> + Sync + Send,
+        pushes: impl Iterator<Item = ContactImpulse>,
+        act: impl Fn(&mut FiberGroup<StaggeredBatch>, &[Vector3<f64>]) -> Result<T, StepError>
+        + Sync
+        + Send,
     ) -> Result<Vec<T>, StepError> {
         let impulses = self.impulses(pushes);
         let ranges: Vec<_> = (0..self.assembly().layout().fibers())
