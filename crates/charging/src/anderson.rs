@@ -8,7 +8,7 @@ const INDEPENDENT: f64 = 1e-6;
 
 /// The last iterates and residuals of `x -> x + r(x)`.
 #[derive(Debug)]
-pub(crate) struct Anderson {
+pub(crate) struct AndersonAcceleration {
     /// Most changes that are kept.
     depth: usize,
     last: Option<[Vec<f64>; 2]>,
@@ -17,7 +17,7 @@ pub(crate) struct Anderson {
     changes: VecDeque<[Vec<f64>; 2]>,
 }
 
-impl Anderson {
+impl AndersonAcceleration {
     pub(crate) fn new(depth: usize) -> Self {
         Self { depth, last: None, changes: VecDeque::new() }
     }
@@ -92,14 +92,14 @@ mod tests {
         let residual = |x: &[f64]| -> Vec<f64> {
             (0..n).map(|i| 1.0 - (0..n).map(|j| matrix(i, j) * x[j]).sum::<f64>()).collect()
         };
-        let (mut anderson, mut x) = (Anderson::new(n), vec![0.0; n]);
+        let (mut anderson, mut x) = (AndersonAcceleration::new(n), vec![0.0; n]);
         for _ in 0..=n {
             let step = anderson.step(&x, &residual(&x));
             add(&mut x, 1.0, &step);
         }
         let left = residual(&x);
         assert!(dot(&left, &left).sqrt() < 1e-10, "{left:?}");
-        let mut plain = Anderson::new(n);
+        let mut plain = AndersonAcceleration::new(n);
         assert_eq!(plain.step(&x, &left), left, "without memory it is the plain iteration");
     }
 }

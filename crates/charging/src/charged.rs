@@ -4,7 +4,7 @@ use crate::ChargingError;
 use crate::electric::Electric;
 use crate::fibers::RestingFibers;
 use crate::flow::flow;
-use crate::head::{Head, HeadGeometry};
+use crate::head::{HeadGeometry, HeadModel};
 use crate::report::ChargeReport;
 use crate::settle::{Settled, settle};
 use nalgebra::{Point3, Vector3};
@@ -19,7 +19,7 @@ const SAME: f64 = 10.0;
 
 /// Fibres that get a portion of charge in each step, and come to rest with it.
 #[derive(Debug, Clone)]
-pub struct ChargedFibers {
+pub struct ChargedRods {
     scene: Scene,
     charging: Charging,
     fibers: RestingFibers,
@@ -34,7 +34,7 @@ pub struct ChargedFibers {
     start: Option<Box<Self>>,
 }
 
-impl ChargedFibers {
+impl ChargedRods {
     /// The fibres of a scene with charge, at rest under their weight; nothing is dealt yet. `head` is
     /// the object of the scene that is the head, if it has one.
     ///
@@ -47,7 +47,7 @@ impl ChargedFibers {
         assembly: Assembly,
         head: Option<HeadGeometry>,
     ) -> Result<Self, ChargingError> {
-        let head = Head::new(&charging.head, &scene.objects, head)?;
+        let head = HeadModel::new(&charging.head, &scene.objects, head)?;
         let electric = Electric::new(charging, &assembly, head);
         let given = scene.fibers.iter().flat_map(|bundle| {
             let fibers = bundle.arrangement.fibers();

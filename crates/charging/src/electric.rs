@@ -2,7 +2,7 @@
 
 use crate::ChargingError;
 use crate::fibers::RestingFibers;
-use crate::head::Head;
+use crate::head::HeadModel;
 use crate::report::ChargeReport;
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{
@@ -29,7 +29,7 @@ pub(crate) struct Electric {
     pub(crate) charging: Charging,
     /// Radii of the fibres, m.
     radii: Vec<f64>,
-    head: Head,
+    head: HeadModel,
     /// Share of the charge that is dealt.
     pub(crate) share: f64,
     /// On the last step.
@@ -44,7 +44,7 @@ pub(crate) struct Forces {
 
 impl Electric {
     /// Nothing is dealt yet.
-    pub(crate) fn new(charging: &Charging, assembly: &Assembly, head: Head) -> Self {
+    pub(crate) fn new(charging: &Charging, assembly: &Assembly, head: HeadModel) -> Self {
         let layout = assembly.layout();
         let radius = |fiber: usize| assembly.radii()[layout.node_range(fiber).start];
         Self {
@@ -103,7 +103,7 @@ impl Electric {
                 forces[node] += half;
             }
         }
-        if matches!(head, Head::Ball { .. } | Head::Thesis { .. }) {
+        if matches!(head, HeadModel::Ball { .. } | HeadModel::Thesis { .. }) {
             let (points, halves) = placed(layout, positions, charges);
             let act = |accuracy| head.act(&points, &halves, share, accuracy);
             let action = self.within_reach(part, act);
@@ -263,7 +263,7 @@ mod tests {
             let fiber = Fiber::uniform(0.1, 12, section, &Material::HAIR).expect("a fibre");
             let fibers = RestingFibers::new(Assembly::new(vec![fiber])).expect("a rod");
             let own = (kind != "None").then(|| head(shape));
-            let own = Head::new(&charging.head, &scene.objects, own).expect("a head");
+            let own = HeadModel::new(&charging.head, &scene.objects, own).expect("a head");
             let mut electric = Electric::new(charging, &fibers.assembly, own);
             electric.share = 1.0;
             let (places, charges) = (fibers.positions(), vec![1e-10 / 12.0; 12]);

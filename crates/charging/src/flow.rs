@@ -1,7 +1,7 @@
 //! Charge flows along the fibres and to the head.
 
 use crate::ChargingError;
-use crate::anderson::{Anderson, add, dot};
+use crate::anderson::{AndersonAcceleration, add, dot};
 use crate::electric::{Electric, placed};
 use crate::fibers::RestingFibers;
 use nalgebra::Point3;
@@ -34,7 +34,7 @@ pub(super) fn flow(
     let one = ChargeFlow { resistance, capacity: flow.capacity, head };
     let (start, places) = (fibers.charges(), fibers.positions());
     let mut now = start.clone();
-    let mut anderson = Anderson::new(DEPTH);
+    let mut anderson = AndersonAcceleration::new(DEPTH);
     let tolerance = electric.charging.tolerance;
     let mut found = false;
     for _ in 0..MOST {

@@ -34,7 +34,7 @@ impl fmt::Debug for HeadGeometry {
 
 /// The head as far as charge is concerned.
 #[derive(Debug, Clone)]
-pub(crate) enum Head {
+pub(crate) enum HeadModel {
     None,
     /// A conducting ball.
     Ball {
@@ -55,7 +55,7 @@ pub(crate) enum Head {
 }
 
 /// What the head does to charges at some points.
-pub(crate) struct Action {
+pub(crate) struct HeadAction {
     /// Its energy with them and theirs in what they induce, J.
     pub(crate) energy: f64,
     /// Forces on them (world), N.
@@ -72,7 +72,7 @@ pub(crate) enum Induced<'a> {
 }
 
 /// What a conductor is like beside other charges.
-pub(crate) struct Response<'a> {
+pub(crate) struct ConductorResponse<'a> {
     pub(crate) induced: Induced<'a>,
     /// Its potential, V.
     pub(crate) potential: f64,
@@ -100,7 +100,7 @@ impl Induced<'_> {
     }
 }
 
-impl Head {
+impl HeadModel {
     /// The head of a scene among its objects, of which `geometry` is the head, if it has one.
     ///
     /// # Errors
@@ -149,12 +149,16 @@ impl Head {
         charges: &[f64],
         share: f64,
         accuracy: Accuracy,
-    ) -> Result<Response<'_>, ElectrostaticsError> {
+    ) -> Result<ConductorResponse<'_>, ElectrostaticsError> {
         // By Green's reciprocity the charge that is induced at zero potential is that of the potential of
         // the conductor at 1 V, at the charges.
         let (held, capacity, grounded) = match self {
             Self::None | Self::Thesis { .. } => {
-                return Ok(Response { induced: Induced::None, potential: 0.0, energy: 0.0 });
+                return Ok(ConductorResponse {
+                    induced: Induced::None,
+                    potential: 0.0,
+                    energy: 0.0,
+                });
             }
             Self::Ball { center, radius, held } => {
                 let condition = Condition::Potential(0.0);
@@ -191,7 +195,7 @@ impl Head {
             }
             Induced::None => Induced::None,
         };
-        Ok(Response { induced, potential, energy: 0.5 * own * drawn })
+        Ok(ConductorResponse { induced, potential, energy: 0.5 * own * drawn })
     }
 
     /// What `fibers` with the nodes at `positions` (world, m) do to each other, beside a surface when
@@ -218,14 +222,15 @@ impl Head {
         charges: &[f64],
         share: f64,
         accuracy: Accuracy,
-    ) -> Result<Action, ElectrostaticsError> {
+    ) -> Result<HeadAction, ElectrostaticsError> {
         if let Self::Thesis { geometry, charge } = self {
             return thesis(geometry, share * charge, points, charges);
         }
-        let Response { induced, energy, .. } = self.response(points, charges, share, accuracy)?;
+        let ConductorResponse { induced, energy, .. } =
+            self.response(points, charges, share, accuracy)?;
         let Fields { potentials, fields } = induced.fields(points, accuracy)?;
         let forces = charges.iter().zip(fields).map(|(q, field)| *q * field).collect();
-        Ok(Action { energy: energy + 0.5 * crate::anderson::dot(charges, &potentials), forces })
+        Ok(HeadAction { energy: energy + 0.5 * crate::anderson::dot(charges, &potentials), forces })
     }
 }
 
@@ -243,12 +248,12 @@ fn thesis(
     total: f64,
     points: &[Point3<f64>],
     charges: &[f64],
-) -> Result<Action, ElectrostaticsError> {
+) -> Result<HeadAction, ElectrostaticsError> {
     let (field, pose) = (&*head.field, head.pose);
     let own: Vec<_> = points.iter().map(|x| pose.inverse_transform_point(x)).collect();
     let forces = thesis_repulsion(field, total, &own, charges)?;
     let energy = own.iter().zip(charges).map(|(x, q)| q / field.value(x)).sum::<f64>();
-    Ok(Action {
+    Ok(HeadAction {
         energy: COULOMB_CONSTANT * total * energy,
         forces: forces.iter().map(|force| pose * force).collect(),
     })

@@ -11,7 +11,7 @@ mod report;
 mod rods;
 mod settle;
 
-pub use charged::ChargedFibers;
+pub use charged::ChargedRods;
 pub use error::ChargingError;
 pub use head::HeadGeometry;
 pub use report::ChargeReport;

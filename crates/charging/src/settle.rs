@@ -1,7 +1,7 @@
 //! How all fibres come to rest together.
 
 use crate::ChargingError;
-use crate::anderson::{Anderson, dot};
+use crate::anderson::{AndersonAcceleration, dot};
 use crate::electric::{Electric, Forces};
 use crate::fibers::RestingFibers;
 use nalgebra::Vector3;
@@ -26,7 +26,7 @@ pub(super) struct Settled {
 }
 
 /// Fibres at rest under given electric forces, and the electric forces where they lie.
-struct Trial {
+struct TrialEquilibrium {
     /// Forces on the nodes that they lie at rest with, N, coordinate by coordinate.
     held: Vec<f64>,
     /// By how much the electric forces differ from those.
@@ -50,7 +50,7 @@ pub(super) fn settle(
     let (tolerance, most) = (electric.charging.tolerance, electric.charging.evaluations);
     let start = flat(&evaluate(fibers, electric, 1.0)?.forces);
     let mut now = trial(fibers, electric, start, 1.0)?;
-    let mut anderson = Anderson::new(DEPTH);
+    let mut anderson = AndersonAcceleration::new(DEPTH);
     let (mut evaluations, mut retreats) = (2, 0);
     loop {
         let size = dot(&now.residual, &now.residual).sqrt();
@@ -106,7 +106,7 @@ fn trial(
     electric: &Electric,
     held: Vec<f64>,
     residual: f64,
-) -> Result<Trial, ChargingError> {
+) -> Result<TrialEquilibrium, ChargingError> {
     fibers.hold(&held);
     fibers.relax()?;
     let electric = evaluate(fibers, electric, residual)?;
@@ -114,7 +114,7 @@ fn trial(
     let mechanical: f64 = fibers.rods.iter().map(|rod| rod.mechanical_energy(gravity)).sum();
     let residual = flat(&electric.forces).iter().zip(&held).map(|(f, h)| f - h).collect();
     let energy = mechanical + electric.energy;
-    Ok(Trial { held, residual, energy, electric })
+    Ok(TrialEquilibrium { held, residual, energy, electric })
 }
 
 /// The electric forces where the fibres are. Those on the roots, which are held, are left out.

@@ -25,6 +25,6 @@ pub use fibers::Fibers;
 pub use free_body::FreeBody;
 pub use group::FiberGroup;
 pub use ledger::EnergyLedger;
-pub use object::{Field, Object, ObjectGeometry, ObjectMotion, extents};
+pub use object::{CollisionObject, Field, ObjectGeometry, ObjectMotion, extents};
 pub use report::StepReport;
 pub use surroundings::Surroundings;

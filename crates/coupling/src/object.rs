@@ -33,7 +33,7 @@ pub struct ObjectGeometry {
 }
 
 /// A surface and what moves it.
-pub struct Object {
+pub struct CollisionObject {
     pub(crate) geometry: ObjectGeometry,
     /// Corners of the box around the surface, in the object's frame.
     corners: [Point3<f64>; 8],
@@ -106,7 +106,7 @@ pub(crate) struct MovingFiber<'a> {
     pub(crate) radii: &'a [f64],
 }
 
-impl Object {
+impl CollisionObject {
     /// An object; `friction` and `restitution` stand in for the scene's where they are given.
     #[must_use]
     pub fn new(
@@ -376,7 +376,7 @@ mod tests {
         let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
         let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
         let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
-        let object = Object::new(geometry, rests, None, None);
+        let object = CollisionObject::new(geometry, rests, None, None);
         let [a, b] = gaps.map(|gap| RADIUS + gap);
         let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
         let strand = MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };

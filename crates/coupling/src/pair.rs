@@ -5,7 +5,7 @@
 //! round shape is its own skeleton, and tells all of a pair alone.
 
 use crate::contact_point::{BodyRef, ContactPoint};
-use crate::object::{Object, ObjectMotion};
+use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::field::{DistanceField, FieldContact, Posed, Search};
@@ -22,7 +22,7 @@ const SAME: f64 = 1e-6;
 const PARALLEL: f64 = 0.99;
 
 /// Pairs of which at least one moves freely: that one first, of two the one with the smaller number.
-pub(crate) fn pairs(objects: &[Object]) -> Vec<[u32; 2]> {
+pub(crate) fn pairs(objects: &[CollisionObject]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (a, one) in (0..).zip(objects) {
         for (b, other) in (0..a).zip(objects) {
@@ -38,7 +38,11 @@ pub(crate) fn pairs(objects: &[Object]) -> Vec<[u32; 2]> {
 
 /// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`, m,
 /// at its end.
-pub(crate) fn touches(objects: &[Object], span: [f64; 2], margin: f64) -> Vec<ContactPoint> {
+pub(crate) fn touches(
+    objects: &[CollisionObject],
+    span: [f64; 2],
+    margin: f64,
+) -> Vec<ContactPoint> {
     let found = pairs(objects).into_par_iter().map(|numbers| {
         let pair = ObjectPair::new(objects, numbers);
         pair.touches(numbers.map(BodyRef::Object), span, margin)
@@ -47,13 +51,13 @@ pub(crate) fn touches(objects: &[Object], span: [f64; 2], margin: f64) -> Vec<Co
 }
 
 /// Two objects, the first of them free.
-pub(crate) struct ObjectPair<'a>([&'a Object; 2]);
+pub(crate) struct ObjectPair<'a>([&'a CollisionObject; 2]);
 
 /// Poses of the two at the start and at the end of a step.
 type Poses = [[Isometry3<f64>; 2]; 2];
 
 impl<'a> ObjectPair<'a> {
-    pub(crate) fn new(objects: &'a [Object], numbers: [u32; 2]) -> Self {
+    pub(crate) fn new(objects: &'a [CollisionObject], numbers: [u32; 2]) -> Self {
         Self(numbers.map(|i| &objects[i as usize]))
     }
 

@@ -1,4 +1,4 @@
-use crate::Object;
+use crate::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_scene::Environment;
 
@@ -7,7 +7,7 @@ pub struct Surroundings<'a> {
     /// Gravity, air and climate.
     pub environment: &'a Environment,
     /// All objects; those that move freely belong to whoever solves their contacts.
-    pub objects: &'a mut [Object],
+    pub objects: &'a mut [CollisionObject],
     /// Start of the step, s.
     pub start: f64,
     /// End of the step, s.

@@ -1,6 +1,6 @@
 use crate::failure::Failure;
 use crate::words::say;
-use rapunzel_sim::{Estimate, Plan, Scene, World, read_text};
+use rapunzel_sim::{MemoryEstimate, Plan, Scene, World, read_text};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -15,7 +15,7 @@ pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
 /// Says what a scene would do.
 pub(crate) fn check(path: &Path, memory: f64, json: bool) -> Result<ExitCode, Failure> {
     let scene = read(path)?;
-    let estimate = Estimate::new(&scene).map_err(Failure::of(path))?;
+    let estimate = MemoryEstimate::new(&scene).map_err(Failure::of(path))?;
     estimate.within(memory).map_err(Failure::of(path))?;
     let world = World::build(&scene).map_err(Failure::of(path))?;
     let plan = Plan::new(&scene);

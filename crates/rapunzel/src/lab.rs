@@ -3,7 +3,7 @@ use crate::drawing::{Chart, Curve, Drawing, svg};
 use crate::failure::Failure;
 use crate::words::say;
 use rapunzel_keratin::{Climate, KeratinError, Treatment};
-use rapunzel_sim::lab::{Number, Reading, Sample, measure};
+use rapunzel_sim::lab::{LabSample, Number, Reading, measure};
 use rapunzel_sim::scene::{Keratin, Law};
 use rapunzel_sim::{SimError, claim, write_atomically};
 use std::io::Write;
@@ -67,14 +67,14 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
 }
 
 /// A sample and what is varied: its place on the axis of the plot, and in words.
-type Varied = ((f64, String), Sample);
+type Varied = ((f64, String), LabSample);
 
 /// The samples, each with what is varied.
 fn samples(options: &LabOptions) -> Result<Vec<Varied>, KeratinError> {
-    let of = |humidity, temperature, treatment| -> Result<Sample, KeratinError> {
+    let of = |humidity, temperature, treatment| -> Result<LabSample, KeratinError> {
         let LabOptions { kind, thickness, extrapolate, .. } = *options;
         let keratin = Keratin { kind, treatment, thickness, law: Law::Elastic, extrapolate };
-        Ok(Sample { keratin, climate: Climate::new(humidity, temperature)? })
+        Ok(LabSample { keratin, climate: Climate::new(humidity, temperature)? })
     };
     let LabOptions { humidity, temperature, treatment, .. } = *options;
     let number = |x: f64| (x, format!("{x:.4}"));

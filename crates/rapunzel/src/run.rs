@@ -5,8 +5,8 @@ use crate::words::{complain, say};
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
 use rapunzel_sim::{
-    Cancel, ContactTimes, Control, Estimate, Existing, Outcome, Progress, RunFolder, SimError,
-    Summary, World,
+    Cancel, ContactTimes, Control, Existing, MemoryEstimate, Outcome, Progress, RunFolder,
+    SimError, Summary, World,
 };
 use std::fs::File;
 use std::num::NonZero;
@@ -24,7 +24,7 @@ static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 /// Runs a scene into a folder.
 pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitCode, Failure> {
     let scene = check::read(&options.scene)?;
-    let estimate = Estimate::new(&scene).map_err(Failure::of(&options.scene))?;
+    let estimate = MemoryEstimate::new(&scene).map_err(Failure::of(&options.scene))?;
     estimate.within(memory).map_err(Failure::of(&options.scene))?;
     let existing = match (options.resume, options.force) {
         (true, _) => Existing::Resume,

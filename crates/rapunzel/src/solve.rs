@@ -1,7 +1,7 @@
 use crate::arguments::SolveOptions;
 use crate::failure::{Failure, UNRESOLVED};
 use crate::words::{complain, say};
-use rapunzel_sim::statics::{Answer, Case, Equilibrium, Stability, Wished};
+use rapunzel_sim::statics::{Case, CaseAnswer, CaseEquilibrium, Stability, Wished};
 use rapunzel_sim::{read_text, statics};
 use std::path::Path;
 use std::process::ExitCode;
@@ -32,7 +32,7 @@ pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Fail
     Ok(ExitCode::from(UNRESOLVED))
 }
 
-fn report(case: &Case, answer: &Answer) -> String {
+fn report(case: &Case, answer: &CaseAnswer) -> String {
     let title = if answer.name.is_empty() { "the case is solved" } else { &answer.name };
     let mut lines = vec![title.to_owned(), format!("  length      {:.6} m", answer.length)];
     if let (Some(wish), Some(found)) = (case.wish, answer.wish) {
@@ -53,7 +53,7 @@ fn report(case: &Case, answer: &Answer) -> String {
     lines.join("\n")
 }
 
-fn one(found: &Equilibrium) -> Vec<String> {
+fn one(found: &CaseEquilibrium) -> Vec<String> {
     let stability = match found.stability {
         Stability::Stable => "stable".to_owned(),
         Stability::Unstable(1) => "unstable: one way leads down".to_owned(),

@@ -6,10 +6,10 @@ use crate::stepper::{Scenery, Stepper};
 use crate::steppers::{Charged, Free, InContact};
 use crate::{Plan, SimError, World};
 use nalgebra::{Point3, Vector3};
-use rapunzel_charging::{ChargedFibers, HeadGeometry};
+use rapunzel_charging::{ChargedRods, HeadGeometry};
 use rapunzel_coupling::{
-    BundleConditions, FiberConditions, FiberGroup, Fibers, FibersInContact, Object, RodBatch, Rods,
-    Surroundings,
+    BundleConditions, CollisionObject, FiberConditions, FiberGroup, Fibers, FibersInContact,
+    RodBatch, Rods, Surroundings,
 };
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
 use rapunzel_fiber::{Assembly, Fiber, FiberError, NodeProperties, so3};
@@ -20,7 +20,7 @@ use rapunzel_rod_dynamic::{
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
-struct Start {
+struct FiberStart {
     bundle: usize,
     rod: Rod,
     /// `None` for the natural shape, in which integrators start.
@@ -29,7 +29,7 @@ struct Start {
     conditions: Arc<BundleConditions>,
 }
 
-impl Start {
+impl FiberStart {
     /// The state to start in, if it is not that in which an integrator starts by itself.
     fn moving(&self, natural: impl FnOnce() -> RodState) -> Option<RodState> {
         if self.velocity == Vector3::zeros() {
@@ -64,7 +64,7 @@ impl World {
             );
             let course = course(bundle, i)?;
             for fiber in fibers {
-                starts.push(Start {
+                starts.push(FiberStart {
                     bundle: i,
                     state: laid(&fiber, &bundle.initial, course.as_deref(), i)?,
                     velocity: Vector3::from(bundle.velocity),
@@ -101,9 +101,9 @@ impl World {
 /// What moves the fibres of a scene.
 fn stepper(
     scene: &Scene,
-    starts: &[Start],
+    starts: &[FiberStart],
     assembly: Assembly,
-    objects: &mut [Object],
+    objects: &mut [CollisionObject],
 ) -> Result<Box<dyn Stepper>, SimError> {
     let scenery = Scenery::of_fibers(scene);
     if let Some(charging) = &scene.charging {
@@ -112,7 +112,7 @@ fn stepper(
             pose: objects[i].pose(0.0),
             surface: objects[i].surface().clone(),
         });
-        let fibers = ChargedFibers::new(scene, charging, assembly, head)?;
+        let fibers = ChargedRods::new(scene, charging, assembly, head)?;
         return Ok(Box::new(Charged { fibers, scenery }));
     }
     let keeps_ledger = scene.output.ledger || scene.stepper.may_create_energy();
@@ -139,14 +139,14 @@ fn stepper(
 /// The fibres of an assembly in its groups, each group as `batch` makes it.
 fn groups<B: RodBatch + ?Sized>(
     assembly: &Assembly,
-    starts: &[Start],
-    batch: impl Fn(&[&Start]) -> Result<Box<B>, RodError>,
+    starts: &[FiberStart],
+    batch: impl Fn(&[&FiberStart]) -> Result<Box<B>, RodError>,
 ) -> Result<Vec<FiberGroup<B>>, SimError> {
     let group = |fibers: &[usize]| {
-        let starts: Vec<&Start> = fibers.iter().map(|&fiber| &starts[fiber]).collect();
+        let starts: Vec<&FiberStart> = fibers.iter().map(|&fiber| &starts[fiber]).collect();
         let bundle = starts[0].bundle;
         let batch = batch(&starts).map_err(|source| SimError::Rod { bundle, source })?;
-        let lane = |(lane, start): (usize, &&Start)| FiberConditions {
+        let lane = |(lane, start): (usize, &&FiberStart)| FiberConditions {
             bundle: Arc::clone(&start.conditions),
             root: *start.rod.fiber.root(),
             tip: batch.state(lane).tip(&start.rod.fiber),
@@ -317,7 +317,7 @@ fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
 }
 
 /// The rods of some fibres.
-fn rods(starts: &[&Start]) -> Vec<Rod> {
+fn rods(starts: &[&FiberStart]) -> Vec<Rod> {
     starts.iter().map(|start| start.rod.clone()).collect()
 }
 
@@ -325,7 +325,7 @@ fn rods(starts: &[&Start]) -> Vec<Rod> {
 fn batch(
     method: Method,
     tolerance: Option<f64>,
-    starts: &[&Start],
+    starts: &[&FiberStart],
 ) -> Result<Box<dyn RodBatch>, RodError> {
     match method {
         Method::Staggered { rho_infinity } if tolerance.is_none() => {
@@ -351,7 +351,7 @@ fn batch(
 /// Fibres in SIMD lanes, each at its start.
 fn side_by_side(
     mut batch: StaggeredBatch,
-    starts: &[&Start],
+    starts: &[&FiberStart],
 ) -> Result<Box<StaggeredBatch>, RodError> {
     for (lane, start) in starts.iter().enumerate() {
         if let Some(state) = start.moving(|| batch.state(lane)) {
@@ -363,10 +363,10 @@ fn side_by_side(
 
 /// Integrators of single rods, each at its start.
 fn started<I: RodIntegrator>(
-    starts: &[&Start],
+    starts: &[&FiberStart],
     new: impl Fn(Rod) -> Result<I, RodError>,
 ) -> Result<Vec<I>, RodError> {
-    let one = |start: &&Start| {
+    let one = |start: &&FiberStart| {
         let mut integrator = new(start.rod.clone())?;
         if let Some(state) = start.moving(|| integrator.state()) {
             integrator.set_state(&state)?;

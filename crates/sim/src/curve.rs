@@ -50,7 +50,7 @@ fn points(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
 
 /// A line of an OBJ from one point to another.
 #[derive(Debug, Clone, Copy)]
-struct Side {
+struct CurveSide {
     to: usize,
     /// Of the file.
     line: usize,
@@ -66,7 +66,7 @@ fn ring(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
         CollisionError::Read { line, problem, .. } => (line, problem),
         error => (None, error.to_string()),
     })?;
-    let mut sides: Vec<Vec<Side>> = vec![Vec::new(); points.len()];
+    let mut sides: Vec<Vec<CurveSide>> = vec![Vec::new(); points.len()];
     for chain in &lines {
         let line = chain.line;
         for pair in chain.points.windows(2) {
@@ -83,13 +83,13 @@ fn ring(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
                     let problem = format!("the curve branches: point {number} has a third line");
                     return Err((Some(line), problem));
                 }
-                sides[from].push(Side { to, line, forward });
+                sides[from].push(CurveSide { to, line, forward });
             }
         }
     }
-    let open = |(point, sides): (usize, &Vec<Side>)| match sides[..] {
+    let open = |(point, sides): (usize, &Vec<CurveSide>)| match sides[..] {
         [] => Some((None, format!("point {} is on no line", point + 1))),
-        [Side { line, .. }] => {
+        [CurveSide { line, .. }] => {
             let problem = format!("the curve ends at point {}; join it to a ring", point + 1);
             Some((Some(line), problem))
         }

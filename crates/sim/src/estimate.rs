@@ -29,16 +29,16 @@ const LARGE: f64 = 5.0;
 
 /// What a scene takes of memory, and what is strange about its files.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Estimate {
+pub struct MemoryEstimate {
     /// By what asks for it.
-    pub parts: Vec<Part>,
+    pub parts: Vec<MemoryShare>,
     /// What a user should know about meshes that were repaired or seem to be in another unit.
     pub notes: Vec<String>,
 }
 
 /// What a field of a scene asks for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct MemoryShare {
     /// Path of the field, like `fibers[0]`.
     pub path: String,
     /// What it makes.
@@ -47,7 +47,7 @@ pub struct Part {
     pub bytes: f64,
 }
 
-impl Estimate {
+impl MemoryEstimate {
     /// All memory, bytes.
     #[must_use]
     pub fn bytes(&self) -> f64 {
@@ -61,7 +61,7 @@ impl Estimate {
     pub fn within(&self, most: f64) -> Result<(), SimError> {
         let bytes = self.bytes();
         match self.parts.iter().max_by(|a, b| a.bytes.total_cmp(&b.bytes)) {
-            Some(Part { path, what, .. }) if bytes > most => {
+            Some(MemoryShare { path, what, .. }) if bytes > most => {
                 Err(SimError::Memory { path: path.clone(), what: what.clone(), bytes, most })
             }
             _ => Ok(()),
@@ -69,11 +69,11 @@ impl Estimate {
     }
 
     fn add(&mut self, path: &str, what: String, bytes: f64) {
-        self.parts.push(Part { path: path.to_owned(), what, bytes });
+        self.parts.push(MemoryShare { path: path.to_owned(), what, bytes });
     }
 }
 
-impl Estimate {
+impl MemoryEstimate {
     /// What building and running a scene takes of memory, from its numbers and meshes alone; what
     /// contacts take grows with what touches, and is not known before.
     ///

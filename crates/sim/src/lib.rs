@@ -22,7 +22,7 @@ mod summary;
 mod world;
 
 pub use error::SimError;
-pub use estimate::{Estimate, Part};
+pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim, in_use};
 pub use rapunzel_charging::{ChargeReport, ChargingError};

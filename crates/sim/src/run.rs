@@ -3,7 +3,7 @@ use crate::folder::{
     CHECKPOINT, ENERGIES, LOG, NEXT_CHECKPOINT, PROBES, RunFolder, SCENE, SUMMARY,
 };
 use crate::manifest::{Entry, Manifest};
-use crate::observers::{FieldWriter, FrameWriter, Objects, Observer, Show, Table};
+use crate::observers::{CsvTable, FieldWriter, FrameWriter, Objects, Observer, Show};
 use crate::storage::{rename_durably, replace, sync};
 use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World};
 use rapunzel_electrostatics::FieldGrid;
@@ -86,7 +86,7 @@ pub fn run(
     folder: &mut RunFolder,
     control: Control,
 ) -> Result<Summary, SimError> {
-    let mut run = Run::start(scene, world, folder)?;
+    let mut run = ActiveRun::start(scene, world, folder)?;
     let result = run.go(control);
     let outcome = match &result {
         Ok(outcome) => outcome.clone(),
@@ -98,7 +98,7 @@ pub fn run(
     result.and(written).map(|()| summary)
 }
 
-struct Run<'a> {
+struct ActiveRun<'a> {
     scene: &'a Scene,
     folder: &'a mut RunFolder,
     plan: Plan,
@@ -109,7 +109,7 @@ struct Run<'a> {
     hash: [u8; 32],
 }
 
-impl<'a> Run<'a> {
+impl<'a> ActiveRun<'a> {
     fn start(scene: &'a Scene, world: World, folder: &'a mut RunFolder) -> Result<Self, SimError> {
         let plan = Plan::new(scene);
         let hash = scene_hash(scene)?;
@@ -273,12 +273,12 @@ fn observers(
     let frames = FrameWriter::new(folder, Show::of(scene, world), plan);
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames)];
     let (file, stepper) = (|name| folder.file(name), world.stepper());
-    let mut tables = vec![Table::energies(&file(ENERGIES), stepper, plan)?];
+    let mut tables = vec![CsvTable::energies(&file(ENERGIES), stepper, plan)?];
     for (table, (name, columns)) in stepper.tables().into_iter().enumerate() {
-        tables.push(Table::of_stepper(&file(name), table, columns, plan)?);
+        tables.push(CsvTable::of_stepper(&file(name), table, columns, plan)?);
     }
     if !scene.output.probes.is_empty() {
-        tables.push(Table::probes(&file(PROBES), &scene.output.probes, plan)?);
+        tables.push(CsvTable::probes(&file(PROBES), &scene.output.probes, plan)?);
     }
     observers.extend(tables.into_iter().map(|table| Box::new(table) as Box<dyn Observer>));
     if let Some(grid) = field_grid(scene) {

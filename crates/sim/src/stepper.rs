@@ -1,6 +1,6 @@
 use crate::SimError;
 use nalgebra::{Point3, Vector3};
-use rapunzel_charging::ChargedFibers;
+use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_export::preview::Support;
@@ -108,7 +108,7 @@ pub trait Stepper: Send + Sync {
     }
 
     /// The fibres with their charge, if there are any.
-    fn charged(&self) -> Option<&ChargedFibers> {
+    fn charged(&self) -> Option<&ChargedRods> {
         None
     }
 }

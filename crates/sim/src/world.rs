@@ -4,7 +4,7 @@ use crate::{ChargeReport, ContactWork, EnergyLedger, SimError, scene::Environmen
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
-use rapunzel_coupling::{ActiveContact, Object, StepReport, Stopwatch, Surroundings};
+use rapunzel_coupling::{ActiveContact, CollisionObject, StepReport, Stopwatch, Surroundings};
 use rapunzel_electrostatics::Fields;
 use rapunzel_export::surface::Placed;
 use rapunzel_fiber::Assembly;
@@ -17,7 +17,7 @@ pub struct World {
     clock: Clock,
     environment: Environment,
     /// What may be touched.
-    objects: Vec<Object>,
+    objects: Vec<CollisionObject>,
     stepper: Box<dyn Stepper>,
     /// By which energy is watched, if it can be.
     budget: Option<EnergyBudget>,
@@ -82,7 +82,11 @@ static NO_FIBERS: LazyLock<Assembly> = LazyLock::new(|| Assembly::new(Vec::new()
 impl World {
     /// A world at time zero in which something moves.
     #[must_use]
-    pub fn new(environment: Environment, objects: Vec<Object>, stepper: Box<dyn Stepper>) -> Self {
+    pub fn new(
+        environment: Environment,
+        objects: Vec<CollisionObject>,
+        stepper: Box<dyn Stepper>,
+    ) -> Self {
         Self { clock: Clock::default(), environment, objects, stepper, budget: None }
     }
 
@@ -217,7 +221,7 @@ impl World {
     #[must_use]
     pub fn momentum(&self) -> Option<Momentum> {
         let mut sum = self.stepper.fibers()?.momentum()?;
-        for body in self.objects.iter().filter_map(Object::body) {
+        for body in self.objects.iter().filter_map(CollisionObject::body) {
             let angular = body.angular_momentum_about(&Point3::origin());
             sum += Momentum { linear: body.mass() * body.velocity, angular };
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
-use rapunzel_contact::{Answers, ContactError, Answer as OfPoint, Eight};
+use rapunzel_contact::{Answer as OfPoint, Answers, ContactError, Eight};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 

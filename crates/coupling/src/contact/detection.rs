@@ -3,7 +3,7 @@
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through, passing, travel};
 use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
-use crate::object::{MovingFiber, Object};
+use crate::object::{CollisionObject, MovingFiber};
 use crate::pair;
 use nalgebra::Point3;
 use rapunzel_collision::{
@@ -71,7 +71,7 @@ impl ContactDetector {
     pub(crate) fn touches(
         &mut self,
         motion: &NodeMotion,
-        objects: &[Object],
+        objects: &[CollisionObject],
         touches: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
         self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
@@ -84,7 +84,7 @@ impl ContactDetector {
     pub(crate) fn overlaps(
         &mut self,
         motion: &NodeMotion,
-        objects: &[Object],
+        objects: &[CollisionObject],
         depth: f64,
         touches: &mut Vec<ContactPoint>,
     ) -> Result<f64, CollisionError> {
@@ -102,7 +102,7 @@ impl ContactDetector {
     fn list(
         &mut self,
         motion: &NodeMotion,
-        objects: &[Object],
+        objects: &[CollisionObject],
         margin: f64,
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[Contact]) -> Vec<Pair>,
         touches: &mut Vec<ContactPoint>,
@@ -268,7 +268,7 @@ pub(crate) fn gaps(
 }
 
 /// What fibres, and objects that move freely, touch of the objects.
-fn of_objects(motion: &NodeMotion, objects: &[Object], margin: f64) -> Vec<ContactPoint> {
+fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> Vec<ContactPoint> {
     let strand = |fiber: usize| {
         let mut found = Vec::new();
         for (index, object) in (0..).zip(objects) {

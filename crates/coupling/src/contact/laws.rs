@@ -2,7 +2,7 @@
 
 use super::adhesive_film::AdhesiveFilm;
 use crate::contact_point::{BodyRef, ContactPoint};
-use crate::object::Object;
+use crate::object::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
 use rapunzel_fiber::Assembly;
@@ -12,7 +12,7 @@ use rapunzel_scene::{Adhesion, ContactSettings, Friction};
 pub(super) struct ContactLaws<'a> {
     settings: &'a ContactSettings,
     film: Option<&'a AdhesiveFilm>,
-    objects: &'a [Object],
+    objects: &'a [CollisionObject],
     /// What gravity adds to a velocity in the part, m/s.
     fall: f64,
     /// Length of the part, s.
@@ -24,7 +24,7 @@ impl<'a> ContactLaws<'a> {
     pub(super) fn new(
         settings: &'a ContactSettings,
         film: Option<&'a AdhesiveFilm>,
-        objects: &'a [Object],
+        objects: &'a [CollisionObject],
         gravity: f64,
         dt: f64,
     ) -> Self {
@@ -84,7 +84,11 @@ impl<'a> ContactLaws<'a> {
     }
 
     /// What an object says of its own, the second side before the first.
-    fn own<T>(&self, touch: &ContactPoint, of: impl Fn(&Object) -> Option<T>) -> Option<T> {
+    fn own<T>(
+        &self,
+        touch: &ContactPoint,
+        of: impl Fn(&CollisionObject) -> Option<T>,
+    ) -> Option<T> {
         touch.sides.iter().rev().find_map(|side| match side {
             BodyRef::Object(object) => of(&self.objects[*object as usize]),
             BodyRef::Fiber(_) => None,

@@ -1,6 +1,6 @@
 use crate::contact_point::{BodyRef, ContactImpulse};
 use crate::free_body::moved;
-use crate::object::{Object, ObjectMotion};
+use crate::object::{CollisionObject, ObjectMotion};
 use crate::{Fibers, Surroundings};
 use nalgebra::{Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidPoints};
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Fibres and objects while a step of both is solved.
 pub(super) struct CoupledSystem<'a> {
     pub(super) fibers: &'a mut Fibers<StaggeredBatch>,
-    pub(super) objects: &'a mut [Object],
+    pub(super) objects: &'a mut [CollisionObject],
     pub(super) environment: &'a Environment,
     /// Start of the step, s.
     pub(super) start: f64,
@@ -56,7 +56,7 @@ impl CoupledSystem<'_> {
         time: f64,
         dt: f64,
     ) -> Result<(), ContactError> {
-        if !self.objects.iter().any(Object::is_free) {
+        if !self.objects.iter().any(CollisionObject::is_free) {
             return Ok(());
         }
         let mut wrenches = vec![Vector6::zeros(); self.objects.len()];

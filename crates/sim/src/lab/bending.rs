@@ -1,6 +1,6 @@
 //! Bending: the fibre over a hook, and the rod that swings.
 
-use super::{GRAVITY, Number, Reading, Record, Sample, natural, record, root, straight};
+use super::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root, straight};
 use crate::SimError;
 use nalgebra::Vector3;
 use rapunzel_keratin::lab::hook;
@@ -27,7 +27,7 @@ const SKIPPED: usize = 800;
 
 /// Lays a hair over a thin hook, with a weight at each end, and reads the distance of its legs. It bends
 /// about its long axis: a flat hair lies flat.
-pub(super) fn hook(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn hook(sample: &LabSample) -> Result<Reading, SimError> {
     let (hair, climate) = (sample.hair()?, &sample.climate);
     let node = hair.node(climate)?;
     let tension = WEIGHT * GRAVITY;
@@ -62,7 +62,7 @@ pub(super) fn hook(sample: &Sample) -> Result<Reading, SimError> {
 
 /// Lets a clamped hair swing in its lowest mode, about its long axis, with the loss tangent that was
 /// measured so (line 638 of the thesis).
-pub(super) fn oscillation(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn oscillation(sample: &LabSample) -> Result<Reading, SimError> {
     let mut node = sample.node()?;
     node.stiffness.y = node.stiffness.x;
     let storage = sample.hair()?.bending_modulus(&sample.climate)?.value;

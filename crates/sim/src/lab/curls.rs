@@ -1,6 +1,6 @@
 //! Waves and curls.
 
-use super::{GRAVITY, Number, Reading, Record, Sample, natural, straight};
+use super::{GRAVITY, LabSample, Number, Reading, Record, natural, straight};
 use crate::SimError;
 use nalgebra::Vector3;
 use rapunzel_fiber::generate::{Handedness, Helix, Sine};
@@ -21,7 +21,7 @@ const MANDREL: Helix = Helix { radius: 0.006, pitch: 0.003, handedness: Handedne
 const CURL_SEGMENTS: usize = 60;
 
 /// Counts the waves of a hair of 254 mm, and stretches it with one gram.
-pub(super) fn waviness(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn waviness(sample: &LabSample) -> Result<Reading, SimError> {
     let fiber = straight(sample.node()?, Vector3::z(), LENGTH, SEGMENTS)?;
     let wavy = WAVE.bend(fiber).map_err(KeratinError::from)?;
     let (curve, _) = wavy.rest_shape();
@@ -45,7 +45,7 @@ pub(super) fn waviness(sample: &Sample) -> Result<Reading, SimError> {
 }
 
 /// Makes a water wave, hangs it in the climate of the sample, and reads how far it unwinds.
-pub(super) fn retention(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn retention(sample: &LabSample) -> Result<Reading, SimError> {
     let hair = sample.hair()?;
     let wave = WaterWave::on(MANDREL)?;
     let fiber = wave.curl(&hair, sample.climate, CURL, CURL_SEGMENTS)?;

@@ -1,6 +1,6 @@
 //! Capstan friction: a hair drawn over a cylinder.
 
-use super::{Number, Reading, Record, Sample};
+use super::{LabSample, Number, Reading, Record};
 use crate::scene::Surface;
 use crate::{Scene, SimError, World};
 use nalgebra::Vector3;
@@ -23,7 +23,7 @@ const STEPS: usize = 100;
 
 /// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of its
 /// ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
-pub(super) fn capstan(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let on = Surface::Nylon;
     let wetness = sample.wetness();
     let section = sample.hair()?.section(&sample.climate);

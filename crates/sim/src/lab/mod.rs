@@ -1,6 +1,6 @@
 //! The laboratory: the instruments of chapter 2, run on simulated hairs.
 //!
-//! Each instrument builds a fibre or a tress of a [`Sample`], moves it, and evaluates what it reads by
+//! Each instrument builds a fibre or a tress of a [`LabSample`], moves it, and evaluates what it reads by
 //! the formula of [`rapunzel_keratin::lab`]. Where the reading is a number that was put into the hair,
 //! both are told.
 
@@ -26,7 +26,7 @@ const GRAVITY: f64 = 9.81;
 
 /// Hair, and the air that it is measured in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct LabSample {
     /// The hair; its law is that of the instrument.
     pub keratin: Keratin,
     /// The climate.
@@ -75,7 +75,7 @@ impl Number {
     }
 }
 
-impl Sample {
+impl LabSample {
     /// The hair of the sample.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Sample {
 /// # Errors
 /// [`SimError::Laboratory`] where the sample is not known in the climate; [`SimError::Step`] and others
 /// if its hair cannot be moved.
-pub fn measure(instrument: Instrument, sample: &Sample) -> Result<Reading, SimError> {
+pub fn measure(instrument: Instrument, sample: &LabSample) -> Result<Reading, SimError> {
     match instrument {
         Instrument::Tensile => tension::tensile(sample),
         Instrument::Hysteresis => tension::hysteresis(sample),

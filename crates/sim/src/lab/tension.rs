@@ -1,6 +1,6 @@
 //! Tensile test and hysteresis. Rods do not stretch: the fibre is the law of its tension.
 
-use super::{Number, Reading, Record, Sample};
+use super::{LabSample, Number, Reading, Record};
 use crate::SimError;
 use rapunzel_keratin::lab::tensile::{self, Point};
 use rapunzel_keratin::law::Tension;
@@ -13,7 +13,7 @@ const LOOP: f64 = 0.3;
 const PARTS: u32 = 600;
 
 /// Stretches a hair until it breaks: the slope below 1 % strain.
-pub(super) fn tensile(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn tensile(sample: &LabSample) -> Result<Reading, SimError> {
     let hair = sample.hair()?;
     let mut fiber = Tension::of(&hair, &sample.climate, RECOVERY)?;
     let end = fiber.break_strain();
@@ -30,7 +30,7 @@ pub(super) fn tensile(sample: &Sample) -> Result<Reading, SimError> {
 }
 
 /// Stretches a hair to 30 % and lets it back: work of extension over that of recovery.
-pub(super) fn hysteresis(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn hysteresis(sample: &LabSample) -> Result<Reading, SimError> {
     let mut fiber = Tension::of(&sample.hair()?, &sample.climate, RECOVERY)?;
     let mut curve = tensile::stretch(&mut fiber, LOOP, PARTS);
     let back = tensile::stretch(&mut fiber, 0.0, PARTS);

@@ -1,6 +1,6 @@
 //! The torsion pendulum.
 
-use super::{GRAVITY, Number, Reading, Record, Sample, natural, record, root};
+use super::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root};
 use crate::SimError;
 use crate::scene::{Keratin, Law, fading_power};
 use nalgebra::{Rotation3, Vector3};
@@ -23,7 +23,7 @@ const TWIST: f64 = 0.5;
 const TIMES: [f64; 2] = [PERIOD / 400.0, 5.2 * PERIOD];
 
 /// Twists a hair with a bob, lets go, and reads period and decrement.
-pub(super) fn pendulum(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn pendulum(sample: &LabSample) -> Result<Reading, SimError> {
     let (hair, climate) = (sample.hair()?, &sample.climate);
     let fading = Keratin { law: Law::Viscoelastic, ..sample.keratin };
     let (node, laws) = fading.rod(&hair, climate)?;

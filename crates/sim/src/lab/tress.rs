@@ -1,6 +1,6 @@
 //! Tresses: the room that they take, and the force that combs them.
 
-use super::{Number, Reading, Record, Sample};
+use super::{LabSample, Number, Reading, Record};
 use crate::scene::Scene;
 use crate::{SimError, World};
 use rapunzel_keratin::lab::tress;
@@ -43,7 +43,7 @@ const TOOTH: &str = "(
 const PLACES: [f64; 5] = [-0.003, -0.0015, 0.0, 0.0015, 0.003];
 
 /// Lets a lock of forty wavy hairs hang, and reads its radial volume.
-pub(super) fn volume(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn volume(sample: &LabSample) -> Result<Reading, SimError> {
     let volume = |world: &World| {
         let fibers: Vec<_> =
             (0..world.assembly().fibers().len()).map(|i| world.state(i).positions).collect();
@@ -60,7 +60,7 @@ pub(super) fn volume(sample: &Sample) -> Result<Reading, SimError> {
 
 /// Draws a comb of nylon through a tress, wet where the air is saturated, and reads the force down the
 /// hair of all teeth together.
-pub(super) fn combing(sample: &Sample) -> Result<Reading, SimError> {
+pub(super) fn combing(sample: &LabSample) -> Result<Reading, SimError> {
     let wet = if sample.wetness() == Wetness::Wet { "Wet" } else { "Dry" };
     let teeth = PLACES.map(|x| TOOTH.replace("PLACE", &format!("{x:?}"))).join(", ");
     let scene = Scene::from_ron(&COMB.replace("TEETH", &teeth).replace("WETNESS", wet))?;
@@ -80,7 +80,7 @@ pub(super) fn combing(sample: &Sample) -> Result<Reading, SimError> {
 /// Runs a scene with fibres of the sample, and reads it after every step: `[time, reading]`. A hair that
 /// slips off a tooth takes some ms: fewer readings would cut the peaks of the force.
 fn run(
-    sample: &Sample,
+    sample: &LabSample,
     mut scene: Scene,
     read: impl Fn(&World) -> f64,
 ) -> Result<Vec<[f64; 2]>, SimError> {

@@ -1,4 +1,4 @@
-use super::motion::{Moving, Springs};
+use super::motion::{ErasedSystem, MovingSystem};
 use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
 use nalgebra::{Point, Point3, SVector, Vector3};
 use rapunzel_mass_spring::{
@@ -7,7 +7,7 @@ use rapunzel_mass_spring::{
 };
 
 /// The system of a scene at its start.
-pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn Springs>, SpringError> {
+pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn ErasedSystem>, SpringError> {
     let element = scene.element();
     match &scene.model {
         Model::Rope { nodes, spacing, direction, bending_stiffness, inextensible } => {
@@ -74,9 +74,9 @@ fn moving<const D: usize>(
     mut system: System<D>,
     faces: Vec<Vec<usize>>,
     enclosure: Option<Enclosure<D>>,
-) -> Result<Box<dyn Springs>, SpringError>
+) -> Result<Box<dyn ErasedSystem>, SpringError>
 where
-    Moving<D>: Springs,
+    MovingSystem<D>: ErasedSystem,
 {
     if let Some(strain) = scene.yield_strain {
         system.set_yield_strain(strain)?;
@@ -97,7 +97,7 @@ where
     };
     let contacts = scene.contacts.as_ref().map(touching).transpose()?;
     let chain = matches!(scene.model, Model::Rope { inextensible: true, .. });
-    Ok(Box::new(Moving::new(scene, system, faces, enclosure, contacts, chain)))
+    Ok(Box::new(MovingSystem::new(scene, system, faces, enclosure, contacts, chain)))
 }
 
 fn wind<const D: usize>(wind: &Wind) -> spring::Wind<D> {

@@ -5,7 +5,7 @@ use crate::scene::{Hold, Integrator, MassSpring};
 use crate::stepper::{Scenery, Stepper};
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
-use rapunzel_coupling::{Object, StepReport, Surroundings};
+use rapunzel_coupling::{CollisionObject, StepReport, Surroundings};
 use rapunzel_export::{Strand, usd};
 use rapunzel_mass_spring::{
     Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, Obstacle, SpringError,
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// A mass-spring system that moves by itself among objects.
 pub(crate) struct MassSprings {
-    springs: Box<dyn Springs>,
+    springs: Box<dyn ErasedSystem>,
     scenery: Scenery,
     /// Names and units of the readings.
     columns: Vec<String>,
@@ -97,14 +97,14 @@ impl Stepper for MassSprings {
 }
 
 /// A mass-spring system of any dimension in the world.
-pub(crate) trait Springs: Send + Sync {
+pub(crate) trait ErasedSystem: Send + Sync {
     /// Moves it from a time by a step, s, among objects, and returns the iterations of Newton's
     /// method.
     fn step(
         &mut self,
         step: [f64; 2],
         gravity: &Vector3<f64>,
-        objects: &[Object],
+        objects: &[CollisionObject],
     ) -> Result<usize, SpringError>;
     /// Number of nodes.
     fn nodes(&self) -> usize;
@@ -133,9 +133,9 @@ pub(crate) trait Springs: Send + Sync {
 }
 
 /// What is needed to move a system.
-pub(crate) struct Moving<const D: usize> {
+pub(crate) struct MovingSystem<const D: usize> {
     system: System<D>,
-    method: Method<D>,
+    method: SpringIntegrator<D>,
     substeps: usize,
     holds: Vec<Hold>,
     contacts: Option<Contacts>,
@@ -149,7 +149,7 @@ pub(crate) struct Moving<const D: usize> {
     radius: f64,
 }
 
-enum Method<const D: usize> {
+enum SpringIntegrator<const D: usize> {
     Chain(Chain),
     Leapfrog(Leapfrog<D>),
     RungeKutta,
@@ -159,7 +159,7 @@ enum Method<const D: usize> {
 /// Lines without contacts are drawn with this part of the mean rest length as their radius.
 const DRAWN: f64 = 0.03;
 
-impl<const D: usize> Moving<D> {
+impl<const D: usize> MovingSystem<D> {
     pub(crate) fn new(
         scene: &MassSpring,
         system: System<D>,
@@ -169,10 +169,10 @@ impl<const D: usize> Moving<D> {
         chain: bool,
     ) -> Self {
         let method = match scene.integrator {
-            _ if chain => Method::Chain(Chain::new()),
-            Integrator::Leapfrog => Method::Leapfrog(Leapfrog::new()),
-            Integrator::RungeKutta => Method::RungeKutta,
-            Integrator::ImplicitEuler => Method::ImplicitEuler(ImplicitEuler::default()),
+            _ if chain => SpringIntegrator::Chain(Chain::new()),
+            Integrator::Leapfrog => SpringIntegrator::Leapfrog(Leapfrog::new()),
+            Integrator::RungeKutta => SpringIntegrator::RungeKutta,
+            Integrator::ImplicitEuler => SpringIntegrator::ImplicitEuler(ImplicitEuler::default()),
         };
         let springs = system.springs();
         let mean = (0..springs).map(|s| system.spring(s).rest_length).sum::<f64>() / springs as f64;
@@ -218,7 +218,7 @@ fn after(done: usize, error: SpringError) -> SpringError {
     }
 }
 
-impl<const D: usize> Springs for Moving<D>
+impl<const D: usize> ErasedSystem for MovingSystem<D>
 where
     Enclosure<D>: Send + Sync,
 {
@@ -226,7 +226,7 @@ where
         &mut self,
         [time, dt]: [f64; 2],
         gravity: &Vector3<f64>,
-        objects: &[Object],
+        objects: &[CollisionObject],
     ) -> Result<usize, SpringError> {
         self.apply_holds(time)?;
         self.system.set_time(time);
@@ -240,10 +240,10 @@ where
             let system = &mut self.system;
             let start = system.time();
             match &mut self.method {
-                Method::Chain(chain) => chain.advance(system, dt, steps),
-                Method::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps),
-                Method::RungeKutta => runge_kutta(system, dt, steps),
-                Method::ImplicitEuler(euler) => (0..steps).try_for_each(|step| {
+                SpringIntegrator::Chain(chain) => chain.advance(system, dt, steps),
+                SpringIntegrator::Leapfrog(leapfrog) => leapfrog.advance(system, dt, steps),
+                SpringIntegrator::RungeKutta => runge_kutta(system, dt, steps),
+                SpringIntegrator::ImplicitEuler(euler) => (0..steps).try_for_each(|step| {
                     iterations += euler.step(system, dt).map_err(|e| after(step, e))?;
                     Ok(())
                 }),
@@ -305,7 +305,7 @@ where
 
     fn readings(&self) -> Vec<f64> {
         let mut supports = self.system.support_power();
-        if let Method::Chain(chain) = &self.method {
+        if let SpringIntegrator::Chain(chain) = &self.method {
             supports += chain.support_power(&self.system);
         }
         let mut numbers = vec![self.system.energy().load, self.system.dissipation(), supports];
@@ -342,10 +342,10 @@ where
     fn warning(&self, dt: f64) -> Option<StepTooLong> {
         let dt = dt / self.substeps as f64;
         match self.method {
-            Method::Leapfrog(_) => self.system.warn_of_step(dt),
-            Method::RungeKutta => self.system.warn_of_runge_kutta_step(dt),
+            SpringIntegrator::Leapfrog(_) => self.system.warn_of_step(dt),
+            SpringIntegrator::RungeKutta => self.system.warn_of_runge_kutta_step(dt),
             // A chain has no stiff springs.
-            Method::ImplicitEuler(_) | Method::Chain(_) => None,
+            SpringIntegrator::ImplicitEuler(_) | SpringIntegrator::Chain(_) => None,
         }
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::{
 use rapunzel_collision::field::{Ball, Cuboid, Grid, HalfSpace, Soup, Terrain, shapes};
 use rapunzel_collision::{Capsule, CollisionError};
 use rapunzel_contact::{ContactError, RigidBody};
-use rapunzel_coupling::{Field, FreeBody, Object, ObjectGeometry, ObjectMotion};
+use rapunzel_coupling::{CollisionObject, Field, FreeBody, ObjectGeometry, ObjectMotion};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ pub(crate) fn build_object(
     scene: &scene::Object,
     index: usize,
     around: &Sizes,
-) -> Result<Object, SimError> {
+) -> Result<CollisionObject, SimError> {
     let [x, y, z] = scene.turn.map(f64::to_radians);
     let start = Isometry3::from_parts(
         Translation3::from(scene.position),
@@ -92,7 +92,7 @@ pub(crate) fn build_object(
     let edge_capsules = edge_capsules(&scene.shape, &surface, 2.0 * around.thickest);
     let scene::Object { friction, restitution, .. } = *scene;
     let geometry = ObjectGeometry { field, edge_capsules, surface, endless };
-    Ok(Object::new(geometry, motion, friction, restitution))
+    Ok(CollisionObject::new(geometry, motion, friction, restitution))
 }
 
 /// Field and surface of a shape that is no file. Of a plane a square about the origin is shown, with

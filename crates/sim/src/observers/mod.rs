@@ -8,7 +8,7 @@ mod table;
 pub(crate) use fields::FieldWriter;
 pub(crate) use frames::FrameWriter;
 pub(crate) use show::{Objects, Show};
-pub(crate) use table::Table;
+pub(crate) use table::CsvTable;
 
 use crate::{SimError, World};
 use std::path::Path;

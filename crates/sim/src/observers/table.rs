@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 /// A CSV file with a row at regular steps; its first column is the time.
 ///
 /// Rows are appended as wholes, so that the file can be watched while it grows.
-pub(crate) struct Table {
+pub(crate) struct CsvTable {
     path: PathBuf,
     file: File,
     header: String,
-    row: Row,
+    row: RowReader,
     /// Has a row when a record is due.
     plan: Plan,
     /// Rows that are not in the file yet.
@@ -22,12 +22,12 @@ pub(crate) struct Table {
 }
 
 /// The numbers of a row after its time.
-type Row = Box<dyn Fn(&World) -> Vec<f64>>;
+type RowReader = Box<dyn Fn(&World) -> Vec<f64>>;
 
 /// Pending rows are written when they are longer than this, bytes.
 const BUFFER: usize = 1 << 16;
 
-impl Table {
+impl CsvTable {
     /// Kinetic, elastic, gravitational energy and their sum, and what a stepper adds to them.
     pub(crate) fn energies(
         path: &Path,
@@ -68,7 +68,7 @@ impl Table {
     fn open(
         path: &Path,
         names: impl IntoIterator<Item = String>,
-        row: Row,
+        row: RowReader,
         plan: Plan,
     ) -> Result<Self, SimError> {
         let file = File::options()
@@ -91,7 +91,7 @@ impl Table {
     }
 }
 
-impl Observer for Table {
+impl Observer for CsvTable {
     fn observe(&mut self, world: &World) -> Result<(), SimError> {
         if !self.plan.is_record(world.steps()) {
             return Ok(());

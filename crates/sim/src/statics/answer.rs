@@ -2,7 +2,7 @@ use serde::Serialize;
 
 /// What is found of a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Answer {
+pub struct CaseAnswer {
     /// The title of the case.
     pub name: String,
     /// Length of the rod, m: that of the case, or that which was wished for.
@@ -12,10 +12,10 @@ pub struct Answer {
     /// How the length was found, if that was asked.
     pub wish: Option<Length>,
     /// The equilibria in the order of their energies: one that is stable, or all that were found.
-    pub equilibria: Vec<Equilibrium>,
+    pub equilibria: Vec<CaseEquilibrium>,
 }
 
-impl Answer {
+impl CaseAnswer {
     /// Whether one of the equilibria is stable, or following forces leave that open.
     #[must_use]
     pub fn holds(&self) -> bool {
@@ -34,7 +34,7 @@ pub struct Length {
 
 /// One equilibrium.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Equilibrium {
+pub struct CaseEquilibrium {
     /// Whether a small push brings it away.
     pub stability: Stability,
     /// Elastic energy, J.

@@ -1,6 +1,6 @@
 //! "How long must it be."
 
-use super::answer::{Equilibrium, Length};
+use super::answer::{CaseEquilibrium, Length};
 use super::solve::{equilibria, near};
 use crate::SimError;
 use nalgebra::Vector3;
@@ -21,12 +21,12 @@ pub(super) fn find_length(case: &Case, wish: &Wish) -> Result<Length, SimError> 
     let way = case.end.position().map_or(0.0, |end| (Vector3::from(end) - from).norm());
     let shortest = case.length.max(way * (1.0 + SLACK));
     // From one length to the next the rod changes little: a search from all starts is the last resort.
-    let of = |length: f64, beside: Option<&Equilibrium>| -> Option<Equilibrium> {
+    let of = |length: f64, beside: Option<&CaseEquilibrium>| -> Option<CaseEquilibrium> {
         let case = Case { length, all_with_turns: None, ..case.clone() };
         let found = beside.and_then(|beside| near(&case, beside));
         found.or_else(|| equilibria(&case).ok()?.into_iter().next())
     };
-    let does = |found: &Equilibrium| is_met(wish.so_that, measure(wish.so_that, found));
+    let does = |found: &CaseEquilibrium| is_met(wish.so_that, measure(wish.so_that, found));
     let at = |i: u32| shortest + (wish.longest - shortest) * f64::from(i) / f64::from(TRIED);
     let mut tried = (0..=TRIED).map(|i| (i, of(at(i), None)));
     let first = tried.find_map(|(i, found)| Some((i, found.filter(&does)?)));
@@ -47,7 +47,7 @@ pub(super) fn find_length(case: &Case, wish: &Wish) -> Result<Length, SimError> 
 }
 
 /// What a wish is about.
-fn measure(wished: Wished, found: &Equilibrium) -> f64 {
+fn measure(wished: Wished, found: &CaseEquilibrium) -> f64 {
     match wished {
         Wished::Curvature(_) => found.sharpest.curvature,
         Wished::Sag(_) => found.sag,

@@ -5,6 +5,6 @@ mod length;
 mod solve;
 mod write;
 
-pub use answer::{Answer, Equilibrium, Length, Peak, Stability, Station};
+pub use answer::{CaseAnswer, CaseEquilibrium, Length, Peak, Stability, Station};
 pub use rapunzel_scene::case::{Case, End, Force, Mass, Place, Rod, Wish, Wished};
 pub use solve::solve;

@@ -1,4 +1,4 @@
-use super::answer::{Answer, Equilibrium, Peak, Stability, Station};
+use super::answer::{CaseAnswer, CaseEquilibrium, Peak, Stability, Station};
 use super::length::find_length;
 use crate::SimError;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
@@ -20,14 +20,14 @@ const ROUNDING: f64 = 1e-12;
 /// # Errors
 /// [`SimError::Scene`] for a case that makes no sense and [`SimError::Static`] for one without
 /// an answer.
-pub fn solve(case: &Case) -> Result<Answer, SimError> {
+pub fn solve(case: &Case) -> Result<CaseAnswer, SimError> {
     let problems = case.problems();
     if !problems.is_empty() {
         return Err(SceneError { source_text: String::new(), problems }.into());
     }
     let wish = case.wish.map(|wish| find_length(case, &wish)).transpose()?;
     let case = Case { length: wish.map_or(case.length, |found| found.length), ..case.clone() };
-    Ok(Answer {
+    Ok(CaseAnswer {
         name: case.name.clone(),
         length: case.length,
         radius: case.properties().2,
@@ -37,7 +37,7 @@ pub fn solve(case: &Case) -> Result<Answer, SimError> {
 }
 
 /// The equilibria of the case at its own length.
-pub(super) fn equilibria(case: &Case) -> Result<Vec<Equilibrium>, SimError> {
+pub(super) fn equilibria(case: &Case) -> Result<Vec<CaseEquilibrium>, SimError> {
     if case.needs_chain() {
         return Ok(vec![chain(case)?]);
     }
@@ -54,7 +54,7 @@ pub(super) fn equilibria(case: &Case) -> Result<Vec<Equilibrium>, SimError> {
 
 /// The stable equilibrium of a case near one of a rod of another length, if Newton's method leads
 /// from that to one; cases that need a chain have none.
-pub(super) fn near(case: &Case, other: &Equilibrium) -> Option<Equilibrium> {
+pub(super) fn near(case: &Case, other: &CaseEquilibrium) -> Option<CaseEquilibrium> {
     if case.needs_chain() {
         return None;
     }
@@ -73,7 +73,7 @@ pub(super) fn near(case: &Case, other: &Equilibrium) -> Option<Equilibrium> {
     found.is_stable().then(|| resolved(case, &found))
 }
 
-fn resolved(case: &Case, found: &rods::Equilibrium) -> Equilibrium {
+fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
     let states: Vec<(f64, State)> = (0..=case.parts)
         .map(|i| case.length * i as f64 / case.parts as f64)
         .map(|s| (s, found.at(s)))
@@ -87,7 +87,7 @@ fn resolved(case: &Case, found: &rods::Equilibrium) -> Equilibrium {
 }
 
 /// The rod as a chain whose nodes are the stations and more between them.
-fn chain(case: &Case) -> Result<Equilibrium, SimError> {
+fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
     let finer = SEGMENTS.div_ceil(case.parts);
     let count = case.parts * finer;
     let mut whole = case.clone();
@@ -141,7 +141,7 @@ fn equilibrium(
     stability: Stability,
     [elastic_energy, load_energy]: [f64; 2],
     place_forces: Vec<[f64; 3]>,
-) -> Equilibrium {
+) -> CaseEquilibrium {
     let stiffness = Vector3::from(case.properties().0);
     let natural = Vector3::from(case.natural_curvature);
     let curvature =
@@ -181,7 +181,7 @@ fn equilibrium(
     let lower = depth(&states[0]).max(depth(&states[states.len() - 1]));
     let deepest = states.iter().map(depth).fold(lower, f64::max);
     let sag = deepest - lower;
-    Equilibrium {
+    CaseEquilibrium {
         stability,
         elastic_energy,
         load_energy,

@@ -1,4 +1,4 @@
-use super::answer::{Answer, Equilibrium};
+use super::answer::{CaseAnswer, CaseEquilibrium};
 use crate::SimError;
 use crate::folder::{PREVIEW, claim};
 use crate::storage::{save, write_atomically};
@@ -16,7 +16,7 @@ const ANSWER: &str = "answer.json";
 const COLUMNS: &str = "s (m),x (m),y (m),z (m),d1x,d1y,d1z,d2x,d2y,d2z,d3x,d3y,d3z,nx (N),ny (N),\
 nz (N),mx (N m),my (N m),mz (N m),kappa1 (1/m),kappa2 (1/m),kappa3 (1/m)";
 
-impl Answer {
+impl CaseAnswer {
     /// Writes the answer into a folder, which is made, in the place of an older one: `rod-0.csv` and so on, a table for each
     /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`, with what holds the rod of
     /// the case; and `answer.json`.
@@ -42,7 +42,7 @@ impl Answer {
     }
 }
 
-impl Equilibrium {
+impl CaseEquilibrium {
     /// The stations as CSV, in SI units and the shortest digits that read back the same.
     #[must_use]
     pub fn table(&self) -> String {

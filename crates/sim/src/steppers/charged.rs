@@ -3,7 +3,7 @@ use crate::SimError;
 use crate::folder::CHARGE;
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use nalgebra::{Point3, Vector3};
-use rapunzel_charging::ChargedFibers;
+use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_fiber::Assembly;
@@ -11,11 +11,11 @@ use rapunzel_rod_dynamic::{Energy, RodState};
 
 /// Fibres at rest, on which charge comes.
 pub(crate) struct Charged {
-    pub(crate) fibers: ChargedFibers,
+    pub(crate) fibers: ChargedRods,
     pub(crate) scenery: Scenery,
 }
 
-impl FiberStates for ChargedFibers {
+impl FiberStates for ChargedRods {
     fn assembly(&self) -> &Assembly {
         self.assembly()
     }
@@ -98,7 +98,7 @@ impl Stepper for Charged {
         Some(&self.fibers)
     }
 
-    fn charged(&self) -> Option<&ChargedFibers> {
+    fn charged(&self) -> Option<&ChargedRods> {
         Some(&self.fibers)
     }
 }

@@ -2,16 +2,16 @@
 
 use rapunzel_keratin::lab::Instrument;
 use rapunzel_keratin::{Climate, HairType, Thickness, Treatment};
-use rapunzel_sim::lab::{Number, Reading, Sample, measure};
+use rapunzel_sim::lab::{LabSample, Number, Reading, measure};
 use rapunzel_sim::scene::{Keratin, Law};
 
-fn sample(kind: HairType, treatment: Treatment, humidity: f64) -> Sample {
+fn sample(kind: HairType, treatment: Treatment, humidity: f64) -> LabSample {
     let (thickness, law, extrapolate) = (Thickness::Any, Law::Elastic, true);
     let keratin = Keratin { kind, treatment, thickness, law, extrapolate };
-    Sample { keratin, climate: Climate::new(humidity, 23.0).expect("a climate") }
+    LabSample { keratin, climate: Climate::new(humidity, 23.0).expect("a climate") }
 }
 
-fn read(instrument: Instrument, sample: &Sample) -> Reading {
+fn read(instrument: Instrument, sample: &LabSample) -> Reading {
     measure(instrument, sample).expect("a reading")
 }
 

@@ -1,6 +1,6 @@
 //! Meshes in files: their unit, their faults, and what they take of memory.
 
-use rapunzel_sim::{Estimate, Scene, SimError, World};
+use rapunzel_sim::{MemoryEstimate, Scene, SimError, World};
 use std::fs;
 
 /// A box of 40 in its unit, whose faces are quadrilaterals; the last, if it is there, closes it.
@@ -22,13 +22,13 @@ fn scene(folder: &tempfile::TempDir, mesh: &str, more: &str) -> Scene {
 #[test]
 fn a_mesh_in_millimetres_is_told_with_its_size_and_taken_with_its_scale() {
     let folder = tempfile::tempdir().expect("a folder");
-    let estimate = Estimate::new(&scene(&folder, CLOSED, "")).expect("read");
+    let estimate = MemoryEstimate::new(&scene(&folder, CLOSED, "")).expect("read");
     assert!(estimate.notes[0].contains("40.000 x 40.000 x 40.000 m"), "{:?}", estimate.notes);
     let error = estimate.within(16e9).expect_err("8 10^12 cells").to_string();
     assert!(error.contains("objects[0]") && error.contains("scale: 0.001"), "{error}");
 
     let scaled = scene(&folder, CLOSED, "scale: 1e-3");
-    let estimate = Estimate::new(&scaled).expect("read");
+    let estimate = MemoryEstimate::new(&scaled).expect("read");
     estimate.within(1e8).expect("20 cells along each side");
     assert!(estimate.notes.is_empty(), "{:?}", estimate.notes);
     let surface = World::build(&scaled).expect("sound").surfaces().next().expect("an object");
@@ -43,7 +43,7 @@ fn a_mesh_is_repaired_where_that_is_asked_for_and_it_is_told() {
     let refused = World::build(&scene(&folder, open, "scale: 1e-3")).map(|_| ());
     assert!(matches!(refused, Err(SimError::Mesh { object: 0, .. })), "{refused:?}");
     let repaired = scene(&folder, open, "scale: 1e-3, repair: true");
-    let notes = Estimate::new(&repaired).expect("read").notes;
+    let notes = MemoryEstimate::new(&repaired).expect("read").notes;
     assert_eq!(notes, ["objects[0]: the mesh was repaired; holes closed: 1"]);
     World::build(&repaired).expect("closed");
 }
@@ -71,12 +71,12 @@ fn what_takes_too_much_is_refused_before_it_is_built() {
         ("segments: 10", field, "objects[0]"),
         ("segments: 10", grid, "charging.grid"),
     ] {
-        let error = Estimate::new(&scene(fiber, rest)).expect("sound").within(4e9);
+        let error = MemoryEstimate::new(&scene(fiber, rest)).expect("sound").within(4e9);
         assert!(
             matches!(&error, Err(SimError::Memory { path: at, .. }) if at == path),
             "{error:?}"
         );
     }
     let small = scene("segments: 100, arrangement: Lock(count: 180, radius: 0.01)", "");
-    Estimate::new(&small).expect("sound").within(1e8).expect("18,281 nodes");
+    MemoryEstimate::new(&small).expect("sound").within(1e8).expect("18,281 nodes");
 }

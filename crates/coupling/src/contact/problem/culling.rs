@@ -2,7 +2,7 @@
 
 use crate::contact::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactPoint};
-use crate::object::Object;
+use crate::object::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ impl ContactCulling {
         let fibers = touches.par_iter().map(|touch| touch.sides.map(fiber)).collect();
         let mut openings = Self { nodes: nodes.to_vec(), speeds, fibers };
         // How fast these are, nodes do not tell.
-        if system.objects.iter().any(Object::is_free) {
+        if system.objects.iter().any(CollisionObject::is_free) {
             let is_free = |&i: &usize| touches[i].has_free();
             let of_free: Vec<usize> = (0..touches.len()).into_par_iter().filter(is_free).collect();
             openings.hold(&of_free);

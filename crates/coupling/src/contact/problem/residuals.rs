@@ -1,9 +1,9 @@
 //! What the contacts of a step do where all nodes have given velocities.
 
 use super::{ContactProblem, opening};
+use crate::contact::contact_work::ContactWork;
 use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
-use crate::contact::contact_work::ContactWork;
 use crate::contact_point::ContactPoint;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
