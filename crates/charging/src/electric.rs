@@ -32,7 +32,7 @@ pub(crate) struct Electric {
     head: HeadModel,
     /// Share of the charge that is dealt.
     pub(crate) share: f64,
-    /// On the last step.
+    /// Report on the last step.
     pub(crate) report: ChargeReport,
 }
 
@@ -134,7 +134,8 @@ impl Electric {
         self.fields_of(fibers, &points, &halves, targets)
     }
 
-    /// The same of given `charges` (C) at `points` (world, m).
+    /// Potentials (V) and fields (V/m, world) at `targets` (world, m) of given `charges` (C) at `points`
+    /// (world, m) and of everything else.
     pub(crate) fn fields_of(
         &self,
         fibers: &RestingFibers,

@@ -18,11 +18,11 @@ const TRIANGLES: usize = 2000;
 /// The object of a scene that is the head.
 #[derive(Clone)]
 pub struct HeadGeometry {
-    /// Distance to its surface, in its frame.
+    /// Distance to the surface of the head, in its frame.
     pub field: Arc<dyn DistanceField + Send + Sync>,
-    /// Its pose, which does not change.
+    /// Pose of the head, which does not change.
     pub pose: Isometry3<f64>,
-    /// Its surface, in its frame.
+    /// Surface of the head, in its frame.
     pub surface: Soup,
 }
 
@@ -47,7 +47,7 @@ pub(crate) enum HeadModel {
         surface: Arc<ConductingSurface>,
         held: Held,
     },
-    /// The thesis's.
+    /// The thesis's heuristic: a charge that repels by (4.13), corrected.
     Thesis {
         geometry: HeadGeometry,
         charge: f64,
@@ -56,27 +56,27 @@ pub(crate) enum HeadModel {
 
 /// What the head does to charges at some points.
 pub(crate) struct HeadAction {
-    /// Its energy with them and theirs in what they induce, J.
+    /// Energy of the head with the charges and of the charges in what they induce, J.
     pub(crate) energy: f64,
-    /// Forces on them (world), N.
+    /// Forces on the charges (world), N.
     pub(crate) forces: Vec<Vector3<f64>>,
 }
 
 /// The charges on a conductor beside other charges.
 pub(crate) enum Induced<'a> {
     None,
-    /// As if they were points inside.
+    /// Image charges: points inside and their charges, C.
     Points(Vec<Point3<f64>>, Vec<f64>),
-    /// Of triangles.
+    /// A surface and the charges of its triangles, C.
     Triangles(&'a ConductingSurface, Vec<f64>),
 }
 
 /// What a conductor is like beside other charges.
 pub(crate) struct ConductorResponse<'a> {
     pub(crate) induced: Induced<'a>,
-    /// Its potential, V.
+    /// Potential of the conductor, V.
     pub(crate) potential: f64,
-    /// Its energy with the other charges, J, less half of theirs in the potential that it makes.
+    /// Energy of the conductor with the other charges, J, less half of theirs in the potential that it makes.
     energy: f64,
 }
 

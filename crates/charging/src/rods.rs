@@ -65,12 +65,12 @@ impl RestingRod {
         Ok(rest.iterations)
     }
 
-    /// Where its nodes are, m, world.
+    /// Positions of the nodes, m, world.
     pub(crate) fn positions(&self) -> &[Point3<f64>] {
         self.shape.positions()
     }
 
-    /// How it lies, to go back to.
+    /// Shape of the fibre, to go back to.
     pub(crate) fn shape(&self) -> &Shape {
         &self.shape
     }
@@ -80,12 +80,12 @@ impl RestingRod {
         self.shape = shape;
     }
 
-    /// Its mass, kg.
+    /// Mass of the fibre, kg.
     pub(crate) fn mass(&self) -> f64 {
         self.masses.iter().sum()
     }
 
-    /// Its state, at rest.
+    /// State of the fibre, at rest.
     pub(crate) fn state(&self) -> RodState {
         let frames = self.shape.frames();
         let count = frames.len();
@@ -122,7 +122,7 @@ impl RestingRod {
         }
     }
 
-    /// Its energy but for the electric one, J: that of bending and torsion, of gravity and of the loads.
+    /// Energy of the fibre but for the electric one, J: the energy of bending and torsion, of gravity and of the loads.
     pub(crate) fn mechanical_energy(&self, gravity: &Vector3<f64>) -> f64 {
         let Energy { elastic, gravitational, .. } = self.energy(gravity);
         let loads = self.loads.iter().zip(self.positions());

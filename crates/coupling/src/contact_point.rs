@@ -47,7 +47,7 @@ pub(crate) struct ContactPoint {
     /// Unit normal from the second side to the first, world.
     pub(crate) normal: Vector3<f64>,
     /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit length.
-    /// Of an object that moves freely the lever from its center of mass to where the impulse acts, m: on the
+    /// Of an object that moves freely it is the lever from its center of mass to where the impulse acts, m: on the
     /// axis of a fibre, in the middle of the gap between objects. Of one that is led the mean velocity of its
     /// surface over the step, m/s.
     pub(crate) arms: [Vector3<f64>; 2],
@@ -63,14 +63,14 @@ pub(crate) struct ContactPoint {
     pub(crate) led: bool,
 }
 
-/// What a touch does to its two sides.
+/// The impulse of a contact on its two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ContactImpulse {
-    /// As in a touch.
+    /// The two bodies, as in a [`ContactPoint`].
     pub(crate) sides: [BodyRef; 2],
     pub(crate) segments: [u32; 2],
     pub(crate) fractions: [f64; 2],
-    /// Of each side that is an object which moves freely, else zero.
+    /// Levers, m, from the centers of mass of free objects to where the impulse acts; zero for other sides.
     pub(crate) levers: [Vector3<f64>; 2],
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
@@ -82,7 +82,7 @@ fn along(segments: [u32; 2], fractions: [f64; 2]) -> [f64; 2] {
 }
 
 impl ContactImpulse {
-    /// As of a touch.
+    /// Place along both sides, in segments.
     pub(crate) fn at(&self) -> [f64; 2] {
         along(self.segments, self.fractions)
     }
@@ -101,7 +101,7 @@ impl ContactPoint {
         self.sides[side].is_object() && !(self.led && side == 1)
     }
 
-    /// The same of any.
+    /// Whether any side is an object that moves freely.
     pub(crate) fn has_free(&self) -> bool {
         self.is_free(0) || self.is_free(1)
     }

@@ -57,7 +57,7 @@ pub enum CouplingError {
     Lost {
         /// Start of the part, s.
         time: f64,
-        /// Its length, s.
+        /// Length of the part, s.
         dt: f64,
         /// Where contacts were farthest from their law, or deepest.
         worst: Option<Unresolved>,

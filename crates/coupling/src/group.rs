@@ -9,9 +9,9 @@ use std::sync::Arc;
 pub struct FiberGroup<B: RodBatch + ?Sized> {
     /// Indices of the fibres in the assembly, one per lane.
     pub fibers: Vec<usize>,
-    /// Their rods.
+    /// The rods of these fibres.
     pub batch: Box<B>,
-    /// What acts on each.
+    /// What acts on each fibre.
     pub lanes: Vec<FiberConditions>,
 }
 

@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 /// together are what the kinetic and elastic energy have gained.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyLedger {
-    /// Of gravity.
+    /// Work of gravity, J.
     pub gravity: f64,
-    /// Of point forces, and of forces and moments at the ends.
+    /// Work of point forces, and of forces and moments at the ends, J.
     pub loads: f64,
-    /// Of the air: negative but for what wind gives.
+    /// Work of the air, J: negative but for what wind gives.
     pub drag: f64,
-    /// Of internal viscosity, never positive.
+    /// Work of internal viscosity, J; never positive.
     pub damping: f64,
-    /// Of ends that are held: roots that move, tips that are pulled.
+    /// Work of ends that are held, J: roots that move, tips that are pulled.
     pub supports: f64,
-    /// Of the method in time, as [`Ledger::integrator`].
+    /// Work of the method in time, J: see [`Ledger::integrator`].
     pub integrator: f64,
-    /// Of what the search for a step left unbalanced, as [`Ledger::solver`].
+    /// Work of what the search for a step left unbalanced, J: see [`Ledger::solver`].
     pub solver: f64,
 }
 
@@ -40,13 +40,13 @@ impl EnergyLedger {
         self.solver += step.solver;
     }
 
-    /// All of them, in the order of the fields.
+    /// All works, J, in the order of the fields.
     pub(crate) fn numbers(&self) -> [f64; 7] {
         let Self { gravity, loads, drag, damping, supports, integrator, solver } = *self;
         [gravity, loads, drag, damping, supports, integrator, solver]
     }
 
-    /// The ledger of such numbers; `None` for any other number of them.
+    /// The ledger with these works, J, in the order of the fields; `None` for another number of them.
     pub(crate) fn from_numbers(numbers: &[f64]) -> Option<Self> {
         let &[gravity, loads, drag, damping, supports, integrator, solver] = numbers else {
             return None;

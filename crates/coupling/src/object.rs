@@ -181,7 +181,7 @@ impl CollisionObject {
         matches!(self.motion, ObjectMotion::Dynamic(_))
     }
 
-    /// Its poses at the start and at the end of the step from `time` by `dt`, s.
+    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s.
     #[must_use]
     pub fn poses(&self, [time, dt]: [f64; 2]) -> [Isometry3<f64>; 2] {
         match &self.motion {
@@ -190,8 +190,8 @@ impl CollisionObject {
         }
     }
 
-    /// Its poses at the start and at the end of the step from `time` by `dt`, s, if nothing is in its
-    /// way.
+    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s, if nothing is
+    /// in its way.
     pub(crate) fn free_poses(
         &self,
         [time, dt]: [f64; 2],
@@ -208,7 +208,8 @@ impl CollisionObject {
         longest_way(&self.corners, poses)
     }
 
-    /// The same of what touches other objects: a round shape turns in itself.
+    /// The longest way, m, of a point of the edge capsules from one pose to another: a round shape turns in
+    /// itself.
     pub(crate) fn way_of_skeleton(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
         match self.geometry.edge_capsules[..] {
             [Capsule { start, end, .. }] => longest_way(&[start, end], poses),

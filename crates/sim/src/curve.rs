@@ -52,7 +52,7 @@ fn points(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
 #[derive(Debug, Clone, Copy)]
 struct CurveSide {
     to: usize,
-    /// Of the file.
+    /// Line of the file, from 1.
     line: usize,
     /// Whether it is written in this direction.
     forward: bool,

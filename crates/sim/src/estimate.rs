@@ -8,21 +8,21 @@ use rapunzel_collision::field::Grid;
 
 // Bytes that building and running takes, rounded up: a touching node takes 1.85 kB in a lock of 10^6 of
 // them, a charged one 1.1 kB; the others are estimates.
-/// Of a node of a fibre by itself.
+/// Memory of a node of a fibre that touches nothing, bytes.
 const NODE: f64 = 1500.0;
-/// Of one by a method that moves rods one by one.
+/// Memory of a node by a method that moves rods one by one, bytes.
 const SINGLE_NODE: f64 = 3000.0;
-/// Of one where fibres touch, besides; what touches comes on top.
+/// Memory of a node where fibres touch, besides, bytes; contacts come on top.
 const TOUCHING_NODE: f64 = 2000.0;
-/// Of one that is charged.
+/// Memory of a node of a charged fibre, bytes.
 const CHARGED_NODE: f64 = 3000.0;
-/// Of a node of a mass-spring system.
+/// Memory of a node of a mass-spring system, bytes.
 const SPRING_NODE: f64 = 2000.0;
-/// Of a height of a terrain.
+/// Memory of a height of a terrain, bytes.
 const HEIGHT: f64 = 800.0;
-/// Of a triangle of a mesh beside its field.
+/// Memory of a triangle of a mesh beside its field, bytes.
 const TRIANGLE: f64 = 800.0;
-/// Of a point at which the electric field is written.
+/// Memory of a point at which the electric field is written, bytes.
 const FIELD_POINT: f64 = 300.0;
 /// A mesh with a side of more than this, m, may be in millimetres.
 const LARGE: f64 = 5.0;

@@ -20,7 +20,7 @@ pub struct Control<'a> {
     pub cancel: &'a Cancel,
     /// Called at the start and after every step.
     pub progress: &'a mut dyn FnMut(&Progress),
-    /// By which the statistics tell what phases took.
+    /// Stopwatch by which the statistics tell what phases took.
     pub stopwatch: Option<Stopwatch>,
 }
 
@@ -32,7 +32,7 @@ pub struct Cancel {
 }
 
 impl Cancel {
-    /// Of a run that is to go on.
+    /// A cancel that nobody has asked for yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { asked: AtomicBool::new(false), heard: AtomicBool::new(false) }
@@ -105,7 +105,7 @@ struct ActiveRun<'a> {
     world: World,
     statistics: Statistics,
     observers: Vec<Box<dyn Observer>>,
-    /// Of the scene.
+    /// Hash of the scene.
     hash: [u8; 32],
 }
 

@@ -19,7 +19,7 @@ pub struct World {
     /// What may be touched.
     objects: Vec<CollisionObject>,
     stepper: Box<dyn Stepper>,
-    /// By which energy is watched, if it can be.
+    /// Budget by which the energy is watched, if it can be.
     budget: Option<EnergyBudget>,
 }
 
@@ -272,7 +272,7 @@ impl World {
         self.stepper.fibers()?.ledger()
     }
 
-    /// By what the reports of steps tell how long their phases took; `None`, as at first, for not at all.
+    /// Sets the stopwatch by which the reports of steps tell how long their phases took; `None`, as at first, for not at all.
     pub fn set_stopwatch(&mut self, stopwatch: Option<Stopwatch>) {
         self.stepper.set_stopwatch(stopwatch);
     }
@@ -303,7 +303,7 @@ impl World {
         Snapshot { clock, budget, objects, stepper: stepper.save().collect() }
     }
 
-    /// The same to be written, without a copy of what is large.
+    /// All numbers that determine what follows, to be written without a copy of what is large.
     pub(crate) fn present(&self) -> Present<'_> {
         let mut objects = Vec::new();
         self.objects.iter().for_each(|object| object.save(&mut objects));

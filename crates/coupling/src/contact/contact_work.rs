@@ -5,21 +5,21 @@ use std::ops::AddAssign;
 /// integrator takes more than that: half the mass times the squared change of velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactWork {
-    /// Of friction against the slip, not positive but for the solver's tolerance.
+    /// Work of friction against the slip, J; not positive but for the solver's tolerance.
     pub friction: f64,
-    /// Of what stops those that come together, as far as the gap lets them: not positive but for the
+    /// Work of what stops those that come together, J, as far as the gap lets them: not positive but for the
     /// solver's tolerance.
     pub closing: f64,
-    /// Of what drives apart those that were in each other when the step began.
+    /// Work, J, of what drives apart those that were in each other when the step began.
     pub repair: f64,
-    /// Of what lets those that meet rebound.
+    /// Work, J, of what lets those that meet rebound.
     pub restitution: f64,
-    /// Of what holds together those that would part.
+    /// Work, J, of what holds together those that would part.
     pub adhesion: f64,
-    /// Of what gives way under pressure and friction. It takes what it holds, and what backward Euler damps of
+    /// Work, J, of what gives way under pressure and friction. It takes what it holds, and what backward Euler damps of
     /// it: it is not positive.
     pub compliance: f64,
-    /// Of objects that are led: all of their impulses times the velocities of their surfaces.
+    /// Work, J, of objects with a given motion: all of their impulses times the velocities of their surfaces.
     pub led: f64,
 }
 
@@ -33,13 +33,13 @@ impl ContactWork {
 }
 
 impl ContactWork {
-    /// All of them, in the order of the fields.
+    /// All works, J, in the order of the fields.
     pub(crate) fn numbers(&self) -> [f64; 7] {
         let Self { friction, closing, repair, restitution, adhesion, compliance, led } = *self;
         [friction, closing, repair, restitution, adhesion, compliance, led]
     }
 
-    /// The work that these numbers are.
+    /// The work with these parts, J, in the order of the fields.
     pub(crate) fn from_numbers(numbers: &[f64; 7]) -> Self {
         let [friction, closing, repair, restitution, adhesion, compliance, led] = *numbers;
         Self { friction, closing, repair, restitution, adhesion, compliance, led }

@@ -11,12 +11,12 @@ const ROWS: usize = 16;
 /// Columns that are taken at once.
 const COLUMNS: usize = 4;
 
-/// The answers of the points of one fibre.
+/// The Delassus operator of the points of one fibre, as a dense matrix.
 pub(super) struct FiberDelassus {
     /// Which points they are, from root to tip.
     points: Vec<usize>,
     own: Answers,
-    /// The same with masses added.
+    /// Answers of the points with masses added to them.
     weighted: WeightedDelassus,
 }
 
@@ -27,12 +27,12 @@ enum WeightedDelassus {
 }
 
 impl WeightedDelassus {
-    /// That of no points.
+    /// The matrix of no points.
     const NONE: Self = Self::Double(MatrixStrips(Vec::new()));
 }
 
 impl FiberDelassus {
-    /// In single precision unless `exact`.
+    /// The operator of given responses, in single precision unless `exact`.
     pub(super) fn new(own: PointResponses, exact: bool) -> Result<Self, ContactError> {
         let PointResponses { points, matrix } = own;
         let own = if exact { Answers::new(&matrix)? } else { Answers::rounded(&matrix)? };

@@ -201,7 +201,7 @@ fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
     dealt
 }
 
-/// Those of some pairs of segments whose fibres are somewhere deeper than `depth`, m, in each other, or in
+/// Selects from pairs of segments those whose fibres are somewhere deeper than `depth`, m, in each other, or in
 /// themselves at all, or have a contact on the way; and how deep those are that are left out, m.
 fn of_overlapping(
     end: &Capsules,
@@ -290,7 +290,7 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
     found
 }
 
-/// Of pairs with their squared distances at the start, m², those with gaps up to `margin`, m, at the end, or
+/// Sorts pairs with their squared distances at the start, m²: returns those with gaps up to `margin`, m, at the end, or
 /// at `either` end, that cannot have passed through each other, and contacts of those that would.
 fn sort(
     start: &Capsules,

@@ -5,7 +5,7 @@ use rapunzel_contact::Tolerance;
 /// The least and the largest of the errors, in tolerances, that solves of contacts leave.
 const TIGHT: f64 = 0.9;
 const LOOSE: f64 = 15.0;
-/// What the first of a step leaves.
+/// Error that the first solve of a step leaves, in tolerances.
 const FIRST: f64 = 40.0;
 /// The largest where contacts are polished: then most of them have errors as large as they may be.
 const POLISHED: f64 = 3.0;
@@ -18,7 +18,8 @@ const PART: f64 = 3.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
 const SQUARE: f64 = 1e-4;
 
-/// The error that a solve may leave, in tolerances, and its iterations at most.
+/// The forcing term of an inexact Newton method: the error that a solve of the contacts may leave, in
+/// tolerances, and its iterations at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ForcingTerm {
     slack: f64,
@@ -26,9 +27,10 @@ pub(super) struct ForcingTerm {
 }
 
 impl ForcingTerm {
-    /// As long as the rods are far from where they go, exact answers are wasted.
+    /// Forcing term of the first solve of a step: as long as the rods are far from where they go, exact
+    /// answers are wasted.
     const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
-    /// What is asked for in the end.
+    /// Forcing term of the last solve of a step.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
 
     /// From where a step is expected to lead, which leaves an `error`, in tolerances.
@@ -64,7 +66,7 @@ impl ForcingTerm {
         self == Self::LAST
     }
 
-    /// What it asks of a solver.
+    /// The tolerance that a solver gets.
     pub(super) fn of(self, tolerance: &Tolerance) -> Tolerance {
         Tolerance {
             residual: self.slack * tolerance.residual,

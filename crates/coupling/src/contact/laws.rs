@@ -20,7 +20,7 @@ pub(super) struct ContactLaws<'a> {
 }
 
 impl<'a> ContactLaws<'a> {
-    /// Those of a part of `dt` seconds under `gravity`, m/s^2.
+    /// Laws of contact in a substep of `dt` seconds under `gravity`, m/s^2.
     pub(super) fn new(
         settings: &'a ContactSettings,
         film: Option<&'a AdhesiveFilm>,

@@ -28,7 +28,7 @@ impl Fibers<StaggeredBatch> {
         self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities)
     }
 
-    /// The same with the increments of the last linearisation.
+    /// Mean velocities of all nodes over the step with the increments of the last linearisation, m/s.
     pub(super) fn linear_velocities(&self) -> Vec<Vector3<f64>> {
         self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities)
     }
@@ -84,7 +84,8 @@ impl Fibers<StaggeredBatch> {
         results.into_iter().collect()
     }
 
-    /// The same, each with what touches push on all its nodes.
+    /// Lets every group do something with the impulses on all its nodes, N s, in parallel. Of several errors
+    /// the first group's is told.
     pub(super) fn with_impulses<T: Send>(
         &mut self,
         pushes: impl Iterator<Item = ContactImpulse>,

@@ -56,17 +56,17 @@ pub(super) struct ContactStepper {
     film: Option<AdhesiveFilm>,
     detector: ContactDetector,
     solver: Polished,
-    /// Of all segments, m.
+    /// Radii of all segments, m.
     radii: Vec<f64>,
-    /// The smallest, m.
+    /// The smallest radius of a segment, m.
     radius: f64,
-    /// At the start of a run.
+    /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
-    /// The touches of the step before, whose room those of the next take.
+    /// Contact points of the step before, whose memory the next list takes.
     touches: Vec<ContactPoint>,
-    /// That of its last case.
+    /// Workspace of the last contact problem.
     room: ProblemWorkspace,
-    /// What the phases of the step at hand have taken.
+    /// Time that phases of the step at hand have taken.
     times: ContactTimes,
     /// What touched in the last part.
     pub(super) memory: WarmStart,

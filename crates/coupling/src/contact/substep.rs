@@ -5,9 +5,9 @@ use crate::StepReport;
 use crate::contact_point::ContactPoint;
 use nalgebra::{Point3, Vector3};
 
-/// The part of a step at hand.
+/// A substep: the part of a step at hand.
 pub(super) struct Substep {
-    /// Its start and length, s.
+    /// Start and length of the substep, s.
     pub(super) time: f64,
     pub(super) dt: f64,
     pub(super) touches: Vec<ContactPoint>,
@@ -16,7 +16,7 @@ pub(super) struct Substep {
 }
 
 impl Substep {
-    /// Positions of all nodes at its start, and at its end if they have these mean velocities.
+    /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities, m/s.
     pub(super) fn ends(
         &self,
         system: &CoupledSystem,
@@ -27,7 +27,7 @@ impl Substep {
         [start, end]
     }
 
-    /// The motion between such positions.
+    /// The motion of all nodes between positions at the start and at the end.
     pub(super) fn motion<'a>(
         &self,
         system: &'a CoupledSystem<'_>,

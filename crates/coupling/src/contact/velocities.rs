@@ -9,17 +9,17 @@ use rapunzel_fiber::Layout;
 pub(super) struct Velocities<'a> {
     layout: &'a Layout,
     nodes: &'a [Vector3<f64>],
-    /// Of the centers of mass, m/s, and about them, rad/s; zero for what is led.
+    /// Velocities of the centers of mass, m/s, and about them, rad/s; zero for given motions.
     objects: Vec<[Vector3<f64>; 2]>,
 }
 
 impl<'a> Velocities<'a> {
-    /// Those of given nodes, m/s, and of objects as they have been solved so far.
+    /// Velocities of given nodes, m/s, and of objects as they have been solved so far.
     pub(super) fn new(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
         Self::of(system, nodes, |[_, solved]| solved)
     }
 
-    /// Those of given nodes, m/s, and of objects at the start of the step.
+    /// Velocities of given nodes, m/s, and of objects at the start of the step.
     pub(super) fn before(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
         Self::of(system, nodes, |[state, _]| state)
     }
@@ -41,12 +41,12 @@ impl<'a> Velocities<'a> {
         Self { layout: system.fibers.assembly().layout(), nodes, objects: objects.collect() }
     }
 
-    /// Of all nodes, m/s.
+    /// Velocities of all nodes, m/s.
     pub(super) fn nodes(&self) -> &'a [Vector3<f64>] {
         self.nodes
     }
 
-    /// That of a side of a touch, m/s; zero for an object that is led.
+    /// Velocity of a side of a contact point, m/s; zero for an object with a given motion.
     pub(super) fn of_side(&self, touch: &ContactPoint, side: usize) -> Vector3<f64> {
         match touch.sides[side] {
             BodyRef::Fiber(fiber) => {
@@ -61,7 +61,7 @@ impl<'a> Velocities<'a> {
         }
     }
 
-    /// That of the first side as seen from the second, m/s.
+    /// Velocity of the first side of a contact point as seen from the second, m/s.
     pub(super) fn between(&self, touch: &ContactPoint) -> Vector3<f64> {
         self.of_side(touch, 0) - self.of_side(touch, 1)
     }

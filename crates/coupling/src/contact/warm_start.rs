@@ -9,13 +9,13 @@ use rayon::prelude::*;
 /// The contacts of the last part of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct WarmStart {
-    /// Those that bore something or are bonded, by pair and place.
+    /// Contacts that bore something or are bonded, by pair and place.
     pub(crate) bearing: Vec<CachedImpulse>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
-    /// Since the start.
+    /// Work of contacts since the start.
     pub(crate) work: ContactWork,
-    /// On the whole step.
+    /// Report on the whole step.
     pub(crate) report: ContactReport,
 }
 
@@ -34,7 +34,7 @@ pub struct ActiveContact {
     pub sides: [BodyRef; 2],
     /// Where along each side that is a fibre: in segments from the root.
     pub at: [f64; 2],
-    /// Mean force on the first side over that part, N, system.
+    /// Mean force on the first side over the substep, N, world.
     pub force: Vector3<f64>,
     /// Whether a bond of glue holds it.
     pub bonded: bool,
@@ -129,9 +129,9 @@ const REACH: f64 = 1.0;
 
 /// What contacts of the step before are expected to do in this one.
 pub(crate) struct ExpectedImpulses<'a> {
-    /// By pair and place.
+    /// Cached impulses by pair and place.
     pub(crate) known: &'a [CachedImpulse],
-    /// By how much larger impulses are.
+    /// Factor of the impulses.
     pub(crate) scale: f64,
 }
 
@@ -155,7 +155,7 @@ pub(crate) fn match_cached(expected: &ExpectedImpulses, touches: &mut [ContactPo
     });
 }
 
-/// The same for the contacts of one pair.
+/// Gives the impulses and bonds of cached contacts of one pair to the nearest of its points.
 fn match_pair<'a>(
     known: impl Iterator<Item = &'a CachedImpulse>,
     scale: f64,
@@ -179,7 +179,7 @@ fn match_pair<'a>(
     }
 }
 
-/// The impulses that are expected of touches, N s, system.
+/// The impulses that are expected of touches, N s, world.
 pub(crate) fn cached_impulses(
     expected: &ExpectedImpulses,
     touches: &[ContactPoint],
@@ -232,7 +232,7 @@ mod tests {
         CachedImpulse { push, bonded }
     }
 
-    /// As a touch of which no more is known.
+    /// A contact point of which no more is known than what is cached.
     fn touch(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);

@@ -47,7 +47,7 @@ pub struct Reading {
 pub struct Number {
     /// What it is.
     pub name: &'static str,
-    /// Its unit; empty if it has none.
+    /// Unit of the number; empty if it has none.
     pub unit: &'static str,
     /// What was read.
     pub value: f64,

@@ -112,7 +112,7 @@ pub(crate) trait ErasedSystem: Send + Sync {
     fn node(&self, node: usize) -> (Point3<f64>, Vector3<f64>);
     /// Energy in a gravity.
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
-    /// Its springs as lines.
+    /// Springs as lines.
     fn strands(&self) -> Vec<Strand>;
     /// What it is bounded by, of points of these lines, if it has a surface.
     fn surface(&self) -> Option<usd::Shape>;

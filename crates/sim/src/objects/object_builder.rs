@@ -23,7 +23,7 @@ const REACH: f64 = 8.0;
 /// The lengths of what is around an object, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sizes {
-    /// Of the longest fibre.
+    /// Length of the longest fibre, m.
     pub(crate) longest: f64,
     /// Radius of the thickest.
     pub(crate) thickest: f64,

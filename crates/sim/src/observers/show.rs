@@ -5,7 +5,7 @@ use rapunzel_export::preview::Support;
 /// What frames show.
 #[derive(Debug)]
 pub(crate) struct Show {
-    /// As which files beside those for ParaView.
+    /// Formats of frames beside the files for ParaView.
     pub(crate) formats: Vec<Format>,
     /// What there is beside points of strands.
     pub(crate) scenery: Scenery,

@@ -47,7 +47,7 @@ pub struct CaseEquilibrium {
     pub clamp_moment: [f64; 3],
     /// What holds the far end: its force on the rod, N, world frame.
     pub end_force: [f64; 3],
-    /// Its moment on the rod, N m, world frame.
+    /// Moment of the support on the rod, N m, world frame.
     pub end_moment: [f64; 3],
     /// Forces on the rod at the places on the way, N, world frame.
     pub place_forces: Vec<[f64; 3]>,
@@ -62,9 +62,9 @@ pub struct CaseEquilibrium {
 /// Whether an equilibrium is a minimum of the energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Stability {
-    /// It is.
+    /// The equilibrium is stable.
     Stable,
-    /// It is not; so many independent ways lead down.
+    /// The equilibrium is unstable; so many independent ways lead down.
     Unstable(usize),
     /// Not told: forces that follow the rod have no energy.
     Unknown,

@@ -22,7 +22,7 @@ impl CaseAnswer {
     /// the case; and `answer.json`.
     ///
     /// # Errors
-    /// Those of [`claim`]; files that cannot be written.
+    /// Errors of [`claim`]; files that cannot be written.
     pub fn save(&self, folder: &Path, case: &Case) -> Result<(), SimError> {
         let tables: Vec<_> = (0..self.equilibria.len()).map(|i| format!("rod-{i}.csv")).collect();
         let files = tables.iter().map(String::as_str).chain([RODS, PREVIEW, ANSWER]);

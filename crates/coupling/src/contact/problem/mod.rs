@@ -33,7 +33,7 @@ const CHORD: f64 = 1e-2;
 /// Where a contact is not among those that are solved.
 const NONE: usize = usize::MAX;
 
-/// A side of a contact: that one's number, and 0 or 1.
+/// A side of a contact: the number of the contact, and 0 or 1.
 type ContactSide = (usize, usize);
 
 /// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than twice as large,
@@ -70,9 +70,9 @@ pub(super) struct ContactProblem {
     impulses: Vec<Vector3<f64>>,
     /// Impulses as those of the step before, N s, world; none where nothing gives way.
     before: Vec<Vector3<f64>>,
-    /// Those that bear something or that the solver looked at last, in their order.
+    /// Indices of contacts that bear something or that the solver looked at last, in their order.
     working: Vec<usize>,
-    /// Their impulses on their first sides, N s, system.
+    /// Impulses of these on their first sides, N s, world.
     pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<ContactCulling>,
@@ -232,7 +232,8 @@ impl ContactProblem {
         self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
     }
 
-    /// The same. If these are many of all, it is found anew how fast contacts open.
+    /// The contacts that may close where nodes are so fast, in their order. If these are many of all, it is
+    /// found anew how fast contacts open.
     fn look(
         &mut self,
         system: &CoupledSystem,
