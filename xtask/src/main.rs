@@ -6,6 +6,7 @@ mod ci;
 mod formats;
 mod fuzz;
 mod repro;
+mod structure;
 mod tidy;
 
 use anyhow::{Context, Result, bail};

@@ -1,4 +1,5 @@
 use crate::root;
+use crate::structure::broken_structure;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use xshell::{Shell, cmd};
@@ -51,14 +52,17 @@ pub(crate) fn run() -> Result<()> {
             broken.push(format!("{}: write a README.md of 5 to 15 lines", package.name));
         }
     }
+    let mut sources = Vec::new();
     for file in
         cmd!(sh, "git ls-files --cached --others --exclude-standard").quiet().read()?.lines()
     {
         // What is no text, and what is deleted but not yet committed, has no lines to check.
         if let Ok(text) = sh.read_file(file) {
             broken.extend(broken_lines(file, &text));
+            sources.push((file.to_owned(), text));
         }
     }
+    broken.extend(broken_structure(&sources)?);
     if broken.is_empty() {
         return Ok(());
     }
