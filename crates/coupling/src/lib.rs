@@ -4,6 +4,7 @@ mod batch;
 mod conditions;
 mod contact;
 mod contact_point;
+mod contact_report;
 mod error;
 mod fibers;
 mod free_body;
@@ -11,20 +12,21 @@ mod group;
 mod ledger;
 mod object;
 mod pair;
+mod phase_times;
 mod report;
 mod surroundings;
 
 pub use batch::{RodBatch, Rods};
 pub use conditions::{BundleConditions, FiberConditions};
-pub use contact::{
-    ActiveContact, ContactReport, ContactTimes, ContactWork, FibersInContact, Stopwatch, Unresolved,
-};
+pub use contact::{ActiveContact, ContactWork, FibersInContact};
 pub use contact_point::BodyRef;
+pub use contact_report::{ContactReport, Unresolved};
 pub use error::CouplingError;
 pub use fibers::Fibers;
 pub use free_body::FreeBody;
 pub use group::FiberGroup;
 pub use ledger::EnergyLedger;
 pub use object::{CollisionObject, Field, ObjectGeometry, ObjectMotion, extents};
+pub use phase_times::{ContactTimes, Stopwatch};
 pub use report::StepReport;
 pub use surroundings::Surroundings;

@@ -1,10 +1,8 @@
-use crate::words::{complain, say};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use rapunzel_sim::scene::{Problem, SceneError};
 use rapunzel_sim::{ChargingError, CouplingError, SimError};
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Why a command did not do what it was asked to.
 #[derive(Debug)]
@@ -38,7 +36,7 @@ impl Failure {
         move |error| Self::Sim { error: error.into(), scene: scene.to_owned() }
     }
 
-    fn code(&self) -> u8 {
+    pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Sim {
                 error:
@@ -83,40 +81,11 @@ impl Failure {
     }
 
     /// What is wrong with the scene, if that is what is.
-    fn problems(&self) -> &[Problem] {
+    pub(crate) fn problems(&self) -> &[Problem] {
         match self {
             Self::Sim { error: SimError::Scene(SceneError { problems, .. }), .. } => problems,
             _ => &[],
         }
-    }
-
-    /// Tells the user, and gives the exit code.
-    pub(crate) fn tell(&self, json: bool) -> ExitCode {
-        let code = self.code();
-        if json {
-            let problems: Vec<_> = self.problems().iter().map(as_json).collect();
-            let object = serde_json::json!({
-                "error": self.to_string(), "exit_code": code, "problems": problems,
-            });
-            // The failure to tell of is the first.
-            let _ = say(&object.to_string());
-        } else if let Self::Sim {
-            error: SimError::Scene(SceneError { source_text, problems }),
-            scene,
-        } = self
-        {
-            let name = scene.display().to_string();
-            for problem in problems {
-                let report = SceneReport {
-                    source: NamedSource::new(&name, source_text.clone()),
-                    problem: problem.clone(),
-                };
-                complain(&format!("{:?}", miette::Report::new(report)));
-            }
-        } else {
-            complain(&format!("error: {self}"));
-        }
-        ExitCode::from(code)
     }
 }
 
@@ -132,7 +101,7 @@ impl fmt::Display for Failure {
     }
 }
 
-fn as_json(problem: &Problem) -> serde_json::Value {
+pub(crate) fn as_json(problem: &Problem) -> serde_json::Value {
     serde_json::json!({
         "path": problem.path, "message": problem.message,
         "line": problem.place.as_ref().map(|place| place.line),
@@ -142,9 +111,9 @@ fn as_json(problem: &Problem) -> serde_json::Value {
 
 /// A problem of a scene, underlined in its text.
 #[derive(Debug)]
-struct SceneReport {
-    source: NamedSource<String>,
-    problem: Problem,
+pub(crate) struct SceneReport {
+    pub(crate) source: NamedSource<String>,
+    pub(crate) problem: Problem,
 }
 
 impl fmt::Display for SceneReport {

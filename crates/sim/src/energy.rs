@@ -1,4 +1,4 @@
-use crate::{ContactWork, SimError, World};
+use rapunzel_coupling::{ContactWork, EnergyLedger};
 use rapunzel_rod_dynamic::Energy;
 use serde::{Deserialize, Serialize};
 
@@ -22,44 +22,51 @@ pub(crate) struct EnergyBudget {
     most: [f64; 5],
 }
 
-fn stored(energy: &Energy) -> f64 {
+/// Energy that has come from nowhere, and more of it than may.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CreatedEnergy {
+    /// Energy that no work explains, J.
+    pub(crate) created: f64,
+    /// Energy of the start, and all that was given since, J.
+    pub(crate) supplied: f64,
+}
+
+/// Kinetic and elastic energy, J.
+pub(crate) fn stored(energy: &Energy) -> f64 {
     energy.kinetic + energy.elastic
 }
 
 impl EnergyBudget {
-    /// The budget of a world at its start.
-    pub(crate) fn new(world: &World) -> Self {
-        let start = world.energy();
-        let bent = |fiber: &rapunzel_fiber::Fiber| fiber.nodes()[0].stiffness.x / fiber.length();
-        let fibers = world.assembly().fibers().iter();
-        let scale = fibers.map(bent).sum::<f64>() + start.gravitational.abs();
-        let (rounding, height) = (ROUNDING * scale, start.gravitational);
-        Self { start: stored(&start), height, rounding, most: [0.0; 5] }
+    /// The budget of a motion with this energy at its start, whose fibres take `bending` to bend by a
+    /// radian, J.
+    pub(crate) fn new(start: &Energy, bending: f64) -> Self {
+        let (rounding, height) =
+            (ROUNDING * (bending + start.gravitational.abs()), start.gravitational);
+        Self { start: stored(start), height, rounding, most: [0.0; 5] }
     }
 
-    /// Looks at a world at a frame. Without the work of everything nothing but gravity may give any.
+    /// Looks at the energy at a frame. Without the work of everything nothing but gravity may give any.
     ///
     /// # Errors
-    /// [`SimError::Created`] if more energy has come from nowhere than may.
-    pub(crate) fn watch(&mut self, world: &World) -> Result<(), SimError> {
-        let energy = world.energy();
+    /// [`CreatedEnergy`] if more has come from nowhere than may.
+    pub(crate) fn watch(
+        &mut self,
+        energy: &Energy,
+        works: Option<(EnergyLedger, ContactWork)>,
+    ) -> Result<(), CreatedEnergy> {
         let fallen = self.height - energy.gravitational;
-        let given = world.ledger().map_or([fallen, 0.0, 0.0, 0.0, 0.0], |works| {
-            let ContactWork { led, adhesion, .. } = world.contact_work();
+        let given = works.map_or([fallen, 0.0, 0.0, 0.0, 0.0], |(works, contacts)| {
+            let ContactWork { led, adhesion, .. } = contacts;
             [works.gravity, works.loads, works.drag, works.supports, led + adhesion]
         });
         for (most, given) in self.most.iter_mut().zip(given) {
             *most = most.max(given);
         }
-        let created = stored(&energy) - self.start - given.iter().sum::<f64>();
+        let created = stored(energy) - self.start - given.iter().sum::<f64>();
         let supplied = self.start + self.most.iter().sum::<f64>();
         if created <= UNEXPLAINED * supplied + self.rounding {
             return Ok(());
         }
-        let fibers = 0..world.assembly().fibers().len();
-        let gravity = world.gravity();
-        let of = |fiber: usize| stored(&world.fiber_energy(fiber, &gravity));
-        let fiber = fibers.max_by(|&a, &b| of(a).total_cmp(&of(b)));
-        Err(SimError::Created { time: world.time(), created, supplied, fiber })
+        Err(CreatedEnergy { created, supplied })
     }
 }

@@ -1,4 +1,4 @@
-use crate::energy::EnergyBudget;
+use crate::energy::{CreatedEnergy, EnergyBudget, stored};
 use crate::stepper::{FiberStates, Stepper};
 use crate::{ChargeReport, ContactWork, EnergyLedger, SimError, scene::Environment};
 use nalgebra::{Point3, Vector3};
@@ -7,7 +7,7 @@ use rapunzel_contact::RigidBody;
 use rapunzel_coupling::{ActiveContact, CollisionObject, StepReport, Stopwatch, Surroundings};
 use rapunzel_electrostatics::Fields;
 use rapunzel_export::surface::Placed;
-use rapunzel_fiber::Assembly;
+use rapunzel_fiber::{Assembly, Fiber};
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use serde::{Deserialize, Serialize, Serializer};
 use std::sync::LazyLock;
@@ -279,7 +279,9 @@ impl World {
 
     /// Watches the energy from now on, against the ledger if that is kept.
     pub(crate) fn keep_budget(&mut self) {
-        self.budget = Some(EnergyBudget::new(self));
+        let bent = |fiber: &Fiber| fiber.nodes()[0].stiffness.x / fiber.length();
+        let bending = self.assembly().fibers().iter().map(bent).sum();
+        self.budget = Some(EnergyBudget::new(&self.energy(), bending));
     }
 
     /// Looks whether the energy is a number, and has come from somewhere if that is watched.
@@ -287,13 +289,20 @@ impl World {
     /// # Errors
     /// [`SimError::NotFinite`] or [`SimError::Created`].
     pub(crate) fn watch_energy(&mut self) -> Result<(), SimError> {
-        if !self.energy().total().is_finite() {
-            return Err(SimError::NotFinite { time: self.time() });
+        let (energy, time) = (self.energy(), self.time());
+        if !energy.total().is_finite() {
+            return Err(SimError::NotFinite { time });
         }
-        let Some(mut budget) = self.budget else { return Ok(()) };
-        budget.watch(self)?;
-        self.budget = Some(budget);
-        Ok(())
+        let works = self.ledger().map(|ledger| (ledger, self.contact_work()));
+        let Some(budget) = &mut self.budget else { return Ok(()) };
+        let watched = budget.watch(&energy, works);
+        watched.map_err(|CreatedEnergy { created, supplied }| {
+            let gravity = self.gravity();
+            let of = |fiber: usize| stored(&self.fiber_energy(fiber, &gravity));
+            let fibers = 0..self.assembly().fibers().len();
+            let fiber = fibers.max_by(|&a, &b| of(a).total_cmp(&of(b)));
+            SimError::Created { time, created, supplied, fiber }
+        })
     }
 
     /// All numbers that determine what follows.

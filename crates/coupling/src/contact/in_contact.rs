@@ -1,10 +1,10 @@
 use super::contact_work::ContactWork;
-use super::phase_times::Stopwatch;
-use super::report::ContactReport;
 use super::stepper::ContactStepper;
 use super::system::CoupledSystem;
 use super::warm_start::{ActiveContact, WarmStart};
 use crate::contact_point::BodyRef;
+use crate::contact_report::ContactReport;
+use crate::phase_times::Stopwatch;
 use crate::{CouplingError, Fibers, StepReport, Surroundings};
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{RodError, StaggeredBatch};

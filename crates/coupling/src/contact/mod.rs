@@ -41,9 +41,7 @@ mod initial_overlaps;
 mod laws;
 mod leaps;
 mod node_arrays;
-mod phase_times;
 mod problem;
-mod report;
 mod stepper;
 mod substep;
 mod substep_failure;
@@ -54,6 +52,4 @@ mod warm_start;
 
 pub use contact_work::ContactWork;
 pub use in_contact::FibersInContact;
-pub use phase_times::{ContactTimes, Stopwatch};
-pub use report::{ContactReport, Unresolved};
 pub use warm_start::ActiveContact;

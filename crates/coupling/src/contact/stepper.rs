@@ -5,10 +5,7 @@ use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
-use super::phase_times::Stopwatch;
-use super::phase_times::{ContactTimes, PhaseTimer};
 use super::problem::{ContactProblem, ProblemWorkspace};
-use super::report::Unresolved;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
@@ -17,6 +14,9 @@ use super::warm_start::{
     CachedImpulse, ExpectedImpulses, bonds_within, cache_impulses, cached_impulses, match_cached,
 };
 use crate::contact_point::{ContactPoint, merged};
+use crate::contact_report::Unresolved;
+use crate::phase_times::Stopwatch;
+use crate::phase_times::{ContactTimes, PhaseTimer};
 use crate::{CouplingError, StepReport};
 use nalgebra::Vector3;
 use rapunzel_collision::{CollisionError, segment_radii};

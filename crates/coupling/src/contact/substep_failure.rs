@@ -1,5 +1,5 @@
-use super::report::Unresolved;
 use crate::CouplingError;
+use crate::contact_report::Unresolved;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_rod_dynamic::StepError;

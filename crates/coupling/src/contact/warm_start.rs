@@ -1,8 +1,8 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::contact_work::ContactWork;
-use super::report::ContactReport;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use crate::contact_report::ContactReport;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Bending: the fibre over a hook, and the rod that swings.
 
-use super::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root, straight};
+use super::sample::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root, straight};
 use crate::SimError;
 use nalgebra::Vector3;
 use rapunzel_keratin::lab::hook;

@@ -1,6 +1,6 @@
 //! Waves and curls.
 
-use super::{GRAVITY, LabSample, Number, Reading, Record, natural, straight};
+use super::sample::{GRAVITY, LabSample, Number, Reading, Record, natural, straight};
 use crate::SimError;
 use nalgebra::Vector3;
 use rapunzel_fiber::generate::{Handedness, Helix, Sine};

@@ -1,6 +1,6 @@
 //! Capstan friction: a hair drawn over a cylinder.
 
-use super::{LabSample, Number, Reading, Record};
+use super::sample::{LabSample, Number, Reading, Record};
 use crate::scene::Surface;
 use crate::{Scene, SimError, World};
 use nalgebra::Vector3;
@@ -59,7 +59,7 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
         let bent = s > leg - 0.5 * segment && s < leg + PI * axis - 0.5 * segment;
         if bent { Vector3::y() / axis } else { Vector3::zeros() }
     });
-    let start = super::natural(&over.map_err(KeratinError::from)?)?;
+    let start = super::sample::natural(&over.map_err(KeratinError::from)?)?;
     world.set_state(0, &start)?;
     let mut points = Vec::new();
     for _ in 0..STEPS {

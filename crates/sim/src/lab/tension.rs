@@ -1,6 +1,6 @@
 //! Tensile test and hysteresis. Rods do not stretch: the fibre is the law of its tension.
 
-use super::{LabSample, Number, Reading, Record};
+use super::sample::{LabSample, Number, Reading, Record};
 use crate::SimError;
 use rapunzel_keratin::lab::tensile::{self, Point};
 use rapunzel_keratin::law::Tension;

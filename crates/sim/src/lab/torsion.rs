@@ -1,6 +1,6 @@
 //! The torsion pendulum.
 
-use super::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root};
+use super::sample::{GRAVITY, LabSample, Number, Reading, Record, natural, record, root};
 use crate::SimError;
 use crate::scene::{Keratin, Law, fading_power};
 use nalgebra::{Rotation3, Vector3};

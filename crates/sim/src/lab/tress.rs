@@ -1,6 +1,6 @@
 //! Tresses: the room that they take, and the force that combs them.
 
-use super::{LabSample, Number, Reading, Record};
+use super::sample::{LabSample, Number, Reading, Record};
 use crate::scene::Scene;
 use crate::{SimError, World};
 use rapunzel_keratin::lab::tress;

@@ -1,6 +1,7 @@
 use super::motion::{ErasedSystem, MovingSystem};
+use super::space::flat;
 use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
-use nalgebra::{Point, Point3, SVector, Vector3};
+use nalgebra::{Point, Point3, Vector3};
 use rapunzel_mass_spring::{
     self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError, Surface,
     System,
@@ -53,20 +54,6 @@ pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn ErasedSystem>, SpringE
             moving(scene, system, faces, Some(volume))
         }
     }
-}
-
-/// A vector of the world in the space of a system: all of it, or x and z.
-pub(crate) fn flat<const D: usize>(vector: &[f64; 3]) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| if axis + 1 == D { vector[2] } else { vector[axis] })
-}
-
-/// The other way.
-pub(crate) fn spatial<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64> {
-    let mut result = Vector3::zeros();
-    for axis in 0..D {
-        result[if axis + 1 == D { 2 } else { axis }] = vector[axis];
-    }
-    result
 }
 
 fn moving<const D: usize>(
@@ -123,9 +110,4 @@ pub(crate) fn readings(scene: &MassSpring) -> Vec<String> {
         names.extend([format!("{what} ({unit})"), format!("{what} at rest ({unit})")]);
     }
     names
-}
-
-/// A point of a system in the world.
-pub(crate) fn in_world<const D: usize>(point: &Point<f64, D>) -> Point3<f64> {
-    spatial(&point.coords).into()
 }

@@ -2,6 +2,8 @@
 
 mod build;
 mod motion;
+mod space;
+mod stepper;
 mod strands;
 
-pub(crate) use motion::MassSprings;
+pub(crate) use stepper::MassSprings;

@@ -1,7 +1,7 @@
 //! "How long must it be."
 
 use super::answer::{CaseEquilibrium, Length};
-use super::solve::{equilibria, near};
+use super::equilibria::{equilibria, near};
 use crate::SimError;
 use nalgebra::Vector3;
 use rapunzel_scene::case::{Case, Wish, Wished};

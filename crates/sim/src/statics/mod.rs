@@ -1,6 +1,7 @@
 //! One rod at rest: the answer to a [case](Case).
 
 mod answer;
+mod equilibria;
 mod length;
 mod solve;
 mod write;

@@ -36,19 +36,19 @@ impl AddAssign for ContactTimes {
 pub type Stopwatch = fn() -> Duration;
 
 /// From phase to phase.
-pub(super) struct PhaseTimer {
+pub(crate) struct PhaseTimer {
     stopwatch: Option<Stopwatch>,
     last: Duration,
 }
 
 impl PhaseTimer {
     /// By a stopwatch, if there is one.
-    pub(super) fn start(stopwatch: Option<Stopwatch>) -> Self {
+    pub(crate) fn start(stopwatch: Option<Stopwatch>) -> Self {
         Self { stopwatch, last: stopwatch.map_or(Duration::ZERO, |tell| tell()) }
     }
 
     /// Adds what has passed since the phase before.
-    pub(super) fn lap(&mut self, phase: &mut Duration) {
+    pub(crate) fn lap(&mut self, phase: &mut Duration) {
         let Some(tell) = self.stopwatch else { return };
         let now = tell();
         *phase += now.saturating_sub(self.last);

@@ -46,7 +46,7 @@ pub struct Unresolved {
 
 impl ContactReport {
     /// Tells that a part was taken although it missed a tolerance, and where.
-    pub(super) fn miss(&mut self, worst: Option<Unresolved>) {
+    pub(crate) fn miss(&mut self, worst: Option<Unresolved>) {
         self.unresolved = 1;
         self.first_unresolved = worst;
     }
@@ -69,12 +69,12 @@ impl ContactReport {
 }
 
 impl Unresolved {
-    pub(super) fn new(time: f64, touch: &ContactPoint) -> Self {
+    pub(crate) fn new(time: f64, touch: &ContactPoint) -> Self {
         Self { time, sides: touch.sides, segment: touch.segment(), depth: -touch.gap }
     }
 
     /// Where the deepest of some touches is.
-    pub(super) fn deepest(time: f64, touches: &[ContactPoint]) -> Option<Self> {
+    pub(crate) fn deepest(time: f64, touches: &[ContactPoint]) -> Option<Self> {
         let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
         Some(Self::new(time, deepest))
     }

@@ -1,0 +1,225 @@
+use super::answer::{CaseEquilibrium, Peak, Stability, Station};
+use crate::SimError;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
+use rapunzel_rod_static as rods;
+use rapunzel_scene::case::{Case, End};
+use rapunzel_scene::{LoadFrame, Pose};
+use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
+
+/// Segments of a chain between two stations, at least: its error falls with their square.
+const SEGMENTS: usize = 400;
+/// Part of the largest number of its kind along the rod below which one is only rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The equilibria of the case at its own length.
+pub(super) fn equilibria(case: &Case) -> Result<Vec<CaseEquilibrium>, SimError> {
+    if case.needs_chain() {
+        return Ok(vec![chain(case)?]);
+    }
+    let problem = Problem::new(&pose(&case.clamp)?, pieces(case), far_end(case)?)?;
+    let found = match case.all_with_turns {
+        None => vec![problem.solve()?],
+        Some(turns) => problem.solutions(turns),
+    };
+    if found.is_empty() {
+        return Err(StaticError::NotFound.into());
+    }
+    Ok(found.iter().map(|one| resolved(case, one)).collect())
+}
+
+/// The stable equilibrium of a case near one of a rod of another length, if Newton's method leads
+/// from that to one; cases that need a chain have none.
+pub(super) fn near(case: &Case, other: &CaseEquilibrium) -> Option<CaseEquilibrium> {
+    if case.needs_chain() {
+        return None;
+    }
+    let problem = Problem::new(&pose(&case.clamp).ok()?, pieces(case), far_end(case).ok()?).ok()?;
+    let longer = case.length / other.stations.last()?.s;
+    let state = |station: &Station| State {
+        position: station.position.into(),
+        frame: Rotation3::from_matrix_unchecked(Matrix3::from_columns(
+            &station.frame.map(Vector3::from),
+        )),
+        force: station.force.into(),
+        moment: station.moment.into(),
+    };
+    let guess: Vec<_> = other.stations.iter().map(|one| (one.s * longer, state(one))).collect();
+    let found = problem.solve_near(&guess).ok()?;
+    found.is_stable().then(|| resolved(case, &found))
+}
+
+fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
+    let states: Vec<(f64, State)> = (0..=case.parts)
+        .map(|i| case.length * i as f64 / case.parts as f64)
+        .map(|s| (s, found.at(s)))
+        .collect();
+    let stability = match found.conjugate_points() {
+        0 => Stability::Stable,
+        ways => Stability::Unstable(ways),
+    };
+    let energies = [found.elastic_energy(), found.load_energy()];
+    equilibrium(case, &states, stability, energies, Vec::new())
+}
+
+/// The rod as a chain whose nodes are the stations and more between them.
+fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
+    let finer = SEGMENTS.div_ceil(case.parts);
+    let count = case.parts * finer;
+    let mut whole = case.clone();
+    (whole.masses, whole.forces) = (Vec::new(), Vec::new());
+    let mut chain = Chain::new(&pose(&case.clamp)?, &pieces(&whole), count)?;
+    #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
+    let node = |at: f64| (at / case.length * count as f64).round() as usize;
+    let mut forces = chain.forces().to_vec();
+    let mut followers = vec![Vector3::zeros(); count + 1];
+    for mass in &case.masses {
+        forces[node(mass.at)] += Vector3::from(case.gravity) * mass.mass;
+    }
+    for force in &case.forces {
+        let on = match force.frame {
+            LoadFrame::World => &mut forces,
+            LoadFrame::Follower => &mut followers,
+        };
+        on[node(force.at)] += Vector3::from(force.value);
+    }
+    let follows = followers.iter().any(|force| *force != Vector3::zeros());
+    let mut targets: Vec<Target> = case
+        .places
+        .iter()
+        .map(|place| Target {
+            node: node(place.at),
+            place: place.position.into(),
+            stiffness: place.stiffness.unwrap_or(f64::INFINITY),
+        })
+        .collect();
+    match case.end {
+        End::Free { force, .. } => forces[count] += Vector3::from(force),
+        End::Joint { position } => targets.push(Target::held(count, position.into())),
+        // Refused when the case was checked.
+        End::Bearing { .. } | End::Clamped { .. } => {}
+    }
+    chain.set_forces(&forces)?;
+    chain.set_followers(&followers)?;
+    chain.set_targets(&targets)?;
+    let rest = chain.solve()?;
+    let states = chain.states(&rest);
+    let at = chain.arc_lengths().into_iter().zip(states).step_by(finer);
+    let pulls = rest.pulls.iter().take(case.places.len()).map(|pull| (*pull).into()).collect();
+    let stability = if follows { Stability::Unknown } else { Stability::Stable };
+    let energies = [chain.elastic_energy(&rest.shape), 0.0 - chain.work(&rest.shape)];
+    Ok(equilibrium(case, &at.collect::<Vec<_>>(), stability, energies, pulls))
+}
+
+fn equilibrium(
+    case: &Case,
+    states: &[(f64, State)],
+    stability: Stability,
+    [elastic_energy, load_energy]: [f64; 2],
+    place_forces: Vec<[f64; 3]>,
+) -> CaseEquilibrium {
+    let stiffness = Vector3::from(case.properties().0);
+    let natural = Vector3::from(case.natural_curvature);
+    let curvature =
+        |state: &State| natural + (state.frame.inverse() * state.moment).component_div(&stiffness);
+    // What is bent to the radius of its length, or more.
+    let largest = |unit: f64, of: &dyn Fn(&State) -> f64| {
+        states.iter().map(|(_, state)| of(state)).fold(unit, f64::max)
+    };
+    let unit = stiffness.max() / case.length;
+    let force = largest(unit / case.length, &|state| state.force.norm());
+    let moment = largest(unit, &|state| state.moment.norm());
+    let bent = largest(1.0 / case.length, &|state| curvature(state).norm());
+    let far = largest(case.length, &|state| state.position.coords.norm());
+    let stations: Vec<Station> = states
+        .iter()
+        .map(|(s, state)| Station {
+            s: *s,
+            position: rounded(state.position.coords, far),
+            frame: [0, 1, 2].map(|i| rounded(state.frame.matrix().column(i).into_owned(), 1.0)),
+            force: rounded(state.force, force),
+            moment: rounded(state.moment, moment),
+            curvature: rounded(curvature(state), bent),
+        })
+        .collect();
+    let bend = |station: &Station| station.curvature[0].hypot(station.curvature[1]);
+    let sharpest =
+        stations.iter().map(|station| Peak { at: station.s, curvature: bend(station) }).fold(
+            Peak { at: 0.0, curvature: 0.0 },
+            |a, b| if b.curvature > a.curvature { b } else { a },
+        );
+    let gravity = Vector3::from(case.gravity);
+    let depth = |(_, state): &(f64, State)| match gravity.try_normalize(0.0) {
+        Some(down) => down.dot(&state.position.coords),
+        None => 0.0,
+    };
+    let (first, last) = (&stations[0], &stations[stations.len() - 1]);
+    let lower = depth(&states[0]).max(depth(&states[states.len() - 1]));
+    let deepest = states.iter().map(depth).fold(lower, f64::max);
+    let sag = deepest - lower;
+    CaseEquilibrium {
+        stability,
+        elastic_energy,
+        load_energy,
+        clamp_force: first.force,
+        clamp_moment: first.moment,
+        end_force: last.force,
+        end_moment: last.moment,
+        place_forces,
+        sharpest,
+        sag: if sag < ROUNDING * far { 0.0 } else { sag },
+        stations,
+    }
+}
+
+/// The rod in pieces between its masses and forces.
+fn pieces(case: &Case) -> Vec<Piece> {
+    let (stiffness, density, _) = case.properties();
+    let gravity = Vector3::from(case.gravity);
+    let properties = Properties {
+        stiffness: stiffness.into(),
+        natural_curvature: case.natural_curvature.into(),
+        load: gravity * density,
+    };
+    let masses = case.masses.iter().map(|mass| (mass.at, gravity * mass.mass));
+    let forces = case.forces.iter().map(|force| (force.at, Vector3::from(force.value)));
+    let mut loads: Vec<(f64, Vector3<f64>)> = masses.chain(forces).collect();
+    loads.push((case.length, Vector3::zeros()));
+    loads.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pieces: Vec<Piece> = Vec::new();
+    let (mut from, mut sum) = (0.0, Vector3::zeros());
+    for (i, (at, load)) in loads.iter().enumerate() {
+        // What hangs on the clamp itself does not bend the rod.
+        sum = if *at > 0.0 { sum + load } else { sum };
+        let ends = loads.get(i + 1).is_none_or(|next| next.0 > *at);
+        if ends && *at > from {
+            pieces.push(Piece::uniform(at - from, properties).with_end_load(sum));
+            (from, sum) = (*at, Vector3::zeros());
+        }
+    }
+    pieces
+}
+
+fn far_end(case: &Case) -> Result<rods::End, SimError> {
+    Ok(match case.end {
+        End::Free { force, moment } => {
+            rods::End::Free { force: force.into(), moment: moment.into() }
+        }
+        End::Joint { position } => rods::End::Position(position.into()),
+        End::Bearing { position, direction } => {
+            let tangent = Unit::new_normalize(Vector3::from(direction));
+            rods::End::Tangent(Point3::from(position), tangent)
+        }
+        End::Clamped { position, orientation } => {
+            rods::End::Held(pose(&Pose { position, orientation })?)
+        }
+    })
+}
+
+fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
+    pose.isometry().map_err(|source| SimError::Fiber { bundle: 0, source })
+}
+
+/// The vector without components that are only what rounding leaves of numbers of size `largest`.
+fn rounded(v: impl Into<[f64; 3]>, largest: f64) -> [f64; 3] {
+    v.into().map(|x| if x.abs() < ROUNDING * largest { 0.0 } else { x })
+}
