@@ -1,5 +1,5 @@
 use crate::axis::Axis;
-use crate::page::{INK, PALE, Page, WIDTH, letters, line, path, pixels, write};
+use crate::page::{GREY, INK, PALE, Page, WIDTH, letters, line, path, pixels, write};
 use crate::{PlotError, quoted, range};
 use plotters::prelude::{
     ChartBuilder, Circle, Color, DashedLineSeries, LineSeries, RGBColor, TRANSPARENT,
@@ -16,9 +16,9 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0xe6, 0x9f, 0x00),
     RGBColor(0x56, 0xb4, 0xe9),
 ];
-/// Room for the title, for the labels below and to the left of the axes, and above the title, pixels.
+/// Room for the title, below and to the left of the axes for labels, and around all, pixels.
 const TITLE: f64 = 40.0;
-const BELOW: f64 = 50.0;
+const BELOW: f64 = 60.0;
 const LEFT: f64 = 80.0;
 const GAP: f64 = 12.0;
 /// Room for the legend: the least, beside its names, and for a letter of them, pixels.
@@ -142,11 +142,13 @@ impl Chart {
         let [xs, ys] = self.ranges();
         let mut chart = ChartBuilder::on(page)
             .margin_top(pixels(GAP))
-            .x_label_area_size(pixels(BELOW))
-            .y_label_area_size(pixels(LEFT))
+            .margin_left(pixels(GAP))
+            .margin_bottom(pixels(GAP))
+            .x_label_area_size(pixels(BELOW - GAP))
+            .y_label_area_size(pixels(LEFT - GAP))
             .build_cartesian_2d(
                 Axis::new(xs, 8.0, false),
-                Axis::new(ys, 7.0, self.log_from.is_some()),
+                Axis::new(ys, 8.0, self.log_from.is_some()),
             )?;
         chart
             .configure_mesh()
@@ -156,7 +158,7 @@ impl Chart {
             .axis_desc_style(letters(13.0))
             .bold_line_style(line(PALE, 1.0))
             .light_line_style(TRANSPARENT)
-            .axis_style(line(PALE, 1.0))
+            .axis_style(line(GREY, 1.0))
             .set_all_tick_mark_size(pixels(4.0))
             .draw()?;
         for (i, curve) in self.curves.iter().enumerate() {

@@ -3,8 +3,8 @@
 use crate::PlotError;
 use plotters::coord::Shift;
 use plotters::prelude::{
-    Color, DrawingArea, IntoTextStyle, PathElement, RGBColor, Rectangle, SVGBackend, ShapeStyle,
-    Text, TextStyle,
+    Color, DrawingArea, IntoTextStyle, PathElement, RGBColor, SVGBackend, ShapeStyle, Text,
+    TextStyle,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -13,6 +13,7 @@ pub(crate) const WIDTH: f64 = 960.0;
 /// The library's whole pixels in one that is shown.
 const FINE: f64 = 10.0;
 pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+pub(crate) const GREY: RGBColor = RGBColor(0x88, 0x88, 0x88);
 pub(crate) const PALE: RGBColor = RGBColor(0xd8, 0xd8, 0xd8);
 
 pub(crate) type Page<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -54,6 +55,8 @@ pub(crate) fn path(
 }
 
 pub(crate) fn frame(page: &Page<'_>, corner: [f64; 2], size: [f64; 2]) -> Result<(), PlotError> {
-    let end = [corner[0] + size[0], corner[1] + size[1]];
-    Ok(page.draw(&Rectangle::new([place(corner), place(end)], line(PALE, 1.0)))?)
+    // A rectangle of the library has a line of a fixed width.
+    let ([left, top], [right, bottom]) = (corner, [corner[0] + size[0], corner[1] + size[1]]);
+    let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+    path(page, corners, line(PALE, 1.0))
 }
