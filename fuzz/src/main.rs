@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_sim::statics::Case;
-use rapunzel_sim::{Cancel, Control, Estimate, Existing, RunFolder, Scene, SimError, World, run};
+use rapunzel_sim::{Cancel, Control, MemoryEstimate, Existing, RunFolder, Scene, SimError, World, run};
 use std::fs;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
@@ -41,7 +41,7 @@ fuzz_target!(|data: &[u8]| {
 fn scene(text: &str) -> Result<(), SimError> {
     let scene = Scene::from_ron(text)?;
     assert_eq!(Scene::from_ron(&scene.to_ron()?)?, scene, "it reads back as the same");
-    Estimate::new(&scene)?.within(MEMORY)?;
+    MemoryEstimate::new(&scene)?.within(MEMORY)?;
     World::build(&scene).map(|_| ())
 }
 

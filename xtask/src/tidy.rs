@@ -7,20 +7,24 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 18] = [
+const ARROWS: [(&str, &[&str]); 21] = [
     ("fiber", &[]),
     ("lanes", &[]),
+    ("plot", &[]),
+    // For examples and for tests only, wherever an arrow runs to them.
+    ("repro", &["plot"]),
+    ("oracles", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
-    ("keratin", &["fiber", "rod-static", "rod-dynamic"]),
-    ("rod-static", &["fiber"]),
-    ("rod-dynamic", &["fiber", "lanes", "rod-static"]),
+    ("keratin", &["fiber", "rod-static", "rod-dynamic", "repro"]),
+    ("rod-static", &["fiber", "oracles", "repro"]),
+    ("rod-dynamic", &["fiber", "lanes", "rod-static", "oracles"]),
     ("render", &["fiber"]),
-    ("collision", &["fiber"]),
-    ("contact", &["fiber", "lanes", "collision"]),
+    ("collision", &["fiber", "oracles", "repro"]),
+    ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
-    ("mass-spring", &["fiber", "collision"]),
+    ("mass-spring", &["fiber", "collision", "oracles"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("coupling", &["fiber", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (
@@ -132,7 +136,8 @@ fn lints_missing(name: &str, manifest: &str) -> Option<String> {
     (!has).then(|| format!("{name}: write [lints] workspace = true into its Cargo.toml"))
 }
 
-/// A file that is too long, a library that looks at a clock, and absolute paths.
+/// A file that is too long, a library that looks at a clock, a module of another crate, and absolute
+/// paths.
 fn broken_lines(file: &str, text: &str) -> Vec<String> {
     let mut broken = Vec::new();
     let lines = text.lines().count();
@@ -145,11 +150,34 @@ fn broken_lines(file: &str, text: &str) -> Vec<String> {
         if library && file.contains("/src/") && line.contains("Instant::now") {
             broken.push(format!("{file}:{}: only the program looks at a clock", number + 1));
         }
+        if source && let Some(path) = foreign_module(file, line) {
+            broken
+                .push(format!("{file}:{}: {path} is of another crate; make one of it", number + 1));
+        }
         if let Some(path) = absolute_path(line) {
             broken.push(format!("{file}:{}: absolute path {path}", number + 1));
         }
     }
     broken
+}
+
+/// The path of a module's file that leads out of the crate of `file`.
+fn foreign_module<'a>(file: &str, line: &'a str) -> Option<&'a str> {
+    let attribute = line.trim_start();
+    let (_, path) = attribute.starts_with("#[").then(|| attribute.split_once("path = \""))??;
+    let path = path.split('"').next()?;
+    // How many folders the file is below that of its crate.
+    let crates = if file.starts_with("crates/") { 2 } else { 1 };
+    let mut depth = file.matches('/').count().checked_sub(crates)?;
+    for part in path.split('/') {
+        match part {
+            ".." if depth == 0 => return Some(path),
+            ".." => depth -= 1,
+            "." => {}
+            _ => depth += 1,
+        }
+    }
+    path.starts_with('/').then_some(path)
 }
 
 /// A folder of somebody's own machine, named from the root.
@@ -215,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn long_files_clocks_and_absolute_paths_are_found() {
+    fn long_files_clocks_and_paths_out_of_a_crate_are_found() {
         let clock = ["let start = Instant", "now();"].join("::");
         assert_eq!(broken_lines("crates/sim/src/a.rs", &clock).len(), 1);
         assert_eq!(broken_lines("crates/rapunzel/src/a.rs", &clock), [""; 0]);
@@ -228,6 +256,15 @@ mod tests {
             broken_lines("b.md", &format!("fine\nsee `{bad}` there")),
             [format!("b.md:2: absolute path {bad}")]
         );
+        for (path, foreign) in [
+            ("../../../sim/examples/a.rs", 1),
+            ("../../tests/a.rs", 0),
+            ("b/../../../../sim/a.rs", 1),
+        ] {
+            let planted = format!("#[path = \"{path}\"]\nmod a;");
+            let broken = broken_lines("crates/keratin/examples/ch2/main.rs", &planted);
+            assert_eq!(broken.len(), foreign, "{broken:?}");
+        }
         let address = ["https://example.org", "home", "x"].join("/");
         assert_eq!(broken_lines("b.md", &address), [""; 0]);
     }

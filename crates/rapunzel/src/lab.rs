@@ -1,8 +1,8 @@
 use crate::arguments::{LabOptions, Sweep};
-use crate::drawing::{Chart, Curve, Drawing, svg};
 use crate::failure::Failure;
 use crate::words::say;
 use rapunzel_keratin::{Climate, KeratinError, Treatment};
+use rapunzel_plot::{Chart, Curve, Drawing, svg};
 use rapunzel_sim::lab::{LabSample, Number, Reading, measure};
 use rapunzel_sim::scene::{Keratin, Law};
 use rapunzel_sim::{SimError, claim, write_atomically};
@@ -49,7 +49,8 @@ pub(crate) fn lab(options: &LabOptions, json: bool) -> Result<ExitCode, Failure>
         Ok(path)
     };
     let table = write(TABLE, table)?;
-    let plot = write(PLOT, svg(&charts))?;
+    let drawn = svg(&charts).map_err(|error| Failure::File(error.to_string()))?;
+    let plot = write(PLOT, drawn)?;
     if json {
         let rows: Vec<_> = measured.iter().map(as_json).collect();
         let object = serde_json::json!({

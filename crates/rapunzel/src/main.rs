@@ -3,17 +3,12 @@
 mod arguments;
 mod check;
 mod cost;
-#[path = "../../sim/examples/repro/drawing.rs"]
-#[cfg_attr(not(test), expect(dead_code, reason = "of its drawings only charts are drawn here"))]
-mod drawing;
 mod failure;
 mod info;
 mod lab;
 mod new;
 mod run;
 mod solve;
-#[path = "../../sim/examples/repro/svg.rs"]
-mod svg;
 mod templates;
 mod words;
 

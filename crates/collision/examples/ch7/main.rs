@@ -4,28 +4,17 @@
 //! `cargo xtask repro ch7` runs it. Each figure is an SVG with its numbers as CSV. Models are scaled
 //! down so that all takes some two minutes; `--full` takes those of the thesis, and hours. Times are
 //! the least of several runs, and belong to the machine that drew them; checks prefer counts.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
-#[path = "../../../sim/examples/repro/drawing.rs"]
-mod drawing;
 mod measure;
 mod models;
 mod motion;
-#[path = "../../../sim/examples/repro/program.rs"]
-mod program;
-#[path = "../../../sim/examples/repro/report.rs"]
-mod report;
 mod still;
-#[path = "../../../sim/examples/repro/svg.rs"]
-mod svg;
 mod sweep;
 
 use models::Size;
-use program::Entry;
-use report::Figure;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use std::process::ExitCode;
 
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn(Size) -> Fallible<Figure>;
 
 const FIGURES: [Entry<Draw>; 7] = [
@@ -42,5 +31,5 @@ fn main() -> ExitCode {
     let (full, others): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|argument| argument == "--full");
     let size = if full.is_empty() { Size::Scaled } else { Size::Full };
-    program::main(&FIGURES, others.into_iter(), |draw| draw(size))
+    rapunzel_repro::main(&FIGURES, others.into_iter(), |draw| draw(size))
 }

@@ -1,6 +1,6 @@
 //! Times and statistics.
 
-use crate::drawing::{Chart, Curve, Drawing};
+use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use std::time::Instant;
 
 /// The least time of some runs, ms, and what the last gave.

@@ -1,12 +1,11 @@
 //! Figure 7.7: the models.
 
-use crate::Fallible;
-use crate::drawing::{Drawing, Picture, Pictures};
 use crate::measure::chart;
-use crate::report::{Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::hierarchy::Variant;
 use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_repro::plot::{Drawing, Picture, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 /// How large models are.
 #[derive(Clone, Copy, PartialEq, Eq)]

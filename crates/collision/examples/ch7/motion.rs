@@ -1,13 +1,12 @@
 //! Figures 7.11 and 7.12: a bundle that bends to a loop.
 
-use crate::Fallible;
-use crate::drawing::{Drawing, Picture, Pictures};
 use crate::measure::{chart, correlation, least};
 use crate::models::Size;
-use crate::report::{Criterion, Figure, check};
 use nalgebra::Vector3;
 use rapunzel_collision::hierarchy::Variant;
 use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_repro::plot::{Drawing, Picture, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 const STEPS: usize = 100;
 

@@ -1,12 +1,11 @@
 //! Figures 7.9, 7.13 and 7.14: models at rest.
 
-use crate::Fallible;
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use crate::report::{Criterion, Figure, check};
 use rapunzel_collision::hierarchy::{Counts, Variant};
 use rapunzel_collision::scenes::{self, Arrangement};
 use rapunzel_collision::volume::Directions;
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 /// What the tests of section 7.4 measure, ms and counts.
 struct Cost {

@@ -1,12 +1,11 @@
 //! Figure 7.15: k-DOPs of 6 to 200 faces.
 
-use crate::Fallible;
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use crate::report::{Criterion, Figure, check};
 use rapunzel_collision::hierarchy::{Counts, Variant};
 use rapunzel_collision::scenes::Arrangement;
 use rapunzel_collision::volume::Directions;
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 /// Times in ms, and counts.
 struct Cost {

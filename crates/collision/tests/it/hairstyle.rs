@@ -18,7 +18,7 @@ fn strands(bytes: &[u8]) -> (Layout, Vec<Point3<f64>>, f64) {
 
 #[test]
 fn no_pair_of_a_ponytail_is_missed() {
-    let Some(folder) = crate::common::data::data("strands_ponytail") else { return };
+    let Some(folder) = rapunzel_oracles::data("strands_ponytail") else { return };
     let bytes = std::fs::read(folder.join("ponytail.hair")).expect("readable");
     let (layout, positions, radius) = strands(&bytes);
     assert_eq!((layout.fibers(), layout.segments()), (4933, 73_995));

@@ -1,13 +1,12 @@
 //! Figure 2.12: water waves over humidity.
 
-use crate::Fallible;
 use crate::common::{at_rest, center_line};
-use crate::drawing::{Chart, Curve, Drawing, Picture, Pictures};
-use crate::report::{Criterion, Figure, check};
 use nalgebra::Vector3;
 use rapunzel_fiber::generate::{Handedness, Helix};
 use rapunzel_keratin::lab::curl::{self, WaterWave};
 use rapunzel_keratin::{Climate, Hair, HairType};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 const LENGTH: f64 = 0.15;
 

@@ -4,27 +4,16 @@
 //! Run it with a folder, and numbers of figures if not all are wanted. Each figure is an SVG with its
 //! numbers as CSV; the table compares what the thesis says with our numbers. The thesis's curves are
 //! not digitized, so only what it says in words and in tables is compared.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
 #[allow(dead_code, reason = "it takes what it needs")]
 #[path = "../../tests/it/common/mod.rs"]
 mod common;
 mod curls;
-#[path = "../../../sim/examples/repro/drawing.rs"]
-mod drawing;
-#[path = "../../../sim/examples/repro/program.rs"]
-mod program;
-#[path = "../../../sim/examples/repro/report.rs"]
-mod report;
-#[path = "../../../sim/examples/repro/svg.rs"]
-mod svg;
 mod sweeps;
 
-use program::Entry;
-use report::Figure;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use std::process::ExitCode;
 
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn() -> Fallible<Figure>;
 
 const FIGURES: [Entry<Draw>; 7] = [
@@ -38,5 +27,5 @@ const FIGURES: [Entry<Draw>; 7] = [
 ];
 
 fn main() -> ExitCode {
-    program::main(&FIGURES, std::env::args().skip(1), |draw| draw())
+    rapunzel_repro::main(&FIGURES, std::env::args().skip(1), |draw| draw())
 }

@@ -1,13 +1,12 @@
 //! Sweeps of the parametric model and of the tensile test.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing};
-use crate::report::{Criterion, Figure, check};
 use rapunzel_keratin::lab::tensile;
 use rapunzel_keratin::law::Tension;
 use rapunzel_keratin::{
     Branch, Climate, Hair, HairType, KeratinError, Outside, Treatment, surface, water,
 };
+use rapunzel_repro::plot::{Chart, Curve, Drawing};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 const ROOM: f64 = 23.0;
 const HUMIDITY: &str = "relative humidity";

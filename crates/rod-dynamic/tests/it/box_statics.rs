@@ -1,8 +1,9 @@
 //! Equilibria, reached as the steady state of a strongly damped motion.
 
-use crate::common::{Elastica, HeavyRod, Oracle, assert_second_order, chain, planar_clamp, scaled};
+use crate::common::{Elastica, HeavyRod, assert_second_order, chain, planar_clamp, scaled};
 use nalgebra::Vector3;
 use rapunzel_fiber::Fiber;
+use rapunzel_oracles::cases;
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Conditions, End, Instant, Load, Rod, RodIntegrator,
 };
@@ -129,8 +130,8 @@ const ACCURACY: f64 = 1e-6;
 /// The heavy elastica: a rod settles at a stable equilibrium, with an error of second order.
 #[test]
 fn heavy_planar_rods_hang_as_the_reference() {
-    let oracle: Oracle<Elastica> = crate::common::oracle("b_heavy_elastica_planar.json");
-    for case in &oracle.cases {
+    let cases: Vec<Elastica> = cases("b_heavy_elastica_planar.json").expect("the oracle");
+    for case in &cases {
         let [coarse, fine] = [SEGMENTS / 2, SEGMENTS].map(|count| elastica_error(case, count));
         assert_second_order(&case.name, &coarse, &fine, ACCURACY);
     }
@@ -139,8 +140,8 @@ fn heavy_planar_rods_hang_as_the_reference() {
 /// Naturally curved rods in space, followed from no gravity to all of it.
 #[test]
 fn heavy_curled_rods_hang_as_the_reference() {
-    let oracle: Oracle<HeavyRod> = crate::common::oracle("b_heavy_rod_3d.json");
-    for case in &oracle.cases {
+    let cases: Vec<HeavyRod> = cases("b_heavy_rod_3d.json").expect("the oracle");
+    for case in &cases {
         let [coarse, fine] = [SEGMENTS / 2, SEGMENTS].map(|count| {
             let fiber = case.fiber(count);
             let root = *fiber.root();

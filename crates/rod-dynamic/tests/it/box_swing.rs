@@ -1,7 +1,8 @@
 //! Large planar swings against the independent reference.
 
-use crate::common::{Oracle, Swing};
+use crate::common::Swing;
 use nalgebra::Vector3;
+use rapunzel_oracles::cases;
 use rapunzel_rod_dynamic::{BoxIntegrator, BoxOptions, Instant, Rod, RodIntegrator};
 
 /// From the reference to the tip at each of its times.
@@ -30,8 +31,8 @@ fn largest(errors: &[Vector3<f64>]) -> f64 {
 /// Gravity that comes on smoothly: the error is of second order at every time.
 #[test]
 fn ramped_swings_converge_with_second_order() {
-    let oracle: Oracle<Swing> = crate::common::oracle("d_planar_swing.json");
-    let ramped = oracle.cases.iter().filter(|c| c.ramp_time > 0.0);
+    let cases: Vec<Swing> = cases("d_planar_swing.json").expect("the oracle");
+    let ramped = cases.iter().filter(|c| c.ramp_time > 0.0);
     for case in ramped {
         for rho in [1.0, 0.8, 0.5] {
             // Fine enough for the term of third order, which damping has, to be small beside it.
@@ -50,8 +51,8 @@ fn ramped_swings_converge_with_second_order() {
 /// with the mesh, by less than with its square.
 #[test]
 fn released_swings_follow_the_reference() {
-    let oracle: Oracle<Swing> = crate::common::oracle("d_planar_swing.json");
-    let released = oracle.cases.iter().filter(|c| c.ramp_time == 0.0);
+    let cases: Vec<Swing> = cases("d_planar_swing.json").expect("the oracle");
+    let released = cases.iter().filter(|c| c.ramp_time == 0.0);
     for case in released {
         let coarse = largest(&errors(case, 50, 0.025, 0.8));
         let fine = largest(&errors(case, 100, 0.0125, 0.8));

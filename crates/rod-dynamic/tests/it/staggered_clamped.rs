@@ -1,8 +1,9 @@
 //! Equilibria of the staggered rod between two clamps.
 
-use crate::common::{Clamped, Oracle, chain, oracle, scaled};
+use crate::common::{Clamped, chain, scaled};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
+use rapunzel_oracles::cases;
 use rapunzel_rod_dynamic::{
     End, Instant, Load, Rod, RodIntegrator, RodState, Staggered, Steady, equilibrium,
 };
@@ -59,8 +60,8 @@ fn follow(case: &Clamped, segments: usize) -> (Vec<Vector3<f64>>, f64) {
 /// positions and 1e-5 of the energy.
 #[test]
 fn clamped_rods_bend_as_the_reference() {
-    let oracle: Oracle<Clamped> = oracle("c_clamped_clamped.json");
-    for case in &oracle.cases {
+    let cases: Vec<Clamped> = cases("c_clamped_clamped.json").expect("the oracle");
+    for case in &cases {
         let [coarse, fine] = [100, 200].map(|segments| follow(case, segments));
         let mut worst = [0.0_f64; 2];
         for (i, station) in case.stations.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! Equilibria of the staggered rod by one step of infinite length.
 
-use crate::common::{Elastica, HeavyRod, Oracle, chain, oracle, planar_clamp, scaled};
+use crate::common::{Elastica, HeavyRod, chain, planar_clamp, scaled};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::Fiber;
+use rapunzel_oracles::cases;
 use rapunzel_rod_dynamic::{
     End, Instant, Load, Rod, RodIntegrator, RodState, Staggered, equilibrium,
 };
@@ -30,8 +31,8 @@ fn tip(fiber: &Fiber, conditions: &Instant) -> Vector3<f64> {
 /// in space may fall out of the plane.
 #[test]
 fn heavy_planar_rods_hang_as_the_reference() {
-    let oracle: Oracle<Elastica> = oracle("b_heavy_elastica_planar.json");
-    for case in &oracle.cases {
+    let cases: Vec<Elastica> = cases("b_heavy_elastica_planar.json").expect("the oracle");
+    for case in &cases {
         let kappa0 = |s: f64| case.natural_curvature(s);
         let root = planar_clamp(case.clamp_angle_deg.to_radians());
         let hang = |segments: usize| {
@@ -72,8 +73,8 @@ fn heavy_planar_rods_hang_as_the_reference() {
 /// All cases, followed from no gravity to all of it. Chords lie `(kappa h)^2 / 24` inside a helix.
 #[test]
 fn heavy_curled_rods_hang_as_the_reference() {
-    let oracle: Oracle<HeavyRod> = oracle("b_heavy_rod_3d.json");
-    for case in &oracle.cases {
+    let cases: Vec<HeavyRod> = cases("b_heavy_rod_3d.json").expect("the oracle");
+    for case in &cases {
         let hang = |segments: usize| {
             let fiber = case.fiber(segments);
             let (rod, mut state) = natural(&fiber);

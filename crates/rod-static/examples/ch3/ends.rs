@@ -1,11 +1,10 @@
 //! Boundary values by the thesis's annealing and by multiple shooting.
 
-use crate::Fallible;
 use crate::annealing::{CYCLES, Found, LENGTH, TARGET, TORSION, clamp, end, search};
-use crate::drawing::{Chart, Curve, Drawing, Picture, Pictures};
-use crate::report::Criterion::{AtMost, Told};
-use crate::report::{Check, Figure, check};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use rapunzel_repro::Criterion::{AtMost, Told};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
+use rapunzel_repro::{Check, Fallible, Figure, check};
 use rapunzel_rod_static::{End, Equilibrium, Lagrange, Piece, Problem, Properties, State};
 use std::time::Instant;
 

@@ -2,25 +2,13 @@
 //! numbers; its search by simulated annealing is here for the comparison only.
 //!
 //! `cargo xtask repro ch3-static` runs it. Each figure is an SVG with its numbers as CSV.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
 mod annealing;
-#[path = "../../../sim/examples/repro/drawing.rs"]
-mod drawing;
 mod ends;
 mod minima;
-#[path = "../../../sim/examples/repro/program.rs"]
-mod program;
-#[path = "../../../sim/examples/repro/report.rs"]
-mod report;
-#[path = "../../../sim/examples/repro/svg.rs"]
-mod svg;
 
-use program::Entry;
-use report::Figure;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use std::process::ExitCode;
-
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 type Draw = fn() -> Fallible<Figure>;
 
@@ -34,5 +22,5 @@ const FIGURES: [Entry<Draw>; 6] = [
 ];
 
 fn main() -> ExitCode {
-    program::main(&FIGURES, std::env::args().skip(1), |draw| draw())
+    rapunzel_repro::main(&FIGURES, std::env::args().skip(1), |draw| draw())
 }

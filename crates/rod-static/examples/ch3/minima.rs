@@ -1,10 +1,9 @@
 //! Rods under loads along the way: minima of the energy, and following forces.
 
-use crate::Fallible;
-use crate::drawing::{Drawing, Picture, Pictures};
-use crate::report::Criterion::{AtLeast, AtMost, Within};
-use crate::report::{Check, Figure, check};
 use nalgebra::{Isometry3, Point3, Vector3};
+use rapunzel_repro::Criterion::{AtLeast, AtMost, Within};
+use rapunzel_repro::plot::{Drawing, Picture, Pictures};
+use rapunzel_repro::{Check, Fallible, Figure, check};
 use rapunzel_rod_static::{Chain, Piece, Properties, Rest, Target};
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,9 +1,10 @@
 //! Boundary values against the reference values.
 
 use crate::common::reference::{Elastica, HeavyRod};
-use crate::common::{cases, rotation};
+use crate::common::rotation;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
+use rapunzel_oracles::cases;
 use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State};
 use serde::Deserialize;
 
@@ -36,7 +37,7 @@ fn problem(case: &Elastica) -> Problem {
 /// All equilibria of all cases, the unstable ones too, from a start near them: states, energies.
 #[test]
 fn planar_equilibria_of_the_reference() {
-    for case in cases::<Elastica>("b_heavy_elastica_planar.json") {
+    for case in cases::<Elastica>("b_heavy_elastica_planar.json").expect("the oracle") {
         let problem = problem(&case);
         for (i, equilibrium) in case.equilibria.iter().enumerate() {
             let name = format!("{}, equilibrium {i}", case.name);
@@ -61,7 +62,7 @@ fn planar_equilibria_of_the_reference() {
 /// From the unloaded shape, and for upright rods from bent ones: a stable equilibrium of the list.
 #[test]
 fn planar_rods_find_a_stable_equilibrium() {
-    for case in cases::<Elastica>("b_heavy_elastica_planar.json") {
+    for case in cases::<Elastica>("b_heavy_elastica_planar.json").expect("the oracle") {
         let found = problem(&case).solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
         let known = case
             .equilibria
@@ -73,7 +74,7 @@ fn planar_rods_find_a_stable_equilibrium() {
 
 #[test]
 fn heavy_rods_of_the_reference() {
-    for case in cases::<HeavyRod>("b_heavy_rod_3d.json") {
+    for case in cases::<HeavyRod>("b_heavy_rod_3d.json").expect("the oracle") {
         let problem =
             Problem::new(&case.clamp(), vec![case.piece()], End::FREE).expect("a problem");
         let found = problem.solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
@@ -144,7 +145,7 @@ struct ClampedStation {
 
 #[test]
 fn clamped_rods_of_the_reference() {
-    for case in cases::<Clamped>("c_clamped_clamped.json") {
+    for case in cases::<Clamped>("c_clamped_clamped.json").expect("the oracle") {
         let problem = |end| {
             let piece = Piece::uniform(
                 1.0,

@@ -1,9 +1,10 @@
 //! Minima of the energy of chains against exact rods.
 
+use crate::common::Random;
 use crate::common::reference::{Elastica, HeavyRod};
-use crate::common::{Random, cases};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
+use rapunzel_oracles::cases;
 use rapunzel_rod_static::{Chain, End, Piece, Problem, Properties, Rest, StaticError, Target};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,7 +22,7 @@ fn tip(rest: &Rest) -> Point3<f64> {
 #[test]
 fn heavy_cantilevers_are_as_exact_as_segments_can_be() {
     let level = |case: &Elastica| case.clamp_angle_deg == 0.0 && case.kappa0 == "0";
-    let cases = cases::<Elastica>("b_heavy_elastica_planar.json");
+    let cases = cases::<Elastica>("b_heavy_elastica_planar.json").expect("the oracle");
     for case in cases.iter().filter(|c| level(c)) {
         let rest = chain(&case.clamp(), &case.piece(), 100).solve().expect("a minimum");
         let error = (tip(&rest) - case.lowest().tip()).norm();
@@ -34,7 +35,7 @@ fn heavy_cantilevers_are_as_exact_as_segments_can_be() {
 /// saddle, and the error falls with the square of the segments' length.
 #[test]
 fn planar_chains_find_a_stable_equilibrium() {
-    for case in cases::<Elastica>("b_heavy_elastica_planar.json") {
+    for case in cases::<Elastica>("b_heavy_elastica_planar.json").expect("the oracle") {
         let rests = [100, 200].map(|count| {
             let chain = chain(&case.clamp(), &case.piece(), count);
             let rest = chain.solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
@@ -68,7 +69,7 @@ fn planar_chains_find_a_stable_equilibrium() {
 
 #[test]
 fn heavy_chains_of_the_reference() {
-    for case in cases::<HeavyRod>("b_heavy_rod_3d.json") {
+    for case in cases::<HeavyRod>("b_heavy_rod_3d.json").expect("the oracle") {
         let exact = case.stations.last().expect("a tip");
         let solve = |count| chain(&case.clamp(), &case.piece(), count).solve().expect("a minimum");
         let [coarse, fine] = [100, 200].map(solve);

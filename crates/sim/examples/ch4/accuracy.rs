@@ -1,11 +1,11 @@
 //! Figure 4.10: time and error of the multipole method over the number of terms; and time over the number of
 //! points.
 
-use crate::drawing::{Chart, Curve, Drawing};
-use crate::report::{Criterion, Figure, check};
-use crate::{Fallible, Size};
+use crate::Size;
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{Accuracy, Direct, Method, Multipole, units};
+use rapunzel_repro::plot::{Chart, Curve, Drawing};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::World;
 use std::time::Instant;
 

@@ -1,12 +1,12 @@
 //! Potential and field across the tress at the middle of its length; figure 4.3 shows the potential of one on
 //! a grid, which `grid` of a scene writes.
 
-use crate::drawing::{Chart, Curve, Drawing};
+use crate::Size;
 use crate::film::play;
-use crate::report::{Criterion, Figure, check};
-use crate::{Fallible, Size};
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::units;
+use rapunzel_repro::plot::{Chart, Curve, Drawing};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::{SimError, World};
 
 /// Distance from the axis up to which the field is drawn, m, and points along it.

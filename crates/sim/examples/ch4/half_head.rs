@@ -1,10 +1,10 @@
 //! Figure 4.9: half a head of hair, before and after it is charged together with its head.
 
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
+use crate::Size;
 use crate::film::{Film, play, scene};
-use crate::report::{Criterion, Figure, check};
-use crate::{Fallible, Size};
 use nalgebra::Vector3;
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::{Amount, Arrangement};
 use rapunzel_sim::{Scene, World};
 

@@ -3,30 +3,19 @@
 //!
 //! `cargo xtask repro ch4` runs it. Each figure is an SVG with its numbers as CSV. The tress has fewer fibers,
 //! as dense, so that all takes a minute or two; `--full` takes it as it ships, and all hairs of the half head.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
 mod accuracy;
-#[path = "../repro/drawing.rs"]
-mod drawing;
 mod field;
-#[path = "../repro/film.rs"]
+#[path = "../film/mod.rs"]
 mod film;
 mod half_head;
-#[path = "../repro/program.rs"]
-mod program;
-#[path = "../repro/report.rs"]
-mod report;
-#[path = "../repro/svg.rs"]
-mod svg;
 mod tress;
 
-use program::Entry;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use rapunzel_sim::Scene;
 use rapunzel_sim::scene::Arrangement;
-use report::Figure;
 use std::process::ExitCode;
 
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn(Size) -> Fallible<Figure>;
 
 const FIGURES: [Entry<Draw>; 6] = [
@@ -42,7 +31,7 @@ fn main() -> ExitCode {
     let (full, others): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|argument| argument == "--full");
     let size = if full.is_empty() { Size::Reduced } else { Size::Full };
-    program::main(&FIGURES, others.into_iter(), |draw| draw(size))
+    rapunzel_repro::main(&FIGURES, others.into_iter(), |draw| draw(size))
 }
 
 /// How large scenes are.

@@ -1,10 +1,10 @@
 //! Figures 4.7 and 4.8: the tress before it is charged, charged, and wet; and without gravity.
 
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
+use crate::Size;
 use crate::film::{Film, play};
-use crate::report::{Check, Criterion, Figure, check};
-use crate::{Fallible, Size};
 use nalgebra::{Point3, Vector3};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::Dealing;
 use rapunzel_sim::{Scene, World};
 

@@ -1,8 +1,5 @@
 //! Figure 8.18 by the thesis's own method: kinematic chains with and without bending springs.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Picture, Pictures};
-use crate::report::{Check, Criterion, Figure, check};
 use crate::size::Size;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{Candidates, Capsules};
@@ -12,6 +9,8 @@ use rapunzel_contact::chain::{
 use rapunzel_contact::projection::{Form, Polygon};
 use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
+use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::Friction;
 use rapunzel_sim::{Scene, World};
 

@@ -1,10 +1,9 @@
 //! Figure 2.19: the force that combs a tress.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
-use crate::report::{Criterion, Figure, check};
 use crate::size::{Size, filmed};
 use nalgebra::Vector3;
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::BodyRef;
 
 /// When the comb is in the tress and begins to go down, s.

@@ -1,10 +1,9 @@
 //! Figures 8.16 to 8.18: impacts that are partly elastic, and fibers without bending springs.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
-use crate::report::{Criterion, Figure, check};
 use crate::size::{Size, captioned, extents, filmed};
 use nalgebra::Vector3;
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
 

@@ -1,10 +1,9 @@
 //! Figures 8.8 and 8.19 with Table 8.1: what friction does.
 
-use crate::Fallible;
-use crate::drawing::{Drawing, Pictures};
-use crate::report::{Criterion, Figure, check};
 use crate::size::{Size, captioned, extents, filmed};
 use nalgebra::{Point3, Vector3};
+use rapunzel_repro::plot::{Drawing, Pictures};
+use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::Friction;
 
 /// Figure 8.8: with friction a bundle rests on a ball, without it splits in two.

@@ -3,30 +3,19 @@
 //!
 //! `cargo xtask repro ch8` runs it. Each figure is an SVG with its numbers as CSV. Scenes are those that
 //! ship, with fewer fibers so that all takes some minutes; `--full` takes them as they are, and hours.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
 mod chains;
 mod comb;
-#[path = "../repro/drawing.rs"]
-mod drawing;
 mod elastic;
-#[path = "../repro/film.rs"]
+#[path = "../film/mod.rs"]
 mod film;
 mod friction;
-#[path = "../repro/program.rs"]
-mod program;
-#[path = "../repro/report.rs"]
-mod report;
 mod size;
-#[path = "../repro/svg.rs"]
-mod svg;
 
-use program::Entry;
-use report::Figure;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use size::Size;
 use std::process::ExitCode;
 
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn(Size) -> Fallible<Figure>;
 
 const FIGURES: [Entry<Draw>; 6] = [
@@ -46,5 +35,5 @@ fn main() -> ExitCode {
     let (full, others): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|argument| argument == "--full");
     let size = if full.is_empty() { Size::Reduced } else { Size::Full };
-    program::main(&FIGURES, others.into_iter(), |draw| draw(size))
+    rapunzel_repro::main(&FIGURES, others.into_iter(), |draw| draw(size))
 }

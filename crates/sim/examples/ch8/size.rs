@@ -1,8 +1,8 @@
 //! How large scenes are.
 
-use crate::Fallible;
-use crate::drawing::Picture;
 use crate::film::{Film, play, scene};
+use rapunzel_repro::Fallible;
+use rapunzel_repro::plot::Picture;
 use rapunzel_sim::scene::Arrangement;
 use rapunzel_sim::{Scene, World};
 

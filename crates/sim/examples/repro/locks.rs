@@ -1,10 +1,9 @@
 //! Figures of locks of 1 + 180 fibers.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::film::{Film, play, scene};
-use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
 use rapunzel_sim::World;
 use rapunzel_sim::scene::Tip;
 

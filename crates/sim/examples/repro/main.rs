@@ -3,21 +3,15 @@
 //!
 //! `cargo xtask repro ch3-dynamic` runs it. Each figure is an SVG with its numbers as CSV; the
 //! manifest says from which scene it is and what was compared.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program of its own")]
 
-mod drawing;
+#[path = "../film/mod.rs"]
 mod film;
 mod locks;
-mod program;
-mod report;
 mod rods;
-mod svg;
 
-use program::Entry;
-use report::Figure;
+use rapunzel_repro::{Entry, Fallible, Figure};
 use std::process::ExitCode;
 
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 type Draw = fn() -> Fallible<Figure>;
 
 const FIGURES: [Entry<Draw>; 10] = [
@@ -34,7 +28,7 @@ const FIGURES: [Entry<Draw>; 10] = [
 ];
 
 fn main() -> ExitCode {
-    program::main(&FIGURES, std::env::args().skip(1), |draw| draw())
+    rapunzel_repro::main(&FIGURES, std::env::args().skip(1), |draw| draw())
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Figures of single fibers.
 
-use crate::Fallible;
-use crate::drawing::{Chart, Curve, Drawing, Pictures};
 use crate::film::{Film, play, scene};
-use crate::report::{Check, Criterion, Figure, check};
 use nalgebra::{Point3, Vector3};
+use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
+use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::{Arrangement, Method, Shape, StepperSettings, Tip, Weights};
 use rapunzel_sim::{Scene, World};
 use std::f64::consts::TAU;

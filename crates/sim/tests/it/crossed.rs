@@ -6,13 +6,9 @@
 
 use crate::common::Run;
 use nalgebra::Vector3;
+use rapunzel_oracles::cases;
 use serde::Deserialize;
-use std::path::PathBuf;
-
-#[derive(Deserialize)]
-struct File {
-    cases: Vec<serde_json::Value>,
-}
+use serde_json::Value;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -39,15 +35,9 @@ struct Station {
     kappa: f64,
 }
 
-fn cases() -> Vec<Crossed> {
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../contact/tests/data")),
-        PathBuf::from,
-    );
-    let path = folder.join("e_contact.json");
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-    let file: File = serde_json::from_str(&text).expect("the schema");
-    let crossed = file.cases.into_iter().filter(|case| case.get("support_axis").is_some());
+fn crossed() -> Vec<Crossed> {
+    let cases: Vec<Value> = cases("e_contact.json").expect("the oracle");
+    let crossed = cases.into_iter().filter(|case| case.get("support_axis").is_some());
     crossed.map(|case| serde_json::from_value(case).expect("a crossed fibre")).collect()
 }
 
@@ -121,7 +111,7 @@ fn found(case: &Crossed, segments: usize) -> Vec<Field> {
 /// segment that touches: half of what it turns by, `h kappa / 2`.
 #[test]
 fn a_fiber_across_a_bar() {
-    let cases = cases();
+    let cases = crossed();
     assert!(!cases.is_empty(), "a file without crossed fibres");
     for case in cases {
         for segments in [50, 100, 200] {

@@ -1,13 +1,10 @@
 //! A hair with an overhand knot: it tightens and stays what it is, and its loop pulls as the theory of
 //! loose knots says. So do cords with other knots.
 
-#[path = "../../../collision/tests/it/common/data.rs"]
-mod data;
-
 use crate::common::Run;
 use crate::common::topology::{crossed, determinant};
-use data::data;
 use nalgebra::{Point3, Vector3};
+use rapunzel_oracles::data;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Along no line of a lattice, so that no corner is seen on top of anything.

@@ -1,5 +1,4 @@
 //! What the tests of searches share: answers that no tree gave, and data.
-pub(crate) mod data;
 
 use nalgebra::Vector3;
 use rapunzel_collision::{Capsule, Capsules, Pair};

@@ -1,8 +1,8 @@
 //! Queries with exact answers: Wang, Ferguson, Schneider, Jiang, Attene, Panozzo 2020.
 
-use crate::common::data::data;
 use nalgebra::Point3;
 use rapunzel_collision::continuous::{MovingPoint, MovingSegment, MovingTriangle};
+use rapunzel_oracles::data;
 
 /// Least distance of the alarms, in lengths of the order of one.
 const TOLERANCE: f64 = 1e-8;

@@ -1,10 +1,10 @@
 //! Scans of real surfaces, where they are at hand.
 
 use super::scan::{distance, winding};
-use crate::common::data::data;
 use crate::geometry::random::Random;
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, HeightField, Mesh, Soup};
+use rapunzel_oracles::data;
 use std::fs::File;
 use std::io::BufReader;
 use std::time::Instant;

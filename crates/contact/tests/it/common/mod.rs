@@ -1,4 +1,4 @@
-//! What the integration tests share: small bodies with dense answers, oracle files, random numbers.
+//! What the integration tests share: small bodies with dense answers, random numbers.
 pub(crate) mod incline;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
@@ -6,22 +6,8 @@ use rapunzel_contact::{
     Answers, Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,
     Violation,
 };
-use serde::Deserialize;
-use std::path::PathBuf;
 
 pub(crate) const G: f64 = 9.81;
-
-/// `name` in the folder `RAPUNZEL_ORACLES`, or the copy in `tests/data`.
-pub(crate) fn oracle<T: for<'a> Deserialize<'a>>(name: &str) -> T {
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
 
 /// A body with few coordinates: `mobility` is the inverse of its mass matrix (singular where
 /// coordinates are constrained), `jacobian` maps its velocities to those of its points.

@@ -1,23 +1,19 @@
 //! Every case of `e_contact.json` that needs no rod in large motion, dispatched by the start of its name.
 use super::{beams, rope};
 use crate::common::incline::{EndOfSlip, within};
-use crate::common::{Dense, act, along, circle, contact, exact, oracle, resolve};
+use crate::common::{Dense, act, along, circle, contact, exact, resolve};
 use nalgebra::{Vector2, Vector3};
 use rapunzel_contact::{Body, Contact, LimitCurve, Polygon, impact, impact_in_turn, solve_contact};
+use rapunzel_oracles::cases;
 use serde::Deserialize;
 use serde_json::Value;
-
-#[derive(Deserialize)]
-struct Cases {
-    cases: Vec<Value>,
-}
 
 /// Whatever is not run here must be a case of the test in the crate `sim`, where there are rods: that has
 /// all that tell of a `support_axis`.
 #[test]
 fn every_case_without_rods() {
     let (mut seen, mut elsewhere) = (0, 0);
-    for case in oracle::<Cases>("e_contact.json").cases {
+    for case in cases::<Value>("e_contact.json").expect("the oracle") {
         let name = case["name"].as_str().expect("a name").to_owned();
         let is = |start: &str| name.starts_with(start);
         if is("incline_") {

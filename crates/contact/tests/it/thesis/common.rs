@@ -3,19 +3,6 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::RigidBody;
 use rapunzel_contact::projection::{Partner, Polygon, Touch};
 use serde_json::Value;
-use std::path::PathBuf;
-
-/// All cases of `name` in the folder `RAPUNZEL_ORACLES`, or of the copy in `tests/data`.
-pub(crate) fn oracle(name: &str) -> Vec<Value> {
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let file: Value = serde_json::from_str(&text).expect("an oracle is JSON");
-    file["cases"].as_array().expect("an oracle has cases").clone()
-}
 
 pub(crate) fn number(case: &Value, key: &str) -> f64 {
     case[key].as_f64().unwrap_or_else(|| panic!("{key} of {case}"))

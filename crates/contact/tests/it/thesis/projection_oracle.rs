@@ -1,10 +1,11 @@
 //! Alg. 6, corrected, against closed forms.
 
-use super::common::{floor, number, numbers, oracle, particle, vector};
+use super::common::{floor, number, numbers, particle, vector};
 use crate::common::incline::{EndOfSlip, within};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector2, Vector3, Vector6};
 use rapunzel_contact::projection::{Form, Polygon, Touch, moreau_step, project};
 use rapunzel_contact::{ContactError, RigidBody};
+use rapunzel_oracles::cases;
 use serde_json::Value;
 
 /// Corners of a polygon that stands for a smooth curve.
@@ -15,7 +16,7 @@ const CORNER: f64 = 2.0 * std::f64::consts::PI / MANY as f64;
 #[test]
 fn every_case_that_one_body_can_show() {
     let mut shown = 0;
-    for case in oracle("e_contact.json") {
+    for case in cases::<Value>("e_contact.json").expect("the oracle") {
         let name = case["name"].as_str().expect("a name");
         let kind = name.split('_').next().expect("never empty");
         match kind {

@@ -2,12 +2,6 @@
 use rapunzel_mass_spring::System;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
-
-#[derive(Debug, Deserialize)]
-pub(crate) struct Oracle {
-    pub(crate) cases: Vec<Case>,
-}
 
 /// A case of `f_mass_spring.json`; which fields there are tells its kind. Masses are 1, the spring
 /// constant is the square of `2 pi f0` or of `w0`.
@@ -75,19 +69,9 @@ pub(crate) struct Case {
     pub(crate) quasi_static_area_ratio: Option<Vec<f64>>,
 }
 
-/// All cases, from the folder `RAPUNZEL_ORACLES` or the copy in `tests/data`.
+/// All cases.
 pub(crate) fn cases() -> Vec<Case> {
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
-        PathBuf::from,
-    );
-    let path = folder.join("f_mass_spring.json");
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let oracle: Oracle =
-        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    assert!(!oracle.cases.is_empty());
-    oracle.cases
+    rapunzel_oracles::cases("f_mass_spring.json").expect("the oracle")
 }
 
 /// Largest relative difference of two lists, by the largest entry.

@@ -1,8 +1,7 @@
-//! What the integration tests share: reference cases, oracle files, rods in scaled units.
+//! What the integration tests share: reference cases, rods in scaled units.
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
 use serde::Deserialize;
-use std::path::PathBuf;
 
 /// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine, for
 /// any load: what is left of them by Richardson's extrapolation is a quarter of the finer one at
@@ -16,23 +15,6 @@ pub(crate) fn assert_second_order(
     let left = ((fine * 4.0 - coarse) / 3.0).norm();
     let allowed = 0.25 * fine.norm() + accuracy;
     assert!(left < allowed, "{name}: off by {coarse}, {fine}, extrapolated {left:e}");
-}
-
-/// `name` in the folder `RAPUNZEL_ORACLES`, or the copy in `tests/data`.
-pub(crate) fn oracle<T: for<'a> Deserialize<'a>>(name: &str) -> T {
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
-#[derive(Debug, Deserialize)]
-pub(crate) struct Oracle<Case> {
-    pub(crate) cases: Vec<Case>,
 }
 
 /// A case of `d_planar_swing.json`: L = g = rho A = 1, EI = 1/G, gravity -y.

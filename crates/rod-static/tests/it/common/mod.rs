@@ -1,30 +1,9 @@
-//! What the integration tests share: the oracle files.
+//! What the integration tests share: references, rotations, random numbers.
 pub(crate) mod reference;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use serde::Deserialize;
-use std::path::PathBuf;
-
-/// The cases of `name` in the folder `RAPUNZEL_ORACLES`, or of the copy in `tests/data`.
-pub(crate) fn cases<Case: for<'a> Deserialize<'a>>(name: &str) -> Vec<Case> {
-    #[derive(Deserialize)]
-    struct Oracle<Case> {
-        cases: Vec<Case>,
-    }
-    let folder = std::env::var_os("RAPUNZEL_ORACLES").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let oracle: Oracle<Case> =
-        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    assert!(!oracle.cases.is_empty(), "{} has no cases", path.display());
-    oracle.cases
-}
 
 /// The rotation with the given rows.
 pub(crate) fn rotation(rows: &[[f64; 3]; 3]) -> Rotation3<f64> {

@@ -1,7 +1,7 @@
 //! Runs of scenes, and what is kept of them.
 
-use crate::Fallible;
-use crate::drawing::Picture;
+use rapunzel_repro::Fallible;
+use rapunzel_repro::plot::Picture;
 use rapunzel_sim::{Plan, Scene, World};
 use std::fs;
 use std::path::Path;

@@ -1,46 +1,52 @@
-//! What a figure claims, and whether it holds.
-
-use crate::Fallible;
-use crate::drawing::{Drawing, svg};
-use crate::program::Entry;
+use crate::plot::{Drawing, svg};
+use crate::{Entry, ReproError};
 use serde::Serialize;
 use std::fmt;
 use std::fs;
 use std::path::Path;
 
 /// A figure of the thesis, drawn anew.
-pub(crate) struct Figure {
+pub struct Figure {
     /// What it starts from.
-    pub(crate) scene: &'static str,
+    pub scene: &'static str,
     /// What is changed in the scene, and which numbers the thesis leaves open.
-    pub(crate) parameters: &'static str,
-    pub(crate) drawings: Vec<Drawing>,
-    pub(crate) checks: Vec<Check>,
+    pub parameters: &'static str,
+    /// Its parts, each with a table of its own.
+    pub drawings: Vec<Drawing>,
+    /// What the thesis says of it, with our numbers.
+    pub checks: Vec<Check>,
 }
 
 /// A claim of the thesis with a number of ours.
 #[derive(Serialize)]
-pub(crate) struct Check {
-    pub(crate) compared: String,
-    pub(crate) obtained: f64,
-    pub(crate) unit: &'static str,
-    pub(crate) criterion: Criterion,
-    pub(crate) thesis: &'static str,
+pub struct Check {
+    /// Which number.
+    pub compared: String,
+    /// The number, in its unit.
+    pub obtained: f64,
+    /// The unit of the number; empty for one without.
+    pub unit: &'static str,
+    /// What the number must be, in its unit.
+    pub criterion: Criterion,
+    /// What the thesis says.
+    pub thesis: &'static str,
 }
 
 /// What a number must be.
 #[derive(Serialize, Clone, Copy)]
-pub(crate) enum Criterion {
+pub enum Criterion {
+    /// This or less.
     AtMost(f64),
+    /// This or more.
     AtLeast(f64),
+    /// From the first to the second.
     Within(f64, f64),
     /// Anything: only told, where the thesis gives no number to judge by, or ours is another claim.
-    #[allow(dead_code, reason = "not every chapter needs it")]
     Told,
 }
 
 /// A claim of the thesis and our number.
-pub(crate) fn check(
+pub fn check(
     compared: impl Into<String>,
     obtained: f64,
     unit: &'static str,
@@ -86,17 +92,23 @@ struct Record<'a> {
 }
 
 /// Writes the drawings, their tables and the manifest to `folder`.
-pub(crate) fn write<D>(folder: &Path, figures: &[(&Entry<D>, Figure)]) -> Fallible<()> {
-    fs::create_dir_all(folder)?;
-    let atomically = |name: &str, text: &str| -> Fallible<()> {
+pub(crate) fn write<D>(folder: &Path, figures: &[(&Entry<D>, Figure)]) -> Result<(), ReproError> {
+    let refused = |path: &Path| {
+        let path = path.to_owned();
+        |source| ReproError::File { path, source }
+    };
+    fs::create_dir_all(folder).map_err(refused(folder))?;
+    let atomically = |name: &str, text: &str| {
         let part = folder.join(format!("{name}.part"));
-        fs::write(&part, text)?;
-        Ok(fs::rename(part, folder.join(name))?)
+        let whole = folder.join(name);
+        fs::write(&part, text).and_then(|()| fs::rename(&part, &whole)).map_err(refused(&whole))
     };
     let mut records = Vec::new();
     for (entry, figure) in figures {
         let number = entry.number;
-        let mut files = vec![(format!("{number}.svg"), svg(&figure.drawings))];
+        let drawn =
+            svg(&figure.drawings).map_err(|source| ReproError::Drawing { number, source })?;
+        let mut files = vec![(format!("{number}.svg"), drawn)];
         for (part, drawing) in ('a'..).zip(&figure.drawings) {
             files.push((format!("{number}{part}.csv"), drawing.csv()));
         }
