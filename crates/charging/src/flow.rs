@@ -6,7 +6,7 @@ use crate::electric::{Electric, placed};
 use crate::fibers::RestingFibers;
 use nalgebra::Point3;
 use rapunzel_electrostatics::{COULOMB_CONSTANT, ChargeFlow};
-use rapunzel_scene::{Flow, Head, Held};
+use rapunzel_scene::{ConductorHold, Flow, Head};
 use rayon::prelude::*;
 
 /// Most evaluations of the potentials, and changes of charge that their iteration remembers.
@@ -26,7 +26,7 @@ pub(super) fn flow(
     dt: f64,
 ) -> Result<bool, ChargingError> {
     let head = match electric.charging.head {
-        Head::Conductor { held: Held::Potential(potential), .. } if flow.drained => {
+        Head::Conductor { held: ConductorHold::Potential(potential), .. } if flow.drained => {
             Some(electric.share * potential)
         }
         _ => None,

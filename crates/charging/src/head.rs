@@ -8,7 +8,7 @@ use rapunzel_electrostatics::{
     Accuracy, COULOMB_CONSTANT, ChargedFibers, Condition, ConductingSphere, ConductingSurface,
     Electrostatics, ElectrostaticsError, Fields, Method, Multipole, thesis_repulsion,
 };
-use rapunzel_scene::{self as scene, Held, ObjectShape};
+use rapunzel_scene::{self as scene, ConductorHold, ObjectShape};
 use std::fmt;
 use std::sync::Arc;
 
@@ -40,12 +40,12 @@ pub(crate) enum HeadModel {
     Ball {
         center: Point3<f64>,
         radius: f64,
-        held: Held,
+        held: ConductorHold,
     },
     /// Any other conductor.
     Surface {
         surface: Arc<ConductingSurface>,
-        held: Held,
+        held: ConductorHold,
     },
     /// The thesis's heuristic: a charge that repels by (4.13), corrected.
     Thesis {
@@ -235,10 +235,10 @@ impl HeadModel {
 }
 
 /// What is known of a conductor when this share of what it is held at is dealt.
-fn condition(held: Held, share: f64) -> Condition {
+fn condition(held: ConductorHold, share: f64) -> Condition {
     match held {
-        Held::Potential(potential) => Condition::Potential(share * potential),
-        Held::Charge(charge) => Condition::Charge(share * charge),
+        ConductorHold::Potential(potential) => Condition::Potential(share * potential),
+        ConductorHold::Charge(charge) => Condition::Charge(share * charge),
     }
 }
 

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::{Ball, DistanceField, Frame, Grid, Sample, Search};
+use rapunzel_collision::field::{Ball, ContactSearch, DistanceField, Grid, GridFrame, Sample};
 use std::hint::black_box;
 
 const RADIUS: f64 = 0.05;
@@ -64,7 +64,8 @@ fn points() -> Vec<Point3<f64>> {
 fn queries(c: &mut Criterion) {
     let ball = Ball { center: Point3::origin(), radius: RADIUS };
     let low = Point3::from(Vector3::repeat(-0.07));
-    let frame = Frame::new(low, Point3::from(Vector3::repeat(0.07)), SPACING).expect("a lattice");
+    let frame =
+        GridFrame::new(low, Point3::from(Vector3::repeat(0.07)), SPACING).expect("a lattice");
     let grid = Grid::sample(&ball, frame, BAND).expect("a grid");
     let dense = Dense::new(&ball, low);
     let points = points();
@@ -94,10 +95,11 @@ fn queries(c: &mut Criterion) {
 fn segments(c: &mut Criterion) {
     let ball = Ball { center: Point3::origin(), radius: RADIUS };
     let low = Point3::from(Vector3::repeat(-0.07));
-    let frame = Frame::new(low, Point3::from(Vector3::repeat(0.07)), SPACING).expect("a lattice");
+    let frame =
+        GridFrame::new(low, Point3::from(Vector3::repeat(0.07)), SPACING).expect("a lattice");
     let grid = Grid::sample(&ball, frame, BAND).expect("a grid");
     let points = points();
-    let search = Search { margin: 5e-6, spacing: 0.3e-3, tolerance: 2e-6 };
+    let search = ContactSearch { margin: 5e-6, spacing: 0.3e-3, tolerance: 2e-6 };
     let axis = |ends: &[Point3<f64>]| {
         let direction = (ends[1] - ends[0]).normalize();
         Capsule { start: ends[0], end: ends[0] + 3e-3 * direction, radius: 35e-6 }

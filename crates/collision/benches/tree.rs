@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_collision::{Candidates, Capsules, Pair, Tree, contacts, squared_distances};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
@@ -94,7 +94,7 @@ fn ours(c: &mut Criterion, name: &str, pool: &ThreadPool, frames: &[Capsules; 2]
 
 /// The mean over a hundred steps of 1 ms, in which tips move by a centimetre and neighbours apart
 /// by up to two millimetres.
-fn candidates(c: &mut Criterion, name: &str, pool: &ThreadPool, scene: &Arrangement) {
+fn candidates(c: &mut Criterion, name: &str, pool: &ThreadPool, scene: &MovingFibers) {
     const STEPS: u32 = 100;
     let frames: Vec<_> = (0..=STEPS).map(|step| scene.advanced(f64::from(step))).collect();
     let frames: Vec<_> = frames.iter().map(|frame| frame.capsules().expect("valid")).collect();

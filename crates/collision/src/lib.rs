@@ -17,6 +17,6 @@ mod wide;
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};
 pub use error::CollisionError;
 pub use narrow::{
-    Closest, Contact, contacts, contacts_of_groups, node_arc_lengths, squared_distances,
+    CapsuleContact, Closest, contacts, contacts_of_groups, node_arc_lengths, squared_distances,
 };
 pub use wide::{Candidates, Tree, Update};

@@ -5,10 +5,10 @@ use crate::free_body::FreeBody;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
-use rapunzel_collision::field::{DistanceField, FieldContact, Sample, Search, Soup};
+use rapunzel_collision::field::{ContactSearch, DistanceField, FieldContact, Sample, Soup};
 use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_rod_dynamic::Energy;
-use rapunzel_scene::Friction;
+use rapunzel_scene::FrictionLaw;
 use std::sync::Arc;
 
 /// How far along a segment, in its length, contacts beside the deepest one are.
@@ -40,7 +40,7 @@ pub struct CollisionObject {
     /// Smallest extent, m; infinite for what has no end.
     pub(crate) size: f64,
     /// Friction of what lies on the object; `None` for the scene's.
-    pub(crate) friction: Option<Friction>,
+    pub(crate) friction: Option<FrictionLaw>,
     /// Restitution of what bounces off the object; `None` for the scene's.
     pub(crate) restitution: Option<f64>,
     pub(crate) motion: ObjectMotion,
@@ -112,7 +112,7 @@ impl CollisionObject {
     pub fn new(
         geometry: ObjectGeometry,
         motion: ObjectMotion,
-        friction: Option<Friction>,
+        friction: Option<FrictionLaw>,
         restitution: Option<f64>,
     ) -> Self {
         let ends = extents(&geometry.surface);
@@ -278,7 +278,8 @@ impl CollisionObject {
                 contacts.push(contact);
             } else if nearest <= radius + margin {
                 let capsule = Capsule { start: after[s], end: after[s + 1], radius };
-                let search = Search { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
+                let search =
+                    ContactSearch { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
                 let ends = [0, 1].map(|i| values[s + i] - radius);
                 // A search would find nothing between them that is nearer.
                 let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius

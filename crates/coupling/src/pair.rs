@@ -8,7 +8,7 @@ use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::{DistanceField, FieldContact, Posed, Search};
+use rapunzel_collision::field::{ContactSearch, DistanceField, FieldContact, Posed};
 use rayon::prelude::*;
 
 /// How finely edges in contact are sampled, in their length, and how precisely gaps and places of
@@ -147,7 +147,11 @@ impl PairStep<'_> {
                 let bone = Capsule { start, end, ..*bone };
                 let spacing = SPACING * (end - start).norm();
                 let mut contacts = Vec::new();
-                Search { margin: reach, spacing, tolerance }.contacts(&field, &bone, &mut contacts);
+                ContactSearch { margin: reach, spacing, tolerance }.contacts(
+                    &field,
+                    &bone,
+                    &mut contacts,
+                );
                 if !contacts.is_empty() {
                     // As the two turn in a step they may roll on to the ends.
                     contacts.extend([0.0, 1.0].map(|end| at(&field, &bone, end)));

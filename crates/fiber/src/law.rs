@@ -24,7 +24,7 @@ pub trait SectionLaw: Debug + Send + Sync {
     ///
     /// # Panics
     /// If `memory` has another length than [`SectionLaw::memory`].
-    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response;
+    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> SectionResponse;
 
     /// Takes the step to `strain`, at once for `dt = 0`.
     ///
@@ -55,7 +55,7 @@ pub trait SectionLaw: Debug + Send + Sync {
         memory: &[Vector3<f64>],
         strains: &[Vector3<f64>],
         dt: f64,
-        out: &mut [Response],
+        out: &mut [SectionResponse],
     ) {
         let count = self.memory();
         for (i, (strain, out)) in strains.iter().zip(out).enumerate() {
@@ -77,7 +77,7 @@ pub trait SectionLaw: Debug + Send + Sync {
 
 /// The answer of a section to a strain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Response {
+pub struct SectionResponse {
     /// Moment, N m, material frame.
     pub moment: Vector3<f64>,
     /// Its derivative by the strain, N m^2: symmetric.
@@ -103,8 +103,8 @@ impl SectionLaw for LinearLaw {
         true
     }
 
-    fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> Response {
-        Response {
+    fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> SectionResponse {
+        SectionResponse {
             moment: self.stiffness.component_mul(strain),
             tangent: Matrix3::from_diagonal(&self.stiffness),
             potential: self.stored_energy(&[], strain),
@@ -130,7 +130,7 @@ mod tests {
     fn moment_is_the_derivative_of_the_energy() {
         let law = LinearLaw { stiffness: Vector3::new(1.0, 2.0, 3.0) };
         let strain = Vector3::new(0.3, -0.2, 0.5);
-        let Response { moment, tangent, potential } = law.response(&[], &strain, 0.1);
+        let SectionResponse { moment, tangent, potential } = law.response(&[], &strain, 0.1);
         assert_eq!((law.memory(), potential), (0, law.stored_energy(&[], &strain)));
         for i in 0..3 {
             let mut moved = strain;

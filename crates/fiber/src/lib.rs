@@ -15,6 +15,6 @@ pub mod so3;
 pub use assembly::{Assembly, GROUP_SIZE};
 pub use error::FiberError;
 pub use fiber::{Fiber, Material, NodeProperties};
-pub use law::{LinearLaw, Response, SectionLaw};
+pub use law::{LinearLaw, SectionLaw, SectionResponse};
 pub use layout::Layout;
 pub use section::Section;

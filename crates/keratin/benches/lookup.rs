@@ -3,7 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, LinearLaw, Material, Section, SectionLaw};
-use rapunzel_keratin::law::{Branch, Relaxation, Viscoelastic};
+use rapunzel_keratin::law::{MaxwellElement, Relaxation, Viscoelastic};
 use rapunzel_keratin::surface::{Direction, Wetness, friction};
 use rapunzel_keratin::{Climate, Hair, HairType};
 use rapunzel_rod_dynamic::{
@@ -33,7 +33,7 @@ fn lookup(c: &mut Criterion) {
     let stiffness = Vector3::new(4e-9, 5e-9, 2e-9);
     let strain = Vector3::new(10.0, -3.0, 1.0);
     step(&mut group, "linear_step", &LinearLaw { stiffness }, &strain);
-    let branches = [0.1, 1.0, 10.0].map(|time| Branch { modulus: 0.2, time }).to_vec();
+    let branches = [0.1, 1.0, 10.0].map(|time| MaxwellElement { modulus: 0.2, time }).to_vec();
     let relaxation = Relaxation::new(0.4, branches).expect("a model");
     let law = Viscoelastic::new(stiffness, &relaxation, 1e-3).expect("a law");
     step(&mut group, "viscoelastic_step", &law, &strain);
@@ -49,7 +49,7 @@ fn rods(c: &mut Criterion) {
     let pose = Isometry3::from_parts(Vector3::zeros().into(), level);
     let section = Section::Circle { radius: 35e-6 };
     let fiber = Fiber::uniform(0.3, 100, section, &Material::HAIR).expect("a hair").with_root(pose);
-    let branches = [0.1, 1.0, 10.0].map(|time| Branch { modulus: 0.2, time }).to_vec();
+    let branches = [0.1, 1.0, 10.0].map(|time| MaxwellElement { modulus: 0.2, time }).to_vec();
     let relaxation = Relaxation::new(0.4, branches).expect("a model");
     let law = Viscoelastic::new(fiber.nodes()[0].stiffness, &relaxation, 1e-3).expect("a law");
     let elastic = Rod::damped(fiber, 1e-3);

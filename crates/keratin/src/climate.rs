@@ -102,7 +102,7 @@ impl From<Temperature> for f64 {
 
 /// From which side hair came to the humidity that it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Branch {
+pub enum SorptionBranch {
     /// From drier air.
     #[default]
     Absorption,
@@ -120,7 +120,7 @@ pub struct Climate {
     pub temperature: Temperature,
     /// From which side it was reached.
     #[serde(default)]
-    pub branch: Branch,
+    pub branch: SorptionBranch,
 }
 
 impl Climate {
@@ -128,13 +128,13 @@ impl Climate {
     pub const STANDARD: Self = Self {
         humidity: Humidity::STANDARD,
         temperature: Temperature::ROOM,
-        branch: Branch::Absorption,
+        branch: SorptionBranch::Absorption,
     };
     /// In water of 23 C.
     pub const WET: Self = Self {
         humidity: Humidity::SATURATED,
         temperature: Temperature::ROOM,
-        branch: Branch::Absorption,
+        branch: SorptionBranch::Absorption,
     };
 
     /// A humidity (fraction) and a temperature (C), reached from drier air.
@@ -145,7 +145,7 @@ impl Climate {
         Ok(Self {
             humidity: Humidity::new(humidity)?,
             temperature: Temperature::new(celsius)?,
-            branch: Branch::Absorption,
+            branch: SorptionBranch::Absorption,
         })
     }
 }
@@ -195,7 +195,7 @@ pub enum Standing {
 
 /// A value, how far it is to be trusted, and where it comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quantity {
+pub struct MeasuredValue {
     /// The value, SI.
     pub value: f64,
     /// How far it is from a measurement.
@@ -204,7 +204,7 @@ pub struct Quantity {
     pub sources: Vec<Source>,
 }
 
-impl Quantity {
+impl MeasuredValue {
     /// A value from one number.
     pub(crate) fn new(value: f64, standing: Standing, sources: &[Source]) -> Self {
         Self { value, standing, sources: sources.to_vec() }

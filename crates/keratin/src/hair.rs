@@ -1,6 +1,6 @@
 //! A hair: its type or own diameters, its treatment, its section in a climate.
 
-use crate::climate::{Climate, Humidity, Outside, Quantity, Standing};
+use crate::climate::{Climate, Humidity, MeasuredValue, Outside, Standing};
 use crate::error::{named, not_negative, positive};
 use crate::tables::{number, range, tables};
 use crate::{KeratinError, water};
@@ -154,12 +154,12 @@ impl Growth {
 
     /// Greatest mean length (m) and diameter (m), table 2.1.
     #[must_use]
-    pub fn size(self) -> [Quantity; 2] {
+    pub fn size(self) -> [MeasuredValue; 2] {
         let table = &tables().growth;
         let source = table.row_source(self as usize);
         let row = &table.rows[self as usize];
         [row.l_max * 1e-2, row.r_max * MICRO]
-            .map(|value| Quantity::new(value, Standing::Measured, &[source]))
+            .map(|value| MeasuredValue::new(value, Standing::Measured, &[source]))
     }
 }
 
@@ -167,13 +167,17 @@ impl Growth {
 ///
 /// # Errors
 /// [`KeratinError::Outside`] for an age that is not in 16 to 55 years, unless marked.
-pub fn follicle_density(sex: Sex, years: f64, outside: Outside) -> Result<Quantity, KeratinError> {
+pub fn follicle_density(
+    sex: Sex,
+    years: f64,
+    outside: Outside,
+) -> Result<MeasuredValue, KeratinError> {
     let range = [16.0, 55.0];
     let standing = outside.judge("hair density", "age (a)", years, range, Standing::Measured)?;
     let index = usize::from(years >= 30.0);
     let row = &tables().follicles.rows[index];
     let value = if sex == Sex::Female { row.female } else { row.male };
-    Ok(Quantity::new(value * 1e4, standing, &[tables().follicles.row_source(index)]))
+    Ok(MeasuredValue::new(value * 1e4, standing, &[tables().follicles.row_source(index)]))
 }
 
 /// A hair of given type, class and treatment.
@@ -237,7 +241,7 @@ impl Hair {
     /// Largest and smallest diameter, m. Those of table 2.2 are taken to hold at 65 % humidity, which
     /// the thesis does not say; from there hair swells as [`water::swelling`] has it.
     #[must_use]
-    pub fn diameters(&self, climate: &Climate) -> [Quantity; 2] {
+    pub fn diameters(&self, climate: &Climate) -> [MeasuredValue; 2] {
         let standard = climate.humidity == Humidity::STANDARD;
         let standing = if standard { Standing::Measured } else { Standing::Assumed };
         let (_, swelling) = number("diameter_swelling_max");
@@ -245,7 +249,11 @@ impl Hair {
         sources.extend(self.kind.map(|kind| tables().diameters.row_source(kind as usize)));
         sources.extend((!standard).then_some(swelling));
         let factor = swelling_from_standard(climate)[0];
-        self.diameters.map(|d| Quantity { value: d * factor, standing, sources: sources.clone() })
+        self.diameters.map(|d| MeasuredValue {
+            value: d * factor,
+            standing,
+            sources: sources.clone(),
+        })
     }
 
     /// The cross section: an ellipse with its long axis along d1.
@@ -264,7 +272,7 @@ impl Hair {
     /// Mass density, kg/m^3: 1300 at 65 % humidity; elsewhere by the water that is taken up and the
     /// volume that it fills.
     #[must_use]
-    pub fn density(&self, climate: &Climate) -> Quantity {
+    pub fn density(&self, climate: &Climate) -> MeasuredValue {
         let (at_standard, source) = number("density");
         let mass = (1.0 + water::value_at(climate)) / (1.0 + water::value_at(&Climate::STANDARD));
         let [wide, long] = swelling_from_standard(climate);
@@ -272,7 +280,7 @@ impl Hair {
         let standing = if standard { Standing::Measured } else { Standing::Assumed };
         let (_, saturation) = number("water_at_saturation");
         let sources = if standard { vec![source] } else { vec![source, saturation] };
-        Quantity { value: 1e3 * at_standard * mass / (wide * wide * long), standing, sources }
+        MeasuredValue { value: 1e3 * at_standard * mass / (wide * wide * long), standing, sources }
     }
 
     /// Mass per length, kg/m, of the swollen hair with its water.

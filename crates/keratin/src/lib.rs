@@ -13,6 +13,8 @@ pub mod water;
 #[doc = include_str!("../data/inconsistencies.md")]
 pub mod inconsistencies {}
 
-pub use climate::{Branch, Climate, Humidity, Outside, Quantity, Standing, Temperature};
+pub use climate::{
+    Climate, Humidity, MeasuredValue, Outside, SorptionBranch, Standing, Temperature,
+};
 pub use error::KeratinError;
 pub use hair::{Growth, Hair, HairType, Sex, Thickness, Treatment, follicle_density};

@@ -14,7 +14,7 @@
 //!   between. For hair in air it is the same factor, refused or marked outside of 20 to 30 C; the
 //!   moduli in bending and torsion are assumed to have it too.
 
-use crate::climate::{Climate, Humidity, Quantity, Standing};
+use crate::climate::{Climate, Humidity, MeasuredValue, Standing};
 use crate::hair::{Hair, Thickness, Treatment};
 use crate::tables::{Modulus, Source, number, range, tables};
 use crate::{KeratinError, water};
@@ -71,7 +71,7 @@ fn humidity(fraction: f64) -> Humidity {
 }
 
 /// A modulus at 65 % humidity with what it becomes elsewhere.
-struct Curve {
+struct ModulusCurve {
     quantity: &'static str,
     at_standard: f64,
     /// By what it falls from 65 % to 100 % humidity.
@@ -81,7 +81,7 @@ struct Curve {
     sources: Vec<Source>,
 }
 
-impl Curve {
+impl ModulusCurve {
     fn of(quantity: &'static str, row: usize, dry: (usize, Standing)) -> Self {
         let Modulus { modulus, ratio_65_100, .. } = tables().moduli.rows[row];
         let sources = vec![tables().moduli.row_source(row)];
@@ -102,7 +102,7 @@ impl Curve {
         }
     }
 
-    fn at(self, hair: &Hair, climate: &Climate) -> Result<Quantity, KeratinError> {
+    fn at(self, hair: &Hair, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
         let h = climate.humidity.fraction();
         let by_humidity = if h == 1.0 || (0.60..=0.65).contains(&h) {
             Standing::Measured
@@ -121,7 +121,7 @@ impl Curve {
         if warmth != 1.0 {
             sources.push(number("e_water_40c").1);
         }
-        Ok(Quantity { value, standing: by_humidity.max(by_warmth), sources })
+        Ok(MeasuredValue { value, standing: by_humidity.max(by_warmth), sources })
     }
 }
 
@@ -149,9 +149,9 @@ impl Hair {
     ///
     /// # Errors
     /// [`KeratinError::Outside`] where nobody measured, unless the hair's values are marked.
-    pub fn stretching_modulus(&self, climate: &Climate) -> Result<Quantity, KeratinError> {
+    pub fn stretching_modulus(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
         let mut curve =
-            Curve::of("Young's modulus in tension", STRETCHING, (0, Standing::Interpolated));
+            ModulusCurve::of("Young's modulus in tension", STRETCHING, (0, Standing::Interpolated));
         let class = match self.thickness {
             Thickness::Any => None,
             Thickness::Thin => Some(ANCHORS.thin),
@@ -170,9 +170,10 @@ impl Hair {
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
-    pub fn bending_modulus(&self, climate: &Climate) -> Result<Quantity, KeratinError> {
-        let mut bending = Curve::of("Young's modulus in bending", BENDING, (0, Standing::Assumed))
-            .at(self, climate)?;
+    pub fn bending_modulus(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
+        let mut bending =
+            ModulusCurve::of("Young's modulus in bending", BENDING, (0, Standing::Assumed))
+                .at(self, climate)?;
         if self.thickness != Thickness::Any {
             let any = self.of_thickness(Thickness::Any).stretching_modulus(climate)?;
             let own = self.stretching_modulus(climate)?;
@@ -190,8 +191,8 @@ impl Hair {
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
-    pub fn shear_modulus(&self, climate: &Climate) -> Result<Quantity, KeratinError> {
-        let mut curve = Curve::of("shear modulus", TORSION, (1, Standing::Assumed));
+    pub fn shear_modulus(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
+        let mut curve = ModulusCurve::of("shear modulus", TORSION, (1, Standing::Assumed));
         if let Some(index) = self.treatment.row() {
             let row = &tables().torsion.rows[index];
             let wider =
@@ -208,7 +209,7 @@ impl Hair {
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
-    pub fn log_decrement(&self, climate: &Climate) -> Result<Quantity, KeratinError> {
+    pub fn log_decrement(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
         let index = self.treatment.row().unwrap_or(0);
         let h = climate.humidity.fraction();
         let standing = self.outside.judge(
@@ -219,18 +220,18 @@ impl Hair {
             Standing::Measured,
         )?;
         let decrement = tables().torsion.rows[index].log_decrement;
-        Ok(Quantity::new(decrement, standing, &[tables().torsion.row_source(index)]))
+        Ok(MeasuredValue::new(decrement, standing, &[tables().torsion.row_source(index)]))
     }
 
     /// The loss modulus in torsion, Pa: `decrement * G / pi`.
     ///
     /// # Errors
     /// As [`Hair::log_decrement`].
-    pub fn torsional_loss_modulus(&self, climate: &Climate) -> Result<Quantity, KeratinError> {
+    pub fn torsional_loss_modulus(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
         let (g, decrement) = (self.shear_modulus(climate)?, self.log_decrement(climate)?);
         let sources = [g.sources, decrement.sources].concat();
         let standing = g.standing.max(decrement.standing);
-        Ok(Quantity { value: decrement.value * g.value / PI, standing, sources })
+        Ok(MeasuredValue { value: decrement.value * g.value / PI, standing, sources })
     }
 
     /// Bending stiffnesses about d1 and d2 and torsional stiffness, N m^2: `(E_B I1, E_B I2, G J)`
@@ -273,10 +274,10 @@ impl Treatment {
 
 /// Storage and loss modulus in bending, Pa, of an oscillating rod: 25 C, 75 % humidity (line 638).
 #[must_use]
-pub fn oscillating_moduli() -> [Quantity; 2] {
+pub fn oscillating_moduli() -> [MeasuredValue; 2] {
     ["storage_modulus", "loss_modulus"].map(|key| {
         let (value, source) = number(key);
-        Quantity::new(GIGA * value, Standing::Measured, &[source])
+        MeasuredValue::new(GIGA * value, Standing::Measured, &[source])
     })
 }
 
@@ -285,7 +286,10 @@ pub fn oscillating_moduli() -> [Quantity; 2] {
 ///
 /// # Errors
 /// [`KeratinError::Outside`] beyond, unless marked.
-pub fn sound(humidity: Humidity, outside: crate::Outside) -> Result<[Quantity; 2], KeratinError> {
+pub fn sound(
+    humidity: Humidity,
+    outside: crate::Outside,
+) -> Result<[MeasuredValue; 2], KeratinError> {
     let [damp, moist] = [&tables().sound.rows[0], &tables().sound.rows[1]];
     let range = [damp.rh / 100.0, moist.rh / 100.0];
     let h = humidity.fraction();
@@ -298,5 +302,5 @@ pub fn sound(humidity: Humidity, outside: crate::Outside) -> Result<[Quantity; 2
         |from: f64, to: f64| if h == range[1] { to } else { from * (to / from).powf(part) };
     let sources = [0, 1].map(|row| tables().sound.row_source(row));
     Ok([1e3 * between(damp.v_s, moist.v_s), GIGA * between(damp.e, moist.e)]
-        .map(|value| Quantity::new(value, standing, &sources)))
+        .map(|value| MeasuredValue::new(value, standing, &sources)))
 }

@@ -1,6 +1,6 @@
 //! What happens between hairs and what they touch: friction, charge, and the bonds of hair spray.
 
-use crate::climate::{Climate, Humidity, Outside, Quantity, Standing, Temperature};
+use crate::climate::{Climate, Humidity, MeasuredValue, Outside, Standing, Temperature};
 use crate::error::named;
 use crate::hair::names;
 use crate::tables::{FrictionRow, Source, number, range, tables};
@@ -31,12 +31,12 @@ pub enum Wetness {
 
 /// Coefficients of friction, table 2.11.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Friction {
+pub struct FrictionCoefficients {
     /// At rest. For hair nobody measured it: it is then the least that is possible, the kinetic one,
     /// and [`Standing::Assumed`].
-    pub stick: Quantity,
+    pub stick: MeasuredValue,
     /// In motion.
-    pub slip: Quantity,
+    pub slip: MeasuredValue,
 }
 
 /// The coefficients of friction of two partners, as "hair/nylon", after a treatment (none: ""), all
@@ -53,7 +53,7 @@ pub fn friction(
     treatment: &str,
     direction: Direction,
     wetness: Wetness,
-) -> Result<Friction, KeratinError> {
+) -> Result<FrictionCoefficients, KeratinError> {
     let rows = &tables().friction.rows;
     let missing = || KeratinError::NotMeasured {
         quantity: "coefficient of friction",
@@ -71,7 +71,7 @@ pub fn friction(
         return Err(missing());
     };
     let source = Source { place: "2.11", line: row.line, study: tables().friction.source };
-    let quantity = |value, standing| Quantity::new(value, standing, &[source]);
+    let quantity = |value, standing| MeasuredValue::new(value, standing, &[source]);
     let shifted = is_shifted(row);
     let slip = match wetness {
         Wetness::Dry if shifted => row.mu_s_wet.map(|mu| quantity(mu, Standing::Assumed)),
@@ -86,7 +86,7 @@ pub fn friction(
     };
     let stick = stick
         .map_or(quantity(slip.value, Standing::Assumed), |mu| quantity(mu, Standing::Measured));
-    Ok(Friction { stick, slip })
+    Ok(FrictionCoefficients { stick, slip })
 }
 
 /// Whether the static coefficient of a row is below the kinetic one, which cannot be.
@@ -105,7 +105,7 @@ const RESISTANCE_EXPONENT: f64 = 15.8;
 ///
 /// # Errors
 /// [`KeratinError::Outside`] below 30 % humidity, where the power law has no hold, unless marked.
-pub fn resistance(climate: &Climate, outside: Outside) -> Result<Quantity, KeratinError> {
+pub fn resistance(climate: &Climate, outside: Outside) -> Result<MeasuredValue, KeratinError> {
     let ([low, high], measured) = range("resistance_85rh");
     let (factor, by_temperature) = number("resistance_factor_per_10k");
     let reference = Climate { humidity: Humidity::new(0.85)?, ..Climate::STANDARD };
@@ -119,7 +119,7 @@ pub fn resistance(climate: &Climate, outside: Outside) -> Result<Quantity, Kerat
     let moisture = content(climate).max(1e-3) / content(&reference);
     let value =
         (low * high).sqrt() * moisture.powf(-RESISTANCE_EXPONENT) * factor.powf(warmer / 10.0);
-    Ok(Quantity::new(value, standing, &[measured, by_temperature]))
+    Ok(MeasuredValue::new(value, standing, &[measured, by_temperature]))
 }
 
 names! {
@@ -138,11 +138,11 @@ names! {
 
 /// Least and greatest tension that a bond of hair spray between two hairs bears, N (table 2.12).
 #[must_use]
-pub fn bond_strength(spray: Spray) -> [Quantity; 2] {
+pub fn bond_strength(spray: Spray) -> [MeasuredValue; 2] {
     let table = &tables().sprays;
     let (least, most) = table.rows[spray as usize].force;
     let source = table.row_source(spray as usize);
-    [least, most].map(|force| Quantity::new(force, Standing::Measured, &[source]))
+    [least, most].map(|force| MeasuredValue::new(force, Standing::Measured, &[source]))
 }
 
 /// The waviness C of strands, table 2.3: hair as "oriental", treatment as "P" or "SAC, SLS, BL".
@@ -150,7 +150,11 @@ pub fn bond_strength(spray: Spray) -> [Quantity; 2] {
 /// # Errors
 /// [`KeratinError::Unknown`] with the nearest names, [`KeratinError::NotMeasured`] for wet hair where
 /// only dry is listed.
-pub fn waviness(hair: &str, treatment: &str, wetness: Wetness) -> Result<Quantity, KeratinError> {
+pub fn waviness(
+    hair: &str,
+    treatment: &str,
+    wetness: Wetness,
+) -> Result<MeasuredValue, KeratinError> {
     let table = &tables().waviness;
     let hair = named("hair", hair, table.rows.iter().map(|r| (r.hair, r.hair)))?;
     let of_hair = table.rows.iter().enumerate().filter(|(_, r)| r.hair == hair);
@@ -162,7 +166,7 @@ pub fn waviness(hair: &str, treatment: &str, wetness: Wetness) -> Result<Quantit
     };
     let of = || format!("wet {hair} hair after {treatment}");
     value
-        .map(|c| Quantity::new(c, Standing::Measured, &[table.row_source(index)]))
+        .map(|c| MeasuredValue::new(c, Standing::Measured, &[table.row_source(index)]))
         .ok_or_else(|| KeratinError::NotMeasured { quantity: "waviness", of: of() })
 }
 

@@ -9,7 +9,7 @@
 //! On the desorption branch hair holds more water. By how much is only drawn in the thesis; assumed
 //! is `0.02 * 4 a (1 - a)`, 2 % of the dry mass at most.
 
-use crate::climate::{Branch, Climate, Humidity, Quantity, Standing};
+use crate::climate::{Climate, Humidity, MeasuredValue, SorptionBranch, Standing};
 use crate::tables::number;
 use std::sync::LazyLock;
 
@@ -62,11 +62,11 @@ pub(crate) fn saturation() -> f64 {
 ///
 /// Measured at 65 % and 100 %, assumed elsewhere. Cost: tens of nanoseconds.
 #[must_use]
-pub fn regain(climate: &Climate) -> Quantity {
+pub fn regain(climate: &Climate) -> MeasuredValue {
     let (saturated, at_saturation) = number("water_at_saturation");
     let (ordinary, at_ordinary) = number("moisture_content_normal");
     let a = climate.humidity.fraction();
-    let absorbing = climate.branch == Branch::Absorption;
+    let absorbing = climate.branch == SorptionBranch::Absorption;
     let (value, standing) = if a == 1.0 {
         (saturated / 100.0, Standing::Measured)
     } else if climate.humidity == Humidity::STANDARD && absorbing {
@@ -74,15 +74,15 @@ pub fn regain(climate: &Climate) -> Quantity {
     } else {
         (value_at(climate), Standing::Assumed)
     };
-    Quantity::new(value, standing, &[at_saturation, at_ordinary])
+    MeasuredValue::new(value, standing, &[at_saturation, at_ordinary])
 }
 
 /// The regain alone.
 pub(crate) fn value_at(climate: &Climate) -> f64 {
     let a = climate.humidity.fraction();
     let more = match climate.branch {
-        Branch::Absorption => 0.0,
-        Branch::Desorption => HYSTERESIS * 4.0 * a * (1.0 - a),
+        SorptionBranch::Absorption => 0.0,
+        SorptionBranch::Desorption => HYSTERESIS * 4.0 * a * (1.0 - a),
     };
     ISOTHERM.monolayer * shape(a, ISOTHERM.multilayer) + more
 }
@@ -107,14 +107,14 @@ mod tests {
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 
-    fn at(humidity: f64, branch: Branch) -> Climate {
+    fn at(humidity: f64, branch: SorptionBranch) -> Climate {
         Climate { branch, ..Climate::new(humidity, 23.0).expect("a climate") }
     }
 
     #[test]
     fn the_isotherm_passes_through_its_anchors() {
         for (humidity, expected) in [(0.0, 0.0), (0.65, 0.15), (1.0, 0.30)] {
-            let climate = at(humidity, Branch::Absorption);
+            let climate = at(humidity, SorptionBranch::Absorption);
             assert_relative_eq!(value_at(&climate), expected, max_relative = 1e-12);
             assert_relative_eq!(regain(&climate).value, expected, max_relative = 1e-15);
         }
@@ -124,18 +124,18 @@ mod tests {
     #[test]
     fn saturated_hair_is_16_percent_thicker_and_2_percent_longer() {
         assert_eq!(swelling(&Climate::WET), [1.16, 1.02]);
-        assert_eq!(swelling(&at(0.0, Branch::Absorption)), [1.0, 1.0]);
+        assert_eq!(swelling(&at(0.0, SorptionBranch::Absorption)), [1.0, 1.0]);
     }
 
     proptest! {
         #[test]
         fn more_humidity_is_more_water_and_desorption_holds_more(a in 0.0..1.0, b in 0.0..1.0) {
             let (low, high) = if a < b { (a, b) } else { (b, a) };
-            for branch in [Branch::Absorption, Branch::Desorption] {
+            for branch in [SorptionBranch::Absorption, SorptionBranch::Desorption] {
                 let (low, high) = (value_at(&at(low, branch)), value_at(&at(high, branch)));
                 prop_assert!(low <= high);
             }
-            prop_assert!(value_at(&at(a, Branch::Desorption)) >= value_at(&at(a, Branch::Absorption)));
+            prop_assert!(value_at(&at(a, SorptionBranch::Desorption)) >= value_at(&at(a, SorptionBranch::Absorption)));
         }
     }
 }

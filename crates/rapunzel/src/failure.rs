@@ -1,5 +1,5 @@
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use rapunzel_sim::scene::{Problem, SceneError};
+use rapunzel_sim::scene::{SceneError, SceneProblem};
 use rapunzel_sim::{ChargingError, CouplingError, SimError};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -81,7 +81,7 @@ impl Failure {
     }
 
     /// What is wrong with the scene, if that is what is.
-    pub(crate) fn problems(&self) -> &[Problem] {
+    pub(crate) fn problems(&self) -> &[SceneProblem] {
         match self {
             Self::Sim { error: SimError::Scene(SceneError { problems, .. }), .. } => problems,
             _ => &[],
@@ -101,7 +101,7 @@ impl fmt::Display for Failure {
     }
 }
 
-pub(crate) fn as_json(problem: &Problem) -> serde_json::Value {
+pub(crate) fn as_json(problem: &SceneProblem) -> serde_json::Value {
     serde_json::json!({
         "path": problem.path, "message": problem.message,
         "line": problem.place.as_ref().map(|place| place.line),
@@ -113,12 +113,12 @@ pub(crate) fn as_json(problem: &Problem) -> serde_json::Value {
 #[derive(Debug)]
 pub(crate) struct SceneReport {
     pub(crate) source: NamedSource<String>,
-    pub(crate) problem: Problem,
+    pub(crate) problem: SceneProblem,
 }
 
 impl fmt::Display for SceneReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Problem { path, message, .. } = &self.problem;
+        let SceneProblem { path, message, .. } = &self.problem;
         if path.is_empty() { message.fmt(f) } else { write!(f, "{path}: {message}") }
     }
 }

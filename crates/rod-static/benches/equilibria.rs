@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use rapunzel_rod_static::{Chain, End, Piece, Problem, Properties, Shape};
+use rapunzel_rod_static::{Chain, EndCondition, Piece, Problem, Properties, Shape};
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
@@ -59,7 +59,7 @@ fn boundary(c: &mut Criterion) {
         Translation3::new(0.6, 0.1, 0.6),
         UnitQuaternion::from_scaled_axis(Vector3::new(0.1, 1.3, 0.3)),
     );
-    let problem = Problem::new(&Isometry3::identity(), vec![heavy(6.0)], End::Held(end));
+    let problem = Problem::new(&Isometry3::identity(), vec![heavy(6.0)], EndCondition::Held(end));
     let problem = problem.expect("a problem");
     c.bench_function("boundary/full frame with gravity", |b| {
         b.iter(|| black_box(&problem).solve().expect("an equilibrium"));

@@ -1,4 +1,4 @@
-use crate::chain::Tip;
+use crate::chain::TipHold;
 use crate::segment::Blocks;
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 /// a node act on it too; they are carried along as one sum, so the cost stays that of tridiagonal
 /// blocks.
 #[derive(Debug, Default)]
-pub(crate) struct Factor {
+pub(crate) struct BandFactor {
     /// Inverse pivots, and what leads from the node before, of the nodes behind the clamp.
     inverse: Vec<Matrix3<f64>>,
     carry: Vec<Matrix3<f64>>,
@@ -28,14 +28,14 @@ pub(crate) struct Follow {
     pub(crate) motions: Vec<[Matrix3<f64>; 2]>,
 }
 
-impl Factor {
+impl BandFactor {
     /// Eliminates the blocks with `shift` times their own shifts added. `None` if a pivot is
     /// singular.
     pub(crate) fn of(
         blocks: &[Blocks],
         shift: f64,
         follow: Option<&Follow>,
-        tip: Tip,
+        tip: TipHold,
     ) -> Option<Self> {
         let count = blocks.len();
         let mut factor = Self {
@@ -65,10 +65,10 @@ impl Factor {
                     pivot -= motion[0].tr_mul(&beyond);
                 }
             }
-            let held = if i + 1 == count { tip } else { Tip::Free };
+            let held = if i + 1 == count { tip } else { TipHold::Free };
             factor.inverse[i] = match held {
-                Tip::Held => Matrix3::zeros(),
-                Tip::Aligned => {
+                TipHold::Held => Matrix3::zeros(),
+                TipHold::Aligned => {
                     // Only the turn about the tangent is free.
                     let (along, spin) = (pivot[(2, 2)], Vector3::z());
                     if along < 0.0 {
@@ -76,7 +76,7 @@ impl Factor {
                     }
                     spin * spin.transpose() * along.recip()
                 }
-                Tip::Free => {
+                TipHold::Free => {
                     if follow.is_none() && !definite(&pivot) {
                         factor.note(i, falling(&pivot));
                     }

@@ -1,7 +1,7 @@
 use crate::StaticError;
 use crate::error::finite;
 use crate::rod::Piece;
-use crate::segment::{Segment, turn};
+use crate::segment::{ChainSegment, turn};
 use crate::shape::Shape;
 use crate::target::Target;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -16,17 +16,17 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone)]
 pub struct Chain {
     pub(crate) clamp: Isometry3<f64>,
-    pub(crate) segments: Vec<Segment>,
+    pub(crate) segments: Vec<ChainSegment>,
     /// Dead forces on the nodes, world frame, and forces that follow the nodes' frames.
     pub(crate) forces: Vec<Vector3<f64>>,
     pub(crate) followers: Vec<Vector3<f64>>,
     pub(crate) targets: Vec<Target>,
-    pub(crate) tip: Tip,
+    pub(crate) tip: TipHold,
 }
 
 /// What holds the direction of the last node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Tip {
+pub(crate) enum TipHold {
     Free,
     /// Its tangent is held.
     Aligned,
@@ -82,7 +82,7 @@ impl Chain {
             forces: vec![Vector3::zeros()],
             followers: vec![Vector3::zeros(); lengths.len() + 1],
             targets: Vec::new(),
-            tip: Tip::Free,
+            tip: TipHold::Free,
         };
         let mut from = 0.0;
         for (i, &(piece, length)) in lengths.iter().enumerate() {
@@ -91,7 +91,7 @@ impl Chain {
             if angle > PI {
                 return Err(StaticError::TooCoarse { segment: i, angle });
             }
-            chain.segments.push(Segment {
+            chain.segments.push(ChainSegment {
                 length,
                 stiffness: p.stiffness,
                 natural_curvature: p.natural_curvature,
@@ -203,7 +203,7 @@ impl Chain {
     /// Whether the last node keeps the frame that it has in the shape to start from, which
     /// [`Chain::relax`] is given: with a target that holds its place, a clamp.
     pub fn hold_tip_frame(&mut self, held: bool) {
-        self.tip = if held { Tip::Held } else { Tip::Free };
+        self.tip = if held { TipHold::Held } else { TipHold::Free };
     }
 
     /// The places that nodes are held at or pulled to.

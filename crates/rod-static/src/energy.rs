@@ -4,7 +4,7 @@ use crate::StaticError;
 use crate::chain::Chain;
 use crate::segment::{Blocks, turn};
 use crate::shape::Shape;
-use crate::trial::Trial;
+use crate::trial::TrialShape;
 use nalgebra::Vector3;
 
 impl Chain {
@@ -85,8 +85,8 @@ impl Chain {
         Ok(product)
     }
 
-    fn trial(&self, shape: &Shape) -> Trial {
-        Trial::new(self, shape.frames.clone(), &self.carried(&shape.frames, 0.0, &[]))
+    fn trial(&self, shape: &Shape) -> TrialShape {
+        TrialShape::new(self, shape.frames.clone(), &self.carried(&shape.frames, 0.0, &[]))
     }
 
     fn blocks(&self, shape: &Shape) -> Result<Vec<Blocks>, StaticError> {

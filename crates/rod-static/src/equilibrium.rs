@@ -1,13 +1,13 @@
-use crate::mesh::{Element, Scaled};
+use crate::mesh::{MeshElement, Scaled};
 use crate::state::State;
-use crate::step::Node;
+use crate::step::ShootingNode;
 
 /// An equilibrium: the rod's state at any arc length, its energies and its stability.
 #[derive(Debug, Clone)]
 pub struct Equilibrium {
     pub(crate) rod: Scaled,
-    pub(crate) elements: Vec<Element>,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) elements: Vec<MeshElement>,
+    pub(crate) nodes: Vec<ShootingNode>,
     /// Part of the loads that acts.
     pub(crate) factor: f64,
     pub(crate) elastic: f64,
@@ -73,7 +73,7 @@ impl Equilibrium {
     }
 
     /// The node at the scaled arc length `s`.
-    pub(crate) fn node_at(&self, s: f64) -> Node {
+    pub(crate) fn node_at(&self, s: f64) -> ShootingNode {
         let index = self.elements.partition_point(|e| e.to <= s);
         let Some(element) = self.elements.get(index) else {
             return self.nodes[self.nodes.len() - 1];

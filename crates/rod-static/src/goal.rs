@@ -1,6 +1,6 @@
 use crate::mesh::Scaled;
-use crate::rod::End;
-use crate::step::Node;
+use crate::rod::EndCondition;
+use crate::step::ShootingNode;
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 const PUSH: f64 = 0.05;
 
 /// Six conditions on the end of the rod.
-pub(crate) type Conditions = SMatrix<f64, 6, 12>;
+pub(crate) type BoundaryMatrix = SMatrix<f64, 6, 12>;
 
 /// What the end of the rod is to meet, in scaled units.
 #[derive(Debug, Clone, Copy)]
@@ -21,20 +21,20 @@ pub(crate) enum Goal {
 }
 
 impl Goal {
-    pub(crate) fn of(end: &End, units: &Scaled) -> Self {
+    pub(crate) fn of(end: &EndCondition, units: &Scaled) -> Self {
         match end {
-            End::Free { force, moment } => {
+            EndCondition::Free { force, moment } => {
                 Self::Free { force: force / units.force(), moment: moment / units.energy() }
             }
-            End::Position(p) => {
+            EndCondition::Position(p) => {
                 Self::Position { position: p.coords / units.length, moment: Vector3::zeros() }
             }
-            End::Tangent(p, t) => Self::Tangent {
+            EndCondition::Tangent(p, t) => Self::Tangent {
                 position: p.coords / units.length,
                 tangent: t.into_inner(),
                 torque: 0.0,
             },
-            End::Held(pose) => Self::Held {
+            EndCondition::Held(pose) => Self::Held {
                 position: pose.translation.vector / units.length,
                 frame: pose.rotation,
             },
@@ -44,7 +44,7 @@ impl Goal {
     /// The goal at the part `t` of the way from what `node` meets, with `turns` whole turns about
     /// the tangent on the way. `None` where the way of a tangent or frame is not known: half a
     /// turn.
-    pub(crate) fn on_the_way(&self, node: &Node, turns: f64, t: f64) -> Option<Self> {
+    pub(crate) fn on_the_way(&self, node: &ShootingNode, turns: f64, t: f64) -> Option<Self> {
         let tangent = node.q * Vector3::z();
         Some(match *self {
             Self::Free { force, moment } => {
@@ -91,9 +91,9 @@ impl Goal {
 
     /// By how much `node` misses the goal, and the derivatives of that. `None` where the tangent is
     /// opposite to the one asked for.
-    pub(crate) fn missed(&self, node: &Node) -> Option<(SVector<f64, 6>, Conditions)> {
+    pub(crate) fn missed(&self, node: &ShootingNode) -> Option<(SVector<f64, 6>, BoundaryMatrix)> {
         let mut missed = SVector::<f64, 6>::zeros();
-        let mut by = Conditions::zeros();
+        let mut by = BoundaryMatrix::zeros();
         let mut set = |row: usize, value: Vector3<f64>, column: usize| {
             missed.fixed_rows_mut::<3>(row).copy_from(&value);
             by.fixed_view_mut::<3, 3>(row, column).fill_with_identity();

@@ -29,7 +29,7 @@ pub struct Lagrange {
     to_world: Rotation3<f64>,
     /// Moment along the tangent, 1/m, and half the excess of twist over that of the precession.
     spin: f64,
-    motion: Option<Motion>,
+    motion: Option<AngleMotion>,
 }
 
 /// Force times arc length, in units of the rates, below which positions come from quadrature: the
@@ -40,7 +40,7 @@ const PANELS: f64 = 1e5;
 
 /// The angle to the force and what turns about it, in units of the bending stiffness.
 #[derive(Debug, Clone)]
-struct Motion {
+struct AngleMotion {
     roots: Roots,
     n: f64,
     mz: f64,
@@ -53,7 +53,7 @@ struct Motion {
 }
 
 /// The elliptic functions at one arc length: numbers of half waves, and sn, cn, dn there.
-struct Place {
+struct EllipticPlace {
     u: f64,
     rest: f64,
     half_waves: f64,
@@ -115,7 +115,7 @@ impl Lagrange {
         let across = Complex::new(moment.x, moment.y);
         let motion = Roots::of(&integrals)
             .filter(|_| !straight)
-            .map(|roots| Motion::of(roots, &integrals, &frame, across));
+            .map(|roots| AngleMotion::of(roots, &integrals, &frame, across));
         Ok(Self { bending, start: *start, to_world, spin, motion })
     }
 
@@ -134,7 +134,7 @@ impl Lagrange {
     /// `lambda`, 1/m. `None` as for [`Lagrange::roots`].
     #[must_use]
     pub fn modulus(&self) -> Option<(f64, f64)> {
-        let of = |m: &Motion| ((1.0 - m.roots.modulus.complement()).sqrt(), m.roots.lambda);
+        let of = |m: &AngleMotion| ((1.0 - m.roots.modulus.complement()).sqrt(), m.roots.lambda);
         self.motion.as_ref().map(of)
     }
 
@@ -200,7 +200,7 @@ impl Lagrange {
     }
 }
 
-impl Motion {
+impl AngleMotion {
     fn of(roots: Roots, i: &Integrals, frame: &Rotation3<f64>, transverse: Complex<f64>) -> Self {
         let rate = roots.lambda + i.bending.sqrt() + i.m3.abs();
         let mut motion = Self { roots, n: i.n, mz: i.mz, rate, phases: [0.0; 2], transverse };
@@ -226,21 +226,21 @@ impl Motion {
         motion
     }
 
-    fn place(&self, s: f64) -> Place {
+    fn place(&self, s: f64) -> EllipticPlace {
         let u = self.roots.lambda * s + self.roots.start;
         let (half_waves, rest) = self.roots.modulus.reduce(u);
         let at = self.roots.modulus.jacobi_reduced(rest);
-        Place { u, rest, half_waves, sn: at.sn, cn: at.cn, dn: at.dn }
+        EllipticPlace { u, rest, half_waves, sn: at.sn, cn: at.cn, dn: at.dn }
     }
 
     /// `(1 + z) / 2` and `(1 - z) / 2` (thesis (3.96)).
-    fn distances(&self, p: &Place) -> [f64; 2] {
+    fn distances(&self, p: &EllipticPlace) -> [f64; 2] {
         let r = &self.roots;
         [0.5 * (r.above1 + r.span * p.sn * p.sn), 0.5 * (r.below2 + r.span * p.cn * p.cn)]
     }
 
     /// `z'`, 1/m.
-    fn slope(&self, p: &Place) -> f64 {
+    fn slope(&self, p: &EllipticPlace) -> f64 {
         2.0 * self.roots.lambda * self.roots.span * p.sn * p.cn * p.dn
     }
 
@@ -250,7 +250,7 @@ impl Motion {
     /// The second varies fast where the tangent passes the force (z2), and its integral starts at
     /// z1; the first varies fast at z1, and its integral starts at z2. So both are sums of
     /// positive terms and keep their digits however close the pole is passed.
-    fn phases(&self, p: &Place) -> [f64; 2] {
+    fn phases(&self, p: &EllipticPlace) -> [f64; 2] {
         let r = &self.roots;
         let k1 = r.modulus.complement();
         let quarter = r.modulus.quarter_period();
@@ -277,7 +277,7 @@ impl Motion {
     }
 
     /// The two complex numbers whose real and imaginary parts are the frame's quaternion.
-    fn numbers(&self, p: &Place, spin: f64) -> [Complex<f64>; 2] {
+    fn numbers(&self, p: &EllipticPlace, spin: f64) -> [Complex<f64>; 2] {
         let ([above, below], [plus, minus]) = (self.distances(p), self.phases(p));
         [
             Complex::from_polar(above.sqrt(), plus + spin),
@@ -286,7 +286,12 @@ impl Motion {
     }
 
     /// The moment across the force, 1/m.
-    fn transverse(&self, p: &Place, alpha: Complex<f64>, beta: Complex<f64>) -> Complex<f64> {
+    fn transverse(
+        &self,
+        p: &EllipticPlace,
+        alpha: Complex<f64>,
+        beta: Complex<f64>,
+    ) -> Complex<f64> {
         let (slope, both) = (self.slope(p), 2.0 * (alpha * beta).conj());
         if beta.norm_sqr() < alpha.norm_sqr() {
             beta / alpha.conj() * self.mz - Complex::new(self.roots.difference, slope) / both
@@ -296,9 +301,9 @@ impl Motion {
     }
 
     /// The way along the force, m (thesis (3.118), corrected).
-    fn along(&self, p: &Place, s: f64) -> f64 {
+    fn along(&self, p: &EllipticPlace, s: f64) -> f64 {
         let r = &self.roots;
-        let squares = |p: &Place| {
+        let squares = |p: &EllipticPlace| {
             let part = |sn: f64, cn2: f64, dn2: f64| sn.powi(3) / 3.0 * rd(cn2, dn2, 1.0);
             2.0 * p.half_waves * part(1.0, 0.0, r.modulus.complement())
                 + part(p.sn, p.cn * p.cn, p.dn * p.dn)

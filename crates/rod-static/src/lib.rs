@@ -34,7 +34,7 @@ pub use error::StaticError;
 pub use lagrange::Lagrange;
 pub use problem::Problem;
 pub use relax::Rest;
-pub use rod::{End, Piece, Properties};
+pub use rod::{EndCondition, Piece, Properties};
 pub use shape::Shape;
 pub use state::State;
 pub use target::Target;

@@ -1,7 +1,7 @@
 use crate::StaticError;
 use crate::rod::{Piece, Properties};
 use crate::state::State;
-use crate::step::Node;
+use crate::step::ShootingNode;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 
@@ -31,7 +31,7 @@ pub(crate) struct Scaled {
 
 /// A stretch of one step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Element {
+pub(crate) struct MeshElement {
     pub(crate) piece: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
@@ -66,7 +66,11 @@ impl Scaled {
     }
 
     /// The properties of an element at scaled arc lengths, its load times `factor`.
-    pub(crate) fn properties(&self, element: &Element, factor: f64) -> impl Fn(f64) -> Properties {
+    pub(crate) fn properties(
+        &self,
+        element: &MeshElement,
+        factor: f64,
+    ) -> impl Fn(f64) -> Properties {
         let (piece, length, stiffness) = (&self.pieces[element.piece], self.length, self.stiffness);
         let load = factor * length / self.force();
         move |s| {
@@ -85,7 +89,7 @@ impl Scaled {
     ///
     /// # Errors
     /// [`StaticError::TooFine`].
-    pub(crate) fn elements(&self, end: [f64; 2]) -> Result<Vec<Element>, StaticError> {
+    pub(crate) fn elements(&self, end: [f64; 2]) -> Result<Vec<MeshElement>, StaticError> {
         let [mut carried, moment] = end;
         let mut at = 0.0;
         let mut rates = Vec::new();
@@ -113,7 +117,7 @@ impl Scaled {
             }
             let parts = graded(length, slow, fast);
             for ends in parts.windows(2) {
-                elements.push(Element {
+                elements.push(MeshElement {
                     piece: index,
                     from: from + ends[0],
                     to: from + ends[1],
@@ -132,10 +136,10 @@ impl Scaled {
     /// none, or so many that they are not resolved.
     pub(crate) fn refined(
         &self,
-        elements: &[Element],
-        nodes: &[Node],
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
         factor: f64,
-    ) -> Option<(Vec<Element>, Vec<Node>)> {
+    ) -> Option<(Vec<MeshElement>, Vec<ShootingNode>)> {
         let (mut finer, mut more) = (Vec::new(), Vec::new());
         for (element, node) in elements.iter().zip(nodes) {
             let properties = self.properties(element, factor);
@@ -159,7 +163,7 @@ impl Scaled {
                 let from = element.from + h * part / parts;
                 let last = part + 1.0 >= parts;
                 more.push(node.step(element.from, from, &properties).node);
-                finer.push(Element {
+                finer.push(MeshElement {
                     from,
                     to: if last { element.to } else { element.from + h * ((part + 1.0) / parts) },
                     end_load: if last { element.end_load } else { Vector3::zeros() },
@@ -174,8 +178,8 @@ impl Scaled {
     }
 
     /// In these units.
-    pub(crate) fn scale(&self, state: &State) -> Node {
-        Node {
+    pub(crate) fn scale(&self, state: &State) -> ShootingNode {
+        ShootingNode {
             r: state.position.coords / self.length,
             q: so3::quaternion(&state.frame),
             m: state.moment / self.energy(),
@@ -184,7 +188,7 @@ impl Scaled {
     }
 
     /// In SI units.
-    pub(crate) fn unscale(&self, node: &Node) -> State {
+    pub(crate) fn unscale(&self, node: &ShootingNode) -> State {
         State {
             position: Point3::from(node.r * self.length),
             frame: node.q.to_rotation_matrix(),
@@ -196,12 +200,12 @@ impl Scaled {
     /// The natural shape from a clamp.
     pub(crate) fn natural(
         &self,
-        elements: &[Element],
+        elements: &[MeshElement],
         clamp: (Vector3<f64>, UnitQuaternion<f64>),
         moment: Vector3<f64>,
-    ) -> Vec<Node> {
+    ) -> Vec<ShootingNode> {
         let (r, q) = clamp;
-        let mut nodes = vec![Node { r, q, m: moment, n: Vector3::zeros() }];
+        let mut nodes = vec![ShootingNode { r, q, m: moment, n: Vector3::zeros() }];
         for (i, element) in elements.iter().enumerate() {
             let properties = self.properties(element, 0.0);
             nodes.push(nodes[i].step(element.from, element.to, properties).node);

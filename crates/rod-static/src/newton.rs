@@ -1,10 +1,10 @@
-use crate::band::{Factor, Follow};
+use crate::band::{BandFactor, Follow};
 use crate::chain::Chain;
 use crate::segment::Blocks;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A Newton step of a [`Chain`].
-pub(crate) struct Newton {
+pub(crate) struct NewtonStep {
     /// Variations of the frames behind the clamp.
     pub(crate) step: Vec<Vector3<f64>>,
     /// Changes of the targets' pulls.
@@ -18,7 +18,7 @@ pub(crate) struct Newton {
 /// Shifts that are tried in turn.
 const SHIFTS: [f64; 6] = [0.0, 0.1, 1.0, 4.0, 16.0, 64.0];
 
-impl Newton {
+impl NewtonStep {
     /// The largest rotation of a node, rad; infinite if one is no number.
     pub(crate) fn size(&self) -> f64 {
         let squares = self.step.iter().map(Vector3::norm_squared);
@@ -43,7 +43,7 @@ impl Newton {
             .collect();
         let mut falling = None;
         for shift in SHIFTS {
-            let factor = Factor::of(blocks, shift, follow, chain.tip)?;
+            let factor = BandFactor::of(blocks, shift, follow, chain.tip)?;
             let mut newton = Self {
                 step: factor.solve(blocks, follow, &moments),
                 pulls: Vec::new(),
@@ -75,7 +75,7 @@ impl Newton {
         gaps: &[Vector3<f64>],
         motions: &[[Matrix3<f64>; 2]],
         follow: Option<&Follow>,
-        factor: &Factor,
+        factor: &BandFactor,
     ) -> Option<usize> {
         let count = chain.targets.len();
         if count == 0 {

@@ -1,14 +1,14 @@
 use crate::StaticError;
-use crate::chain::{Chain, Tip};
+use crate::chain::{Chain, TipHold};
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
 use crate::goal::Goal;
-use crate::mesh::{Element, Scaled};
-use crate::rod::{End, Piece};
+use crate::mesh::{MeshElement, Scaled};
+use crate::rod::{EndCondition, Piece};
 use crate::shooting::{Effort, newton};
 use crate::stability::index;
 use crate::state::State;
-use crate::step::Node;
+use crate::step::ShootingNode;
 use crate::target::Target;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
@@ -47,13 +47,13 @@ pub struct Problem {
     clamp: (Vector3<f64>, UnitQuaternion<f64>),
     goal: Goal,
     /// Those of every way to a solution.
-    elements: Vec<Element>,
+    elements: Vec<MeshElement>,
 }
 
 /// Where a continuation begins: a shape, the part of the loads on it, and whole turns of the end
 /// about its tangent on the way.
-struct Start {
-    nodes: Vec<Node>,
+struct ContinuationStart {
+    nodes: Vec<ShootingNode>,
     factor: f64,
     turns: f64,
 }
@@ -65,7 +65,11 @@ impl Problem {
     /// # Errors
     /// No pieces, lengths or stiffnesses that are not positive, numbers that are not finite, an end
     /// farther from the clamp than the rod is long, and [`StaticError::TooFine`].
-    pub fn new(clamp: &Isometry3<f64>, pieces: Vec<Piece>, end: End) -> Result<Self, StaticError> {
+    pub fn new(
+        clamp: &Isometry3<f64>,
+        pieces: Vec<Piece>,
+        end: EndCondition,
+    ) -> Result<Self, StaticError> {
         let rod = Scaled::new(pieces)?;
         finite("the pose of the clamp", clamp.translation.vector.as_slice())?;
         finite("the pose of the clamp", clamp.rotation.coords.as_slice())?;
@@ -111,7 +115,7 @@ impl Problem {
         let mut found: Vec<Equilibrium> = self.any(&effort).into_iter().collect();
         for nodes in self.starts(&effort) {
             for &turns in &turns {
-                let start = Start { nodes: nodes.clone(), factor: 0.0, turns };
+                let start = ContinuationStart { nodes: nodes.clone(), factor: 0.0, turns };
                 if let Some(one) = self.follow(&self.elements, &start, &effort)
                     && !found.iter().any(|other| alike(other, &one))
                 {
@@ -131,7 +135,7 @@ impl Problem {
     /// [`StaticError::NotFound`] if the way there is blocked.
     pub fn solve_from(&self, start: &Equilibrium) -> Result<Equilibrium, StaticError> {
         let nodes = start.nodes.clone();
-        let start_at = Start { nodes, factor: start.factor, turns: 0.0 };
+        let start_at = ContinuationStart { nodes, factor: start.factor, turns: 0.0 };
         self.follow(&start.elements, &start_at, &Effort::new()).ok_or(StaticError::NotFound)
     }
 
@@ -158,7 +162,7 @@ impl Problem {
         let (_, first) = guess.next().ok_or(StaticError::NotFound)?;
         let elements = &self.elements;
         let (r, q) = self.clamp;
-        let mut nodes = vec![Node { r, q, ..self.rod.scale(first) }];
+        let mut nodes = vec![ShootingNode { r, q, ..self.rod.scale(first) }];
         for element in elements {
             let (mut from, mut node) = (element.from, nodes[nodes.len() - 1]);
             while let Some((s, state)) = guess.next_if(|(s, _)| *s < element.to) {
@@ -180,7 +184,7 @@ impl Problem {
     fn any(&self, effort: &Effort) -> Option<Equilibrium> {
         let mut unstable = None;
         for nodes in self.starts(effort) {
-            match self.reach(&Start { nodes, factor: 0.0, turns: 0.0 }, effort) {
+            match self.reach(&ContinuationStart { nodes, factor: 0.0, turns: 0.0 }, effort) {
                 Some(found) if found.is_stable() => return Some(found),
                 Some(found) => unstable = unstable.or(Some(found)),
                 None => {}
@@ -190,7 +194,7 @@ impl Problem {
     }
 
     /// The equilibrium that `start` leads to, stable if one is found.
-    fn reach(&self, start: &Start, effort: &Effort) -> Option<Equilibrium> {
+    fn reach(&self, start: &ContinuationStart, effort: &Effort) -> Option<Equilibrium> {
         let elements = &self.elements;
         let free = matches!(self.goal, Goal::Free { .. });
         let stable = |found: &Option<Equilibrium>| found.as_ref().is_some_and(|f| f.is_stable());
@@ -216,15 +220,20 @@ impl Problem {
 
     /// The equilibrium that a push leads to, which is then taken away. Near a load that buckles it,
     /// the rod in segments may stand where the rod does not; pushed, both lean.
-    fn around(&self, elements: &[Element], nodes: &[Node], effort: &Effort) -> Option<Equilibrium> {
+    fn around(
+        &self,
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
+        effort: &Effort,
+    ) -> Option<Equilibrium> {
         let pushed = Self { goal: self.goal.pushed(), ..self.clone() };
-        let start = Start { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
+        let start = ContinuationStart { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
         let nodes = match self.goal {
             Goal::Free { .. } => start.nodes,
             _ => pushed.continued(elements, &start, 1.0, effort)?,
         };
         let leaning = pushed.descend(elements, &nodes, effort)?;
-        let start = Start { nodes: leaning.nodes, factor: 1.0, turns: 0.0 };
+        let start = ContinuationStart { nodes: leaning.nodes, factor: 1.0, turns: 0.0 };
         self.follow(&leaning.elements, &start, effort)
     }
 
@@ -233,8 +242,8 @@ impl Problem {
     /// has no energy.
     fn descend(
         &self,
-        elements: &[Element],
-        nodes: &[Node],
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
         effort: &Effort,
     ) -> Option<Equilibrium> {
         let rod = &self.rod;
@@ -250,9 +259,9 @@ impl Problem {
             Goal::Free { force, .. } => chain.forces[last] += force * rod.force(),
             Goal::Position { position, .. } => place = Some(position),
             Goal::Tangent { position, .. } => {
-                (chain.tip, place) = (Tip::Aligned, Some(position));
+                (chain.tip, place) = (TipHold::Aligned, Some(position));
             }
-            Goal::Held { position, .. } => (chain.tip, place) = (Tip::Held, Some(position)),
+            Goal::Held { position, .. } => (chain.tip, place) = (TipHold::Held, Some(position)),
         }
         let mut shape = chain.shape(nodes.iter().map(|node| node.q).collect());
         let mut pull = nodes.last()?.n * rod.force();
@@ -270,7 +279,7 @@ impl Problem {
             rest = Some(found);
         }
         let states = chain.states(&rest?);
-        let mut nodes: Vec<Node> = states.iter().map(|state| rod.scale(state)).collect();
+        let mut nodes: Vec<ShootingNode> = states.iter().map(|state| rod.scale(state)).collect();
         nodes[last].n = match self.goal {
             Goal::Free { force, .. } => force,
             _ => pull / rod.force(),
@@ -285,7 +294,7 @@ impl Problem {
 
     /// The shapes to start from: the natural one, bent by the moment on the end, then, once that is
     /// not enough, bent ones by their distance from the goal, then those that are twisted too.
-    fn starts<'a>(&'a self, effort: &'a Effort) -> impl Iterator<Item = Vec<Node>> + 'a {
+    fn starts<'a>(&'a self, effort: &'a Effort) -> impl Iterator<Item = Vec<ShootingNode>> + 'a {
         let shape = move |moment: Vector3<f64>| {
             effort.spend(self.elements.len())?;
             Some(self.rod.natural(&self.elements, self.clamp, moment))
@@ -299,7 +308,7 @@ impl Problem {
                     bent.extend(shape(self.clamp.1 * moment));
                 }
             }
-            let missed = |nodes: &Vec<Node>| {
+            let missed = |nodes: &Vec<ShootingNode>| {
                 let missed = nodes.last().and_then(|tip| self.goal.missed(tip));
                 missed.map_or(f64::MAX, |(missed, _)| missed.norm())
             };
@@ -314,7 +323,12 @@ impl Problem {
     }
 
     /// Continuation from `start` in the loads and in the condition on the end together.
-    fn follow(&self, elements: &[Element], start: &Start, effort: &Effort) -> Option<Equilibrium> {
+    fn follow(
+        &self,
+        elements: &[MeshElement],
+        start: &ContinuationStart,
+        effort: &Effort,
+    ) -> Option<Equilibrium> {
         let nodes = self.continued(elements, start, 1.0, effort)?;
         self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
     }
@@ -322,11 +336,11 @@ impl Problem {
     /// Continuation from `start` to the condition on the end and the part `loads` of the loads.
     fn continued(
         &self,
-        elements: &[Element],
-        start: &Start,
+        elements: &[MeshElement],
+        start: &ContinuationStart,
         loads: f64,
         effort: &Effort,
-    ) -> Option<Vec<Node>> {
+    ) -> Option<Vec<ShootingNode>> {
         let tip = start.nodes.last()?;
         let mut nodes = start.nodes.clone();
         let near = start.factor >= loads && self.goal.missed(tip)?.0.norm() < NEAR;
@@ -351,8 +365,8 @@ impl Problem {
     /// Refines the elements until the solution is resolved, and measures it.
     fn finish(
         &self,
-        mut elements: Vec<Element>,
-        mut nodes: Vec<Node>,
+        mut elements: Vec<MeshElement>,
+        mut nodes: Vec<ShootingNode>,
         goal: &Goal,
         factor: f64,
         effort: &Effort,

@@ -1,10 +1,10 @@
 use crate::band::Follow;
 use crate::chain::Chain;
-use crate::newton::Newton;
+use crate::newton::NewtonStep;
 use crate::segment::Blocks;
 use crate::shape::Shape;
 use crate::target::Target;
-use crate::trial::Trial;
+use crate::trial::TrialShape;
 use crate::{State, StaticError};
 use nalgebra::{UnitQuaternion, Vector3};
 use rapunzel_fiber::so3::hat;
@@ -112,7 +112,7 @@ impl Chain {
     pub fn states(&self, rest: &Rest) -> Vec<State> {
         let shape = &rest.shape;
         let carried = self.carried(&shape.frames, 1.0, &rest.pulls);
-        let blocks = Trial::new(self, shape.frames.clone(), &carried).blocks(self, &carried);
+        let blocks = TrialShape::new(self, shape.frames.clone(), &carried).blocks(self, &carried);
         let last = self.segments.len() - 1;
         let state = |i: usize| {
             let force = match i {
@@ -170,7 +170,7 @@ impl Chain {
         most: usize,
     ) -> Result<Rest, StaticError> {
         let dead = self.carried(&frames, 0.0, &[]);
-        let mut now = Trial::new(self, frames, &dead);
+        let mut now = TrialShape::new(self, frames, &dead);
         // The merit: the energy, and what held nodes miss by, weighed more than the pulls.
         let mut weight = 0.0_f64;
         let mut size = f64::INFINITY;
@@ -181,7 +181,9 @@ impl Chain {
             let carried = self.carried(&now.frames, 0.0, &pulls);
             let blocks = now.blocks(self, &carried);
             let motions = if self.targets.is_empty() { Vec::new() } else { now.motions(self) };
-            let Some(newton) = Newton::of(self, &blocks, &now.gaps, &motions, None) else { break };
+            let Some(newton) = NewtonStep::of(self, &blocks, &now.gaps, &motions, None) else {
+                break;
+            };
             size = newton.size();
             if newton.shift == 0.0 && size < SMALL {
                 now = now.moved(self, &dead, &newton.step, 1.0);
@@ -191,11 +193,11 @@ impl Chain {
             for (pull, change) in pulls.iter().zip(&newton.pulls) {
                 weight = weight.max(2.0 * (pull + change).norm());
             }
-            let merit = |trial: &Trial| trial.energy + weight * trial.missed(self);
+            let merit = |trial: &TrialShape| trial.energy + weight * trial.missed(self);
             let before = merit(&now);
             if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
                 let lowest = self.lowest(&now, &dead, falling, merit);
-                let deeper = |trial: &Trial| merit(trial) < before - ROUNDING * before.abs();
+                let deeper = |trial: &TrialShape| merit(trial) < before - ROUNDING * before.abs();
                 if let Some(lowest) = lowest.filter(deeper) {
                     now = lowest;
                     continue;
@@ -230,14 +232,14 @@ impl Chain {
     /// The lowest of the shapes along a direction in which the energy falls.
     fn lowest(
         &self,
-        now: &Trial,
+        now: &TrialShape,
         dead: &[Vector3<f64>],
         falling: &[Vector3<f64>],
-        merit: impl Fn(&Trial) -> f64,
-    ) -> Option<Trial> {
+        merit: impl Fn(&TrialShape) -> f64,
+    ) -> Option<TrialShape> {
         let largest = falling.iter().map(Vector3::norm).fold(0.0, f64::max);
         let both = |size: f64| [size, -size].map(|s| now.moved(self, dead, falling, s / largest));
-        let deeper = |a: &Trial, b: &Trial| merit(a).total_cmp(&merit(b));
+        let deeper = |a: &TrialShape, b: &TrialShape| merit(a).total_cmp(&merit(b));
         let lowest = FALLS.into_iter().flat_map(both).min_by(deeper)?;
         if !self.targets.is_empty() {
             return Some(lowest);
@@ -250,11 +252,11 @@ impl Chain {
     /// Where a few whole steps lead from `start`, without targets, if the energy comes below `low` there:
     /// along a valley that bends, as that of a round rod that may lean any way, the first step climbs its
     /// side, and the next return.
-    fn ahead(&self, start: &Trial, dead: &[Vector3<f64>], low: f64) -> Option<Trial> {
+    fn ahead(&self, start: &TrialShape, dead: &[Vector3<f64>], low: f64) -> Option<TrialShape> {
         let mut trial = start.clone();
         for _ in 0..AHEAD {
             let blocks = trial.blocks(self, dead);
-            let newton = Newton::of(self, &blocks, &trial.gaps, &[], None)?;
+            let newton = NewtonStep::of(self, &blocks, &trial.gaps, &[], None)?;
             let part = (LARGEST / newton.size()).min(1.0);
             trial = trial.moved(self, dead, &newton.step, part);
             if trial.energy <= low {
@@ -268,8 +270,8 @@ impl Chain {
     fn slope(
         &self,
         blocks: &[Blocks],
-        newton: &Newton,
-        now: &Trial,
+        newton: &NewtonStep,
+        now: &TrialShape,
         pulls: &[Vector3<f64>],
         weight: f64,
     ) -> f64 {
@@ -282,7 +284,7 @@ impl Chain {
         along - held.map(|((_, gap), pull)| gap.dot(pull) + weight * gap.norm()).sum::<f64>()
     }
 
-    pub(crate) fn stretch_springs(&self, now: &Trial, pulls: &mut [Vector3<f64>]) {
+    pub(crate) fn stretch_springs(&self, now: &TrialShape, pulls: &mut [Vector3<f64>]) {
         for ((target, gap), pull) in self.targets.iter().zip(&now.gaps).zip(pulls) {
             if !target.is_held() {
                 *pull = -target.stiffness * gap;
@@ -333,7 +335,7 @@ impl Chain {
         for _ in 0..FEW {
             *iterations += 1;
             let carried = self.carried(frames, factor, pulls);
-            let now = Trial::new(self, std::mem::take(frames), &carried);
+            let now = TrialShape::new(self, std::mem::take(frames), &carried);
             self.stretch_springs(&now, pulls);
             let carried = self.carried(&now.frames, factor, pulls);
             let blocks = now.blocks(self, &carried);
@@ -341,7 +343,7 @@ impl Chain {
                 frame.to_rotation_matrix().matrix() * hat(&(-factor * force))
             });
             let follow = Follow { turned: turned.collect(), motions: now.motions(self) };
-            let step = Newton::of(self, &blocks, &now.gaps, &follow.motions, Some(&follow));
+            let step = NewtonStep::of(self, &blocks, &now.gaps, &follow.motions, Some(&follow));
             let Some(newton) = step else { return f64::INFINITY };
             size = newton.size();
             *frames = now.moved(self, &carried, &newton.step, (LARGEST / size).min(1.0)).frames;

@@ -90,7 +90,7 @@ impl Piece {
 
 /// What holds the far end of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
+pub enum EndCondition {
     /// Nothing: a given force (N) and moment (N m) act on it, both dead, world frame.
     Free {
         /// Force on the end.
@@ -106,7 +106,7 @@ pub enum End {
     Held(Isometry3<f64>),
 }
 
-impl End {
+impl EndCondition {
     /// A free end without load.
     pub const FREE: Self =
         Self::Free { force: Vector3::new(0.0, 0.0, 0.0), moment: Vector3::new(0.0, 0.0, 0.0) };

@@ -8,7 +8,7 @@ use rapunzel_fiber::so3::hat;
 /// length; `nu` is the force that the rod beyond exerts, in the frame before. Variations of a
 /// frame are rotation vectors in its own axes: `R exp(b)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Segment {
+pub(crate) struct ChainSegment {
     pub(crate) length: f64,
     pub(crate) stiffness: Vector3<f64>,
     pub(crate) natural_curvature: Vector3<f64>,
@@ -100,7 +100,7 @@ impl Geometry {
     }
 }
 
-impl Segment {
+impl ChainSegment {
     /// The end of the segment as seen from its beginning.
     pub(crate) fn chord(&self, phi: &Vector3<f64>) -> Vector3<f64> {
         let (x, z) = (phi.norm_squared(), phi.z);

@@ -1,6 +1,6 @@
 use crate::goal::Goal;
-use crate::mesh::{Element, Scaled};
-use crate::step::{Node, Propagator};
+use crate::mesh::{MeshElement, Scaled};
+use crate::step::{Propagator, ShootingNode};
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use std::cell::Cell;
 
@@ -46,8 +46,8 @@ impl Effort {
 /// (Godunov 1961, Scott and Watts 1977): modes that grow along the rod do no harm.
 pub(crate) fn newton(
     rod: &Scaled,
-    elements: &[Element],
-    nodes: &mut [Node],
+    elements: &[MeshElement],
+    nodes: &mut [ShootingNode],
     goal: &Goal,
     factor: f64,
     effort: &Effort,
@@ -76,13 +76,13 @@ pub(crate) fn newton(
 }
 
 /// The size of a correction: in lengths, radians and parts of what the node carries.
-fn relative(node: &Node, c: &Variation) -> f64 {
+fn relative(node: &ShootingNode, c: &Variation) -> f64 {
     let part = |row: usize| c.fixed_rows::<3>(row).norm();
     let (m, n) = (part(6) / (1.0 + node.m.norm()), part(9) / (1.0 + node.n.norm()));
     part(0).max(part(3)).max(m).max(n)
 }
 
-impl Node {
+impl ShootingNode {
     fn correct(&mut self, c: &Variation) {
         self.r += c.fixed_rows::<3>(0);
         let turn: Vector3<f64> = c.fixed_rows::<3>(3).into_owned();
@@ -108,21 +108,21 @@ impl Node {
 /// The end of an element and its derivatives; `None` if the element is too long.
 pub(crate) fn propagate(
     rod: &Scaled,
-    element: &Element,
-    node: &Node,
+    element: &MeshElement,
+    node: &ShootingNode,
     factor: f64,
-) -> Option<(Node, Propagator)> {
+) -> Option<(ShootingNode, Propagator)> {
     let properties = rod.properties(element, factor);
     let (reached, by) = node.step_with_derivatives(element.from, element.to, properties)?;
     let n = reached.node.n - element.end_load * factor;
-    Some((Node { n, ..reached.node }, by))
+    Some((ShootingNode { n, ..reached.node }, by))
 }
 
 /// The Newton corrections of all nodes.
 fn corrections(
     rod: &Scaled,
-    elements: &[Element],
-    nodes: &[Node],
+    elements: &[MeshElement],
+    nodes: &[ShootingNode],
     goal: &Goal,
     factor: f64,
 ) -> Option<Vec<Variation>> {

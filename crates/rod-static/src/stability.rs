@@ -1,7 +1,7 @@
 use crate::goal::Goal;
-use crate::mesh::{Element, Scaled};
+use crate::mesh::{MeshElement, Scaled};
 use crate::shooting::propagate;
-use crate::step::Node;
+use crate::step::ShootingNode;
 use nalgebra::{Matrix3, Vector3};
 
 /// Stiffness of what is held, in units of the rod's own: as good as rigid, and no matter for signs.
@@ -22,8 +22,8 @@ const NEUTRAL: f64 = 1e-7;
 /// of Maddocks 1985; Manning, Rogers and Maddocks 1998), or none, of a neutral way.
 pub(crate) fn index(
     rod: &Scaled,
-    elements: &[Element],
-    nodes: &[Node],
+    elements: &[MeshElement],
+    nodes: &[ShootingNode],
     goal: &Goal,
     factor: f64,
 ) -> Option<usize> {

@@ -16,7 +16,7 @@ pub(crate) type Propagator = SMatrix<f64, 12, 12>;
 
 /// Position, frame, moment and force at a node, scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Node {
+pub(crate) struct ShootingNode {
     pub(crate) r: Vector3<f64>,
     pub(crate) q: UnitQuaternion<f64>,
     pub(crate) m: Vector3<f64>,
@@ -25,7 +25,7 @@ pub(crate) struct Node {
 
 /// Where a step leads.
 pub(crate) struct Reached {
-    pub(crate) node: Node,
+    pub(crate) node: ShootingNode,
     /// Elastic energy of the step, and the work of the distributed load from the origin.
     pub(crate) elastic: f64,
     pub(crate) work: f64,
@@ -44,11 +44,11 @@ const SMALL: f64 = 1e-12;
 /// The quaternions of all stages.
 const UNKNOWNS: usize = 4 * STAGES;
 /// Derivatives of the stages' rates by quaternion and moment.
-type Rates = [(Matrix4<f64>, Matrix4x3<f64>); STAGES];
-type Solver = LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>;
+type StageRates = [(Matrix4<f64>, Matrix4x3<f64>); STAGES];
+type StageSolver = LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>;
 
 /// What the equations are made of at one stage.
-struct Stage {
+struct GaussStage {
     q: Quaternion<f64>,
     m: Vector3<f64>,
     n: Vector3<f64>,
@@ -59,7 +59,7 @@ struct Stage {
     rate: Vector4<f64>,
 }
 
-impl Stage {
+impl GaussStage {
     fn new(q: Quaternion<f64>, n: Vector3<f64>, p: Properties) -> Self {
         let tangent = (q * Quaternion::from_imag(Vector3::z()) * q.conjugate()).imag();
         let zero = Vector3::zeros();
@@ -118,14 +118,19 @@ fn side(p: &Quaternion<f64>, sign: f64) -> Matrix4<f64> {
 }
 
 /// A step of Gauss's method whose stages meet the equations.
-struct Step {
+struct GaussStep {
     h: f64,
-    stages: [Stage; STAGES],
+    stages: [GaussStage; STAGES],
     converged: bool,
 }
 
-impl Step {
-    fn new(node: &Node, from: f64, to: f64, properties: impl Fn(f64) -> Properties) -> Self {
+impl GaussStep {
+    fn new(
+        node: &ShootingNode,
+        from: f64,
+        to: f64,
+        properties: impl Fn(f64) -> Properties,
+    ) -> Self {
         let h = to - from;
         let p = NODES.map(|c| properties(from + h * c));
         let start = properties(from);
@@ -162,14 +167,14 @@ impl Step {
 
     /// The stages with these quaternions: forces follow from the loads, moments from both.
     fn stages(
-        node: &Node,
+        node: &ShootingNode,
         h: f64,
         q: &[Quaternion<f64>; STAGES],
         p: &[Properties; STAGES],
-    ) -> [Stage; STAGES] {
+    ) -> [GaussStage; STAGES] {
         let mut stages = [0, 1, 2, 3].map(|i| {
             let load = (0..STAGES).fold(Vector3::zeros(), |sum, j| sum + p[j].load * STEPS[i][j]);
-            Stage::new(q[i], node.n - load * h, p[i])
+            GaussStage::new(q[i], node.n - load * h, p[i])
         });
         let rates = [0, 1, 2, 3].map(|j| stages[j].moment_rate());
         for i in 0..STAGES {
@@ -180,7 +185,7 @@ impl Step {
     }
 
     /// The derivatives of the rates, and of the stages' equations by the quaternions, factored.
-    fn derivatives(h: f64, stages: &[Stage; STAGES]) -> (Rates, Solver) {
+    fn derivatives(h: f64, stages: &[GaussStage; STAGES]) -> (StageRates, StageSolver) {
         let by = [0, 1, 2, 3].map(|j| stages[j].rate_by());
         let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity();
         for l in 0..STAGES {
@@ -198,7 +203,7 @@ impl Step {
     }
 
     /// The sum of what the stages give, with the weights of the method, times the length.
-    fn sum<T>(&self, zero: T, of: impl Fn(&Stage) -> T) -> T
+    fn sum<T>(&self, zero: T, of: impl Fn(&GaussStage) -> T) -> T
     where
         T: std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
     {
@@ -206,7 +211,7 @@ impl Step {
         all.fold(zero, |sum, (stage, weight)| sum + of(stage) * (weight * self.h))
     }
 
-    fn reached(&self, node: &Node) -> Reached {
+    fn reached(&self, node: &ShootingNode) -> Reached {
         let zero = Vector3::zeros();
         let end = Quaternion::from_vector(node.q.coords + self.sum(Vector4::zeros(), |s| s.rate));
         let mut work = 0.0;
@@ -214,18 +219,19 @@ impl Step {
             let way = (0..STAGES).fold(zero, |sum, j| sum + self.stages[j].tangent * STEPS[i][j]);
             work += WEIGHTS[i] * self.h * stage.p.load.dot(&(node.r + way * self.h));
         }
-        let cubic = |of: &dyn Fn(&Stage) -> Vector4<f64>| {
+        let cubic = |of: &dyn Fn(&GaussStage) -> Vector4<f64>| {
             let all = self.stages.iter().zip(CUBIC);
             all.fold(Vector4::zeros(), |sum, (stage, part)| sum + of(stage) * (part * self.h))
                 .norm()
         };
-        let strength = |s: &Stage| 1.0 + (s.n.norm() * s.p.stiffness.min()).sqrt() + s.m.norm();
-        let moment = |s: &Stage| s.moment_rate().push(0.0) / strength(s);
+        let strength =
+            |s: &GaussStage| 1.0 + (s.n.norm() * s.p.stiffness.min()).sqrt() + s.m.norm();
+        let moment = |s: &GaussStage| s.moment_rate().push(0.0) / strength(s);
         Reached {
-            node: Node {
+            node: ShootingNode {
                 r: node.r + self.sum(zero, |s| s.tangent),
                 q: UnitQuaternion::from_quaternion(end),
-                m: node.m + self.sum(zero, Stage::moment_rate),
+                m: node.m + self.sum(zero, GaussStage::moment_rate),
                 n: node.n - self.sum(zero, |s| s.p.load),
             },
             elastic: 0.5 * self.sum(0.0, |s| s.strain.dot(&s.strain.component_mul(&s.p.stiffness))),
@@ -235,7 +241,7 @@ impl Step {
     }
 
     /// The derivatives of the end, `reached` from `node`.
-    fn propagator(&self, node: &Node, reached: &Node) -> Propagator {
+    fn propagator(&self, node: &ShootingNode, reached: &ShootingNode) -> Propagator {
         let (by, solver) = Self::derivatives(self.h, &self.stages);
         // Columns: rotation, moment, force of the start.
         let mut start = SMatrix::<f64, 4, 9>::zeros();
@@ -281,7 +287,7 @@ impl Step {
     }
 }
 
-impl Node {
+impl ShootingNode {
     /// The step from `from` to `to` through `properties(s)`.
     pub(crate) fn step(
         &self,
@@ -289,7 +295,7 @@ impl Node {
         to: f64,
         properties: impl Fn(f64) -> Properties,
     ) -> Reached {
-        Step::new(self, from, to, properties).reached(self)
+        GaussStep::new(self, from, to, properties).reached(self)
     }
 
     /// The step and its derivatives; `None` if it is too long for its equations to be solved.
@@ -299,7 +305,7 @@ impl Node {
         to: f64,
         properties: impl Fn(f64) -> Properties,
     ) -> Option<(Reached, Propagator)> {
-        let step = Step::new(self, from, to, properties);
+        let step = GaussStep::new(self, from, to, properties);
         let reached = step.reached(self);
         let by = step.propagator(self, &reached.node);
         step.converged.then_some((reached, by))
@@ -318,8 +324,8 @@ mod tests {
         }
     }
 
-    fn node() -> Node {
-        Node {
+    fn node() -> ShootingNode {
+        ShootingNode {
             r: Vector3::new(0.1, 0.2, 0.3),
             q: UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.5, 0.2)),
             m: Vector3::new(1.5, -0.8, 0.6),
@@ -327,7 +333,7 @@ mod tests {
         }
     }
 
-    fn run(steps: u32) -> Node {
+    fn run(steps: u32) -> ShootingNode {
         let mut node = node();
         for i in 0..steps {
             let at = |i: u32| f64::from(i) / f64::from(steps);

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 
 /// A shape of a [`Chain`] with what the search for the equilibrium needs of it.
 #[derive(Debug, Clone)]
-pub(crate) struct Trial {
+pub(crate) struct TrialShape {
     pub(crate) frames: Vec<UnitQuaternion<f64>>,
     turns: Vec<Vector3<f64>>,
     /// Energy of the chain, of the dead forces from the clamp on, and of the springs.
@@ -13,7 +13,7 @@ pub(crate) struct Trial {
     pub(crate) gaps: Vec<Vector3<f64>>,
 }
 
-impl Trial {
+impl TrialShape {
     /// Measures the shape with the given frames; `dead` are the sums of the dead forces beyond.
     pub(crate) fn new(
         chain: &Chain,

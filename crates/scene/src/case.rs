@@ -5,7 +5,7 @@
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
 use crate::{
-    Allowed, Check, FORMAT, LoadFrame, Material, Orientation, Pose, Problem, SceneError,
+    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Orientation, Pose, SceneError, SceneProblem,
     check_section, parse,
 };
 use rapunzel_fiber::{NodeProperties, Section};
@@ -23,7 +23,7 @@ pub struct Case {
     /// Length of the rod, m; with a `wish` the shortest that is tried.
     pub length: f64,
     /// What the rod is made of.
-    pub rod: Rod,
+    pub rod: CaseRod,
     /// Darboux vector of the unloaded rod in the material frame (about d1, d2, tangent), 1/m.
     #[serde(default)]
     pub natural_curvature: [f64; 3],
@@ -35,16 +35,16 @@ pub struct Case {
     pub clamp: Pose,
     /// What holds or loads the far end.
     #[serde(default)]
-    pub end: End,
+    pub end: CaseEnd,
     /// Masses on the way.
     #[serde(default)]
-    pub masses: Vec<Mass>,
+    pub masses: Vec<PointMass>,
     /// Forces on the way.
     #[serde(default)]
     pub forces: Vec<Force>,
     /// Places on the way that the rod is held at or pulled to.
     #[serde(default)]
-    pub places: Vec<Place>,
+    pub places: Vec<PlacedPoint>,
     /// "How long must it be": a length to be found.
     #[serde(default)]
     pub wish: Option<Wish>,
@@ -69,14 +69,14 @@ fn hundred() -> usize {
 /// What a rod is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Rod {
+pub enum CaseRod {
     /// A solid section of a material.
     Solid {
         /// Cross section, m.
         section: Section,
         /// Its material.
         #[serde(default)]
-        material: Material,
+        material: MaterialSpec,
     },
     /// Measured: a hose, a cable.
     Measured {
@@ -94,7 +94,7 @@ pub enum Rod {
 /// What holds or loads the far end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum End {
+pub enum CaseEnd {
     /// Nothing, but perhaps a dead force and moment, which keep their directions.
     Free {
         /// Force on the end, N.
@@ -125,13 +125,13 @@ pub enum End {
     },
 }
 
-impl Default for End {
+impl Default for CaseEnd {
     fn default() -> Self {
         Self::Free { force: [0.0; 3], moment: [0.0; 3] }
     }
 }
 
-impl End {
+impl CaseEnd {
     /// Where the end is held.
     #[must_use]
     pub fn position(&self) -> Option<[f64; 3]> {
@@ -147,7 +147,7 @@ impl End {
 /// A mass that hangs on the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mass {
+pub struct PointMass {
     /// Arc length from the clamp, m.
     pub at: f64,
     /// Mass, kg.
@@ -170,7 +170,7 @@ pub struct Force {
 /// A place that a point of the rod is held at or pulled to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct PlacedPoint {
     /// Arc length of the point from the clamp, m.
     pub at: f64,
     /// Where it is to be, m.
@@ -224,7 +224,7 @@ impl Case {
 
     /// What is wrong with the case; places are not known.
     #[must_use]
-    pub fn problems(&self) -> Vec<Problem> {
+    pub fn problems(&self) -> Vec<SceneProblem> {
         let mut check = Check::default();
         self.check(&mut check);
         check.finish(None)
@@ -233,13 +233,13 @@ impl Case {
     /// Stiffnesses (N m^2), mass per length (kg/m) and radius (m).
     pub fn properties(&self) -> ([f64; 3], f64, f64) {
         match self.rod {
-            Rod::Solid { section, material } => {
+            CaseRod::Solid { section, material } => {
                 let solid = material.solid().expect("the case has been checked");
                 let node = NodeProperties::new(section, &solid);
                 let stiffness = [0, 1, 2].map(|i| node.stiffness[i]);
                 (stiffness, node.linear_density, section.equivalent_radius())
             }
-            Rod::Measured { bending: [a, b], torsion, linear_density, radius } => {
+            CaseRod::Measured { bending: [a, b], torsion, linear_density, radius } => {
                 ([a, b, torsion], linear_density, radius)
             }
         }
@@ -293,8 +293,8 @@ impl Case {
     /// Refuses a natural curvature or twist whose radius is smaller than the rod's.
     fn check_curvature(&self, check: &mut Check) {
         let radius = match self.rod {
-            Rod::Solid { section, .. } => section.equivalent_radius(),
-            Rod::Measured { radius, .. } => radius,
+            CaseRod::Solid { section, .. } => section.equivalent_radius(),
+            CaseRod::Measured { radius, .. } => radius,
         };
         let size = self.natural_curvature.iter().fold(0.0, |size: f64, k| size.hypot(*k));
         if radius > 0.0 && size > 1.0 / radius {
@@ -326,10 +326,10 @@ impl Case {
             return;
         }
         let with = "does not go together with following forces and places on the way";
-        if matches!(self.end, End::Bearing { .. } | End::Clamped { .. }) {
+        if matches!(self.end, CaseEnd::Bearing { .. } | CaseEnd::Clamped { .. }) {
             check.refuse("end", format!("is held in its direction, which {with}"));
         }
-        if matches!(self.end, End::Free { moment, .. } if moment != [0.0; 3]) {
+        if matches!(self.end, CaseEnd::Free { moment, .. } if moment != [0.0; 3]) {
             check.refuse("end.moment", with.into());
         }
         if self.all_with_turns.is_some() {
@@ -338,7 +338,7 @@ impl Case {
     }
 }
 
-impl Rod {
+impl CaseRod {
     fn check(&self, check: &mut Check, length: f64) {
         match self {
             Self::Solid { section, material } => {
@@ -359,7 +359,7 @@ impl Rod {
     }
 }
 
-impl End {
+impl CaseEnd {
     fn check(&self, check: &mut Check) {
         match self {
             Self::Free { force, moment } => {

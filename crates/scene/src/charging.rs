@@ -81,7 +81,7 @@ pub struct Charging {
     pub evaluations: usize,
     /// Points at which the field is written with every frame.
     #[serde(default)]
-    pub grid: Option<Grid>,
+    pub grid: Option<FieldGridSpec>,
 }
 
 fn tolerance() -> f64 {
@@ -118,7 +118,7 @@ pub enum Head {
         object: usize,
         /// What is known of it.
         #[serde(default)]
-        held: Held,
+        held: ConductorHold,
     },
     /// The thesis's repulsion by the distance to an object (4.13), with Coulomb's constant and a signed
     /// distance: for comparison only.
@@ -132,14 +132,14 @@ pub enum Head {
 
 /// What is known of a conductor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Held {
+pub enum ConductorHold {
     /// Its potential, V: zero if it is earthed.
     Potential(f64),
     /// Its total charge, C: it is insulated.
     Charge(f64),
 }
 
-impl Default for Held {
+impl Default for ConductorHold {
     fn default() -> Self {
         Self::Potential(0.0)
     }
@@ -178,7 +178,7 @@ pub enum Resistance {
 /// A lattice of points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub struct FieldGridSpec {
     /// The first point, m, world.
     pub origin: [f64; 3],
     /// From point to point along each axis, m.
@@ -187,8 +187,8 @@ pub struct Grid {
     pub counts: [usize; 3],
 }
 
-impl From<Grid> for FieldGrid {
-    fn from(grid: Grid) -> Self {
+impl From<FieldGridSpec> for FieldGrid {
+    fn from(grid: FieldGridSpec) -> Self {
         Self { origin: grid.origin.into(), spacing: grid.spacing.into(), counts: grid.counts }
     }
 }
@@ -323,7 +323,8 @@ impl Charging {
                 if let Resistance::OhmPerMeter(x) = flow.resistance {
                     c.number("resistance", x, Allowed::Positive, "ohm/m");
                 }
-                let known = matches!(self.head, Head::Conductor { held: Held::Potential(_), .. });
+                let known =
+                    matches!(self.head, Head::Conductor { held: ConductorHold::Potential(_), .. });
                 if flow.drained && !known {
                     let message = "is given, but the head is no Conductor of known Potential";
                     c.refuse("drained", message.into());
@@ -347,10 +348,10 @@ impl Charging {
     fn check_head(&self, check: &mut Check, objects: &[Object]) {
         match self.head {
             Head::None => {}
-            Head::Conductor { held: Held::Potential(x), .. } => {
+            Head::Conductor { held: ConductorHold::Potential(x), .. } => {
                 check.number("held", x, Allowed::Finite, "V");
             }
-            Head::Conductor { held: Held::Charge(x), .. } => {
+            Head::Conductor { held: ConductorHold::Charge(x), .. } => {
                 check.number("held", x, Allowed::Finite, "C");
             }
             Head::Thesis { charge, .. } => check.number("charge", charge, Allowed::Finite, "C"),

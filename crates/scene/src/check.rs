@@ -3,16 +3,16 @@ use std::fmt;
 
 /// Something wrong with a scene, and where.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Problem {
+pub struct SceneProblem {
     /// Path of the field, like `fibers[0].section.radius`; empty for the whole scene.
     pub path: String,
     /// What is wrong, with the value and the allowed range.
     pub message: String,
     /// Where in the text; `None` for a scene that was not read from one.
-    pub place: Option<Place>,
+    pub place: Option<TextPlace>,
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for SceneProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(place) = &self.place {
             write!(f, "line {}, column {}: ", place.line, place.column)?;
@@ -26,7 +26,7 @@ impl fmt::Display for Problem {
 
 /// A place in the text of a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct TextPlace {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
@@ -35,7 +35,7 @@ pub struct Place {
     pub span: std::ops::Range<usize>,
 }
 
-impl Place {
+impl TextPlace {
     /// The place of a range of bytes.
     pub fn of(text: &str, span: std::ops::Range<usize>) -> Self {
         let before = &text[..span.start];
@@ -119,7 +119,7 @@ const MOST_PROBLEMS: usize = 100;
 #[derive(Debug, Default)]
 pub(crate) struct Check {
     path: String,
-    problems: Vec<Problem>,
+    problems: Vec<SceneProblem>,
 }
 
 impl Check {
@@ -177,12 +177,12 @@ impl Check {
     pub(crate) fn refuse(&mut self, field: &str, message: String) {
         let length = self.path.len();
         self.push(field);
-        self.problems.push(Problem { path: self.path.clone(), message, place: None });
+        self.problems.push(SceneProblem { path: self.path.clone(), message, place: None });
         self.path.truncate(length);
     }
 
     /// What was found, with places where the text is known.
-    pub(crate) fn finish(mut self, text: Option<&str>) -> Vec<Problem> {
+    pub(crate) fn finish(mut self, text: Option<&str>) -> Vec<SceneProblem> {
         let more = self.problems.len().saturating_sub(MOST_PROBLEMS);
         if more > 0 {
             self.problems.truncate(MOST_PROBLEMS);
@@ -190,7 +190,7 @@ impl Check {
         }
         if let Some(text) = text {
             for problem in &mut self.problems {
-                problem.place = Some(Place::of(text, locate::span(text, &problem.path)));
+                problem.place = Some(TextPlace::of(text, locate::span(text, &problem.path)));
             }
         }
         self.problems

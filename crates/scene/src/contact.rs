@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct ContactSettings {
     /// Friction among fibres, and of objects that say nothing else.
-    pub friction: Friction,
+    pub friction: FrictionLaw,
     /// Newton's restitution among fibres, and of objects that say nothing else: the share of the
     /// velocity of approach with which a contact opens, from zero to one. Slower approaches than
     /// gravity makes in two steps come to rest.
@@ -122,7 +122,7 @@ pub struct Bonds {
 /// Coefficients of friction of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Friction {
+pub enum FrictionLaw {
     /// The same in all directions.
     Isotropic(f64),
     /// The same in all directions, more for a contact that sticks than for one that slides: one
@@ -145,7 +145,7 @@ pub enum Friction {
     /// As table 2.11 of the thesis has it for hair, untreated, in motion: the same in all directions.
     Keratin {
         /// What hair slides on.
-        on: Surface,
+        on: FrictionSurface,
         /// Whether there is water between.
         #[serde(default = "dry")]
         wetness: Wetness,
@@ -158,7 +158,7 @@ fn dry() -> Wetness {
 
 /// What hair slides on in table 2.11.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Surface {
+pub enum FrictionSurface {
     /// Hair.
     Hair,
     /// Hard rubber, from tip to root.
@@ -173,7 +173,7 @@ pub enum Surface {
     Glass,
 }
 
-impl Surface {
+impl FrictionSurface {
     /// The coefficient of sliding friction, untreated.
     ///
     /// # Errors
@@ -244,7 +244,7 @@ pub(super) fn check_restitution(restitution: f64, check: &mut Check) {
     check.number("restitution", restitution, Allowed::Within(0.0, 1.0), "");
 }
 
-impl Friction {
+impl FrictionLaw {
     pub(super) fn check(&self, check: &mut Check) {
         let mut one = |field: &str, mu: f64| {
             check.number(field, mu, Allowed::Within(0.0, 100.0), "");

@@ -1,9 +1,9 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
-use super::material::{Law, Material};
+use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
-use super::tip::{Joint, Profile, Tip};
+use super::tip::{JointKind, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::{Handedness, root_pose};
 use rapunzel_fiber::{FiberError, Section};
@@ -24,13 +24,13 @@ pub struct Bundle {
     pub section: Option<Section>,
     /// What the fibres are made of.
     #[serde(default)]
-    pub material: Material,
+    pub material: MaterialSpec,
     /// Retardation time of the internal damping (Kelvin-Voigt), s.
     #[serde(default)]
     pub damping_time: f64,
     /// Shape without load.
     #[serde(default)]
-    pub shape: Shape,
+    pub shape: FiberShape,
     /// Shape at the start.
     #[serde(default)]
     pub initial: Initial,
@@ -48,7 +48,7 @@ pub struct Bundle {
     pub motion: Motion,
     /// What holds the roots' frames.
     #[serde(default)]
-    pub root_joint: Joint,
+    pub root_joint: JointKind,
     /// What holds or loads the tips.
     #[serde(default)]
     pub tip: Tip,
@@ -63,7 +63,7 @@ pub struct Bundle {
 /// The shape of a fibre without load.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Shape {
+pub enum FiberShape {
     /// Straight.
     #[default]
     Straight,
@@ -261,7 +261,7 @@ impl Bundle {
             (Some(section), _) => {
                 check.within("section", |c| check_section(c, section, self.length));
             }
-            (None, Material::Keratin { .. }) => {}
+            (None, MaterialSpec::Keratin { .. }) => {}
             (None, _) => check.refuse("section", "is missing, but the material has none".into()),
         }
         check.within("material", |c| self.material.check(c));
@@ -277,7 +277,7 @@ impl Bundle {
         check.within("motion", |c| self.motion.check(c));
         check.vector("velocity", &self.velocity, "m/s");
         check.within("root_joint", |c| self.root_joint.check(c));
-        if self.root_joint == Joint::Free && self.motion != Motion::Fixed {
+        if self.root_joint == JointKind::Free && self.motion != Motion::Fixed {
             let message = "moves the root, but root_joint lets it move freely; leave one out";
             check.refuse("motion", message.into());
         }
@@ -349,7 +349,7 @@ impl Initial {
     }
 }
 
-impl Shape {
+impl FiberShape {
     fn check(&self, check: &mut Check) {
         match self {
             Self::Straight => {}

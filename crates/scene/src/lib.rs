@@ -20,21 +20,23 @@ mod stepper;
 mod tip;
 
 pub use arrangement::{Arrangement, scalp};
-pub use charging::{Amount, Charge, Charging, Dealing, Flow, Grid, Head, Held, Resistance};
-pub use check::{Place, Problem};
-pub use contact::{Adhesion, ContactMethod, ContactSettings, Friction, Surface};
-pub use error::SceneError;
-pub use fibers::{Bundle, ClosedCurve, Initial, Orientation, PointForce, Pose, Shape};
-pub use mass_spring::{
-    Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, Shape as BodyShape,
+pub use charging::{
+    Amount, Charge, Charging, ConductorHold, Dealing, FieldGridSpec, Flow, Head, Resistance,
 };
-pub use material::{Climate, Keratin, Law, Material, fading_power};
+pub use check::{SceneProblem, TextPlace};
+pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, FrictionSurface};
+pub use error::SceneError;
+pub use fibers::{Bundle, ClosedCurve, FiberShape, Initial, Orientation, PointForce, Pose};
+pub use mass_spring::{
+    Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
+};
+pub use material::{ClimateHistory, Keratin, Law, MaterialSpec, fading_power};
 pub use motion::{Keyframe, Motion, Pace, ramped};
-pub use object::{Mass, Moves, Object, ObjectShape};
-pub use output::{Format, Node, Output, Probe, Quantity};
+pub use object::{Moves, Object, ObjectMass, ObjectShape};
+pub use output::{Format, Output, Probe, ProbeNode, ProbeQuantity};
 pub use plan::Plan;
-pub use stepper::{Method, StepperSettings, Weights};
-pub use tip::{Joint, Load, LoadFrame, Profile, Tip};
+pub use stepper::{RodMethod, StepperSettings, Weights};
+pub use tip::{JointKind, LoadFrame, Profile, TimedLoad, Tip};
 
 use check::{Allowed, Check};
 use fibers::check_section;
@@ -105,7 +107,7 @@ pub struct Environment {
     /// The wind; it acts through the viscosity.
     pub wind: Wind,
     /// Humidity and temperature, for fibres of keratin.
-    pub climate: Climate,
+    pub climate: ClimateHistory,
 }
 
 impl Default for Environment {
@@ -115,7 +117,7 @@ impl Default for Environment {
             gravity_ramp: 0.0,
             viscosity: 0.0,
             wind: Wind::default(),
-            climate: Climate::default(),
+            climate: ClimateHistory::default(),
         }
     }
 }
@@ -253,8 +255,8 @@ impl Scene {
                 && matches!(bundle.tip, Tip::Free | Tip::Held)
                 && bundle.point_forces.is_empty()
                 && match &bundle.root_joint {
-                    Joint::Clamped | Joint::Free => true,
-                    Joint::Ball { moment } => *moment == Load::default(),
+                    JointKind::Clamped | JointKind::Free => true,
+                    JointKind::Ball { moment } => *moment == TimedLoad::default(),
                 }
         };
         let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;
@@ -372,7 +374,7 @@ impl Scene {
             };
             refuse(bundle.initial != Initial::Natural, "initial");
             refuse(bundle.motion != Motion::Fixed, "motion");
-            refuse(bundle.root_joint != Joint::Clamped, "root_joint");
+            refuse(bundle.root_joint != JointKind::Clamped, "root_joint");
             refuse(bundle.tip != Tip::Free, "tip");
             refuse(bundle.velocity != [0.0; 3], "velocity");
             refuse(bundle.damping_time != 0.0, "damping_time");

@@ -11,7 +11,7 @@ use std::ops::Range;
 pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
     let wanted: Vec<&str> = path.split(['.', '[', ']']).filter(|p| !p.is_empty()).collect();
     let mut walk =
-        Walk { text, at: 0, path: Vec::new(), wanted: &wanted, best: (0, 0..text.len()) };
+        TextWalk { text, at: 0, path: Vec::new(), wanted: &wanted, best: (0, 0..text.len()) };
     walk.value();
     walk.best.1
 }
@@ -19,7 +19,7 @@ pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
 /// How deep the walk goes: deeper than the parser of RON.
 const DEEPEST: usize = 200;
 
-struct Walk<'a> {
+struct TextWalk<'a> {
     text: &'a str,
     at: usize,
     path: Vec<String>,
@@ -28,7 +28,7 @@ struct Walk<'a> {
     best: (usize, Range<usize>),
 }
 
-impl Walk<'_> {
+impl TextWalk<'_> {
     fn rest(&self) -> &str {
         &self.text[self.at..]
     }

@@ -89,7 +89,7 @@ pub enum Model {
     /// A compressible body in the plane.
     Body {
         /// Which one.
-        shape: Shape,
+        shape: SpringBodyShape,
         /// Side of a cell, m.
         spacing: f64,
     },
@@ -153,7 +153,7 @@ pub enum NodePlaces {
 
 /// A compressible body of the second text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Shape {
+pub enum SpringBodyShape {
     /// Thin beam, fixed at the left, guided along itself at the right.
     ThinBeamGuided,
     /// Thin beam, fixed at the left.
@@ -328,7 +328,7 @@ impl MassSpring {
     }
 }
 
-impl Shape {
+impl SpringBodyShape {
     /// The body of the crate.
     pub fn body(self) -> Body {
         match self {

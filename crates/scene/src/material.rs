@@ -1,7 +1,7 @@
 use super::check::{Allowed, Check};
 use super::tip::Profile;
 use rapunzel_fiber::{self as fiber, NodeProperties, Section};
-use rapunzel_keratin::law::{Branch, Relaxation, ThreeElement, Viscoelastic};
+use rapunzel_keratin::law::{MaxwellElement, Relaxation, ThreeElement, Viscoelastic};
 use rapunzel_keratin::{
     self as keratin, Hair, HairType, KeratinError, Outside, Thickness, Treatment,
 };
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// What a fibre is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Material {
+pub enum MaterialSpec {
     /// Dry human hair: 1300 kg/m^3, 3.8 GPa, a third of it in shear.
     #[default]
     Hair,
@@ -55,7 +55,7 @@ fn any_thickness() -> Thickness {
     Thickness::Any
 }
 
-/// Human hair by type and treatment, as in [`Material::Keratin`].
+/// Human hair by type and treatment, as in [`MaterialSpec::Keratin`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Keratin {
     /// The type of hair.
@@ -88,7 +88,7 @@ pub enum Law {
 /// The air, as far as hair takes water from it: it is in equilibrium with it at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Climate {
+pub struct ClimateHistory {
     /// Relative humidity over time, straight lines between pairs of time (s) and fraction; constant
     /// before the first and after the last. 1 is wet.
     pub humidity: Vec<(f64, f64)>,
@@ -96,14 +96,14 @@ pub struct Climate {
     pub temperature: f64,
 }
 
-impl Default for Climate {
+impl Default for ClimateHistory {
     fn default() -> Self {
         let keratin::Climate { humidity, temperature, .. } = keratin::Climate::STANDARD;
         Self { humidity: vec![(0.0, humidity.fraction())], temperature: temperature.celsius() }
     }
 }
 
-impl Climate {
+impl ClimateHistory {
     /// The climate at time `t`, s.
     ///
     /// # Errors
@@ -194,7 +194,7 @@ fn fading_modulus(decrement: f64) -> Result<Relaxation, KeratinError> {
     let spectrum = |scale: f64| {
         let branch = |i| {
             let time = time(f64::from(i));
-            Branch { modulus: time.powf(-power) / scale, time }
+            MaxwellElement { modulus: time.powf(-power) / scale, time }
         };
         Relaxation::new(slower / scale, (0..COUNT).map(branch).collect())
     };
@@ -214,7 +214,7 @@ impl Keratin {
     }
 }
 
-impl Material {
+impl MaterialSpec {
     /// As a linearly elastic solid; keratin as in the standard climate, 65 % and 23 C.
     ///
     /// # Errors
@@ -259,7 +259,7 @@ mod tests {
         for decrement in [0.4, 0.65] {
             let g = fading_modulus(decrement).expect("a model");
             let modulus = |s: Complex<f64>| {
-                let branch = |b: &Branch| s * b.modulus / (s + 1.0 / b.time);
+                let branch = |b: &MaxwellElement| s * b.modulus / (s + 1.0 / b.time);
                 g.branches().iter().map(branch).sum::<Complex<f64>>() + g.equilibrium()
             };
             for frequency in [0.01, 0.1, 1.0, 5.0, 30.0, 100.0] {

@@ -1,6 +1,6 @@
 use super::check::{Allowed, Check};
 use super::contact::check_restitution;
-use super::{Friction, Motion};
+use super::{FrictionLaw, Motion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ pub struct Object {
     /// latter counts, else that of the former, else that of the scene, but no `Cuticle`: of two that
     /// move freely the former is the earlier one of the list.
     #[serde(default)]
-    pub friction: Option<Friction>,
+    pub friction: Option<FrictionLaw>,
     /// How fibres bounce off it, from zero to one; left out, as off each other. Of two objects the same
     /// one's counts as of friction.
     #[serde(default)]
@@ -45,7 +45,7 @@ pub enum Moves {
     /// Gravity, fibres and other objects, as a rigid body (thesis 8.4.1) of even density.
     Free {
         /// How heavy it is; its inertia follows from the shape.
-        mass: Mass,
+        mass: ObjectMass,
         /// Velocity of its center of mass at the start, m/s.
         #[serde(default)]
         velocity: [f64; 3],
@@ -58,7 +58,7 @@ pub enum Moves {
 /// How heavy an object is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Mass {
+pub enum ObjectMass {
     /// By its density, kg/m^3.
     Density(f64),
     /// By its mass, kg.
@@ -145,7 +145,7 @@ impl Object {
         }
         let Moves::Free { mass, velocity, spin } = self.moves else { return };
         check.within("moves", |c| {
-            let (Mass::Density(mass) | Mass::Mass(mass)) = mass;
+            let (ObjectMass::Density(mass) | ObjectMass::Mass(mass)) = mass;
             c.number("mass", mass, Allowed::Positive, "kg, or kg/m^3");
             for (i, &x) in velocity.iter().enumerate() {
                 c.number(&format!("velocity[{i}]"), x, Allowed::Within(-100.0, 100.0), "m/s");
@@ -165,7 +165,7 @@ impl Object {
 }
 
 /// Two objects that may touch need a friction that is not by the axis of a fibre.
-pub(super) fn check_pairs(objects: &[Object], scene: &Friction, check: &mut Check) {
+pub(super) fn check_pairs(objects: &[Object], scene: &FrictionLaw, check: &mut Check) {
     let lacks = |object: &Object| object.friction.as_ref().unwrap_or(scene).needs_axis();
     if !scene.needs_axis() {
         return;

@@ -57,15 +57,15 @@ pub struct Probe {
     pub fiber: usize,
     /// The node.
     #[serde(default)]
-    pub node: Node,
+    pub node: ProbeNode,
     /// What of it.
-    pub quantity: Quantity,
+    pub quantity: ProbeQuantity,
 }
 
 /// A node of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Node {
+pub enum ProbeNode {
     /// The last one.
     #[default]
     Tip,
@@ -78,7 +78,7 @@ pub enum Node {
 
 /// What a probe reads, in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Quantity {
+pub enum ProbeQuantity {
     /// Position, m.
     Position,
     /// Velocity, m/s.
@@ -94,7 +94,7 @@ impl Output {
             (None, _) => {
                 c.refuse("fiber", format!("is {}, but there is no such fibre", probe.fiber));
             }
-            (Some(segments), Node::At { index }) if index > segments => {
+            (Some(segments), ProbeNode::At { index }) if index > segments => {
                 let message = format!("is {index}, but the nodes are numbered 0 to {segments}");
                 c.refuse("node.index", message);
             }

@@ -1,6 +1,6 @@
 //! From RON to values, with the place of what is wrong.
 
-use super::check::{Place, Problem};
+use super::check::{SceneProblem, TextPlace};
 use super::locate;
 use ron::error::Error::{
     ExpectedFloat, ExpectedInteger, ExpectedString, IntegerOutOfBounds, MissingStructField,
@@ -16,7 +16,7 @@ pub(crate) fn options() -> ron::Options {
 }
 
 /// Reads a value from RON.
-pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Problem> {
+pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, SceneProblem> {
     let at = |position: Position| byte_of(text, position);
     let problem = |path: String, error: ron::error::SpannedError| {
         let span = match error.code {
@@ -38,7 +38,7 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Problem> {
                 }
             },
         };
-        Problem { path, message, place: Some(Place::of(text, span)) }
+        SceneProblem { path, message, place: Some(TextPlace::of(text, span)) }
     };
     let mut deserializer = ron::Deserializer::from_str_with_options(text, &options())
         .map_err(|e| problem(String::new(), e))?;

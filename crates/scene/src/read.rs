@@ -1,4 +1,4 @@
-use super::check::{Check, Problem};
+use super::check::{Check, SceneProblem};
 use super::parse::{options, parse};
 use super::{Scene, SceneError};
 use ron::ser::PrettyConfig;
@@ -39,7 +39,7 @@ impl Scene {
         if problems.is_empty() { Ok(()) } else { Err(SceneError { source_text, problems }) }
     }
 
-    fn problems(&self, text: Option<&str>) -> Vec<Problem> {
+    fn problems(&self, text: Option<&str>) -> Vec<SceneProblem> {
         let mut check = Check::default();
         self.check(&mut check);
         check.finish(text)

@@ -11,7 +11,7 @@ pub struct StepperSettings {
     pub dt: f64,
     /// The integrator; left out, it is `BackwardEuler` where fibres touch and else `Staggered`.
     #[serde(default)]
-    pub method: Option<Method>,
+    pub method: Option<RodMethod>,
     /// Largest estimated error of the nodes' positions that may build up in a second of simulated
     /// time, m/s: each step is cut into as many as that takes, at three times the cost of a step
     /// each. Left out, steps are as `dt` says.
@@ -22,7 +22,7 @@ pub struct StepperSettings {
 /// An integrator of a single fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Method {
+pub enum RodMethod {
     /// The staggered chain: second order in time and space, eight fibres at once.
     Staggered {
         /// Part of the highest frequencies that is left after a step: 0 damps most; above 0.9 long
@@ -76,7 +76,7 @@ fn residual() -> f64 {
     BoxOptions::default().tolerance
 }
 
-impl Default for Method {
+impl Default for RodMethod {
     fn default() -> Self {
         Self::Staggered { rho_infinity: rho_infinity() }
     }
@@ -106,25 +106,25 @@ impl Weights {
 impl StepperSettings {
     /// The integrator, where fibres touch or where they do not.
     #[must_use]
-    pub fn method(&self, touch: bool) -> Method {
-        let usual = if touch { Method::BackwardEuler } else { Method::default() };
+    pub fn method(&self, touch: bool) -> RodMethod {
+        let usual = if touch { RodMethod::BackwardEuler } else { RodMethod::default() };
         self.method.unwrap_or(usual)
     }
 
     /// Whether it can move fibres that touch.
     pub fn can_touch(&self) -> bool {
-        self.method(true) == Method::BackwardEuler && self.tolerance.is_none()
+        self.method(true) == RodMethod::BackwardEuler && self.tolerance.is_none()
     }
 
     /// Whether it can tell what the energy of fibres becomes.
     pub fn keeps_ledgers(&self) -> bool {
-        !matches!(self.method, Some(Method::Box { .. })) && self.tolerance.is_none()
+        !matches!(self.method, Some(RodMethod::Box { .. })) && self.tolerance.is_none()
     }
 
     /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in long
     /// steps. The bound is that up to which whips have been tried.
     pub fn may_create_energy(&self) -> bool {
-        let undamped = |method: &Method| matches!(method, Method::Staggered { rho_infinity } if *rho_infinity > 0.4);
+        let undamped = |method: &RodMethod| matches!(method, RodMethod::Staggered { rho_infinity } if *rho_infinity > 0.4);
         self.keeps_ledgers() && self.method.as_ref().is_some_and(undamped)
     }
 
@@ -135,15 +135,15 @@ impl StepperSettings {
             check.number("tolerance", tolerance, Allowed::Positive, "m/s");
         }
         check.within("method", |c| match &self.method(false) {
-            Method::BackwardEuler => {
+            RodMethod::BackwardEuler => {
                 if self.tolerance.is_some() {
                     c.refuse("", "is of first order, but a tolerance needs one of second".into());
                 }
             }
-            Method::Staggered { rho_infinity } => {
+            RodMethod::Staggered { rho_infinity } => {
                 c.number("rho_infinity", *rho_infinity, Allowed::Within(0.0, 1.0), "");
             }
-            Method::Box { weights, residual } => {
+            RodMethod::Box { weights, residual } => {
                 c.number("residual", *residual, Allowed::Within(1e-14, 1e-2), "");
                 match weights {
                     Weights::SecondOrder { rho_infinity } => {

@@ -17,10 +17,10 @@ pub enum Tip {
     Loaded {
         /// Force on the tip, N.
         #[serde(default)]
-        force: Load,
+        force: TimedLoad,
         /// Moment on the tip, N m.
         #[serde(default)]
-        moment: Load,
+        moment: TimedLoad,
     },
     /// Clamped and pulled at constant velocity, then let go (thesis 3.4.9.6).
     Pulled {
@@ -43,7 +43,7 @@ pub enum Tip {
         until: f64,
         /// What holds its frame.
         #[serde(default)]
-        joint: Joint,
+        joint: JointKind,
         /// Angle by which a clamp turns about the tangent on its way, degrees.
         #[serde(default)]
         twist: f64,
@@ -53,7 +53,7 @@ pub enum Tip {
 /// What an end that is held in its place lets it do.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Joint {
+pub enum JointKind {
     /// Nothing: its frame is held too.
     #[default]
     Clamped,
@@ -61,7 +61,7 @@ pub enum Joint {
     Ball {
         /// Moment on the fibre, N m.
         #[serde(default)]
-        moment: Load,
+        moment: TimedLoad,
     },
     /// Move and turn freely: nothing holds the end. Only for roots that do not move by themselves.
     Free,
@@ -70,7 +70,7 @@ pub enum Joint {
 /// A force or a moment over time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Load {
+pub struct TimedLoad {
     /// Components in the frame, N or N m.
     pub value: [f64; 3],
     /// The frame of the components.
@@ -171,7 +171,7 @@ impl Profile {
     }
 }
 
-impl Load {
+impl TimedLoad {
     /// The load at time `t`, s.
     #[must_use]
     pub fn at(&self, t: f64) -> rod::Load {
@@ -188,7 +188,7 @@ impl Load {
     }
 }
 
-impl Joint {
+impl JointKind {
     /// The end at time `t` (s), in the given pose.
     pub fn end(&self, t: f64, pose: Isometry3<f64>) -> rod::End {
         match self {
@@ -226,11 +226,11 @@ impl Tip {
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::Positive, "s");
                 check.within("joint", |c| joint.check(c));
-                if *joint == Joint::Free {
+                if *joint == JointKind::Free {
                     check.refuse("joint", "is Free, but drives nothing; make the tip Free".into());
                 }
                 check.number("twist", *twist, Allowed::Finite, "degrees");
-                if *joint != Joint::Clamped && *twist != 0.0 {
+                if *joint != JointKind::Clamped && *twist != 0.0 {
                     let message = format!(
                         "is {twist:?}, but only a clamp turns the fibre; give a ball joint a moment"
                     );

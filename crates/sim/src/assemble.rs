@@ -1,7 +1,7 @@
 use crate::curve::knot;
 use crate::mass_spring::MassSprings;
 use crate::objects::{Sizes, build_object};
-use crate::scene::{Arrangement, Bundle, Initial, Method, Scene, Shape, scalp};
+use crate::scene::{Arrangement, Bundle, FiberShape, Initial, RodMethod, Scene, scalp};
 use crate::stepper::{Scenery, Stepper};
 use crate::steppers::{Charged, Free, InContact};
 use crate::{Plan, SimError, World};
@@ -198,12 +198,14 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
     let pose = bundle.root.isometry()?;
     let straight = Fiber::new(pose, lengths(bundle), vec![node; bundle.segments + 1])?;
     let mut fiber = match bundle.shape {
-        Shape::Straight => straight,
-        Shape::Helix { radius, pitch, handedness } => {
+        FiberShape::Straight => straight,
+        FiberShape::Helix { radius, pitch, handedness } => {
             Helix { radius, pitch, handedness }.bend(straight)?
         }
-        Shape::Sine { amplitude, wavelength } => Sine { amplitude, wavelength }.bend(straight)?,
-        Shape::Curved { curvature } => {
+        FiberShape::Sine { amplitude, wavelength } => {
+            Sine { amplitude, wavelength }.bend(straight)?
+        }
+        FiberShape::Curved { curvature } => {
             straight.with_natural_curvature(|_| Vector3::from(curvature))?
         }
     };
@@ -323,23 +325,23 @@ fn rods(starts: &[&FiberStart]) -> Vec<Rod> {
 
 /// The integrator of a group of fibres of equal segment count, which touch nothing.
 fn batch(
-    method: Method,
+    method: RodMethod,
     tolerance: Option<f64>,
     starts: &[&FiberStart],
 ) -> Result<Box<dyn RodBatch>, RodError> {
     match method {
-        Method::Staggered { rho_infinity } if tolerance.is_none() => {
+        RodMethod::Staggered { rho_infinity } if tolerance.is_none() => {
             Ok(side_by_side(StaggeredBatch::new(rods(starts), rho_infinity)?, starts)?)
         }
         // With a tolerance the scene has been refused: its error is estimated for second order.
-        Method::BackwardEuler => {
+        RodMethod::BackwardEuler => {
             Ok(side_by_side(StaggeredBatch::backward_euler(rods(starts))?, starts)?)
         }
-        Method::Staggered { rho_infinity } => {
+        RodMethod::Staggered { rho_infinity } => {
             let new = |rod| Staggered::with_rho_inf(rod, rho_infinity);
             Ok(Box::new(Rods { rods: started(starts, new)?, tolerance }))
         }
-        Method::Box { weights, residual } => {
+        RodMethod::Box { weights, residual } => {
             let coefficients = weights.coefficients()?;
             let options = BoxOptions { coefficients, tolerance: residual, ..BoxOptions::default() };
             let new = |rod| BoxIntegrator::new(rod, options);

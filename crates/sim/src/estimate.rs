@@ -2,7 +2,7 @@
 
 use crate::assemble::matter;
 use crate::objects::{Sizes, read_mesh};
-use crate::scene::{Bundle, MassSpring, Method, ObjectShape};
+use crate::scene::{Bundle, MassSpring, ObjectShape, RodMethod};
 use crate::{Scene, SimError};
 use rapunzel_collision::field::Grid;
 
@@ -147,7 +147,7 @@ fn bytes_of_node(scene: &Scene) -> f64 {
     let touch = scene.contact.is_some();
     let own = match scene.stepper.method(touch) {
         _ if scene.charging.is_some() => CHARGED_NODE,
-        Method::Box { .. } => SINGLE_NODE,
+        RodMethod::Box { .. } => SINGLE_NODE,
         _ if scene.stepper.tolerance.is_some() => SINGLE_NODE,
         _ => NODE,
     };

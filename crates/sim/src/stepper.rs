@@ -4,7 +4,7 @@ use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_export::preview::Support;
-use rapunzel_export::usd::{Prim, Shape};
+use rapunzel_export::usd::{Prim, PrimShape};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use std::ops::Range;
@@ -56,7 +56,7 @@ pub trait Stepper: Send + Sync {
     /// What frames show besides.
     fn scenery(&self) -> Scenery {
         let strands = 0..self.strand_nodes().len();
-        let shape = Shape::Curves { strands, guide: false };
+        let shape = PrimShape::Curves { strands, guide: false };
         let prim = Prim { name: "Lines".to_owned(), shape, color: Scenery::ROPE };
         Scenery { layer: Scenery::FIBERS, prims: vec![prim], supports: Vec::new() }
     }

@@ -3,7 +3,7 @@
 use crate::measure::chart;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::hierarchy::Variant;
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
@@ -17,14 +17,14 @@ pub(crate) enum Size {
 
 pub(crate) struct Model {
     pub(crate) name: &'static str,
-    pub(crate) scene: Arrangement,
+    pub(crate) scene: MovingFibers,
 }
 
 /// What a model is made by, its fibers and segments, scaled and full, and the pairs that the thesis
 /// found in its own of this name.
 struct Recipe {
     name: &'static str,
-    make: fn(usize, usize) -> Arrangement,
+    make: fn(usize, usize) -> MovingFibers,
     scaled: [usize; 2],
     full: [usize; 2],
     thesis: f64,

@@ -4,13 +4,13 @@ use crate::measure::{chart, correlation, least};
 use crate::models::Size;
 use nalgebra::Vector3;
 use rapunzel_collision::hierarchy::Variant;
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 const STEPS: usize = 100;
 
-fn at(step: usize, spread: f64) -> Arrangement {
+fn at(step: usize, spread: f64) -> MovingFibers {
     scenes::looping(150, 100, step as f64 / STEPS as f64, spread)
 }
 

@@ -3,7 +3,7 @@
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
 use rapunzel_collision::hierarchy::{Counts, Variant};
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_collision::volume::Directions;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
@@ -17,7 +17,7 @@ struct Cost {
     pairs: usize,
 }
 
-fn cost(variant: &Variant, scene: &Arrangement, runs: usize) -> Fallible<Cost> {
+fn cost(variant: &Variant, scene: &MovingFibers, runs: usize) -> Fallible<Cost> {
     let capsules = scene.capsules()?;
     let (build, mut tree) = least(runs, || variant.build(&capsules));
     let (update, updated) = least(runs, || tree.update(&capsules));

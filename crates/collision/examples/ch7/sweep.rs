@@ -3,7 +3,7 @@
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
 use rapunzel_collision::hierarchy::{Counts, Variant};
-use rapunzel_collision::scenes::Arrangement;
+use rapunzel_collision::scenes::MovingFibers;
 use rapunzel_collision::volume::Directions;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
@@ -14,7 +14,7 @@ struct Cost {
     counts: Counts,
 }
 
-fn cost(directions: &Directions, scene: &Arrangement, runs: usize) -> Fallible<Cost> {
+fn cost(directions: &Directions, scene: &MovingFibers, runs: usize) -> Fallible<Cost> {
     let capsules = scene.capsules()?;
     let mut tree = Variant::Dl(directions.clone()).build(&capsules);
     let (update, updated) = least(runs, || tree.update(&capsules));

@@ -24,16 +24,16 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const CREEP: f64 = 4.0;
 
 /// A part of what moves past the origin.
-pub(super) trait Part<const N: usize>: Copy {
+pub(super) trait MovingPart<const N: usize>: Copy {
     /// Where the part is at `time`, and how long it stays farther than `keep`.
-    fn look(&self, time: f64, keep: f64) -> Look<N>;
+    fn look(&self, time: f64, keep: f64) -> PartSample<N>;
 
     /// Two parts that cover this one.
-    fn halves(&self, look: &Look<N>) -> [Self; 2];
+    fn halves(&self, look: &PartSample<N>) -> [Self; 2];
 }
 
 /// A part at one time.
-pub(super) struct Look<const N: usize> {
+pub(super) struct PartSample<const N: usize> {
     /// Where its nearest point is.
     pub(super) coordinates: [f64; N],
     /// Its nearest point.
@@ -64,7 +64,7 @@ pub(super) fn separated(paths: &[Path], normal: &Vector3<f64>, time: f64, keep: 
 /// The first time at which `body` comes within `reach` of the origin; `scale` bounds the
 /// coordinates that occur.
 pub(super) fn first_impact<const N: usize>(
-    body: impl Part<N>,
+    body: impl MovingPart<N>,
     scale: f64,
     reach: f64,
     tolerance: f64,
@@ -82,7 +82,7 @@ pub(super) fn first_impact<const N: usize>(
         let finite = scale.is_finite();
         let apart = finite && look.distance > reach + tolerance;
         if !apart || evaluations == MAX_EVALUATIONS {
-            let Look { coordinates, offset, .. } = look;
+            let PartSample { coordinates, offset, .. } = look;
             let resolved = finite && !apart;
             return Some(Impact { time, coordinates, offset, resolved, evaluations });
         }

@@ -1,6 +1,6 @@
 //! A moving segment and a surface at rest.
 
-use super::advance::{Look, Part, first_impact};
+use super::advance::{MovingPart, PartSample, first_impact};
 use super::{Impact, MovingSegment, Path};
 use crate::field::DistanceField;
 use nalgebra::{Point3, Vector3};
@@ -25,30 +25,35 @@ impl MovingSegment {
         let origin = self.before[0];
         let ends = [0, 1].map(|k| Path::new(origin, self.before[k], self.after[k]));
         let scale = origin.coords.lp_norm(1) + ends.iter().map(Path::scale).sum::<f64>();
-        first_impact(Piece { field, origin, ends, range: [0.0, 1.0] }, scale, reach, tolerance)
+        first_impact(
+            SegmentPiece { field, origin, ends, range: [0.0, 1.0] },
+            scale,
+            reach,
+            tolerance,
+        )
     }
 }
 
 /// A piece of the segment.
-struct Piece<'a, F> {
+struct SegmentPiece<'a, F> {
     field: &'a F,
     origin: Point3<f64>,
     ends: [Path; 2],
     range: [f64; 2],
 }
 
-impl<F> Clone for Piece<'_, F> {
+impl<F> Clone for SegmentPiece<'_, F> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<F> Copy for Piece<'_, F> {}
+impl<F> Copy for SegmentPiece<'_, F> {}
 
-impl<F: DistanceField> Part<1> for Piece<'_, F> {
+impl<F: DistanceField> MovingPart<1> for SegmentPiece<'_, F> {
     /// What is known of the values along the piece, or that a ball around its middle is clear of the surface,
     /// says how far its ends may go until any of it can be there.
-    fn look(&self, time: f64, keep: f64) -> Look<1> {
+    fn look(&self, time: f64, keep: f64) -> PartSample<1> {
         let [a, b] = self.ends;
         let middle = a.middle(&b);
         let sample = self.field.sample(&(self.origin + middle.at(time)));
@@ -58,7 +63,7 @@ impl<F: DistanceField> Part<1> for Piece<'_, F> {
         let room = least.max(clear - 0.5 * (end - start).norm());
         let speed = a.velocity.norm().max(b.velocity.norm());
         let until = |room: f64, speed: f64| if room > 0.0 { time + room / speed } else { time };
-        Look {
+        PartSample {
             coordinates: [0.5 * (self.range[0] + self.range[1])],
             offset: -sample.value
                 * sample.gradient.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
@@ -68,7 +73,7 @@ impl<F: DistanceField> Part<1> for Piece<'_, F> {
         }
     }
 
-    fn halves(&self, look: &Look<1>) -> [Self; 2] {
+    fn halves(&self, look: &PartSample<1>) -> [Self; 2] {
         let ([a, b], [low, high], [s]) = (self.ends, self.range, look.coordinates);
         let middle = a.middle(&b);
         [

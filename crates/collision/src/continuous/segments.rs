@@ -1,6 +1,6 @@
 //! Two moving segments: their difference is a parallelogram that moves past the origin.
 
-use super::advance::{Look, Part, first_impact, separated};
+use super::advance::{MovingPart, PartSample, first_impact, separated};
 use super::{Impact, Path};
 use crate::Capsule;
 use nalgebra::Point3;
@@ -57,8 +57,8 @@ struct Difference {
     ranges: [[f64; 2]; 2],
 }
 
-impl Part<2> for Difference {
-    fn look(&self, time: f64, keep: f64) -> Look<2> {
+impl MovingPart<2> for Difference {
+    fn look(&self, time: f64, keep: f64) -> PartSample<2> {
         let at = |k: usize| self.corners[k].at(time);
         let axis = |start, end| Capsule { start, end, radius: 0.0 };
         let first = axis(Point3::origin(), Point3::from(at(0) - at(1)));
@@ -70,7 +70,7 @@ impl Part<2> for Difference {
         let distance = closest.distance();
         let normal = closest.offset / distance;
         let along = |[low, high]: [f64; 2], t: f64| low + t * (high - low);
-        Look {
+        PartSample {
             coordinates: [along(self.ranges[0], s), along(self.ranges[1], u)],
             offset: closest.offset,
             distance,
@@ -80,7 +80,7 @@ impl Part<2> for Difference {
     }
 
     /// Cuts the segment along which the velocity toward the origin changes most.
-    fn halves(&self, look: &Look<2>) -> [Self; 2] {
+    fn halves(&self, look: &PartSample<2>) -> [Self; 2] {
         let [c0, c1, c2, c3] = self.corners;
         let change = |c: Path| (c.velocity - c0.velocity).dot(&look.offset).abs();
         let [[s0, s1], [u0, u1]] = self.ranges;

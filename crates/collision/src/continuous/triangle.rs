@@ -1,6 +1,6 @@
 //! A moving point and a moving triangle.
 
-use super::advance::{Look, Part, first_impact, separated};
+use super::advance::{MovingPart, PartSample, first_impact, separated};
 use super::{Impact, Path};
 use crate::triangle::nearest_weights;
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -50,8 +50,8 @@ struct Face {
     weights: Matrix3<f64>,
 }
 
-impl Part<3> for Face {
-    fn look(&self, time: f64, keep: f64) -> Look<3> {
+impl MovingPart<3> for Face {
+    fn look(&self, time: f64, keep: f64) -> PartSample<3> {
         let at = |k: usize| self.corners[k].at(time);
         let weights = nearest_weights(&[at(0), at(1), at(2)]);
         let sum = |value: &dyn Fn(usize) -> Vector3<f64>| -> Vector3<f64> {
@@ -61,7 +61,7 @@ impl Part<3> for Face {
         let velocity = sum(&|k| self.corners[k].velocity);
         let distance = offset.norm();
         let normal = offset / distance;
-        Look {
+        PartSample {
             coordinates: (self.weights * Vector3::from(weights)).into(),
             offset,
             distance,
@@ -71,7 +71,7 @@ impl Part<3> for Face {
     }
 
     /// Cuts the side along which the velocity toward the point changes most.
-    fn halves(&self, look: &Look<3>) -> [Self; 2] {
+    fn halves(&self, look: &PartSample<3>) -> [Self; 2] {
         let rate = |k: usize| self.corners[k].velocity.dot(&look.offset);
         let change = |k: &usize| (rate(*k) - rate((k + 1) % 3)).abs();
         let i = (0..3).max_by(|a, b| change(a).total_cmp(&change(b))).unwrap_or(0);

@@ -138,14 +138,14 @@ impl<F: DistanceField> DistanceField for Posed<F> {
 /// Its value is the distance from the level set where that is at a distance `level` from the given
 /// surface all over: outside of a convex corner, but not of a concave one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Level<F> {
+pub struct LevelSet<F> {
     /// The field whose level set is meant.
     pub field: F,
     /// Which value of it is the surface, m, less than its band in size.
     pub level: f64,
 }
 
-impl<F: DistanceField> DistanceField for Level<F> {
+impl<F: DistanceField> DistanceField for LevelSet<F> {
     fn sample(&self, point: &Point3<f64>) -> Sample {
         let Sample { value, gradient } = self.field.sample(point);
         Sample { value: value - self.level, gradient }
@@ -193,7 +193,7 @@ mod tests {
             Box::new(capsule),
             Box::new(cuboid),
             Box::new(Posed { pose, field: cuboid }),
-            Box::new(Level { field: capsule, level: 0.2 }),
+            Box::new(LevelSet { field: capsule, level: 0.2 }),
         ]
     }
 

@@ -22,7 +22,7 @@ pub struct FieldContact {
 /// The thesis samples at a rate of the user's choice (7.2.2) and adds half of the radius, where it
 /// must be all of it (erratum).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Search {
+pub struct ContactSearch {
     /// Gap up to which a place is a contact, m.
     pub margin: f64,
     /// How finely a part in contact is sampled, m, in search of its deepest point.
@@ -33,13 +33,13 @@ pub struct Search {
 
 /// A part of the axis that cannot be told from one in contact, and a sample in it.
 #[derive(Clone, Copy)]
-struct Part {
+struct AxisPart {
     ends: [f64; 2],
     fraction: f64,
     value: f64,
 }
 
-impl Search {
+impl ContactSearch {
     /// Appends the contacts of `capsule`, in order along its axis.
     ///
     /// The points of the axis whose gap is at most the margin lie in a few connected runs. Each run
@@ -58,7 +58,7 @@ impl Search {
         capsule: &Capsule,
         contacts: &mut Vec<FieldContact>,
     ) {
-        let probe = Probe {
+        let probe = AxisProbe {
             field,
             capsule,
             length: (capsule.end - capsule.start).norm(),
@@ -73,31 +73,31 @@ impl Search {
     }
 }
 
-struct Probe<'a, F> {
+struct AxisProbe<'a, F> {
     field: &'a F,
     capsule: &'a Capsule,
     length: f64,
     reach: f64,
-    search: Search,
+    search: ContactSearch,
 }
 
-impl<F: DistanceField> Probe<'_, F> {
+impl<F: DistanceField> AxisProbe<'_, F> {
     fn sample(&self, fraction: f64) -> Sample {
         self.field.sample(&self.capsule.at(fraction))
     }
 
     /// Finds the parts between two fractions that are in contact, in order.
-    fn collect(&self, ends: [f64; 2], parts: &mut Vec<Part>) {
+    fn collect(&self, ends: [f64; 2], parts: &mut Vec<AxisPart>) {
         let fraction = 0.5 * (ends[0] + ends[1]);
         let value = self.field.value(&self.capsule.at(fraction));
         let change = 0.5 * self.field.lipschitz() * (ends[1] - ends[0]) * self.length;
         let near = value - change <= self.reach;
-        let Search { spacing, tolerance, .. } = self.search;
+        let ContactSearch { spacing, tolerance, .. } = self.search;
         // A tolerance below the rounding would not end.
         let small = change <= tolerance.max(1e-9 * self.length);
         let fine = (ends[1] - ends[0]) * self.length <= spacing;
         if near && (small || fine && value <= self.reach) {
-            parts.push(Part { ends, fraction, value });
+            parts.push(AxisPart { ends, fraction, value });
         } else if near {
             self.collect([ends[0], fraction], parts);
             self.collect([fraction, ends[1]], parts);
@@ -105,7 +105,7 @@ impl<F: DistanceField> Probe<'_, F> {
     }
 
     /// The contacts of one run of parts.
-    fn report(&self, run: &[Part], contacts: &mut Vec<FieldContact>) {
+    fn report(&self, run: &[AxisPart], contacts: &mut Vec<FieldContact>) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         // The ends of the run, which may be those of the axis, belong to the samples.
         let mut samples: Vec<_> = run.iter().map(|part| (part.fraction, part.value)).collect();
@@ -159,7 +159,7 @@ mod tests {
     use crate::field::{Ball, Cuboid, HalfSpace};
     use nalgebra::{Point3, Unit};
 
-    const SEARCH: Search = Search { margin: 1e-5, spacing: 2e-4, tolerance: 1e-6 };
+    const SEARCH: ContactSearch = ContactSearch { margin: 1e-5, spacing: 2e-4, tolerance: 1e-6 };
 
     fn hair(start: [f64; 3], end: [f64; 3]) -> Capsule {
         Capsule { start: start.into(), end: end.into(), radius: 35e-6 }

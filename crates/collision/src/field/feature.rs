@@ -17,7 +17,7 @@ use nalgebra::{Point3, Vector3};
 /// A feature and its region.
 #[derive(Debug, Clone)]
 pub(super) struct Feature {
-    kind: Kind,
+    kind: FeatureKind,
     /// A point of the feature.
     point: Point3<f64>,
     /// Normal, weighted by angles; its length does not matter.
@@ -29,7 +29,7 @@ pub(super) struct Feature {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Kind {
+enum FeatureKind {
     /// With the unit normal as the normal.
     Face,
     /// With its unit direction.
@@ -44,9 +44,9 @@ impl Feature {
         let w = q - self.point;
         let side = self.normal.dot(&w);
         let distance = match self.kind {
-            Kind::Face => side.abs(),
-            Kind::Edge(direction) => w.cross(&direction).norm(),
-            Kind::Vertex => w.norm(),
+            FeatureKind::Face => side.abs(),
+            FeatureKind::Edge(direction) => w.cross(&direction).norm(),
+            FeatureKind::Vertex => w.norm(),
         };
         let inside = distance < limit
             && self.sides.iter().all(|(normal, offset)| normal.dot(&w) <= offset + slack);
@@ -83,7 +83,7 @@ fn face(corners: &[Point3<f64>; 3], normal: Vector3<f64>, band: f64) -> Feature 
     };
     let roof = band * normal;
     Feature {
-        kind: Kind::Face,
+        kind: FeatureKind::Face,
         point: a,
         normal,
         sides: vec![side(a, b), side(b, c), side(c, a)],
@@ -107,7 +107,7 @@ fn edge([a, b]: [Point3<f64>; 2], normals: [Vector3<f64>; 2], band: f64) -> Feat
     let height = sign * band / (0.5 * (1.0 + n1.dot(&middle))).sqrt();
     let roof = [n1, n2, middle, Vector3::zeros()].map(|n| height * n);
     Feature {
-        kind: Kind::Edge(e),
+        kind: FeatureKind::Edge(e),
         point: a,
         normal: n1 + n2,
         sides,
@@ -120,7 +120,7 @@ fn points(mesh: &Mesh, normals: &[Vector3<f64>], band: f64) -> Vec<Feature> {
     let vertices = mesh.vertices();
     let reach = Vector3::repeat(band);
     let at = |&point: &Point3<f64>| Feature {
-        kind: Kind::Vertex,
+        kind: FeatureKind::Vertex,
         point,
         normal: Vector3::zeros(),
         sides: Vec::new(),

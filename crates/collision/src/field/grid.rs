@@ -16,7 +16,7 @@ pub(super) const NODES: usize = SIDE * SIDE * SIDE;
 
 /// Where a lattice stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct GridFrame {
     pub(super) origin: Point3<f64>,
     pub(super) spacing: f64,
     /// Blocks along x, y, z.
@@ -28,7 +28,7 @@ pub struct Frame {
     pub(super) inverse: f64,
 }
 
-impl Frame {
+impl GridFrame {
     /// A lattice with nodes at distances of `spacing`, m, that begins at `low` and reaches at least
     /// up to `high` (world), m.
     ///
@@ -68,7 +68,7 @@ impl Frame {
 }
 
 /// Distances of the nodes of one block, x running fastest.
-pub(super) type Block = [f32; NODES];
+pub(super) type GridBlock = [f32; NODES];
 
 /// A signed field of distance on a lattice, with trilinear values between the nodes (thesis 7.2.1).
 ///
@@ -84,7 +84,7 @@ pub(super) type Block = [f32; NODES];
 /// `h sqrt(3) / 2`, since the distance is 1-Lipschitz.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    pub(super) frame: Frame,
+    pub(super) frame: GridFrame,
     pub(super) band: f64,
     /// For each block, where its nodes begin in `nodes`.
     pub(super) starts: Vec<u32>,
@@ -102,7 +102,7 @@ impl Grid {
     /// field, or the surface is not held by the box with a margin of the band.
     pub fn sample(
         field: &impl DistanceField,
-        frame: Frame,
+        frame: GridFrame,
         band: f64,
     ) -> Result<Self, CollisionError> {
         if band > field.band() {
@@ -124,9 +124,9 @@ impl Grid {
     /// Puts blocks together; those without any node in the band are none, and on the same side as
     /// the node that they share with the block before.
     pub(super) fn assemble(
-        frame: Frame,
+        frame: GridFrame,
         band: f64,
-        block: impl Fn(usize) -> Option<Box<Block>> + Sync,
+        block: impl Fn(usize) -> Option<Box<GridBlock>> + Sync,
     ) -> Result<Self, CollisionError> {
         let refuse = |problem| Err(CollisionError::Grid { problem });
         if !(band >= 2.0 * frame.spacing && band.is_finite()) {
@@ -221,7 +221,7 @@ pub(super) fn single<const N: usize>(values: &[f64; N]) -> [f32; N] {
 
 /// Bound of the slope of the interpolant in a block, per spacing: the derivative along an axis is
 /// between the differences along the four edges of a cell.
-fn steepest(block: &Block) -> f64 {
+fn steepest(block: &GridBlock) -> f64 {
     let mut steepest: f32 = 0.0;
     let edge = |n: usize, step: usize| (block[n + step] - block[n]).abs();
     for cell in 0..CELLS * CELLS * CELLS {

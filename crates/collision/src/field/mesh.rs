@@ -37,7 +37,7 @@ pub(super) struct Edge {
 /// A side of a triangle: its ends, the smaller first, its face, and whether that runs through it
 /// from the smaller to the larger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Side {
+pub(super) struct TriangleSide {
     pub(super) ends: [u32; 2],
     pub(super) face: u32,
     pub(super) forward: bool,
@@ -153,11 +153,11 @@ impl Soup {
     }
 
     /// All sides of all triangles, sorted, so that those of one edge follow each other.
-    pub(super) fn sides(&self) -> Vec<Side> {
+    pub(super) fn sides(&self) -> Vec<TriangleSide> {
         let mut sides = Vec::with_capacity(3 * self.triangles.len());
         for (face, &[a, b, c]) in (0_u32..).zip(&self.triangles) {
             for [a, b] in [[a, b], [b, c], [c, a]] {
-                sides.push(Side { ends: [a.min(b), a.max(b)], face, forward: a < b });
+                sides.push(TriangleSide { ends: [a.min(b), a.max(b)], face, forward: a < b });
             }
         }
         sides.sort_unstable();

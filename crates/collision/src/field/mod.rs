@@ -21,12 +21,12 @@ pub mod shapes;
 mod stl;
 mod terrain;
 
-pub use analytic::{Ball, Cuboid, HalfSpace, Level, Posed};
-pub use contact::{FieldContact, Search};
-pub use grid::{Frame, Grid};
+pub use analytic::{Ball, Cuboid, HalfSpace, LevelSet, Posed};
+pub use contact::{ContactSearch, FieldContact};
+pub use grid::{Grid, GridFrame};
 pub use height::HeightField;
 pub use mesh::{Mesh, Soup};
-pub use obj::{Chain, Obj};
+pub use obj::{Obj, ObjPolyline};
 pub use repair::Repairs;
 pub use terrain::Terrain;
 

@@ -11,14 +11,14 @@ pub struct Obj {
     /// The points, in the order of the file.
     pub points: Vec<Point3<f64>>,
     /// The faces.
-    pub faces: Vec<Chain>,
+    pub faces: Vec<ObjPolyline>,
     /// The lines.
-    pub lines: Vec<Chain>,
+    pub lines: Vec<ObjPolyline>,
 }
 
 /// Points that a line of an OBJ joins.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Chain {
+pub struct ObjPolyline {
     /// Number of the line in the file, from 1.
     pub line: usize,
     /// Indices of points, from 0.
@@ -49,7 +49,7 @@ impl Obj {
             }
         }
         let count = obj.points.len();
-        let is_missing = |chain: &&Chain| chain.points.iter().any(|&p| p as usize >= count);
+        let is_missing = |chain: &&ObjPolyline| chain.points.iter().any(|&p| p as usize >= count);
         match obj.faces.iter().chain(&obj.lines).find(is_missing) {
             None => Ok(obj),
             Some(chain) => {
@@ -75,7 +75,7 @@ impl Obj {
                 let problem = || "points are joined by their numbers, from 1 or from the end";
                 let points = points.ok_or_else(|| refuse(Some(line), problem().into()))?;
                 let chains = if kind == Some("f") { &mut self.faces } else { &mut self.lines };
-                chains.push(Chain { line, points });
+                chains.push(ObjPolyline { line, points });
             }
             _ => {}
         }
@@ -104,7 +104,7 @@ impl Soup {
     pub fn read_obj(source: impl Read) -> Result<Self, CollisionError> {
         let Obj { points, faces, .. } = Obj::read(source)?;
         let mut soup = Self { vertices: points, triangles: Vec::with_capacity(faces.len()) };
-        for Chain { line, points } in faces {
+        for ObjPolyline { line, points } in faces {
             soup.polygon(points)
                 .map_err(|problem| refuse(Some(line), format!("the face {problem}")))?;
         }
@@ -129,7 +129,7 @@ mod tests {
         let mesh = Mesh::new(Soup::read_obj(text.as_bytes()).expect("an OBJ")).expect("closed");
         assert_eq!((mesh.triangles().len(), mesh.vertices().len()), (4, 4));
         assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-15);
-        assert_eq!(read(text).lines, [Chain { line: 7, points: vec![0, 1] }]);
+        assert_eq!(read(text).lines, [ObjPolyline { line: 7, points: vec![0, 1] }]);
         assert_eq!(read(text).faces[1].line, 10);
     }
 

@@ -35,7 +35,7 @@ impl Soup {
                     soup.vertices = read.map_err(said)?.iter().map(|v| v.0.into()).collect();
                 }
                 "face" => {
-                    let parser = Parser::<Polygon>::new();
+                    let parser = Parser::<FaceCorners>::new();
                     let read = parser.read_payload_for_element(&mut reader, definition, &header);
                     polygons = read.map_err(said)?;
                 }
@@ -55,7 +55,7 @@ impl Soup {
                 "it goes on after the elements that its head tells of".into(),
             ));
         }
-        for (number, Polygon(corners)) in polygons.into_iter().enumerate() {
+        for (number, FaceCorners(corners)) in polygons.into_iter().enumerate() {
             soup.polygon(corners)
                 .map_err(|problem| refuse(None, format!("face {number} {problem}")))?;
         }
@@ -103,9 +103,9 @@ impl PropertyAccess for Vertex {
 }
 
 /// The corners of a face.
-struct Polygon(Vec<u32>);
+struct FaceCorners(Vec<u32>);
 
-impl PropertyAccess for Polygon {
+impl PropertyAccess for FaceCorners {
     fn new() -> Self {
         Self(Vec::new())
     }

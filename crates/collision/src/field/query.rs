@@ -5,7 +5,7 @@
 //! widest vectors that the processor has; only the second one jumps about in memory, and one cell is
 //! four pairs of neighbors in one block.
 
-use super::grid::{CELLS, Frame, Grid, SIDE};
+use super::grid::{CELLS, Grid, GridFrame, SIDE};
 use super::{DistanceField, Sample};
 use nalgebra::{Point3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
@@ -56,7 +56,7 @@ impl Grid {
     /// If there are not as many `samples` as points.
     pub fn samples(&self, points: &[Point3<f64>], samples: &mut [Sample]) {
         assert_eq!(points.len(), samples.len(), "one sample per point");
-        Arch::new().dispatch(Batch { grid: self, points, samples });
+        Arch::new().dispatch(QueryBatch { grid: self, points, samples });
     }
 
     /// The eight corners of a cell, given its block and its place in that.
@@ -90,13 +90,13 @@ impl Grid {
     }
 }
 
-struct Batch<'a> {
+struct QueryBatch<'a> {
     grid: &'a Grid,
     points: &'a [Point3<f64>],
     samples: &'a mut [Sample],
 }
 
-impl WithSimd for Batch<'_> {
+impl WithSimd for QueryBatch<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -151,7 +151,7 @@ impl Chunk {
         let frame = grid.frame;
         let mut outside = false;
         for lane in 0..CHUNK {
-            let (Place { address: [block, node], fractions: [x, y, z] }, inside) =
+            let (GridPlace { address: [block, node], fractions: [x, y, z] }, inside) =
                 locate(&frame, &points[lane]);
             outside |= !inside;
             (self.addresses[0][lane], self.addresses[1][lane]) = (block, node);
@@ -193,7 +193,7 @@ impl Chunk {
 }
 
 /// Where a point is.
-struct Place {
+struct GridPlace {
     /// The block of its cell, and the first node of that in the block.
     address: [u32; 2],
     /// Where it is in the cell, each in 0..=1.
@@ -202,7 +202,7 @@ struct Place {
 
 /// The place of a point, or of the point of the box nearest to it, and whether it is in the box.
 #[inline(always)]
-fn locate(frame: &Frame, point: &Point3<f64>) -> (Place, bool) {
+fn locate(frame: &GridFrame, point: &Point3<f64>) -> (GridPlace, bool) {
     let [nx, ny, nz] = frame.cells;
     let [[x, y, z]] = ((point - frame.origin) * frame.inverse).data.0;
     let inside = (0.0 <= x) & (x <= nx) & (0.0 <= y) & (y <= ny) & (0.0 <= z) & (z <= nz);
@@ -210,7 +210,7 @@ fn locate(frame: &Frame, point: &Point3<f64>) -> (Place, bool) {
     let ([cells, side], [bx, by, _]) = (SIZES, frame.counts);
     let block = i / cells + bx * (j / cells + by * (k / cells));
     let node = i % cells + side * (j % cells + side * (k % cells));
-    (Place { address: [block, node], fractions: [x, y, z] }, inside)
+    (GridPlace { address: [block, node], fractions: [x, y, z] }, inside)
 }
 
 /// A place on an axis of `count` cells as the index of its cell and the fraction in it.

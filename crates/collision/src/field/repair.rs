@@ -1,6 +1,6 @@
 //! Treatment of meshes that are not closed and oriented.
 
-use super::mesh::{Mesh, Side, Soup, index};
+use super::mesh::{Mesh, Soup, TriangleSide, index};
 use crate::CollisionError;
 use nalgebra::{Point3, Vector3};
 use std::fmt;
@@ -213,7 +213,7 @@ impl Soup {
     }
 }
 
-fn one_sided(side: &Side) -> CollisionError {
+fn one_sided(side: &TriangleSide) -> CollisionError {
     CollisionError::Edge {
         face: side.face as usize,
         vertices: side.ends,

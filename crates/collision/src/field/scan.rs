@@ -3,7 +3,7 @@
 
 use super::Mesh;
 use super::feature::{Feature, features};
-use super::grid::{Block, CELLS, Frame, Grid, NODES, SIDE, single};
+use super::grid::{CELLS, Grid, GridBlock, GridFrame, NODES, SIDE, single};
 use super::mesh::index;
 use crate::CollisionError;
 use nalgebra::{Point3, Vector3};
@@ -24,7 +24,7 @@ impl Grid {
     pub fn scan(mesh: &Mesh, spacing: f64, band: f64) -> Result<Self, CollisionError> {
         let [low, high] = mesh.bounds();
         let margin = Vector3::repeat(band + spacing);
-        Self::scan_in(mesh, Frame::new(low - margin, high + margin, spacing)?, band)
+        Self::scan_in(mesh, GridFrame::new(low - margin, high + margin, spacing)?, band)
     }
 
     /// An estimate of the memory that [`Grid::scan`] takes while it works, bytes: that of all
@@ -57,7 +57,7 @@ impl Grid {
     /// # Errors
     /// [`CollisionError::Grid`] if the band is less than two spacings, or the box does not hold the
     /// mesh with a margin of the band.
-    pub fn scan_in(mesh: &Mesh, frame: Frame, band: f64) -> Result<Self, CollisionError> {
+    pub fn scan_in(mesh: &Mesh, frame: GridFrame, band: f64) -> Result<Self, CollisionError> {
         let [low, high] = mesh.bounds();
         let top = frame.node(frame.blocks.map(|n| n * CELLS));
         let margin = (low - frame.origin).inf(&(top - high)).min();
@@ -66,7 +66,7 @@ impl Grid {
             return Err(CollisionError::Grid { problem });
         }
         let features = features(mesh, band);
-        let bins = Bins::new(&frame, &features);
+        let bins = FeatureBins::new(&frame, &features);
         Self::assemble(frame, band, |block| {
             let scan = Scan { frame: &frame, first: frame.corner(block), band };
             scan.block(bins.of(block).iter().map(|&f| &features[f as usize]))
@@ -75,13 +75,13 @@ impl Grid {
 }
 
 /// Which features may reach into which block.
-struct Bins {
+struct FeatureBins {
     starts: Vec<usize>,
     features: Vec<u32>,
 }
 
-impl Bins {
-    fn new(frame: &Frame, features: &[Feature]) -> Self {
+impl FeatureBins {
+    fn new(frame: &GridFrame, features: &[Feature]) -> Self {
         let count = frame.blocks.iter().product::<usize>();
         let mut starts = vec![0; count + 1];
         for feature in features {
@@ -107,7 +107,7 @@ impl Bins {
 }
 
 /// Calls `act` with all blocks that have a node in the box of a feature.
-fn each_block(frame: &Frame, feature: &Feature, mut act: impl FnMut(usize)) {
+fn each_block(frame: &GridFrame, feature: &Feature, mut act: impl FnMut(usize)) {
     let [low, high] = nodes(frame, feature);
     let [nx, ny, _] = frame.blocks;
     // A node between two blocks is in both.
@@ -123,7 +123,7 @@ fn each_block(frame: &Frame, feature: &Feature, mut act: impl FnMut(usize)) {
 }
 
 /// First and last node along each axis in the box of a feature, which is within the lattice.
-fn nodes(frame: &Frame, feature: &Feature) -> [[usize; 3]; 2] {
+fn nodes(frame: &GridFrame, feature: &Feature) -> [[usize; 3]; 2] {
     let index = |p: &Point3<f64>, k: usize| (p[k] - frame.origin[k]) / frame.spacing;
     let [low, high] = &feature.bounds;
     // One more on each side for the slack and the rounding.
@@ -137,7 +137,7 @@ fn nodes(frame: &Frame, feature: &Feature) -> [[usize; 3]; 2] {
 
 /// The work on one block.
 struct Scan<'a> {
-    frame: &'a Frame,
+    frame: &'a GridFrame,
     /// Index of its first node.
     first: [usize; 3],
     band: f64,
@@ -145,7 +145,7 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     /// Signed distances of the nodes; none if all are farther than the band.
-    fn block<'a>(&self, features: impl Iterator<Item = &'a Feature>) -> Option<Box<Block>> {
+    fn block<'a>(&self, features: impl Iterator<Item = &'a Feature>) -> Option<Box<GridBlock>> {
         // Where nothing is found the distance is at least the band, of a side not yet known.
         let mut distances = [f64::NAN; NODES];
         let mut found = false;

@@ -22,7 +22,7 @@ mod spatial;
 mod tree;
 mod variant;
 
-pub use tree::{Kind, Tree};
+pub use tree::{HierarchyKind, VolumeTree};
 pub use variant::Variant;
 
 use crate::{Capsules, CollisionError, Pair};
@@ -48,13 +48,13 @@ pub trait Hierarchy: Any + Send + Sync {
     ///
     /// # Errors
     /// [`CollisionError::Count`] as for [`Self::update`].
-    fn all(&self, capsules: &Capsules) -> Result<Found, CollisionError>;
+    fn all(&self, capsules: &Capsules) -> Result<SearchResult, CollisionError>;
 
     /// The first of the pairs of [`Self::all`], if there are any.
     ///
     /// # Errors
     /// [`CollisionError::Count`] as for [`Self::update`].
-    fn first(&self, capsules: &Capsules) -> Result<Found, CollisionError>;
+    fn first(&self, capsules: &Capsules) -> Result<SearchResult, CollisionError>;
 
     /// All pairs of a segment of this tree and a segment of another assembly's that touch.
     ///
@@ -66,7 +66,7 @@ pub trait Hierarchy: Any + Send + Sync {
         capsules: &Capsules,
         other: &dyn Hierarchy,
         others: &Capsules,
-    ) -> Result<Found, CollisionError>;
+    ) -> Result<SearchResult, CollisionError>;
 
     /// Mean volume of the nodes on every level, the root's first, m³ (thesis, figure 7.14).
     fn mean_volumes(&self) -> Vec<f64>;
@@ -74,7 +74,7 @@ pub trait Hierarchy: Any + Send + Sync {
 
 /// What a search found, and what it cost.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Found {
+pub struct SearchResult {
     /// The segments that touch. The smaller index is first, or that of the first tree.
     pub pairs: Vec<Pair>,
     /// What was tested.

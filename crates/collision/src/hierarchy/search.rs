@@ -1,13 +1,13 @@
 //! How trees are searched: algorithm 3 of the thesis.
 
-use super::{Found, Hierarchy, Tree};
+use super::{Hierarchy, SearchResult, VolumeTree};
 use crate::capsules::count;
 use crate::volume::BoundingVolume;
 use crate::{Capsules, CollisionError, Pair};
 use std::any::Any;
 use std::ops::ControlFlow;
 
-impl<V: BoundingVolume> Hierarchy for Tree<V> {
+impl<V: BoundingVolume> Hierarchy for VolumeTree<V> {
     fn update(&mut self, capsules: &Capsules) -> Result<(), CollisionError> {
         self.check(capsules)?;
         self.refit(capsules);
@@ -18,11 +18,11 @@ impl<V: BoundingVolume> Hierarchy for Tree<V> {
         *self = Self::new(self.kind, self.shared.clone(), capsules);
     }
 
-    fn all(&self, capsules: &Capsules) -> Result<Found, CollisionError> {
+    fn all(&self, capsules: &Capsules) -> Result<SearchResult, CollisionError> {
         self.itself(capsules, false)
     }
 
-    fn first(&self, capsules: &Capsules) -> Result<Found, CollisionError> {
+    fn first(&self, capsules: &Capsules) -> Result<SearchResult, CollisionError> {
         self.itself(capsules, true)
     }
 
@@ -31,12 +31,12 @@ impl<V: BoundingVolume> Hierarchy for Tree<V> {
         capsules: &Capsules,
         other: &dyn Hierarchy,
         others: &Capsules,
-    ) -> Result<Found, CollisionError> {
+    ) -> Result<SearchResult, CollisionError> {
         let other = (other as &dyn Any).downcast_ref::<Self>();
         let other = other.filter(|o| o.shared == self.shared).ok_or(CollisionError::Volumes)?;
         self.check(capsules)?;
         other.check(others)?;
-        let mut search = Search::new([self, other], [capsules, others], false);
+        let mut search = DualTraversal::new([self, other], [capsules, others], false);
         // It never breaks off.
         let _ = search.descend([0, 0], Some);
         Ok(search.found)
@@ -59,7 +59,7 @@ impl<V: BoundingVolume> Hierarchy for Tree<V> {
     }
 }
 
-impl<V: BoundingVolume> Tree<V> {
+impl<V: BoundingVolume> VolumeTree<V> {
     fn check(&self, capsules: &Capsules) -> Result<(), CollisionError> {
         count("segments", capsules.len(), self.order.len())
     }
@@ -69,9 +69,13 @@ impl<V: BoundingVolume> Tree<V> {
     /// A pair of a node with itself is not pushed as a pair of nodes, where it would find all twice
     /// (erratum to algorithm 3), but gives that of its children and theirs with themselves: so each
     /// inner node is a start.
-    fn itself(&self, capsules: &Capsules, only_first: bool) -> Result<Found, CollisionError> {
+    fn itself(
+        &self,
+        capsules: &Capsules,
+        only_first: bool,
+    ) -> Result<SearchResult, CollisionError> {
         self.check(capsules)?;
-        let mut search = Search::new([self, self], [capsules, capsules], only_first);
+        let mut search = DualTraversal::new([self, self], [capsules, capsules], only_first);
         // In one order whatever the tree, as roundings depend on it.
         let pair = |[i, j]: Pair| {
             (!capsules.adjacent(i as usize, j as usize)).then_some([i.min(j), i.max(j)])
@@ -86,17 +90,21 @@ impl<V: BoundingVolume> Tree<V> {
 }
 
 /// Two trees, perhaps the same, on the way down.
-struct Search<'a, V: BoundingVolume> {
-    trees: [&'a Tree<V>; 2],
+struct DualTraversal<'a, V: BoundingVolume> {
+    trees: [&'a VolumeTree<V>; 2],
     capsules: [&'a Capsules<'a>; 2],
     only_first: bool,
     pending: Vec<[usize; 2]>,
-    found: Found,
+    found: SearchResult,
 }
 
-impl<'a, V: BoundingVolume> Search<'a, V> {
-    fn new(trees: [&'a Tree<V>; 2], capsules: [&'a Capsules<'a>; 2], only_first: bool) -> Self {
-        Self { trees, capsules, only_first, pending: Vec::new(), found: Found::default() }
+impl<'a, V: BoundingVolume> DualTraversal<'a, V> {
+    fn new(
+        trees: [&'a VolumeTree<V>; 2],
+        capsules: [&'a Capsules<'a>; 2],
+        only_first: bool,
+    ) -> Self {
+        Self { trees, capsules, only_first, pending: Vec::new(), found: SearchResult::default() }
     }
 
     /// Finds the segments under two nodes that touch, of those pairs that `chosen` leaves; breaks off after

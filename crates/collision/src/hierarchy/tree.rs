@@ -7,7 +7,7 @@ use rapunzel_fiber::Layout;
 
 /// Which segments come together in a node, and what its volume encloses (thesis, 7.3.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum HierarchyKind {
     /// `H_R`: segments that are near each other, divided from the top at the middle of the longest
     /// axis. Volumes enclose segments when built, and the volumes below when updated.
     Spatial,
@@ -23,20 +23,20 @@ pub enum Kind {
 /// The topological kinds thread all fibers into one: every second fiber is passed from the tip to
 /// the root, so that ends of neighbors follow each other (figure 7.4 of the thesis).
 #[derive(Debug, Clone)]
-pub struct Tree<V: BoundingVolume> {
-    pub(super) kind: Kind,
+pub struct VolumeTree<V: BoundingVolume> {
+    pub(super) kind: HierarchyKind,
     pub(super) shared: V::Shared,
     /// Segments in the order of the leaves.
     pub(super) order: Vec<u32>,
     /// A node, all nodes under its left child, all nodes under its right child, and so on.
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<HierarchyNode>,
     pub(super) volumes: Vec<V>,
     /// Of the inner nodes of wrapped trees: the segments that determine the volume.
     bases: Vec<Vec<u32>>,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
+pub(super) struct HierarchyNode {
     /// Its leaves in `order`, from the first.
     pub(super) first: usize,
     pub(super) leaves: usize,
@@ -45,17 +45,17 @@ pub(super) struct Node {
     pub(super) weight: f64,
 }
 
-impl<V: BoundingVolume> Tree<V> {
+impl<V: BoundingVolume> VolumeTree<V> {
     /// Builds a tree over all segments. Cost: as of [`super::Hierarchy::rebuild`].
     #[must_use]
-    pub fn new(kind: Kind, shared: V::Shared, capsules: &Capsules) -> Self {
+    pub fn new(kind: HierarchyKind, shared: V::Shared, capsules: &Capsules) -> Self {
         let order = thread(capsules.layout());
         let most = 2 * order.len() - 1;
         let (nodes, volumes) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let mut tree = Self { kind, shared, order, nodes, volumes, bases: Vec::new() };
         match kind {
-            Kind::Spatial => tree.divide(capsules),
-            Kind::Wrapped => {
+            HierarchyKind::Spatial => tree.divide(capsules),
+            HierarchyKind::Wrapped => {
                 tree.halve();
                 for u in 0..tree.nodes.len() {
                     let (volume, basis) = tree.span(u, capsules);
@@ -63,7 +63,7 @@ impl<V: BoundingVolume> Tree<V> {
                     tree.bases.push(basis);
                 }
             }
-            Kind::Layered => {
+            HierarchyKind::Layered => {
                 tree.halve();
                 tree.layer(capsules);
             }
@@ -95,7 +95,7 @@ impl<V: BoundingVolume> Tree<V> {
     }
 
     fn under(&self, u: usize) -> &[u32] {
-        let Node { first, leaves, .. } = self.nodes[u];
+        let HierarchyNode { first, leaves, .. } = self.nodes[u];
         &self.order[first..][..leaves]
     }
 
@@ -103,7 +103,7 @@ impl<V: BoundingVolume> Tree<V> {
     fn halve(&mut self) {
         let mut pending = vec![(0, self.order.len())];
         while let Some((first, leaves)) = pending.pop() {
-            self.nodes.push(Node { first, leaves, weight: leaves as f64 });
+            self.nodes.push(HierarchyNode { first, leaves, weight: leaves as f64 });
             if leaves > 1 {
                 let left = leaves.div_ceil(2);
                 pending.push((first + left, leaves - left));
@@ -128,7 +128,7 @@ impl<V: BoundingVolume> Tree<V> {
                 pending.push((first + left, leaves - left));
                 pending.push((first, left));
             }
-            self.nodes.push(Node { first, leaves, weight: volume.volume() });
+            self.nodes.push(HierarchyNode { first, leaves, weight: volume.volume() });
             self.volumes.push(volume);
         }
     }
@@ -174,12 +174,12 @@ impl<V: BoundingVolume> Tree<V> {
     pub(super) fn refit(&mut self, capsules: &Capsules) {
         for u in (0..self.nodes.len()).rev() {
             let (volume, basis) = match self.kind {
-                Kind::Wrapped => self.verified(u, capsules),
-                Kind::Spatial | Kind::Layered => {
+                HierarchyKind::Wrapped => self.verified(u, capsules),
+                HierarchyKind::Spatial | HierarchyKind::Layered => {
                     (self.merged(u, |v| &self.volumes[v], capsules), None)
                 }
             };
-            if self.kind == Kind::Spatial {
+            if self.kind == HierarchyKind::Spatial {
                 self.nodes[u].weight = volume.volume();
             }
             if let Some(basis) = basis {

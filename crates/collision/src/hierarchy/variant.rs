@@ -1,6 +1,6 @@
 //! The trees of table 7.1.
 
-use super::{Hierarchy, Kind, Tree};
+use super::{Hierarchy, HierarchyKind, VolumeTree};
 use crate::Capsules;
 use crate::volume::{Aabb, BoundingVolume, Directions, Dop, Obb, Sphere};
 
@@ -59,11 +59,11 @@ impl Variant {
 
     /// Which segments come together in a node.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> HierarchyKind {
         match self {
-            Self::As | Self::Ds(_) | Self::Os | Self::Ss => Kind::Spatial,
-            Self::Ow | Self::Sw => Kind::Wrapped,
-            Self::Al | Self::Dl(_) | Self::Ol | Self::Sl => Kind::Layered,
+            Self::As | Self::Ds(_) | Self::Os | Self::Ss => HierarchyKind::Spatial,
+            Self::Ow | Self::Sw => HierarchyKind::Wrapped,
+            Self::Al | Self::Dl(_) | Self::Ol | Self::Sl => HierarchyKind::Layered,
         }
     }
 
@@ -71,11 +71,11 @@ impl Variant {
     #[must_use]
     pub fn build(&self, capsules: &Capsules) -> Box<dyn Hierarchy> {
         fn tree<V: BoundingVolume>(
-            kind: Kind,
+            kind: HierarchyKind,
             shared: V::Shared,
             capsules: &Capsules,
         ) -> Box<dyn Hierarchy> {
-            Box::new(Tree::<V>::new(kind, shared, capsules))
+            Box::new(VolumeTree::<V>::new(kind, shared, capsules))
         }
         let kind = self.kind();
         match self {

@@ -11,30 +11,30 @@ const SIDE_BY_SIDE: f64 = 0.067;
 /// Squared lengths below this are those of points, m²: their products stay normal numbers.
 const POINT: f64 = 1e-70;
 
-type Numbers = [f64; BATCH];
+type BatchScalars = [f64; BATCH];
 
 /// The axes of a batch of pairs: from the start of the first to its end, from the start of the
 /// second to its end, and from start to start.
-pub(super) struct Batch {
-    first: [Numbers; 3],
-    second: [Numbers; 3],
-    between: [Numbers; 3],
+pub(super) struct PairBatch {
+    first: [BatchScalars; 3],
+    second: [BatchScalars; 3],
+    between: [BatchScalars; 3],
     /// Squared sines of the angles between the axes.
-    sines: Numbers,
-    pub(super) closest: Places,
+    sines: BatchScalars,
+    pub(super) closest: BatchPlaces,
     /// Where axes that are nearly parallel begin and stop to lie side by side; infinitely far apart for
     /// others, and where that is no other place than the closest.
-    pub(super) ends: [Places; 2],
+    pub(super) ends: [BatchPlaces; 2],
 }
 
 /// A place along both axes of each pair.
-pub(super) struct Places {
-    pub(super) fractions: [Numbers; 2],
+pub(super) struct BatchPlaces {
+    pub(super) fractions: [BatchScalars; 2],
     /// Distances there, squared, m².
-    pub(super) squared: Numbers,
+    pub(super) squared: BatchScalars,
 }
 
-impl Places {
+impl BatchPlaces {
     fn none() -> Self {
         Self { fractions: [[0.0; BATCH]; 2], squared: [f64::INFINITY; BATCH] }
     }
@@ -45,15 +45,15 @@ impl Places {
     }
 }
 
-impl Default for Batch {
+impl Default for PairBatch {
     fn default() -> Self {
         let zero = [[0.0; BATCH]; 3];
-        let (closest, ends) = (Places::none(), [Places::none(), Places::none()]);
+        let (closest, ends) = (BatchPlaces::none(), [BatchPlaces::none(), BatchPlaces::none()]);
         Self { first: zero, second: zero, between: zero, sines: [0.0; BATCH], closest, ends }
     }
 }
 
-impl Batch {
+impl PairBatch {
     /// Takes at most [`BATCH`] pairs.
     #[inline(always)]
     pub(super) fn gather(&mut self, capsules: &Capsules, pairs: &[Pair]) {
@@ -153,7 +153,7 @@ impl Batch {
     /// Finds the ends of axes that lie side by side, if they are more than a `radius` of the first, m, along
     /// it from where these are closest.
     #[inline(always)]
-    pub(super) fn find_ends(&mut self, radius: &Numbers) {
+    pub(super) fn find_ends(&mut self, radius: &BatchScalars) {
         for k in 0..BATCH {
             let pair = self.axes(k);
             let Axes { a, b, c, e, f, .. } = pair;

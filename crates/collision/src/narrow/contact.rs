@@ -1,6 +1,6 @@
 //! Points where capsules touch or nearly do.
 
-use super::batch::{Axes, BATCH, Batch};
+use super::batch::{Axes, BATCH, PairBatch};
 use crate::capsules::length;
 use crate::join::join;
 use crate::{Capsules, CollisionError, Pair};
@@ -16,7 +16,7 @@ const FEW: usize = 4 * BATCH;
 
 /// Two capsules that touch, or come close, at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct CapsuleContact {
     /// The segments, the smaller index first.
     pub pair: Pair,
     /// Where along the axes of the two segments, each in 0..=1.
@@ -27,7 +27,7 @@ pub struct Contact {
     pub gap: f64,
 }
 
-impl Contact {
+impl CapsuleContact {
     /// Arc lengths of the point on both fibres, m, from those of all nodes (see
     /// [`node_arc_lengths`]).
     ///
@@ -69,7 +69,7 @@ pub fn contacts(
     capsules: &Capsules,
     pairs: &[Pair],
     reach: f64,
-    contacts: &mut Vec<Contact>,
+    contacts: &mut Vec<CapsuleContact>,
 ) -> Result<(), CollisionError> {
     length("reach", reach)?;
     let chunk = |pairs: &[Pair]| {
@@ -94,8 +94,8 @@ pub fn contacts_of_groups(
     pairs: &[Pair],
     reach: f64,
     same: impl Fn(&Pair, &Pair) -> bool + Sync,
-    chosen: impl Fn(&[Contact], &mut Vec<Contact>) + Sync,
-    contacts: &mut Vec<Contact>,
+    chosen: impl Fn(&[CapsuleContact], &mut Vec<CapsuleContact>) + Sync,
+    contacts: &mut Vec<CapsuleContact>,
 ) -> Result<(), CollisionError> {
     length("reach", reach)?;
     let part = |pairs: &[Pair]| {
@@ -134,7 +134,7 @@ struct Find<'a> {
     capsules: &'a Capsules<'a>,
     pairs: &'a [Pair],
     reach: f64,
-    found: &'a mut Vec<Contact>,
+    found: &'a mut Vec<CapsuleContact>,
 }
 
 impl NullaryFnOnce for Find<'_> {
@@ -143,7 +143,7 @@ impl NullaryFnOnce for Find<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { capsules, pairs, reach, found } = self;
-        let (mut batch, mut radius) = (Batch::default(), [0.0; BATCH]);
+        let (mut batch, mut radius) = (PairBatch::default(), [0.0; BATCH]);
         for pairs in pairs.chunks(BATCH) {
             batch.gather(capsules, pairs);
             batch.measure();
@@ -171,9 +171,9 @@ impl NullaryFnOnce for Find<'_> {
 }
 
 /// That of two axes at some place, whose surfaces are nearer by some lengths, m.
-fn contact(pair: Pair, axes: &Axes, fractions: [f64; 2], apart: f64) -> Contact {
+fn contact(pair: Pair, axes: &Axes, fractions: [f64; 2], apart: f64) -> CapsuleContact {
     let offset = Vector3::from(axes.offset(fractions));
-    Contact { pair, fractions, normal: direction(offset, axes), gap: offset.norm() - apart }
+    CapsuleContact { pair, fractions, normal: direction(offset, axes), gap: offset.norm() - apart }
 }
 
 /// Direction of `offset`; where that is zero, a direction across both axes.
@@ -197,7 +197,7 @@ mod tests {
     const RADIUS: f64 = 0.1;
 
     /// Contacts of two fibres of one segment each.
-    fn touch(points: [Point3<f64>; 4], reach: f64) -> Vec<Contact> {
+    fn touch(points: [Point3<f64>; 4], reach: f64) -> Vec<CapsuleContact> {
         let layout = Layout::new([1, 1]);
         let capsules = Capsules::new(&layout, &points, &[RADIUS; 2]).expect("valid");
         let mut found = Vec::new();
@@ -256,7 +256,7 @@ mod tests {
             .flat_map(|(pair, size)| std::iter::repeat_n(pair, size))
             .collect();
         let mut found = Vec::new();
-        let first = |group: &[Contact], stay: &mut Vec<Contact>| {
+        let first = |group: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| {
             assert!(sizes.contains(&group.len()), "{}", group.len());
             stay.push(group[0]);
         };

@@ -1,6 +1,6 @@
 //! Distances of many pairs of axes, several at a time.
 
-use super::batch::{BATCH, Batch};
+use super::batch::{BATCH, PairBatch};
 use crate::{Capsules, Pair};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -19,22 +19,22 @@ pub fn squared_distances(capsules: &Capsules, pairs: &[Pair], distances: &mut Ve
     distances.resize(pairs.len(), 0.0);
     let chunks = pairs.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK));
     chunks.for_each(|(pairs, distances)| {
-        Arch::new().dispatch(Measure { capsules, pairs, distances });
+        Arch::new().dispatch(DistanceQuery { capsules, pairs, distances });
     });
 }
 
-struct Measure<'a> {
+struct DistanceQuery<'a> {
     capsules: &'a Capsules<'a>,
     pairs: &'a [Pair],
     distances: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Measure<'_> {
+impl NullaryFnOnce for DistanceQuery<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let mut batch = Batch::default();
+        let mut batch = PairBatch::default();
         for (pairs, distances) in self.pairs.chunks(BATCH).zip(self.distances.chunks_mut(BATCH)) {
             batch.gather(self.capsules, pairs);
             batch.measure();

@@ -6,5 +6,5 @@ mod contact;
 mod distance;
 
 pub use closest::Closest;
-pub use contact::{Contact, contacts, contacts_of_groups, node_arc_lengths};
+pub use contact::{CapsuleContact, contacts, contacts_of_groups, node_arc_lengths};
 pub use distance::squared_distances;

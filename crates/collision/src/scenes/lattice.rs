@@ -1,6 +1,6 @@
 //! Waving fibres rooted on a square lattice: the scenes that peers were measured on.
 
-use super::Arrangement;
+use super::MovingFibers;
 use crate::random::SplitMix64;
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Layout;
@@ -17,18 +17,18 @@ const RADIUS: f64 = 35e-6;
 /// of 0.5 to 1.5 mm and a wavelength of 24 to 36 mm. All random numbers are from `SplitMix64` with
 /// one seed.
 #[must_use]
-pub fn wavy(fibers: usize) -> Arrangement {
+pub fn wavy(fibers: usize) -> MovingFibers {
     lattice(fibers, |_| 1.0)
 }
 
 /// The fibres of [`wavy`], gathered toward the tip to 3200 per cm², a volume fraction of 12 %.
 #[must_use]
-pub fn clump(fibers: usize) -> Arrangement {
+pub fn clump(fibers: usize) -> MovingFibers {
     lattice(fibers, |t| 1.0 - 0.75 * t)
 }
 
 /// `gather` is the distance from the axis over that at the root, for `t` in 0..=1 along the fibre.
-fn lattice(fibers: usize, gather: impl Fn(f64) -> f64) -> Arrangement {
+fn lattice(fibers: usize, gather: impl Fn(f64) -> f64) -> MovingFibers {
     let mut random = SplitMix64(0x005E_ED0F_4A1B);
     let side = (fibers as f64).sqrt().ceil();
     let pitch = (1e-4_f64 / 200.0).sqrt();
@@ -53,5 +53,5 @@ fn lattice(fibers: usize, gather: impl Fn(f64) -> f64) -> Arrangement {
         }
     }
     let layout = Layout::new(std::iter::repeat_n(SEGMENTS, fibers));
-    Arrangement { layout, positions, displacements, radii: vec![RADIUS; fibers * SEGMENTS] }
+    MovingFibers { layout, positions, displacements, radii: vec![RADIUS; fibers * SEGMENTS] }
 }

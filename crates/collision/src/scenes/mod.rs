@@ -14,7 +14,7 @@ use rapunzel_fiber::Layout;
 
 /// Fibres at one moment, and where they go.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Arrangement {
+pub struct MovingFibers {
     /// Which segments belong to which fibre.
     pub layout: Layout,
     /// Positions of all nodes (world), m.
@@ -25,7 +25,7 @@ pub struct Arrangement {
     pub radii: Vec<f64>,
 }
 
-impl Arrangement {
+impl MovingFibers {
     /// The fibres as capsules.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Models like those of the thesis's performance tests (figure 7.7), in any size. Their shapes are
 //! ours, because the thesis shows only pictures; so are radii that it does not give. Nothing moves.
 
-use super::Arrangement;
+use super::MovingFibers;
 use crate::random::SplitMix64;
 use nalgebra::{Point3, Rotation3, Unit, Vector2, Vector3};
 use rapunzel_fiber::Layout;
@@ -16,7 +16,7 @@ const HAIR: f64 = 35e-6;
 /// Roots stand on a square lattice of 325 per cm², the thesis's density; toward the tip the bundle
 /// is a third as wide. Each fiber waves by up to 0.6 mm, once in 3 to 6 cm.
 #[must_use]
-pub fn bundle(fibers: usize, segments: usize) -> Arrangement {
+pub fn bundle(fibers: usize, segments: usize) -> MovingFibers {
     let mut random = SplitMix64(0x7_2E55);
     let curves = lattice(fibers).map(|root| {
         let (phase, amplitude) = (TAU * random.unit(), 0.6e-3 * random.unit());
@@ -34,7 +34,7 @@ pub fn bundle(fibers: usize, segments: usize) -> Arrangement {
 /// A curl: the roots of [`bundle`], gathered to half of their width within the first third, on
 /// ten turns of a helix with a radius of 1 cm; Locke has 2500 fibers of 100 segments.
 #[must_use]
-pub fn lock(fibers: usize, segments: usize) -> Arrangement {
+pub fn lock(fibers: usize, segments: usize) -> MovingFibers {
     let mut random = SplitMix64(0x10CE);
     let curves = lattice(fibers).map(|root| {
         let lag = 0.02 * random.signed();
@@ -52,7 +52,7 @@ pub fn lock(fibers: usize, segments: usize) -> Arrangement {
 /// A plain weave of warp and weft, half of the fibers each, 2 mm apart and 1 mm thick, that touch
 /// at every crossing; Tuch has 500 fibers of 2600 segments.
 #[must_use]
-pub fn cloth(fibers: usize, segments: usize) -> Arrangement {
+pub fn cloth(fibers: usize, segments: usize) -> MovingFibers {
     let (pitch, radius) = (2e-3, 0.5e-3);
     let warp = fibers.div_ceil(2);
     let curves = (0..fibers).map(|f| {
@@ -72,7 +72,7 @@ pub fn cloth(fibers: usize, segments: usize) -> Arrangement {
 /// Circles of 1 mm thick fibers of all sizes and in all planes through the middle of a ball with a
 /// radius of 1 cm; Haarball has 700 fibers of 37 segments.
 #[must_use]
-pub fn ball(fibers: usize, segments: usize) -> Arrangement {
+pub fn ball(fibers: usize, segments: usize) -> MovingFibers {
     let mut random = SplitMix64(0xBA11);
     let curves = (0..fibers).map(|_| {
         let axis = Unit::new_unchecked(random.direction());
@@ -85,7 +85,7 @@ pub fn ball(fibers: usize, segments: usize) -> Arrangement {
 /// Filament soup: arcs of 30 cm and 2 mm, anywhere in the unit cube, with any direction and a
 /// curvature up to 10 per m; the thesis's has 10 000 fibers of 100 segments.
 #[must_use]
-pub fn soup(fibers: usize, segments: usize) -> Arrangement {
+pub fn soup(fibers: usize, segments: usize) -> MovingFibers {
     let mut random = SplitMix64(0x50_0B);
     let curves = (0..fibers).map(|_| {
         let start = Point3::from(Vector3::from_fn(|_, _| random.unit()));
@@ -119,7 +119,7 @@ fn sampled<C: Fn(f64) -> Point3<f64>>(
     curves: impl Iterator<Item = C>,
     segments: usize,
     radius: f64,
-) -> Arrangement {
+) -> MovingFibers {
     let at = |curve: C| {
         (0..=segments).map(move |k| curve(k as f64 / segments as f64)).collect::<Vec<_>>()
     };
@@ -127,14 +127,14 @@ fn sampled<C: Fn(f64) -> Point3<f64>>(
     let layout = Layout::new(fibers.iter().map(|_| segments));
     let radii = vec![radius; layout.segments()];
     let displacements = vec![Vector3::zeros(); layout.nodes()];
-    Arrangement { positions: fibers.into_iter().flatten().collect(), layout, displacements, radii }
+    MovingFibers { positions: fibers.into_iter().flatten().collect(), layout, displacements, radii }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn all(fibers: usize, segments: usize) -> [Arrangement; 5] {
+    fn all(fibers: usize, segments: usize) -> [MovingFibers; 5] {
         [bundle, lock, cloth, ball, soup].map(|model| model(fibers, segments))
     }
 

@@ -1,6 +1,6 @@
 //! Fibres that bend from straight to a loop.
 
-use super::{Arrangement, bundle};
+use super::{MovingFibers, bundle};
 use crate::random::SplitMix64;
 use nalgebra::{Point3, Vector3};
 
@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 /// recorded end loads. Curvatures differ by up to 5 %, and the planes in which fibers bend by up to
 /// `spread`, radians: 0.05 is a bundle that stays one, pi a bundle that bursts.
 #[must_use]
-pub fn looping(fibers: usize, segments: usize, bend: f64, spread: f64) -> Arrangement {
+pub fn looping(fibers: usize, segments: usize, bend: f64, spread: f64) -> MovingFibers {
     let mut scene = bundle(fibers, segments);
     let mut random = SplitMix64(0x100B);
     for fiber in 0..fibers {

@@ -25,7 +25,7 @@ pub(super) struct Groups {
 /// Groups `boxes`. Cost: 60 ns a box.
 pub(super) fn group(boxes: &[Bounds]) -> Groups {
     let curve = sorted_along_curve(boxes);
-    let item = |place: &Place| Hull::new(place.index, &boxes[place.index as usize]);
+    let item = |place: &CurvePlace| Hull::new(place.index, &boxes[place.index as usize]);
     let mut items: Vec<Hull> = curve.iter().map(item).collect();
     let ends = Arch::new().dispatch(Cut { curve: &curve, items: &mut items });
     Groups { order: items.iter().map(Hull::index).collect(), ends }
@@ -33,7 +33,7 @@ pub(super) fn group(boxes: &[Bounds]) -> Groups {
 
 /// Cuts boxes on the curve into groups: reorders them and returns the ends of the groups.
 struct Cut<'a> {
-    curve: &'a [Place],
+    curve: &'a [CurvePlace],
     items: &'a mut [Hull],
 }
 
@@ -66,13 +66,13 @@ impl NullaryFnOnce for Cut<'_> {
 
 /// A box on the curve.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct CurvePlace {
     /// Place of its centre: the bits of its cell's coordinates, interleaved.
     code: u32,
     index: u32,
 }
 
-fn sorted_along_curve(boxes: &[Bounds]) -> Vec<Place> {
+fn sorted_along_curve(boxes: &[Bounds]) -> Vec<CurvePlace> {
     let mut hull = Bounds::EMPTY;
     for bounds in boxes {
         hull.hold(bounds);
@@ -86,10 +86,10 @@ fn sorted_along_curve(boxes: &[Bounds]) -> Vec<Place> {
     };
     let place = |(index, bounds)| {
         let [x, y, z] = [cell(bounds, 0), cell(bounds, 1), cell(bounds, 2)];
-        Place { code: spread(x) | spread(y) << 1 | spread(z) << 2, index }
+        CurvePlace { code: spread(x) | spread(y) << 1 | spread(z) << 2, index }
     };
-    let mut places: Vec<Place> = (0..).zip(boxes).map(place).collect();
-    let mut other = vec![Place::default(); places.len()];
+    let mut places: Vec<CurvePlace> = (0..).zip(boxes).map(place).collect();
+    let mut other = vec![CurvePlace::default(); places.len()];
     for digit in 0..3 {
         sort_by_digit(&places, &mut other, digit * BITS);
         std::mem::swap(&mut places, &mut other);
@@ -114,8 +114,8 @@ fn spread(x: u32) -> u32 {
 }
 
 /// Sorts by the ten bits of the code from `shift` on; equal ones keep their order.
-fn sort_by_digit(from: &[Place], to: &mut [Place], shift: u32) {
-    let digit = |place: &Place| (place.code >> shift) as usize & ((1 << BITS) - 1);
+fn sort_by_digit(from: &[CurvePlace], to: &mut [CurvePlace], shift: u32) {
+    let digit = |place: &CurvePlace| (place.code >> shift) as usize & ((1 << BITS) - 1);
     let mut next = vec![0_u32; 1 << BITS];
     for place in from {
         next[digit(place)] += 1;
@@ -133,7 +133,7 @@ fn sort_by_digit(from: &[Place], to: &mut [Place], shift: u32) {
 
 /// Where the curve leaves the first half of the smallest cell that holds all of `curve`; none if
 /// all are in one.
-fn enter_cell(curve: &[Place]) -> Option<usize> {
+fn enter_cell(curve: &[CurvePlace]) -> Option<usize> {
     let (first, last) = (curve.first()?.code, curve.last()?.code);
     let differ = (first ^ last).checked_ilog2()?;
     Some(curve.partition_point(|place| place.code >> differ & 1 == 0))

@@ -4,7 +4,7 @@ use super::bounds::{Bounds, above, below};
 use super::way::{OneWay, Way, ways};
 use super::{NONE, Tree};
 use crate::capsules::length;
-use crate::narrow::{self, Contact, squared_distances};
+use crate::narrow::{self, CapsuleContact, squared_distances};
 use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -144,7 +144,7 @@ impl Candidates {
     pub fn contacts(
         &mut self,
         capsules: &Capsules,
-        contacts: &mut Vec<Contact>,
+        contacts: &mut Vec<CapsuleContact>,
     ) -> Result<Update, CollisionError> {
         let update = self.update(capsules)?;
         if let Some(list) = &self.list {
@@ -309,9 +309,9 @@ impl List {
     }
 
     /// How far the segments of every region have moved since the list was made.
-    fn motions<const N: usize>(&self, frames: [&Capsules; N]) -> Vec<Motion> {
+    fn motions<const N: usize>(&self, frames: [&Capsules; N]) -> Vec<MotionBounds> {
         let layout = frames[0].layout();
-        let none = vec![Motion::NONE; self.hulls.len()];
+        let none = vec![MotionBounds::NONE; self.hulls.len()];
         let length = layout.fibers().div_ceil(PARTS);
         let part = |part: usize| {
             let mut motions = none.clone();
@@ -344,12 +344,12 @@ impl List {
 
 /// Bounds of displacements (world), m.
 #[derive(Debug, Clone, Copy)]
-struct Motion {
+struct MotionBounds {
     low: Vector3<f64>,
     high: Vector3<f64>,
 }
 
-impl Motion {
+impl MotionBounds {
     const NONE: Self = Self {
         low: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
         high: Vector3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),

@@ -20,7 +20,7 @@ const NUMBER: f64 = 1e-7;
 /// A segment on a straight way.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Line {
+pub(super) struct MovingLine {
     /// At the start (world), m.
     start: [f32; 3],
     /// From there to the other end, m, and the inverse of its squared length.
@@ -34,7 +34,7 @@ pub(super) struct Line {
 
 /// All segments on their ways from `start` to `end`, where to be within `reach`, m, of each other
 /// counts.
-pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<Line> {
+pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<MovingLine> {
     let line = |segment| {
         let nodes = start.layout().segment_nodes(segment);
         let [p, q] = nodes.map(|node| start.positions()[node]);
@@ -42,7 +42,7 @@ pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<Line> {
         let (axis, way) = (q - p, 0.5 * (ways[0] + ways[1]));
         let own = 0.5 * (ways[0] - ways[1]).norm() + start.radii()[segment] + 0.5 * reach;
         let roundings = ROUNDING * axis.norm() + 4.0 * NUMBER * (p.coords.amax() + way.amax());
-        Line {
+        MovingLine {
             start: single(&p.coords),
             axis: single(&axis),
             inverse: above(1.0 / axis.norm_squared()),
@@ -59,14 +59,14 @@ fn single(x: &Vector3<f64>) -> [f32; 3] {
 }
 
 /// Drops pairs of segments that stay apart all the way. Cost: 20 ns a pair, most of it to gather them.
-pub(super) fn sift(lines: &[Line], pairs: &mut Vec<Pair>) {
+pub(super) fn sift(lines: &[MovingLine], pairs: &mut Vec<Pair>) {
     let kept = Arch::new().dispatch(Sift { lines, pairs });
     pairs.truncate(kept);
 }
 
 /// Moves the pairs that are kept to the front, and counts them.
 struct Sift<'a> {
-    lines: &'a [Line],
+    lines: &'a [MovingLine],
     pairs: &'a mut [Pair],
 }
 
@@ -76,7 +76,7 @@ impl NullaryFnOnce for Sift<'_> {
     #[inline(always)]
     fn call(self) -> usize {
         let Self { lines, pairs } = self;
-        let mut batch = Batch::default();
+        let mut batch = LineBatch::default();
         let mut kept = 0;
         for first in (0..pairs.len()).step_by(BATCH) {
             let count = BATCH.min(pairs.len() - first);
@@ -95,7 +95,7 @@ impl NullaryFnOnce for Sift<'_> {
 
 /// The lines of a batch of pairs: axes, from the start of the first to that of the second, from the
 /// way of the first to that of the second.
-struct Batch {
+struct LineBatch {
     first: [[f32; BATCH]; 3],
     second: [[f32; BATCH]; 3],
     between: [[f32; BATCH]; 3],
@@ -107,7 +107,7 @@ struct Batch {
     beyond: [f32; BATCH],
 }
 
-impl Default for Batch {
+impl Default for LineBatch {
     fn default() -> Self {
         let (zeros, zero) = ([[0.0; BATCH]; 3], [0.0; BATCH]);
         let (first, second, between, way) = (zeros, zeros, zeros, zeros);
@@ -115,9 +115,9 @@ impl Default for Batch {
     }
 }
 
-impl Batch {
+impl LineBatch {
     #[inline(always)]
-    fn gather(&mut self, lines: &[Line], pairs: &[Pair]) {
+    fn gather(&mut self, lines: &[MovingLine], pairs: &[Pair]) {
         for (k, pair) in pairs.iter().enumerate() {
             let [a, b] = pair.map(|segment| &lines[segment as usize]);
             for d in 0..3 {

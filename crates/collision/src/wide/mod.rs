@@ -31,7 +31,7 @@ pub struct Tree {
     segments: usize,
     node_count: usize,
     /// The blocks of every level, those of segments first, one block last.
-    levels: Vec<Level>,
+    levels: Vec<TreeLevel>,
     diagonals: Option<Diagonals>,
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
     /// one if these differ by at most one, because fibres share no node.
@@ -39,7 +39,7 @@ pub struct Tree {
 }
 
 #[derive(Debug, Clone)]
-struct Level {
+struct TreeLevel {
     blocks: Vec<Block>,
     /// What the box of every lane holds: a segment, or a block of the level below.
     children: Vec<[u32; WIDTH]>,
@@ -77,7 +77,7 @@ impl Tree {
 
     fn grown(capsules: &Capsules, margin: f64, oblique: bool) -> Result<Self, CollisionError> {
         length("margin", margin)?;
-        let mut lowest = Level::new(&rough_boxes(capsules));
+        let mut lowest = TreeLevel::new(&rough_boxes(capsules));
         let layout = capsules.layout();
         let first_node = |&segment: &u32| match segment {
             NONE => NONE,
@@ -94,7 +94,7 @@ impl Tree {
         let mut levels = vec![lowest];
         while levels.len() < 2 || levels[levels.len() - 1].blocks.len() > 1 {
             let hulls = &levels[levels.len() - 1].hulls;
-            let mut level = Level::new(hulls);
+            let mut level = TreeLevel::new(hulls);
             level.fit_hulls(hulls);
             levels.push(level);
         }
@@ -169,7 +169,7 @@ fn rough_boxes(capsules: &Capsules) -> Vec<Bounds> {
     (0..capsules.len()).map(bounds).collect()
 }
 
-impl Level {
+impl TreeLevel {
     /// Groups `boxes`; the blocks are still empty.
     fn new(boxes: &[Bounds]) -> Self {
         let build::Groups { order, ends } = build::group(boxes);

@@ -2,7 +2,7 @@
 
 use super::block::{Compare, Portable, WIDTH};
 use super::bounds::Bounds;
-use super::{Diagonals, Level, NONE, Tree};
+use super::{Diagonals, NONE, Tree, TreeLevel};
 use crate::Pair;
 use crate::join::join;
 use pulp::{Arch, NullaryFnOnce};
@@ -66,7 +66,7 @@ impl Tree {
     }
 }
 
-impl Level {
+impl TreeLevel {
     /// Which blocks hold something that is marked.
     fn with_marked(&self, marked: &[bool]) -> Vec<bool> {
         let holds = |children: &[u32; WIDTH]| {
@@ -101,7 +101,7 @@ impl Tree {
 /// Asks for the pairs between segments below the blocks `firsts` of the second level and those
 /// that come after them.
 struct Query<'a> {
-    levels: &'a [Level],
+    levels: &'a [TreeLevel],
     diagonals: Option<&'a Diagonals>,
     nodes: &'a [[u32; WIDTH]],
     firsts: Range<usize>,
@@ -124,18 +124,18 @@ fn search(query: Query, pairs: &mut Vec<Pair>) {
     pairs.clear();
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V4::try_new() {
-        return simd.vectorize(Search { query, compare: super::block::Masks(simd), pairs });
+        return simd.vectorize(PairTraversal { query, compare: super::block::Masks(simd), pairs });
     }
-    Arch::new().dispatch(Search { query, compare: Portable, pairs });
+    Arch::new().dispatch(PairTraversal { query, compare: Portable, pairs });
 }
 
-struct Search<'a, C> {
+struct PairTraversal<'a, C> {
     query: Query<'a>,
     compare: C,
     pairs: &'a mut Vec<Pair>,
 }
 
-impl<C: Compare> NullaryFnOnce for Search<'_, C> {
+impl<C: Compare> NullaryFnOnce for PairTraversal<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -153,11 +153,11 @@ impl<C: Compare> NullaryFnOnce for Search<'_, C> {
     }
 }
 
-impl<C: Compare> Search<'_, C> {
+impl<C: Compare> PairTraversal<'_, C> {
     /// Pairs between the segments below two blocks of the second level.
     #[inline(always)]
     fn groups(&mut self, first: usize, second: usize) {
-        let Level { blocks, children, hulls } = &self.query.levels[1];
+        let TreeLevel { blocks, children, hulls } = &self.query.levels[1];
         for lane in lanes(self.compare.meet(&blocks[first], &hulls[second])) {
             let mut theirs = self.compare.meet(&blocks[second], &blocks[first].get(lane));
             if first == second {
@@ -176,7 +176,7 @@ impl<C: Compare> Search<'_, C> {
     #[inline(always)]
     fn blocks(&mut self, a: usize, b: usize) {
         let Self { query, compare, pairs } = self;
-        let Level { blocks, children, hulls } = &query.levels[0];
+        let TreeLevel { blocks, children, hulls } = &query.levels[0];
         let mut theirs = compare.meet(&blocks[b], &hulls[a]);
         if theirs != 0
             && let Some(Diagonals { blocks, hulls }) = query.diagonals
@@ -216,7 +216,7 @@ impl<C: Compare> Search<'_, C> {
 
 /// Blocks of the second level, from `first` on, whose boxes meet that of `first`.
 #[inline(always)]
-fn partners_of(compare: impl Compare, levels: &[Level], first: usize, partners: &mut Vec<u32>) {
+fn partners_of(compare: impl Compare, levels: &[TreeLevel], first: usize, partners: &mut Vec<u32>) {
     let hull = &levels[1].hulls[first];
     let mut stack = vec![(levels.len() - 1, 0)];
     while let Some((level, block)) = stack.pop() {

@@ -2,7 +2,7 @@
 
 use super::block::{Block, WIDTH};
 use super::bounds::{Bounds, above, below};
-use super::{Diagonals, Level, NONE};
+use super::{Diagonals, NONE, TreeLevel};
 use crate::Capsules;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Blocks that one thread fits at a time.
 const CHUNK: usize = 64;
 
-impl Level {
+impl TreeLevel {
     /// Fits the boxes of the lowest level to the segments of all `frames`, grown by `margin`, m;
     /// `nodes` are the first nodes of the segments in the lanes.
     pub(super) fn fit_segments<const N: usize>(
@@ -66,7 +66,7 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
     fn call(self) {
         let Self { along, mut oblique, .. } = self;
         for (b, (segments, nodes)) in self.segments.iter().zip(self.nodes).enumerate() {
-            let ends = Ends::gather(segments, nodes, self.frames, self.margin);
+            let ends = LaneEnds::gather(segments, nodes, self.frames, self.margin);
             ends.fit(segments, &mut along.0[b], &mut along.1[b]);
             if let Some((blocks, hulls)) = &mut oblique {
                 ends.along_diagonals().fit(segments, &mut blocks[b], &mut hulls[b]);
@@ -77,13 +77,13 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
 
 /// Ends of the segments in the lanes of a block in every frame, and by how much boxes are larger
 /// than axes, m.
-struct Ends<const N: usize, const D: usize = 3> {
-    start: [Lanes<D>; N],
-    end: [Lanes<D>; N],
+struct LaneEnds<const N: usize, const D: usize = 3> {
+    start: [LaneCoordinates<D>; N],
+    end: [LaneCoordinates<D>; N],
     grow: [f64; WIDTH],
 }
 
-impl<const N: usize> Ends<N> {
+impl<const N: usize> LaneEnds<N> {
     /// Gathers segment by segment; lanes without one repeat the first.
     #[inline(always)]
     fn gather(
@@ -111,9 +111,9 @@ impl<const N: usize> Ends<N> {
 
     /// The same along the diagonals of the axes' planes, as sums and differences of coordinates.
     #[inline(always)]
-    fn along_diagonals(&self) -> Ends<N, 6> {
+    fn along_diagonals(&self) -> LaneEnds<N, 6> {
         let zero = [[[0.0; WIDTH]; 6]; N];
-        let mut along = Ends { start: zero, end: zero, grow: self.grow };
+        let mut along = LaneEnds { start: zero, end: zero, grow: self.grow };
         for k in 0..N {
             along.start[k] = diagonals(&self.start[k]);
             along.end[k] = diagonals(&self.end[k]);
@@ -126,13 +126,13 @@ impl<const N: usize> Ends<N> {
 }
 
 /// Coordinates in all lanes.
-type Lanes<const D: usize> = [[f64; WIDTH]; D];
+type LaneCoordinates<const D: usize> = [[f64; WIDTH]; D];
 
 /// The length of `(1, 1, 0)`, rounded up.
 const DIAGONAL: f64 = std::f64::consts::SQRT_2 * (1.0 + f64::EPSILON);
 
 #[inline(always)]
-fn diagonals([x, y, z]: &Lanes<3>) -> Lanes<6> {
+fn diagonals([x, y, z]: &LaneCoordinates<3>) -> LaneCoordinates<6> {
     let mut along = [[0.0; WIDTH]; 6];
     for lane in 0..WIDTH {
         along[0][lane] = x[lane] + y[lane];
@@ -145,7 +145,7 @@ fn diagonals([x, y, z]: &Lanes<3>) -> Lanes<6> {
     along
 }
 
-impl<const N: usize, const D: usize> Ends<N, D> {
+impl<const N: usize, const D: usize> LaneEnds<N, D> {
     /// Encloses and rounds in all lanes at once.
     #[inline(always)]
     fn fit(&self, segments: &[u32; WIDTH], block: &mut Block<D>, hull: &mut Bounds<D>) {

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use rapunzel_collision::hierarchy::{Found, Hierarchy, Kind, Tree, Variant};
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::hierarchy::{Hierarchy, HierarchyKind, SearchResult, Variant, VolumeTree};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_collision::volume::{Aabb, BoundingVolume, Directions, Dop, Sphere};
 use rapunzel_collision::{Capsules, CollisionError, Pair};
 use rapunzel_fiber::Layout;
@@ -24,7 +24,7 @@ fn pairs(c: &Capsules) -> Vec<Pair> {
     touching.map(|(i, j)| crate::common::pair(i, j)).collect()
 }
 
-fn sorted(found: Result<Found, CollisionError>) -> Vec<Pair> {
+fn sorted(found: Result<SearchResult, CollisionError>) -> Vec<Pair> {
     let mut pairs = found.expect("valid").pairs;
     pairs.sort_unstable();
     pairs
@@ -40,7 +40,7 @@ fn finds(tree: &dyn Hierarchy, c: &Capsules, expected: &[Pair], case: &str) {
 
 /// Every variant built at one moment finds the pairs there, and at the next after an update, after
 /// another update that changes nothing, after one back, and after a rebuild.
-fn all_variants_find(now: &Arrangement, later: &Arrangement, pairs: fn(&Capsules) -> Vec<Pair>) {
+fn all_variants_find(now: &MovingFibers, later: &MovingFibers, pairs: fn(&Capsules) -> Vec<Pair>) {
     let (now, later) = (now.capsules().expect("valid"), later.capsules().expect("valid"));
     let (expected, expected_later) = (pairs(&now), pairs(&later));
     for variant in VARIANTS.iter() {
@@ -60,7 +60,7 @@ fn all_variants_find(now: &Arrangement, later: &Arrangement, pairs: fn(&Capsules
 
 /// Coordinates that often coincide: segments are points, parallel, collinear, coincide, or touch in
 /// their ends; coordinates and radii are halves, so that they often touch exactly.
-fn arrangement() -> impl Strategy<Value = Arrangement> {
+fn arrangement() -> impl Strategy<Value = MovingFibers> {
     prop::collection::vec(1..7_usize, 1..7).prop_flat_map(|counts| {
         let layout = Layout::new(counts);
         let x = || prop_oneof![(-3..=3_i8).prop_map(|x| 0.5 * f64::from(x)), -2.0..2.0_f64];
@@ -70,7 +70,7 @@ fn arrangement() -> impl Strategy<Value = Arrangement> {
         let displacements = prop::collection::vec(vector(), layout.nodes());
         let radii = prop::collection::vec(radius, layout.segments());
         (positions, displacements, radii).prop_map(move |(positions, displacements, radii)| {
-            Arrangement { layout: layout.clone(), positions, displacements, radii }
+            MovingFibers { layout: layout.clone(), positions, displacements, radii }
         })
     })
 }
@@ -82,7 +82,7 @@ fn touching_to_a_rounding_is_told_alike() {
     let other = [[0.0, 0.0, -1.6567371324610318], [-0.5, -1.5, 0.0]];
     for (a, b) in [(one, other), (other, one)] {
         let positions: Vec<Point3<f64>> = [a, b].concat().into_iter().map(Point3::from).collect();
-        let scene = Arrangement {
+        let scene = MovingFibers {
             layout: Layout::new([1, 1]),
             displacements: vec![Vector3::zeros(); positions.len()],
             positions,
@@ -115,8 +115,8 @@ proptest! {
     #[test]
     fn layered_boxes_are_wrapped(scene in arrangement()) {
         fn check<V: BoundingVolume + PartialEq + std::fmt::Debug>(shared: V::Shared, c: &Capsules) {
-            let layered = Tree::<V>::new(Kind::Layered, shared.clone(), c);
-            let wrapped = Tree::<V>::new(Kind::Wrapped, shared.clone(), c);
+            let layered = VolumeTree::<V>::new(HierarchyKind::Layered, shared.clone(), c);
+            let wrapped = VolumeTree::<V>::new(HierarchyKind::Wrapped, shared.clone(), c);
             assert_eq!(layered.volumes(), wrapped.volumes());
             for (volume, segments) in layered.volumes().iter().zip(layered.segments()) {
                 assert_eq!(*volume, V::wrap(&shared, segments.iter().map(|&s| c.get(s as usize))));
@@ -131,9 +131,9 @@ proptest! {
     #[test]
     fn layered_spheres_are_not_much_larger(scene in arrangement()) {
         let capsules = scene.capsules().expect("valid");
-        let root = |kind| Tree::<Sphere>::new(kind, (), &capsules).volumes()[0].radius();
+        let root = |kind| VolumeTree::<Sphere>::new(kind, (), &capsules).volumes()[0].radius();
         let height = (capsules.len() as f64).log2().ceil();
-        let (layered, wrapped) = (root(Kind::Layered), root(Kind::Wrapped));
+        let (layered, wrapped) = (root(HierarchyKind::Layered), root(HierarchyKind::Wrapped));
         prop_assert!(layered <= (height + 1.0).sqrt() * wrapped * (1.0 + 1e-12));
         prop_assert!(wrapped <= layered * (1.0 + 1e-12));
     }
@@ -202,7 +202,7 @@ fn the_scenes_of_peers_have_the_published_pairs() {
 #[test]
 fn coinciding_and_single_segments() {
     for segments in [1, 2, 3, 40] {
-        let point = Arrangement {
+        let point = MovingFibers {
             layout: Layout::new(std::iter::repeat_n(1, segments)),
             positions: vec![Point3::new(1.0, 2.0, 3.0); 2 * segments],
             displacements: vec![Vector3::zeros(); 2 * segments],
@@ -216,7 +216,7 @@ fn coinciding_and_single_segments() {
 #[test]
 fn geometric_progressions() {
     let at = |k: i32| Point3::new(0.5_f64.powi(k), 0.0, 0.0);
-    let scene = Arrangement {
+    let scene = MovingFibers {
         layout: Layout::new([400]),
         positions: (0..=400).map(at).collect(),
         displacements: vec![Vector3::zeros(); 401],
@@ -228,7 +228,7 @@ fn geometric_progressions() {
 #[test]
 fn positions_so_far_that_lengths_overflow_are_searched() {
     let far = |s: f64| Point3::new(s * 1e308, -s * 1e308, s * 1e308);
-    let scene = Arrangement {
+    let scene = MovingFibers {
         layout: Layout::new([3, 2]),
         positions: vec![
             far(1.0),

@@ -1,9 +1,9 @@
 //! The scenes that peers were measured on are reproduced to the pair.
 
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 
 /// Pairs of boxes, and how many of these are capsules that touch.
-fn count(scene: &Arrangement) -> (usize, usize) {
+fn count(scene: &MovingFibers) -> (usize, usize) {
     let capsules = scene.capsules().expect("a valid scene");
     let pairs = crate::common::box_pairs(&capsules);
     let touch = |&&[i, j]: &&[u32; 2]| {

@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use rapunzel_collision::scenes::{self, Arrangement};
+use rapunzel_collision::scenes::{self, MovingFibers};
 use rapunzel_collision::{
-    Candidates, Capsules, CollisionError, Contact, Pair, Tree, Update, contacts,
+    Candidates, CapsuleContact, Capsules, CollisionError, Pair, Tree, Update, contacts,
 };
 use rapunzel_fiber::Layout;
 
@@ -20,7 +20,7 @@ fn pairs(tree: &mut Tree) -> Vec<Pair> {
 }
 
 /// Exactly the pairs of the sweep, new and after a step.
-fn agrees(scene: &Arrangement) {
+fn agrees(scene: &MovingFibers) {
     let moved = scene.advanced(1.0);
     let (start, end) = (scene.capsules().expect("valid"), moved.capsules().expect("valid"));
     let mut tree = Tree::new(&start, 0.0).expect("valid");
@@ -85,7 +85,7 @@ fn displaced(positions: &[Point3<f64>], step: &[[f64; 3]], scale: f64) -> Vec<Po
 }
 
 /// All contacts of all pairs that are not adjacent.
-fn all_contacts(capsules: &Capsules, reach: f64) -> Vec<Contact> {
+fn all_contacts(capsules: &Capsules, reach: f64) -> Vec<CapsuleContact> {
     let count = u32::try_from(capsules.len()).expect("few");
     let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
     let free = |pair: &Pair| !capsules.adjacent(pair[0] as usize, pair[1] as usize);

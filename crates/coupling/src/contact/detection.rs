@@ -7,7 +7,8 @@ use crate::object::{CollisionObject, MovingFiber};
 use crate::pair;
 use nalgebra::Point3;
 use rapunzel_collision::{
-    Candidates, Capsules, CollisionError, Contact, Pair, contacts_of_groups, squared_distances,
+    Candidates, CapsuleContact, Capsules, CollisionError, Pair, contacts_of_groups,
+    squared_distances,
 };
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
@@ -89,7 +90,7 @@ impl ContactDetector {
         touches: &mut Vec<ContactPoint>,
     ) -> Result<f64, CollisionError> {
         let mut deepest = 0.0;
-        let chosen = |end: &Capsules, near, fast: &[Contact]| {
+        let chosen = |end: &Capsules, near, fast: &[CapsuleContact]| {
             let (chosen, left) = of_overlapping(end, near, fast, depth);
             deepest = left;
             chosen
@@ -104,7 +105,7 @@ impl ContactDetector {
         motion: &NodeMotion,
         objects: &[CollisionObject],
         margin: f64,
-        chosen: impl FnOnce(&Capsules, Vec<Pair>, &[Contact]) -> Vec<Pair>,
+        chosen: impl FnOnce(&Capsules, Vec<Pair>, &[CapsuleContact]) -> Vec<Pair>,
         touches: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
         let [start, end] = motion.capsules()?;
@@ -115,7 +116,8 @@ impl ContactDetector {
         let near = by_fibers(end.layout(), chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
         let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
-        let chosen = |found: &[Contact], stay: &mut Vec<Contact>| places(&end, found, stay);
+        let chosen =
+            |found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| places(&end, found, stay);
         let mut contacts = Vec::new();
         contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
         drop(near);
@@ -132,16 +134,17 @@ impl ContactDetector {
 
 /// Puts contacts on the way between the others, but those that are one place with another, or where a
 /// fibre only bends.
-fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
+fn add(end: &Capsules, mut fast: Vec<CapsuleContact>, contacts: &mut Vec<CapsuleContact>) {
     if fast.is_empty() {
         return;
     }
     let layout = end.layout();
-    let rank = |contact: &Contact| fiber_rank(layout, contact);
+    let rank = |contact: &CapsuleContact| fiber_rank(layout, contact);
     fast.sort_unstable_by_key(rank);
     contact_point::merge(contacts, fast, |a, b| rank(a) > rank(b));
-    let same =
-        |[a, b]: [&Contact; 2]| same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b));
+    let same = |[a, b]: [&CapsuleContact; 2]| {
+        same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b))
+    };
     let goes = |i: usize| {
         let own = &contacts[i];
         i > 0 && same([&contacts[i - 1], own]) || bends(end, own)
@@ -152,12 +155,12 @@ fn add(end: &Capsules, mut fast: Vec<Contact>, contacts: &mut Vec<Contact>) {
 
 /// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the
 /// first stays, and none where a fibre only bends, or goes on towards the other.
-fn places(end: &Capsules, found: &[Contact], stay: &mut Vec<Contact>) {
+fn places(end: &Capsules, found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>) {
     let Some(first) = found.first() else { return };
     let layout = end.layout();
     // As by rank, with less to look up, and less to move.
     let firsts = fibers(layout, &first.pair).map(|f| layout.segment_range(f).start);
-    let key = |(i, contact): (usize, &Contact)| {
+    let key = |(i, contact): (usize, &CapsuleContact)| {
         let at = |side: usize| {
             let segment = contact.pair[side] as usize - firsts[side];
             (segment as f64 + contact.fractions[side]).to_bits()
@@ -206,7 +209,7 @@ fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
 fn of_overlapping(
     end: &Capsules,
     mut near: Vec<Pair>,
-    on_the_way: &[Contact],
+    on_the_way: &[CapsuleContact],
     depth: f64,
 ) -> (Vec<Pair>, f64) {
     let fibers = |pair: &Pair| fibers(end.layout(), pair);
@@ -298,7 +301,7 @@ fn sort(
     pairs: &[(Pair, f64)],
     margin: f64,
     either: bool,
-) -> (Vec<Pair>, Vec<Contact>) {
+) -> (Vec<Pair>, Vec<CapsuleContact>) {
     let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
     let ways = start.positions().iter().zip(end.positions()).map(way);
     // How far one can have gone relative to another, squared.

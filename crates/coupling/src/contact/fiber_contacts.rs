@@ -2,14 +2,14 @@
 
 use crate::contact_point::{BodyRef, ContactKey, ContactPoint};
 use nalgebra::Vector3;
-use rapunzel_collision::{Capsules, Contact, Pair};
+use rapunzel_collision::{CapsuleContact, Capsules, Pair};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// The touches of all contacts, and others between them, both in order, in place of what a list held.
 pub(super) fn put_together(
     end: &Capsules,
-    contacts: &[Contact],
+    contacts: &[CapsuleContact],
     others: &[ContactPoint],
     touches: &mut Vec<ContactPoint>,
 ) {
@@ -45,19 +45,19 @@ pub(super) fn fiber_number(fiber: usize) -> u32 {
 }
 
 /// The fibres of a contact, the one with the smaller number first, and the segments in them.
-fn of_fibers(layout: &Layout, contact: &Contact) -> ([BodyRef; 2], [u32; 2]) {
+fn of_fibers(layout: &Layout, contact: &CapsuleContact) -> ([BodyRef; 2], [u32; 2]) {
     let fibers = fibers(layout, &contact.pair);
     let segment =
         |side: usize| contact.pair[side] - fiber_number(layout.segment_range(fibers[side]).start);
     (fibers.map(|fiber| BodyRef::Fiber(fiber_number(fiber))), [segment(0), segment(1)])
 }
 
-pub(super) fn fiber_rank(layout: &Layout, contact: &Contact) -> ContactKey {
+pub(super) fn fiber_rank(layout: &Layout, contact: &CapsuleContact) -> ContactKey {
     let (sides, segments) = of_fibers(layout, contact);
     ContactKey::new(sides, segments, contact.fractions)
 }
 
-fn fiber_touch(here: &Capsules, contact: &Contact) -> ContactPoint {
+fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
     let (sides, segments) = of_fibers(here.layout(), contact);
     let arms = contact.pair.map(|segment| {
         let capsule = here.get(segment as usize);
@@ -92,7 +92,9 @@ mod tests {
         let end = Capsules::new(&layout, &positions, &[0.5; 3]).expect("one layout");
         let mut contacts = Vec::new();
         let same = |_: &Pair, _: &Pair| false;
-        let all = |found: &[Contact], stay: &mut Vec<Contact>| stay.extend_from_slice(found);
+        let all = |found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| {
+            stay.extend_from_slice(found)
+        };
         contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, same, all, &mut contacts)
             .expect("lengths");
         let of_object = |fiber: u32| ContactPoint {

@@ -6,7 +6,7 @@ use crate::object::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};
 use rapunzel_fiber::Assembly;
-use rapunzel_scene::{Adhesion, ContactSettings, Friction};
+use rapunzel_scene::{Adhesion, ContactSettings, FrictionLaw};
 
 /// The laws of contact in one part of a step.
 pub(super) struct ContactLaws<'a> {
@@ -99,13 +99,13 @@ impl<'a> ContactLaws<'a> {
 /// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
 /// friction, each by its own axis; with an object the axis is the fibre's.
 fn limit_curve(
-    friction: &Friction,
+    friction: &FrictionLaw,
     touch: &ContactPoint,
     sticks: impl Fn() -> bool,
 ) -> Result<LimitCurve, ContactError> {
     match *friction {
-        Friction::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
-        Friction::Keratin { on, wetness } => match on.friction(wetness) {
+        FrictionLaw::Isotropic(mu) => Ok(LimitCurve::Circle { mu }),
+        FrictionLaw::Keratin { on, wetness } => match on.friction(wetness) {
             Ok(mu) => Ok(LimitCurve::Circle { mu }),
             Err(_) => Err(ContactError::Invalid {
                 what: "the coefficient of friction",
@@ -113,10 +113,10 @@ fn limit_curve(
                 why: "the table has none for this surface, dry; the scene must not ask for it",
             }),
         },
-        Friction::Resting { resting, sliding } => {
+        FrictionLaw::Resting { resting, sliding } => {
             Ok(LimitCurve::Circle { mu: if sticks() { resting } else { sliding } })
         }
-        Friction::Cuticle { with, against, across } => {
+        FrictionLaw::Cuticle { with, against, across } => {
             let curve = LimitCurve::cuticle(with, against, across);
             match touch.sides[1] {
                 BodyRef::Object(_) => Ok(curve),

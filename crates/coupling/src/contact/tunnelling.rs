@@ -5,7 +5,7 @@ use super::fiber_contacts::fibers;
 use crate::contact_point::{BodyRef, ContactPoint, retain_others};
 use nalgebra::Vector3;
 use rapunzel_collision::continuous::{Impact, MovingSegment};
-use rapunzel_collision::{Capsules, Contact, Pair};
+use rapunzel_collision::{CapsuleContact, Capsules, Pair};
 use rayon::prelude::*;
 
 /// Axes that come nearer to each other than this, in the sum of the radii, on the way would go on.
@@ -19,7 +19,7 @@ const THROUGH: f64 = 0.5;
 pub(super) const LEAN: f64 = 1e-3;
 
 /// The gap along the normal of a contact between its places, m.
-fn gap(end: &Capsules, contact: &Contact) -> f64 {
+fn gap(end: &Capsules, contact: &CapsuleContact) -> f64 {
     let [first, second] = contact.pair.map(|segment| end.get(segment as usize));
     let [s, t] = contact.fractions;
     (second.at(t) - first.at(s)).dot(&contact.normal) - first.radius - second.radius
@@ -46,22 +46,22 @@ fn impact(start: &Capsules, end: &Capsules, pair: Pair, part: f64) -> Option<Imp
 
 /// Where two segments would pass through each other: the place of their impact, with the normal at
 /// that time and the gap along it at the end.
-pub(super) fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Contact> {
+pub(super) fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<CapsuleContact> {
     let impact = impact(start, end, pair, INTO)?;
     let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
-    let contact = Contact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
-    Some(Contact { gap: gap(end, &contact), ..contact })
+    let contact = CapsuleContact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
+    Some(CapsuleContact { gap: gap(end, &contact), ..contact })
 }
 
 /// Whether a contact on the way is one of fibres that come so near that they may pass through each other.
-pub(super) fn leads_through(start: &Capsules, end: &Capsules, contact: &Contact) -> bool {
+pub(super) fn leads_through(start: &Capsules, end: &Capsules, contact: &CapsuleContact) -> bool {
     !bends(end, contact) && impact(start, end, contact.pair, THROUGH).is_some()
 }
 
 /// Whether two places are so near along one fibre that not even the tightest bend, a half turn about
 /// its own radius, lets them touch: what is between them is too short, and only straight capsules
 /// overlap there.
-pub(super) fn bends(end: &Capsules, contact: &Contact) -> bool {
+pub(super) fn bends(end: &Capsules, contact: &CapsuleContact) -> bool {
     let layout = end.layout();
     let [first, second] = contact.pair.map(|segment| segment as usize);
     let [fiber, partner] = fibers(layout, &contact.pair);
@@ -87,7 +87,7 @@ pub(super) fn bends(end: &Capsules, contact: &Contact) -> bool {
 /// Whether a contact is at a node where its fibre goes on towards the other one: the next segment is nearer,
 /// and has the place. The normal of such a one leans along the fibre, which would catch on each node of the other
 /// as it slides.
-pub(super) fn goes_on(end: &Capsules, contact: &Contact) -> bool {
+pub(super) fn goes_on(end: &Capsules, contact: &CapsuleContact) -> bool {
     let (layout, nodes) = (end.layout(), end.positions());
     [0, 1].into_iter().any(|side| {
         let segment = contact.pair[side] as usize;

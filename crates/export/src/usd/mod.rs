@@ -13,7 +13,7 @@ mod tests;
 mod text;
 
 pub use objects::write as objects;
-pub use strands::{Clips, Prim, Shape, Strands};
+pub use strands::{Clips, Prim, PrimShape, Strands};
 
 use super::ExportError;
 use std::io::Write;

@@ -27,14 +27,14 @@ pub struct Prim {
     /// Its name: letters, digits and `_`.
     pub name: String,
     /// What it is.
-    pub shape: Shape,
+    pub shape: PrimShape,
     /// Red, green and blue, linear, in `[0, 1]`.
     pub color: [f64; 3],
 }
 
 /// What strands are shown as.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
+pub enum PrimShape {
     /// `BasisCurves`, straight between the points: what was simulated.
     Curves {
         /// The strands.
@@ -84,11 +84,11 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
             *end += count;
             Some(*end)
         }));
-        let there = |shape: &Shape| match shape {
-            Shape::Curves { strands, .. } => {
+        let there = |shape: &PrimShape| match shape {
+            PrimShape::Curves { strands, .. } => {
                 strands.start < strands.end && strands.end <= counts.len()
             }
-            Shape::Surface { vertices, faces } => {
+            PrimShape::Surface { vertices, faces } => {
                 vertices
                     .iter()
                     .all(|[strand, point]| counts.get(*strand).is_some_and(|n| point < n))
@@ -130,8 +130,8 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         writeln!(out, "        }}")?;
         for Prim { name, shape, color } in &self.prims {
             let kind = match shape {
-                Shape::Curves { .. } => "BasisCurves",
-                Shape::Surface { .. } => "Mesh",
+                PrimShape::Curves { .. } => "BasisCurves",
+                PrimShape::Surface { .. } => "Mesh",
             };
             begin_prim(out, kind, name, &format!("{looks}/{name}"), *color)?;
             self.still(out, shape)?;
@@ -168,7 +168,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     fn write_over<W: Write>(
         &self,
         out: &mut W,
-        mut attributes: impl FnMut(&mut W, &Shape) -> Result<(), ExportError>,
+        mut attributes: impl FnMut(&mut W, &PrimShape) -> Result<(), ExportError>,
     ) -> Result<(), ExportError> {
         self.begin(out, "over", None)?;
         for Prim { name, shape, .. } in &self.prims {
@@ -214,9 +214,9 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     }
 
     /// Writes what does not change.
-    fn still(&self, out: &mut impl Write, shape: &Shape) -> Result<(), ExportError> {
+    fn still(&self, out: &mut impl Write, shape: &PrimShape) -> Result<(), ExportError> {
         match shape {
-            Shape::Curves { strands, guide } => {
+            PrimShape::Curves { strands, guide } => {
                 if *guide {
                     writeln!(out, "            uniform token purpose = \"guide\"")?;
                 }
@@ -233,7 +233,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
                 writeln!(out, " (\n                interpolation = \"uniform\"\n            )")?;
                 self.widths(out, strands)
             }
-            Shape::Surface { faces, .. } => {
+            PrimShape::Surface { faces, .. } => {
                 writeln!(
                     out,
                     "            uniform bool doubleSided = 1\n            uniform token \
@@ -270,7 +270,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     fn samples(
         &self,
         out: &mut impl Write,
-        shape: &Shape,
+        shape: &PrimShape,
         frames: Range<usize>,
     ) -> Result<(), ExportError> {
         let [points, velocities, extent] = ATTRIBUTES;
@@ -280,7 +280,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         for frame in frames.clone() {
             let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
             write!(out, "                {}: ", self.timeline.code(frame))?;
-            self.sample(out, Quantity::Position, shape, frame, |point| {
+            self.sample(out, StrandQuantity::Position, shape, frame, |point| {
                 for (k, x) in point.into_iter().enumerate() {
                     bounds[0][k] = bounds[0][k].min(x - radius);
                     bounds[1][k] = bounds[1][k].max(x + radius);
@@ -292,7 +292,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         writeln!(out, "            }}\n            {velocities}.timeSamples = {{")?;
         for frame in frames.clone() {
             write!(out, "                {}: ", self.timeline.code(frame))?;
-            self.sample(out, Quantity::Velocity, shape, frame, |_| ())?;
+            self.sample(out, StrandQuantity::Velocity, shape, frame, |_| ())?;
             writeln!(out, ",")?;
         }
         writeln!(out, "            }}\n            {extent}.timeSamples = {{")?;
@@ -308,8 +308,8 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     fn sample(
         &self,
         out: &mut impl Write,
-        quantity: Quantity,
-        shape: &Shape,
+        quantity: StrandQuantity,
+        shape: &PrimShape,
         frame: usize,
         mut see: impl FnMut([f64; 3]),
     ) -> Result<(), ExportError> {
@@ -320,18 +320,20 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
             triple(out, vector)
         };
         match shape {
-            Shape::Curves { strands, .. } => {
+            PrimShape::Curves { strands, .. } => {
                 let points = self.starts[strands.start]..self.starts[strands.end];
                 match quantity {
-                    Quantity::Position => list(out, arrays.positions(points)?, write),
-                    Quantity::Velocity => list(out, arrays.velocities(points)?, write),
+                    StrandQuantity::Position => list(out, arrays.positions(points)?, write),
+                    StrandQuantity::Velocity => list(out, arrays.velocities(points)?, write),
                 }
             }
-            Shape::Surface { vertices, .. } => {
+            PrimShape::Surface { vertices, .. } => {
                 let points = 0..arrays.points();
                 let all = match quantity {
-                    Quantity::Position => arrays.positions(points)?.collect::<Result<Vec<_>, _>>(),
-                    Quantity::Velocity => arrays.velocities(points)?.collect(),
+                    StrandQuantity::Position => {
+                        arrays.positions(points)?.collect::<Result<Vec<_>, _>>()
+                    }
+                    StrandQuantity::Velocity => arrays.velocities(points)?.collect(),
                 }?;
                 let vertex = |[strand, point]: &[usize; 2]| all[self.starts[*strand] + point];
                 list(out, vertices, |out, place| write(out, Ok(vertex(place))))
@@ -339,18 +341,20 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         }
     }
 
-    fn largest_radius(&self, shape: &Shape) -> Result<f64, ExportError> {
-        let Shape::Curves { strands, .. } = shape else { return Ok(0.0) };
+    fn largest_radius(&self, shape: &PrimShape) -> Result<f64, ExportError> {
+        let PrimShape::Curves { strands, .. } = shape else { return Ok(0.0) };
         let points = self.starts[strands.start]..self.starts[strands.end];
         let mut first = self.frame(0)?;
         first.radii(points)?.try_fold(0.0, |largest: f64, radius| Ok(largest.max(radius?)))
     }
 
     /// Number of points of a shape.
-    fn points(&self, shape: &Shape) -> usize {
+    fn points(&self, shape: &PrimShape) -> usize {
         match shape {
-            Shape::Curves { strands, .. } => self.starts[strands.end] - self.starts[strands.start],
-            Shape::Surface { vertices, .. } => vertices.len(),
+            PrimShape::Curves { strands, .. } => {
+                self.starts[strands.end] - self.starts[strands.start]
+            }
+            PrimShape::Surface { vertices, .. } => vertices.len(),
         }
     }
 
@@ -371,7 +375,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
 const ATTRIBUTES: [&str; 3] = ["point3f[] points", "vector3f[] velocities", "float3[] extent"];
 
 #[derive(Clone, Copy)]
-enum Quantity {
+enum StrandQuantity {
     Position,
     Velocity,
 }

@@ -17,7 +17,7 @@ fn file(frame: &Frame) -> Cursor<Vec<u8>> {
 }
 
 fn curves(strands: std::ops::Range<usize>) -> Prim {
-    let shape = Shape::Curves { strands, guide: false };
+    let shape = PrimShape::Curves { strands, guide: false };
     Prim { name: "Bundle_0".to_owned(), shape, color: [0.1; 3] }
 }
 
@@ -106,7 +106,7 @@ fn one_width_is_constant() {
 #[test]
 fn a_surface_has_the_points_of_its_strands() {
     let shape =
-        Shape::Surface { vertices: vec![[0, 1], [1, 8], [2, 0]], faces: vec![vec![0, 1, 2]] };
+        PrimShape::Surface { vertices: vec![[0, 1], [1, 8], [2, 0]], faces: vec![vec![0, 1, 2]] };
     let prim = Prim { name: "Surface".to_owned(), shape, color: [0.5; 3] };
     let layer = layer(vec![prim]).expect("a layer");
     let text = text(|out| layer.write(out, None));

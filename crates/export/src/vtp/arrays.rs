@@ -51,7 +51,7 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// Also where the strands are not one behind the other.
     pub fn counts(&mut self) -> Result<Vec<usize>, ExportError> {
         // After the positions and eight arrays of 20 numbers a point comes the connectivity.
-        let before = Block { arrays: 10, parts: 24 };
+        let before = ArrayBlock { arrays: 10, parts: 24 };
         let ends = self.block::<1>(before, 0..self.strands, self.strands)?;
         let mut last = 0;
         let mut count = |end: [u8; 8]| {
@@ -67,16 +67,16 @@ impl<R: BufRead + Seek> Arrays<R> {
     ///
     /// # Errors
     /// As those of the items.
-    pub fn positions(&mut self, range: Range<usize>) -> Result<impl Vectors, ExportError> {
-        self.vectors(Block { arrays: 0, parts: 0 }, range)
+    pub fn positions(&mut self, range: Range<usize>) -> Result<impl VectorSource, ExportError> {
+        self.vectors(ArrayBlock { arrays: 0, parts: 0 }, range)
     }
 
     /// Velocities (world, m/s) of the same.
     ///
     /// # Errors
     /// As those of the items.
-    pub fn velocities(&mut self, range: Range<usize>) -> Result<impl Vectors, ExportError> {
-        self.vectors(Block { arrays: 2, parts: 4 }, range)
+    pub fn velocities(&mut self, range: Range<usize>) -> Result<impl VectorSource, ExportError> {
+        self.vectors(ArrayBlock { arrays: 2, parts: 4 }, range)
     }
 
     /// Radii (m) of the same.
@@ -87,11 +87,15 @@ impl<R: BufRead + Seek> Arrays<R> {
         &mut self,
         range: Range<usize>,
     ) -> Result<impl Iterator<Item = Result<f64, ExportError>>, ExportError> {
-        let radii = self.block::<1>(Block { arrays: 1, parts: 3 }, range, self.points)?;
+        let radii = self.block::<1>(ArrayBlock { arrays: 1, parts: 3 }, range, self.points)?;
         Ok(radii.map(|radius| Ok(f64::from_le_bytes(radius?[0]))))
     }
 
-    fn vectors(&mut self, before: Block, range: Range<usize>) -> Result<impl Vectors, ExportError> {
+    fn vectors(
+        &mut self,
+        before: ArrayBlock,
+        range: Range<usize>,
+    ) -> Result<impl VectorSource, ExportError> {
         let vectors = self.block::<3>(before, range, self.points)?;
         Ok(vectors.map(|vector| Ok(vector?.map(f64::from_le_bytes))))
     }
@@ -99,7 +103,7 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// A range of an array of `count` times `N` numbers.
     fn block<const N: usize>(
         &mut self,
-        Block { arrays, parts }: Block,
+        ArrayBlock { arrays, parts }: ArrayBlock,
         range: Range<usize>,
         count: usize,
     ) -> Result<impl Iterator<Item = Result<[[u8; 8]; N], ExportError>>, ExportError> {
@@ -127,12 +131,12 @@ impl<R: BufRead + Seek> Arrays<R> {
 }
 
 /// Vectors that are read one by one.
-pub trait Vectors: Iterator<Item = Result<[f64; 3], ExportError>> {}
+pub trait VectorSource: Iterator<Item = Result<[f64; 3], ExportError>> {}
 
-impl<I: Iterator<Item = Result<[f64; 3], ExportError>>> Vectors for I {}
+impl<I: Iterator<Item = Result<[f64; 3], ExportError>>> VectorSource for I {}
 
 /// Where an array is: behind so many others, which have so many numbers a point.
-struct Block {
+struct ArrayBlock {
     arrays: u64,
     parts: usize,
 }

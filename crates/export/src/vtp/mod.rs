@@ -11,7 +11,7 @@ mod arrays;
 pub(super) mod read;
 pub(super) mod write;
 
-pub use arrays::{Arrays, Vectors};
+pub use arrays::{Arrays, VectorSource};
 pub use read::read;
 pub use write::write;
 pub use write::write_strands;

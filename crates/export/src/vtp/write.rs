@@ -33,7 +33,7 @@ pub fn write_strands<S: Borrow<Strand>>(
     let mut arrays = Vec::new();
     for parts in [3].into_iter().chain(POINT_DATA.map(|(_, parts)| parts)) {
         let size = 8 * (parts * points) as u64;
-        arrays.push(Array { at, waiting: size.to_le_bytes().to_vec() });
+        arrays.push(DataArray { at, waiting: size.to_le_bytes().to_vec() });
         at += 8 + size;
     }
     for (i, (strand, &expected)) in strands.zip(counts).enumerate() {
@@ -66,13 +66,13 @@ pub fn write_strands<S: Borrow<Strand>>(
 }
 
 /// An array that is being written.
-struct Array {
+struct DataArray {
     /// Where what waits belongs.
     at: u64,
     waiting: Vec<u8>,
 }
 
-impl Array {
+impl DataArray {
     /// Writes what waits.
     fn write(&mut self, out: &mut (impl Write + Seek)) -> Result<(), ExportError> {
         out.seek(SeekFrom::Start(self.at))?;

@@ -3,7 +3,7 @@
 use rapunzel_keratin::lab::tensile;
 use rapunzel_keratin::law::Tension;
 use rapunzel_keratin::{
-    Branch, Climate, Hair, HairType, KeratinError, Outside, Treatment, surface, water,
+    Climate, Hair, HairType, KeratinError, Outside, SorptionBranch, Treatment, surface, water,
 };
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
@@ -91,8 +91,8 @@ pub(crate) fn water() -> Fallible<Figure> {
                 HUMIDITY,
                 "regain (%)",
                 vec![
-                    regain("absorption", Branch::Absorption)?,
-                    regain("desorption", Branch::Desorption)?,
+                    regain("absorption", SorptionBranch::Absorption)?,
+                    regain("desorption", SorptionBranch::Desorption)?,
                 ],
             ),
             chart(
@@ -139,7 +139,7 @@ pub(crate) fn warmth() -> Fallible<Figure> {
 
 /// Figure 2.16, with the other moduli.
 pub(crate) fn moduli() -> Fallible<Figure> {
-    type Modulus = fn(&Hair, &Climate) -> Result<rapunzel_keratin::Quantity, KeratinError>;
+    type Modulus = fn(&Hair, &Climate) -> Result<rapunzel_keratin::MeasuredValue, KeratinError>;
     let all: [(&str, Modulus); 3] = [
         ("tension", Hair::stretching_modulus),
         ("bending", Hair::bending_modulus),

@@ -4,11 +4,11 @@ use crate::KeratinError;
 use crate::law::Tension;
 
 /// A point of a stress-strain curve: strain, and stress in Pa.
-pub type Point = [f64; 2];
+pub type CurvePoint = [f64; 2];
 
 /// Stretches a fibre to a strain in equal parts; shorter where it breaks. With a strain below the
 /// present one, lets it back.
-pub fn stretch(fiber: &mut Tension, strain: f64, parts: u32) -> Vec<Point> {
+pub fn stretch(fiber: &mut Tension, strain: f64, parts: u32) -> Vec<CurvePoint> {
     let from = fiber.strain();
     let mut curve = vec![[from, fiber.stress()]];
     for i in 1..=parts {
@@ -24,7 +24,7 @@ pub fn stretch(fiber: &mut Tension, strain: f64, parts: u32) -> Vec<Point> {
 ///
 /// # Errors
 /// [`KeratinError::Readings`] for fewer than two points there.
-pub fn modulus(curve: &[Point], from: f64, to: f64) -> Result<f64, KeratinError> {
+pub fn modulus(curve: &[CurvePoint], from: f64, to: f64) -> Result<f64, KeratinError> {
     let inside: Vec<_> = curve.iter().filter(|[e, _]| (from..=to).contains(e)).collect();
     if inside.len() < 2 {
         let protocol = "a modulus by least squares";
@@ -40,12 +40,12 @@ pub fn modulus(curve: &[Point], from: f64, to: f64) -> Result<f64, KeratinError>
 
 /// The area below a curve, Pa: work per volume, negative on the way back.
 #[must_use]
-pub fn work(curve: &[Point]) -> f64 {
+pub fn work(curve: &[CurvePoint]) -> f64 {
     curve.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum()
 }
 
 /// The hysteresis ratio: the work of extension over that of recovery (thesis, line 660).
 #[must_use]
-pub fn hysteresis_ratio(extension: &[Point], recovery: &[Point]) -> f64 {
+pub fn hysteresis_ratio(extension: &[CurvePoint], recovery: &[CurvePoint]) -> f64 {
     -work(extension) / work(recovery)
 }

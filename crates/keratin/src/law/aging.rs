@@ -1,4 +1,4 @@
-use super::{Branch, Relaxation};
+use super::{MaxwellElement, Relaxation};
 use crate::KeratinError;
 use crate::tables::number;
 
@@ -49,7 +49,7 @@ impl Aging {
     #[must_use]
     pub fn at_age(&self, age: f64) -> Relaxation {
         let more = self.shift * decades(age);
-        let branches: Vec<Branch> = self.young.branches().to_vec();
+        let branches: Vec<MaxwellElement> = self.young.branches().to_vec();
         // Larger than the equilibrium modulus of the young material, which is valid.
         Relaxation::new(self.young.equilibrium() + more, branches)
             .unwrap_or_else(|_| self.young.clone())

@@ -1,4 +1,4 @@
-use super::{Branch, Relaxation};
+use super::{MaxwellElement, Relaxation};
 
 /// The creep compliance `J(t)` that belongs to a [`Relaxation`]:
 /// `J(t) = J_g + t / eta + sum_j J_j (1 - exp(-t / lambda_j))`, with flow only where the model is a
@@ -23,11 +23,11 @@ impl From<&Relaxation> for Creep {
         let equilibrium = relaxation.equilibrium();
         // s G(s) at s = -x, over the rates x; poles at 1 / tau.
         let carson = |x: f64| {
-            let part = |b: &Branch| b.modulus * x / (x - 1.0 / b.time);
+            let part = |b: &MaxwellElement| b.modulus * x / (x - 1.0 / b.time);
             branches.iter().fold(equilibrium, |g, b| g + part(b))
         };
         let slope = |x: f64| {
-            let part = |b: &Branch| b.modulus / b.time / (x - 1.0 / b.time).powi(2);
+            let part = |b: &MaxwellElement| b.modulus / b.time / (x - 1.0 / b.time).powi(2);
             branches.iter().map(part).sum::<f64>()
         };
         let mut elements = Vec::new();

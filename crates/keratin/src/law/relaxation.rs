@@ -3,7 +3,7 @@ use crate::error::{not_negative, positive};
 
 /// A Maxwell element: a spring and a dashpot in series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Branch {
+pub struct MaxwellElement {
     /// Modulus of the spring; the unit is that of the law.
     pub modulus: f64,
     /// Relaxation time, viscosity over modulus, s.
@@ -17,7 +17,7 @@ pub struct Branch {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relaxation {
     equilibrium: f64,
-    branches: Vec<Branch>,
+    branches: Vec<MaxwellElement>,
 }
 
 impl Relaxation {
@@ -27,7 +27,7 @@ impl Relaxation {
     /// # Errors
     /// Refuses an `equilibrium` that is negative, moduli and times that are not positive, and a model
     /// that has nothing at all.
-    pub fn new(equilibrium: f64, mut branches: Vec<Branch>) -> Result<Self, KeratinError> {
+    pub fn new(equilibrium: f64, mut branches: Vec<MaxwellElement>) -> Result<Self, KeratinError> {
         not_negative("equilibrium modulus", equilibrium)?;
         for branch in &branches {
             positive("modulus of a Maxwell element", branch.modulus)?;
@@ -67,7 +67,7 @@ impl Relaxation {
         let mut branches = Vec::new();
         let mut time = first;
         while time <= last * (1.0 + 1e-9) {
-            branches.push(Branch { modulus: per_decade / IN_A_DECADE, time });
+            branches.push(MaxwellElement { modulus: per_decade / IN_A_DECADE, time });
             time *= 10_f64.powf(1.0 / IN_A_DECADE);
         }
         let transient: f64 = branches.iter().map(|b| b.modulus * (-t_ref / b.time).exp()).sum();
@@ -88,7 +88,7 @@ impl Relaxation {
 
     /// The Maxwell elements by rising relaxation time, no two alike.
     #[must_use]
-    pub fn branches(&self) -> &[Branch] {
+    pub fn branches(&self) -> &[MaxwellElement] {
         &self.branches
     }
 

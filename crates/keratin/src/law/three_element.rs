@@ -1,4 +1,4 @@
-use super::{Branch, Strand, Viscoelastic};
+use super::{MaxwellElement, MaxwellModel, Viscoelastic};
 use crate::climate::{Climate, Temperature};
 use crate::hair::Hair;
 use crate::tables::number;
@@ -57,7 +57,7 @@ pub fn transitions(climate: &Climate) -> [Temperature; 2] {
 /// It is passive: the climate changes relaxation times, not moduli.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeElement {
-    strand: Strand,
+    strand: MaxwellModel,
     climate: Climate,
 }
 
@@ -67,7 +67,7 @@ impl ThreeElement {
     /// # Errors
     /// None in fact: the moduli are asked for where they are measured.
     pub fn new(hair: &Hair, climate: Climate) -> Result<Self, KeratinError> {
-        Ok(Self { strand: Strand::of(0.0, elements(hair, &climate)?), climate })
+        Ok(Self { strand: MaxwellModel::of(0.0, elements(hair, &climate)?), climate })
     }
 
     /// The law of a hair's section in a climate, for a rod: stiffnesses as at 65 % humidity, all three
@@ -108,7 +108,7 @@ impl ThreeElement {
     }
 
     /// Moves to a strain within `dt` seconds.
-    pub fn bend_to(&mut self, strain: f64, dt: f64) -> super::Step {
+    pub fn bend_to(&mut self, strain: f64, dt: f64) -> super::RelaxationStep {
         self.strand.strain_to(strain, dt)
     }
 
@@ -145,14 +145,14 @@ impl ThreeElement {
 }
 
 /// The elements, in a fixed order: those that are soft above `T_c^l`, that above `T_c^h`, the helices.
-fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<Branch>, KeratinError> {
+fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<MaxwellElement>, KeratinError> {
     let glassy = hair.bending_modulus(&Climate::STANDARD)?.value;
     let wet = hair.bending_modulus(&Climate::WET)?.value;
     let [fibrils, matrix] = ["microfibril_modulus", "matrix_modulus"].map(|key| number(key).0);
     let spring = wet * fibrils / (fibrils + matrix);
     let soft = SPREAD.map(|_| (glassy - wet) / SPREAD.len() as f64);
     let moduli = soft.into_iter().chain([spring, wet - spring]);
-    Ok(moduli.zip(times(climate)).map(|(modulus, time)| Branch { modulus, time }).collect())
+    Ok(moduli.zip(times(climate)).map(|(modulus, time)| MaxwellElement { modulus, time }).collect())
 }
 
 /// The relaxation times of the elements, s.

@@ -1,8 +1,8 @@
-use super::{Branch, Relaxation};
+use super::{MaxwellElement, Relaxation};
 use crate::KeratinError;
 use crate::error::{not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_fiber::{Response, SectionLaw};
+use rapunzel_fiber::{SectionLaw, SectionResponse};
 
 /// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean over
 /// them, which is also the share of a strain that grew meanwhile.
@@ -32,7 +32,7 @@ fn fading(x: f64) -> [f64; 3] {
 
 /// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
+pub struct RelaxationStep {
     /// Stress at its end.
     pub stress: f64,
     /// Work done over it, per volume: the integral of stress by strain.
@@ -43,14 +43,14 @@ pub struct Step {
 ///
 /// Steps in which the strain runs straight are exact for any length. It is passive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Strand {
+pub struct MaxwellModel {
     equilibrium: f64,
-    branches: Vec<Branch>,
+    branches: Vec<MaxwellElement>,
     strain: f64,
     stresses: Vec<f64>,
 }
 
-impl Strand {
+impl MaxwellModel {
     /// An unstrained strand.
     #[must_use]
     pub fn new(law: &Relaxation) -> Self {
@@ -58,7 +58,7 @@ impl Strand {
     }
 
     /// An unstrained strand of these elements, in this order.
-    pub(super) fn of(equilibrium: f64, branches: Vec<Branch>) -> Self {
+    pub(super) fn of(equilibrium: f64, branches: Vec<MaxwellElement>) -> Self {
         let stresses = vec![0.0; branches.len()];
         Self { equilibrium, branches, strain: 0.0, stresses }
     }
@@ -91,7 +91,7 @@ impl Strand {
     }
 
     /// Moves to `strain`, which is finite, within `dt` seconds (0: at once).
-    pub fn strain_to(&mut self, strain: f64, dt: f64) -> Step {
+    pub fn strain_to(&mut self, strain: f64, dt: f64) -> RelaxationStep {
         let rise = strain - self.strain;
         let mut work = self.equilibrium * (self.strain + 0.5 * rise) * rise;
         for (q, b) in self.stresses.iter_mut().zip(&self.branches) {
@@ -103,12 +103,12 @@ impl Strand {
             *q = *q * left + b.modulus * rise * mean;
         }
         self.strain = strain;
-        Step { stress: self.stress(), work }
+        RelaxationStep { stress: self.stress(), work }
     }
 
     /// Creeps straight for `dt` seconds to the strain at which it has the given stress. The stress
     /// between is not that one: for a constant stress, take short steps.
-    pub fn stress_to(&mut self, stress: f64, dt: f64) -> Step {
+    pub fn stress_to(&mut self, stress: f64, dt: f64) -> RelaxationStep {
         let (mut stiffness, mut rest) = (self.equilibrium, self.equilibrium * self.strain);
         for (q, b) in self.stresses.iter().zip(&self.branches) {
             let (left, mean) = decay(dt / b.time);
@@ -127,7 +127,7 @@ impl Strand {
 pub struct Viscoelastic {
     stiffness: Vector3<f64>,
     equilibrium: f64,
-    branches: Vec<Branch>,
+    branches: Vec<MaxwellElement>,
     damping_time: f64,
 }
 
@@ -151,7 +151,7 @@ impl Viscoelastic {
     }
 
     /// A section of these elements alone, in parts of `K` and in this order.
-    pub(super) fn of(stiffness: Vector3<f64>, branches: Vec<Branch>) -> Self {
+    pub(super) fn of(stiffness: Vector3<f64>, branches: Vec<MaxwellElement>) -> Self {
         Self { stiffness, equilibrium: 0.0, branches, damping_time: 0.0 }
     }
 
@@ -174,8 +174,8 @@ impl SectionLaw for Viscoelastic {
         true
     }
 
-    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response {
-        let mut out = [Response::default()];
+    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> SectionResponse {
+        let mut out = [SectionResponse::default()];
         self.responses(memory, std::slice::from_ref(strain), dt, &mut out);
         out[0]
     }
@@ -203,7 +203,7 @@ impl SectionLaw for Viscoelastic {
         memory: &[Vector3<f64>],
         strains: &[Vector3<f64>],
         dt: f64,
-        out: &mut [Response],
+        out: &mut [SectionResponse],
     ) {
         let memories = || memory.chunks_exact(self.memory()).zip(strains);
         let damping = if self.damping_time > 0.0 { self.damping_time / dt } else { 0.0 };
@@ -225,7 +225,7 @@ impl SectionLaw for Viscoelastic {
             let rise = strain - memory[0];
             // The energy of a rise from the last strain.
             let potential = (moment - 0.5 * slope.component_mul(&rise)).dot(&rise);
-            *out = Response { moment, tangent: Matrix3::from_diagonal(&slope), potential };
+            *out = SectionResponse { moment, tangent: Matrix3::from_diagonal(&slope), potential };
         }
     }
 

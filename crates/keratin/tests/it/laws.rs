@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use rapunzel_fiber::SectionLaw;
 use rapunzel_keratin::law::{
-    Aging, Branch, Breuer, Creep, Relaxation, Strand, Tension, ThreeElement, Viscoelastic,
-    transitions,
+    Aging, Breuer, Creep, MaxwellElement, MaxwellModel, Relaxation, Tension, ThreeElement,
+    Viscoelastic, transitions,
 };
 use rapunzel_keratin::{Climate, Hair, HairType, Humidity, Temperature};
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 /// Random models: a spring, or none, and some Maxwell elements, over six decades of time.
 fn relaxation() -> impl Strategy<Value = Relaxation> {
     let branch = (0.01..10.0, -3.0..3.0_f64)
-        .prop_map(|(modulus, decade)| Branch { modulus, time: 10_f64.powf(decade) });
+        .prop_map(|(modulus, decade)| MaxwellElement { modulus, time: 10_f64.powf(decade) });
     let equilibrium = prop_oneof![Just(0.0), 0.01..5.0];
     (equilibrium, prop::collection::vec(branch, 1..7))
         .prop_map(|(g, branches)| Relaxation::new(g, branches).expect("positive numbers"))
@@ -79,7 +79,7 @@ proptest! {
 
     #[test]
     fn a_strand_follows_boltzmann(g in relaxation(), history in history()) {
-        let mut strand = Strand::new(&g);
+        let mut strand = MaxwellModel::new(&g);
         let (mut t, mut steps, mut last) = (0.0, Vec::new(), 0.0);
         for (dt, strain) in history {
             // A jump, and a rest.
@@ -97,7 +97,7 @@ proptest! {
 
     #[test]
     fn a_strand_creates_no_energy(g in relaxation(), history in history()) {
-        let mut strand = Strand::new(&g);
+        let mut strand = MaxwellModel::new(&g);
         let mut done = 0.0;
         for (dt, strain) in history {
             let before = strand.stored_energy();
@@ -175,21 +175,24 @@ proptest! {
 #[test]
 fn creep_undoes_relaxation_of_a_standard_solid() {
     // Zener: G = 1 + 3 exp(-t/2) has J = 1 - 3/4 exp(-t/8).
-    let g = Relaxation::new(1.0, vec![Branch { modulus: 3.0, time: 2.0 }]).expect("a model");
+    let g =
+        Relaxation::new(1.0, vec![MaxwellElement { modulus: 3.0, time: 2.0 }]).expect("a model");
     let j = Creep::from(&g);
     for t in [0.0, 0.3, 2.0, 50.0] {
         assert_relative_eq!(j.at(t), 1.0 - 0.75 * (-t / 8.0_f64).exp(), max_relative = 1e-14);
     }
     // Maxwell's fluid creeps for ever: J = 1/3 + t/6.
-    let fluid = Relaxation::new(0.0, vec![Branch { modulus: 3.0, time: 2.0 }]).expect("a model");
+    let fluid =
+        Relaxation::new(0.0, vec![MaxwellElement { modulus: 3.0, time: 2.0 }]).expect("a model");
     assert_relative_eq!(Creep::from(&fluid).at(5.0), 1.0 / 3.0 + 5.0 / 6.0, max_relative = 1e-14);
 }
 
 #[test]
 fn a_cycle_loses_pi_loss_modulus_by_amplitude_squared() {
-    let g = Relaxation::new(4.1e9, vec![Branch { modulus: 1e9, time: 0.02 }]).expect("a model");
+    let g =
+        Relaxation::new(4.1e9, vec![MaxwellElement { modulus: 1e9, time: 0.02 }]).expect("a model");
     let (frequency, amplitude) = (30.0, 0.01);
-    let mut strand = Strand::new(&g);
+    let mut strand = MaxwellModel::new(&g);
     let count = 20_000;
     let dt = TAU / frequency / f64::from(count);
     let mut work = 0.0;

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, NodeProperties, SectionLaw, so3};
 use rapunzel_keratin::lab::oscillation::Oscillation;
 use rapunzel_keratin::lab::pendulum::{self, Bob};
-use rapunzel_keratin::law::{Branch, Creep, Relaxation, Strand, Viscoelastic};
+use rapunzel_keratin::law::{Creep, MaxwellElement, MaxwellModel, Relaxation, Viscoelastic};
 use rapunzel_keratin::{Climate, Hair};
 use rapunzel_rod_dynamic::{
     Conditions, End, Instant, Load, Rod, RodIntegrator, RodState, SectionLaws, Staggered,
@@ -36,7 +36,8 @@ fn relaxing(fiber: Fiber, g: &Relaxation, damping_time: f64) -> Rod {
 
 /// A solid with two relaxation times, s.
 fn solid() -> Relaxation {
-    let branches = [(0.5, 3.0), (0.3, 40.0)].map(|(modulus, time)| Branch { modulus, time });
+    let branches =
+        [(0.5, 3.0), (0.3, 40.0)].map(|(modulus, time)| MaxwellElement { modulus, time });
     Relaxation::new(0.2, branches.to_vec()).expect("a model")
 }
 
@@ -113,7 +114,7 @@ fn a_rod_that_is_held_relaxes() {
 fn exact_root(g: &Relaxation, tau: f64, w: f64) -> [f64; 2] {
     let value = |[re, im]: [f64; 2]| {
         let mut sum = [g.equilibrium() + tau * re, tau * im];
-        for Branch { modulus, time } in g.branches() {
+        for MaxwellElement { modulus, time } in g.branches() {
             // m s T / (1 + s T) = m (1 - 1 / (1 + s T)).
             let (a, b) = (1.0 + re * time, im * time);
             let square = a * a + b * b;
@@ -139,7 +140,7 @@ fn exact_root(g: &Relaxation, tau: f64, w: f64) -> [f64; 2] {
 /// Laws that lose much and little at 1 rad/s: a relaxation function, 1 at once, and a damping time.
 fn lossy() -> [(Relaxation, f64); 3] {
     let of = |equilibrium, branches: &[(f64, f64)]| {
-        let branches = branches.iter().map(|&(modulus, time)| Branch { modulus, time });
+        let branches = branches.iter().map(|&(modulus, time)| MaxwellElement { modulus, time });
         Relaxation::new(equilibrium, branches.collect()).expect("a model")
     };
     [
@@ -175,7 +176,10 @@ fn free_torsion_decays_as_the_law_says() {
         // Times in units of 1 / w.
         let scaled = Relaxation::new(
             g.equilibrium(),
-            g.branches().iter().map(|b| Branch { time: b.time * period / TAU, ..*b }).collect(),
+            g.branches()
+                .iter()
+                .map(|b| MaxwellElement { time: b.time * period / TAU, ..*b })
+                .collect(),
         )
         .expect("a model");
         let fiber = pendulum::fiber(node(), length, segments, Bob { mass: 1e-4, inertia })
@@ -229,7 +233,7 @@ fn free_bending_decays_as_the_law_says() {
     for (g, tau) in lossy() {
         let scaled = Relaxation::new(
             g.equilibrium(),
-            g.branches().iter().map(|b| Branch { time: b.time / w, ..*b }).collect(),
+            g.branches().iter().map(|b| MaxwellElement { time: b.time / w, ..*b }).collect(),
         )
         .expect("a model");
         let (_, start) = pulled(&fiber, 0.05);
@@ -249,9 +253,10 @@ fn what_a_step_dissipates_is_its_work_less_what_it_stores() {
     // Over five decades of the step, against the same element in one dimension.
     for dt in [1e-6, 1e-3, 0.02, 0.04, 0.3, 2.0, 50.0] {
         for (q, rise) in [(0.0, 1.0), (0.7, 0.0), (0.4, -0.9), (-1.3, -0.2)] {
-            let g = Relaxation::new(0.3, vec![Branch { modulus: 2.0, time: 1.0 }]).expect("one");
+            let g = Relaxation::new(0.3, vec![MaxwellElement { modulus: 2.0, time: 1.0 }])
+                .expect("one");
             let law = Viscoelastic::new(Vector3::repeat(1.0), &g, 0.0).expect("a law");
-            let mut strand = Strand::new(&g);
+            let mut strand = MaxwellModel::new(&g);
             strand.strain_to(q, 0.0);
             let before = strand.stored_energy();
             let step = strand.strain_to(q + rise, dt);
@@ -277,7 +282,7 @@ proptest! {
         steps in prop::collection::vec(-4.0..0.0_f64, 20),
     ) {
         let branches = branches.into_iter()
-            .map(|(modulus, decade)| Branch { modulus, time: 10_f64.powf(decade) });
+            .map(|(modulus, decade)| MaxwellElement { modulus, time: 10_f64.powf(decade) });
         let g = Relaxation::new(equilibrium, branches.collect()).expect("a model");
         let rod = relaxing(straight(), &g, tau);
         let curled = straight().with_natural_curvature(|_| Vector3::from(curl)).expect("a curl");

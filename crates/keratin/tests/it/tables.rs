@@ -7,7 +7,7 @@ use rapunzel_keratin::surface::{
 };
 use rapunzel_keratin::tables::{Value, fact, tables};
 use rapunzel_keratin::{
-    Climate, Growth, Hair, HairType, Humidity, KeratinError, Outside, Quantity, Sex, Standing,
+    Climate, Growth, Hair, HairType, Humidity, KeratinError, MeasuredValue, Outside, Sex, Standing,
     Thickness, Treatment, follicle_density, water,
 };
 
@@ -15,7 +15,7 @@ use rapunzel_keratin::{
 const ROUNDING: f64 = 1e-14;
 
 /// Checks a value, that it counts as measured, and that it tells a line of the thesis.
-fn measured(found: &Quantity, expected: f64) {
+fn measured(found: &MeasuredValue, expected: f64) {
     assert_relative_eq!(found.value, expected, max_relative = ROUNDING);
     assert_eq!(found.standing, Standing::Measured, "{found:?}");
     assert!(found.sources.iter().all(|s| (283..=1005).contains(&s.line)), "{found:?}");

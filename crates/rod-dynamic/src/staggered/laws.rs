@@ -14,7 +14,7 @@ use crate::{Rod, SectionLaws};
 use nalgebra::Vector3;
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
-use rapunzel_fiber::{Response, SectionLaw};
+use rapunzel_fiber::{SectionLaw, SectionResponse};
 use std::ops::Range;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub(super) struct Laws<S: Simd> {
     /// Energies of the joints before and after a step, and what it dissipates (3), for the ledger.
     books: Array<S>,
     strains: Vec<Vector3<f64>>,
-    responses: Vec<Response>,
+    responses: Vec<SectionResponse>,
 }
 
 /// Neighboring joints with the same law, and where their memories are.
@@ -215,7 +215,7 @@ impl<S: Simd> Laws<S> {
         for lane in 0..lanes {
             for run in self.runs[lane].iter().filter(|run| wanted(&*run.law)) {
                 turns.strains(lane, run.joints.clone(), &self.lengths, &mut self.strains);
-                self.responses.resize(self.strains.len(), Response::default());
+                self.responses.resize(self.strains.len(), SectionResponse::default());
                 let memory = &self.memory[lane][run.memory.clone()];
                 run.law.responses(memory, &self.strains, self.dt[lane], &mut self.responses);
                 for (response, j) in self.responses.iter().zip(run.joints.clone()) {

@@ -2,7 +2,7 @@
 //! with memory its checkpoint, and the ledger closes.
 
 use nalgebra::{Matrix3, Translation3, Vector3};
-use rapunzel_fiber::{Fiber, LinearLaw, Material, Response, Section, SectionLaw};
+use rapunzel_fiber::{Fiber, LinearLaw, Material, Section, SectionLaw, SectionResponse};
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Conditions, End, Instant, Load, Rod, RodError, SectionLaws,
     StaggeredBatch, Steady, StepReport,
@@ -34,9 +34,9 @@ impl SectionLaw for Stiffening {
     fn memory(&self) -> usize {
         0
     }
-    fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> Response {
+    fn response(&self, _: &[Vector3<f64>], strain: &Vector3<f64>, _: f64) -> SectionResponse {
         let (k, c, square) = (self.stiffness, self.factor, strain.norm_squared());
-        Response {
+        SectionResponse {
             moment: k * (1.0 + c * square) * strain,
             tangent: k
                 * ((1.0 + c * square) * Matrix3::identity()
@@ -68,13 +68,13 @@ impl SectionLaw for Solid {
     fn is_affine(&self) -> bool {
         true
     }
-    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> Response {
+    fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> SectionResponse {
         let left = 1.0 / (1.0 + dt / self.time);
         let q = left * (memory[1] + strain - memory[0]);
         let slope = self.stiffness * (1.0 + left);
         let rise = strain - memory[0];
         let moment = self.stiffness * (strain + q);
-        Response {
+        SectionResponse {
             moment,
             tangent: slope * Matrix3::identity(),
             potential: (moment - 0.5 * slope * rise).dot(&rise),

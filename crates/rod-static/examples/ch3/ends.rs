@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapunzel_repro::Criterion::{AtMost, Told};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
 use rapunzel_repro::{Check, Fallible, Figure, check};
-use rapunzel_rod_static::{End, Equilibrium, Lagrange, Piece, Problem, Properties, State};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Lagrange, Piece, Problem, Properties, State};
 use std::time::Instant;
 
 const SCENE: &str = "n = 1, m3 = 2, mz = 1.1, theta' = 1";
@@ -17,7 +17,7 @@ const SEEDS: u64 = 5;
 pub(crate) fn position() -> Fallible<Figure> {
     let target = end(TARGET)?;
     let cost = |x| Ok((end(x)?.position - target.position).norm_squared());
-    let ours = solve(End::Position(target.position))?;
+    let ours = solve(EndCondition::Position(target.position))?;
     let thesis = "0.03 cm of 25 cm after about 1,300 cycles";
     figure(&target, cost, ours, "for the position", thesis)
 }
@@ -30,11 +30,11 @@ pub(crate) fn tangent() -> Fallible<Figure> {
         let turned = found.frame * Vector3::z() - along;
         Ok((found.position - target.position).norm_squared() + turned.norm_squared())
     };
-    let ours = solve(End::Tangent(target.position, Unit::new_normalize(along)))?;
+    let ours = solve(EndCondition::Tangent(target.position, Unit::new_normalize(along)))?;
     figure(&target, cost, ours, "for position and tangent", "0.3 cm of 25 cm and 0.3 rad")
 }
 
-fn solve(to: End) -> Fallible<(Equilibrium, f64)> {
+fn solve(to: EndCondition) -> Fallible<(Equilibrium, f64)> {
     let properties = Properties {
         stiffness: Vector3::new(1.0, 1.0, TORSION),
         natural_curvature: Vector3::zeros(),

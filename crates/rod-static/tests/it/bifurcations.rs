@@ -2,7 +2,7 @@
 //! found beyond.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties, State};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn piece(stiffness: [f64; 3], load: Vector3<f64>) -> Piece {
@@ -14,7 +14,7 @@ fn piece(stiffness: [f64; 3], load: Vector3<f64>) -> Piece {
 fn upright(weight: f64, thrust: f64) -> Equilibrium {
     let load = Vector3::new(0.0, 0.0, -weight);
     let force = Vector3::new(0.0, 0.0, -thrust);
-    let end = End::Free { force, moment: Vector3::zeros() };
+    let end = EndCondition::Free { force, moment: Vector3::zeros() };
     let problem =
         Problem::new(&Isometry3::identity(), vec![piece([1.0; 3], load)], end).expect("a problem");
     let straight = State {
@@ -51,7 +51,8 @@ fn euler_between_two_ends() {
     let d = 1e-4;
     let top = Point3::new(0.0, 0.0, 1.0 - d);
     let held = Isometry3::from_parts(Translation3::from(top.coords), UnitQuaternion::identity());
-    for (end, critical) in [(End::Held(held), 4.0 * PI * PI), (End::Position(top), 20.190_728_556)]
+    for (end, critical) in
+        [(EndCondition::Held(held), 4.0 * PI * PI), (EndCondition::Position(top), 20.190_728_556)]
     {
         let rod = piece([1.0, 2.0, 1.0], Vector3::zeros());
         let problem = Problem::new(&Isometry3::identity(), vec![rod], end).expect("a problem");
@@ -77,7 +78,7 @@ fn strips_buckle_sideways() {
     let unit = f64::sqrt(soft * torsion);
     let index = |weight: f64, force: f64| {
         let down = |size: f64| Vector3::new(0.0, 0.0, -size * unit);
-        let end = End::Free { force: down(force), moment: Vector3::zeros() };
+        let end = EndCondition::Free { force: down(force), moment: Vector3::zeros() };
         let rod = piece([1e4, soft, torsion], down(weight));
         let problem = Problem::new(&clamp, vec![rod], end).expect("a problem");
         let planar = State {
@@ -104,7 +105,7 @@ fn a_twisted_ring_leaves_its_plane() {
             let spin = |s: f64| UnitQuaternion::from_scaled_axis(Vector3::z() * (twist * s));
             let end = Isometry3::from_parts(Translation3::identity(), spin(1.0));
             let rod = piece([1.0, 1.0, torsion], Vector3::zeros());
-            let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+            let problem = Problem::new(&Isometry3::identity(), vec![rod], EndCondition::Held(end));
             let ring: Vec<(f64, State)> = (0..64)
                 .map(|i| {
                     let s = f64::from(i) / 64.0;
@@ -138,7 +139,7 @@ fn columns_just_above_greenhills_load_lean() {
         let weight = 7.837_347_439 * (1.0 + excess);
         for sides in [[1.0, 1.0], [1.0, 2.0]] {
             let rod = piece([sides[0], sides[1], 1.0], Vector3::new(0.0, 0.0, -weight));
-            let problem = Problem::new(&Isometry3::identity(), vec![rod], End::FREE);
+            let problem = Problem::new(&Isometry3::identity(), vec![rod], EndCondition::FREE);
             let found = problem.expect("a problem").solve().expect("an equilibrium");
             assert!(found.is_stable(), "{excess} {sides:?}: {}", found.conjugate_points());
             // Of second order in the lean, whose square grows with the excess.
@@ -160,7 +161,7 @@ fn twisted_arcs_leave_their_plane() {
         let spin = UnitQuaternion::from_scaled_axis(Vector3::z() * twist);
         let end = Isometry3::from_parts(Translation3::new(0.0, 0.0, gap), spin);
         let rod = piece([1.0; 3], Vector3::zeros());
-        let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+        let problem = Problem::new(&Isometry3::identity(), vec![rod], EndCondition::Held(end));
         let found = problem.expect("a problem").solve();
         let found = found.unwrap_or_else(|error| panic!("{gap} {part}: {error}"));
         assert!(found.is_stable(), "{gap} {part}: {}", found.conjugate_points());
@@ -174,7 +175,7 @@ fn a_ring_is_told_once() {
         let spin = UnitQuaternion::from_scaled_axis(Vector3::z() * twist);
         let end = Isometry3::from_parts(Translation3::identity(), spin);
         let rod = piece([1.0; 3], Vector3::zeros());
-        let problem = Problem::new(&Isometry3::identity(), vec![rod], End::Held(end));
+        let problem = Problem::new(&Isometry3::identity(), vec![rod], EndCondition::Held(end));
         let all = problem.expect("a problem").solutions(0);
         let ring = 0.5 * (TAU * TAU + twist * twist);
         let rings: Vec<f64> = all.iter().map(Equilibrium::energy).collect();

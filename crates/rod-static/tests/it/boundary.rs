@@ -5,7 +5,7 @@ use crate::common::rotation;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_oracles::cases;
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties, State};
 use serde::Deserialize;
 
 /// Allowed errors: position in lengths, frame in radians, force and moment in parts of their size.
@@ -31,7 +31,7 @@ fn larger(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 fn problem(case: &Elastica) -> Problem {
-    Problem::new(&case.clamp(), vec![case.piece()], End::FREE).expect("a problem")
+    Problem::new(&case.clamp(), vec![case.piece()], EndCondition::FREE).expect("a problem")
 }
 
 /// All equilibria of all cases, the unstable ones too, from a start near them: states, energies.
@@ -76,7 +76,7 @@ fn planar_rods_find_a_stable_equilibrium() {
 fn heavy_rods_of_the_reference() {
     for case in cases::<HeavyRod>("b_heavy_rod_3d.json").expect("the oracle") {
         let problem =
-            Problem::new(&case.clamp(), vec![case.piece()], End::FREE).expect("a problem");
+            Problem::new(&case.clamp(), vec![case.piece()], EndCondition::FREE).expect("a problem");
         let found = problem.solve().unwrap_or_else(|e| panic!("{}: {e}", case.name));
         let mut worst = [0.0; 3];
         for station in &case.stations {
@@ -158,13 +158,13 @@ fn clamped_rods_of_the_reference() {
             Problem::new(&Isometry3::identity(), vec![piece], end).expect("a problem")
         };
         let mut found: Equilibrium =
-            problem(End::FREE).bent(&Vector3::from(case.start_moment)).expect("a start");
+            problem(EndCondition::FREE).bent(&Vector3::from(case.start_moment)).expect("a start");
         for to in &case.path_from_start_state {
             let to = Isometry3::from_parts(
                 Translation3::from(Vector3::from(to.r)),
                 UnitQuaternion::from_scaled_axis(Vector3::from(to.rotvec)),
             );
-            found = problem(End::Held(to))
+            found = problem(EndCondition::Held(to))
                 .solve_from(&found)
                 .unwrap_or_else(|e| panic!("{}: {e}", case.name));
         }
@@ -202,7 +202,7 @@ fn clamped_rods_of_the_reference() {
             Translation3::from(Vector3::from(case.r1)),
             UnitQuaternion::from_rotation_matrix(&rotation(&case.end)),
         );
-        let again = problem(End::Held(end)).solve().expect("an equilibrium");
+        let again = problem(EndCondition::Held(end)).solve().expect("an equilibrium");
         assert!((again.energy() - found.energy()).abs() < 1e-9, "{}", case.name);
     }
 }

@@ -4,7 +4,7 @@
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_fiber::so3;
-use rapunzel_rod_static::{End, Lagrange, Piece, Problem, Properties, State};
+use rapunzel_rod_static::{EndCondition, Lagrange, Piece, Problem, Properties, State};
 
 /// Nothing, something tiny, or something.
 fn size() -> impl Strategy<Value = f64> {
@@ -44,7 +44,7 @@ proptest! {
             start.position.coords.into(),
             UnitQuaternion::from_rotation_matrix(&start.frame),
         );
-        let free = End::Free { force: end.force, moment: end.moment };
+        let free = EndCondition::Free { force: end.force, moment: end.moment };
         let problem = Problem::new(&clamp, vec![Piece::uniform(2.0, properties)], free);
         let found = problem.expect("a problem").solve_near(&[(0.0, start)]);
         // A rod at the point of buckling has no answer; the closed form does.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Rotation3, Vector3};
 use proptest::prelude::*;
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties};
 use std::f64::consts::FRAC_PI_2;
 
 const STIFFNESS: [f64; 3] = [1.0, 0.7, 0.8];
@@ -122,7 +122,7 @@ proptest! {
             piece(at, load, curvature).with_end_load(bead),
             piece(1.0 - at, load, curvature),
         ];
-        let free = End::Free { force: end, moment: Vector3::zeros() };
+        let free = EndCondition::Free { force: end, moment: Vector3::zeros() };
         let problem = Problem::new(&level(), pieces, free).expect("a problem");
         let found = problem.solve().map_err(|e| TestCaseError::fail(e.to_string()))?;
         prop_assert!(found.is_stable());
@@ -140,7 +140,7 @@ proptest! {
             natural_curvature: Vector3::zeros(),
             load: Vector3::zeros(),
         };
-        let free = End::Free { force: Vector3::zeros(), moment };
+        let free = EndCondition::Free { force: Vector3::zeros(), moment };
         let rod = vec![Piece::uniform(1.0, properties)];
         let problem = Problem::new(&Isometry3::identity(), rod, free);
         let found = problem.expect("a problem").solve();

@@ -5,7 +5,9 @@ use crate::common::reference::{Elastica, HeavyRod};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_oracles::cases;
-use rapunzel_rod_static::{Chain, End, Piece, Problem, Properties, Rest, StaticError, Target};
+use rapunzel_rod_static::{
+    Chain, EndCondition, Piece, Problem, Properties, Rest, StaticError, Target,
+};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn chain(clamp: &Isometry3<f64>, piece: &Piece, count: usize) -> Chain {
@@ -158,7 +160,7 @@ fn uniform(load: Vector3<f64>) -> Piece {
 fn a_held_tip_is_a_ball_joint() {
     let piece = uniform(Vector3::new(0.0, 0.0, -3.0));
     for place in [Point3::new(0.3, 0.1, 0.7), Point3::new(-0.2, 0.0, 0.6), Point3::origin()] {
-        let end = End::Position(place);
+        let end = EndCondition::Position(place);
         let exact = Problem::new(&Isometry3::identity(), vec![piece.clone()], end)
             .and_then(|problem| problem.solve())
             .expect("a solution");
@@ -251,7 +253,7 @@ fn masses_hang_on_the_way() {
     let pieces = [half(4.0), half(2.0)];
     let chain = Chain::new(&level, &pieces, 100).expect("a chain");
     let rest = chain.solve().expect("a minimum");
-    let exact = Problem::new(&level, pieces.to_vec(), End::FREE).and_then(|p| p.solve());
+    let exact = Problem::new(&level, pieces.to_vec(), EndCondition::FREE).and_then(|p| p.solve());
     let error = (tip(&rest) - exact.expect("a solution").tip().position).norm();
     assert!(error < 2e-5, "{error:e}");
 }

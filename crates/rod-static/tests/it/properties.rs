@@ -2,7 +2,9 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties, State, StaticError};
+use rapunzel_rod_static::{
+    EndCondition, Equilibrium, Piece, Problem, Properties, State, StaticError,
+};
 
 fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(-1.0..1.0_f64).prop_map(move |v| Vector3::from(v) * size)
@@ -34,7 +36,7 @@ fn pieces(
     ]
 }
 
-fn solve(clamp: &Isometry3<f64>, pieces: Vec<Piece>, end: End) -> Equilibrium {
+fn solve(clamp: &Isometry3<f64>, pieces: Vec<Piece>, end: EndCondition) -> Equilibrium {
     let problem = Problem::new(clamp, pieces, end).expect("a problem");
     problem.solve().expect("an equilibrium")
 }
@@ -60,9 +62,9 @@ proptest! {
         stiffness in 1e-6..1e3_f64,
     ) {
         let unit = pieces(curvature, load, 1.0, 1.0, UnitQuaternion::identity());
-        let plain = solve(&Isometry3::identity(), unit, End::FREE);
+        let plain = solve(&Isometry3::identity(), unit, EndCondition::FREE);
         let scaled = pieces(curvature, load, length, stiffness, moved.rotation);
-        let other = solve(&moved, scaled, End::FREE);
+        let other = solve(&moved, scaled, EndCondition::FREE);
         for s in [0.0, 0.2, 0.4, 0.77, 1.0] {
             let (a, b) = (plain.at(s), other.at(s * length));
             let position = moved * Point3::from(a.position.coords * length);
@@ -79,9 +81,9 @@ proptest! {
     #[test]
     fn held_and_reversed(curvature in vector(2.0), load in vector(4.0), force in vector(3.0)) {
         let rod = || pieces(curvature, load, 1.0, 1.0, UnitQuaternion::identity());
-        let end = End::Free { force, moment: Vector3::zeros() };
+        let end = EndCondition::Free { force, moment: Vector3::zeros() };
         let free = solve(&Isometry3::identity(), rod(), end);
-        let held = Problem::new(&Isometry3::identity(), rod(), End::Held(pose_of(&free.tip())));
+        let held = Problem::new(&Isometry3::identity(), rod(), EndCondition::Held(pose_of(&free.tip())));
         let held = held.expect("a problem").solve_from(&free).expect("the same equilibrium");
         prop_assert!((held.root().force - free.root().force).norm() < 1e-7);
         prop_assert!((held.tip().moment - free.tip().moment).norm() < 1e-7);
@@ -108,7 +110,7 @@ proptest! {
             (s, backward(&held.at(1.0 - s)))
         }).collect();
         let start = pose_of(&backward(&held.tip()));
-        let end = End::Held(pose_of(&backward(&held.root())));
+        let end = EndCondition::Held(pose_of(&backward(&held.root())));
         let reversed = Problem::new(&start, back, end).expect("a problem").solve_near(&guess);
         let reversed = reversed.expect("the same equilibrium");
         prop_assert!((reversed.tip().moment + held.root().moment).norm() < 1e-7);
@@ -120,7 +122,7 @@ proptest! {
     #[test]
     fn moments_balance(curvature in vector(4.0), force in vector(10.0), moment in vector(3.0)) {
         let rod = pieces(curvature, Vector3::zeros(), 1.0, 1.0, UnitQuaternion::identity());
-        let found = solve(&Isometry3::identity(), rod, End::Free { force, moment });
+        let found = solve(&Isometry3::identity(), rod, EndCondition::Free { force, moment });
         let total = |s: f64| {
             let at = found.at(s);
             at.moment + at.position.coords.cross(&at.force)
@@ -138,21 +140,22 @@ fn nonsense_is_refused() {
         natural_curvature: Vector3::zeros(),
         load: Vector3::zeros(),
     };
-    let refused = |pieces: Vec<Piece>, end: End| {
+    let refused = |pieces: Vec<Piece>, end: EndCondition| {
         Problem::new(&Isometry3::identity(), pieces, end).expect_err("refused")
     };
-    assert_eq!(refused(vec![], End::FREE), StaticError::NoPieces);
+    assert_eq!(refused(vec![], EndCondition::FREE), StaticError::NoPieces);
     for length in [0.0, -1.0, f64::NAN] {
-        let error = refused(vec![Piece::uniform(length, good)], End::FREE);
+        let error = refused(vec![Piece::uniform(length, good)], EndCondition::FREE);
         assert!(matches!(error, StaticError::NotPositive { .. }), "{error}");
     }
     let stiffness = Vector3::new(1.0, -1.0, 1.0);
-    let error = refused(vec![Piece::uniform(1.0, Properties { stiffness, ..good })], End::FREE);
+    let error =
+        refused(vec![Piece::uniform(1.0, Properties { stiffness, ..good })], EndCondition::FREE);
     assert!(matches!(error, StaticError::NotPositive { .. }), "{error}");
     let load = Vector3::new(0.0, f64::INFINITY, 0.0);
-    let error = refused(vec![Piece::uniform(1.0, Properties { load, ..good })], End::FREE);
+    let error = refused(vec![Piece::uniform(1.0, Properties { load, ..good })], EndCondition::FREE);
     assert!(matches!(error, StaticError::NotFinite { .. }), "{error}");
-    let far = End::Position(Point3::new(0.0, 2.0, 0.0));
+    let far = EndCondition::Position(Point3::new(0.0, 2.0, 0.0));
     let error = refused(vec![Piece::uniform(1.0, good)], far);
     assert_eq!(error, StaticError::OutOfReach { distance: 2.0, length: 1.0 });
 }

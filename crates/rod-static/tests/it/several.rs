@@ -1,7 +1,7 @@
 //! Several equilibria of one problem.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties};
 
 fn held(g: f64, end: Isometry3<f64>) -> Problem {
     let properties = Properties {
@@ -10,7 +10,7 @@ fn held(g: f64, end: Isometry3<f64>) -> Problem {
         load: Vector3::new(0.0, 0.0, -g),
     };
     let piece = Piece::uniform(1.0, properties);
-    Problem::new(&Isometry3::identity(), vec![piece], End::Held(end)).expect("a problem")
+    Problem::new(&Isometry3::identity(), vec![piece], EndCondition::Held(end)).expect("a problem")
 }
 
 /// Whole turns of the end give other equilibria of the same ends.

@@ -3,12 +3,12 @@
 use crate::common::Random;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
-use rapunzel_rod_static::{End, Equilibrium, Lagrange, Piece, Problem, Properties, State};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Lagrange, Piece, Problem, Properties, State};
 
 const TORSION: f64 = 0.75;
 
 /// A straight rod of length and stiffness one without load.
-fn problem(end: End) -> Problem {
+fn problem(end: EndCondition) -> Problem {
     let piece = Piece::uniform(
         1.0,
         Properties {
@@ -32,8 +32,8 @@ fn target(random: &mut Random) -> State {
     tip_of(&State { position: Point3::origin(), frame: Rotation3::identity(), force, moment })
 }
 
-fn held(tip: &State) -> End {
-    End::Held(Isometry3::from_parts(
+fn held(tip: &State) -> EndCondition {
+    EndCondition::Held(Isometry3::from_parts(
         Translation3::from(tip.position.coords),
         UnitQuaternion::from_rotation_matrix(&tip.frame),
     ))
@@ -85,7 +85,7 @@ fn random_joints_and_bearings_are_reached() {
     for i in 0..50 {
         let tip = target(&mut random);
         let tangent = tip.frame * Vector3::z();
-        match problem(End::Position(tip.position)).solve() {
+        match problem(EndCondition::Position(tip.position)).solve() {
             Ok(found) => {
                 let at = found.tip();
                 assert!((at.position - tip.position).norm() < 1e-9, "target {i}");
@@ -95,7 +95,7 @@ fn random_joints_and_bearings_are_reached() {
             }
             Err(_) => unsolved += 1,
         }
-        match problem(End::Tangent(tip.position, Unit::new_normalize(tangent))).solve() {
+        match problem(EndCondition::Tangent(tip.position, Unit::new_normalize(tangent))).solve() {
             Ok(found) => {
                 let at = found.tip();
                 let own = at.frame * Vector3::z();
@@ -128,7 +128,7 @@ fn random_clamps_of_curved_heavy_rods_are_reached() {
         };
         let force = random.direction() * (10.0 * random.unit());
         let moment = random.direction() * (3.0 * random.unit());
-        let Ok(free) = problem(End::Free { force, moment }).solve() else { continue };
+        let Ok(free) = problem(EndCondition::Free { force, moment }).solve() else { continue };
         let tip = free.tip();
         if let Ok(found) = problem(held(&tip)).solve() {
             let at = found.tip();

@@ -11,7 +11,7 @@ use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
 use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
-use rapunzel_sim::scene::Friction;
+use rapunzel_sim::scene::FrictionLaw;
 use rapunzel_sim::{Scene, World};
 
 /// When pictures are taken, s.
@@ -44,7 +44,7 @@ struct Bundle {
 impl Bundle {
     fn new(scene: &Scene, springs: bool) -> Fallible<Self> {
         let contact = scene.contact.as_ref().ok_or("a scene with contact")?;
-        let Friction::Isotropic(mu) = contact.friction else {
+        let FrictionLaw::Isotropic(mu) = contact.friction else {
             return Err("a scene with the same friction in all directions".into());
         };
         let world = World::build(scene)?;
@@ -109,7 +109,7 @@ impl Bundle {
             let chain = self.layout.segment_fibers()[segment as usize];
             (chain, segment as usize - self.layout.segment_range(chain).start)
         };
-        let contact = |contact: &rapunzel_collision::Contact| {
+        let contact = |contact: &rapunzel_collision::CapsuleContact| {
             let [(other, under), (chain, segment)] = contact.pair.map(place);
             let normal = contact.normal.into_inner();
             let [start, end] = self.chains[other].ends(under);

@@ -4,7 +4,7 @@ use crate::size::{Size, captioned, extents, filmed};
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Drawing, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
-use rapunzel_sim::scene::Friction;
+use rapunzel_sim::scene::FrictionLaw;
 
 /// Figure 8.8: with friction a bundle rests on a ball, without it splits in two.
 pub(crate) fn split(size: Size) -> Fallible<Figure> {
@@ -14,7 +14,7 @@ pub(crate) fn split(size: Size) -> Fallible<Figure> {
     for (name, mu) in [("with friction", 0.5), ("without", 0.0)] {
         let mut scene = size.scene("horizontal-bundle-on-ball", 40, 30)?;
         scene.duration = 0.4;
-        scene.contact.as_mut().ok_or("a scene with contact")?.friction = Friction::Isotropic(mu);
+        scene.contact.as_mut().ok_or("a scene with contact")?.friction = FrictionLaw::Isotropic(mu);
         let mut middles = Vec::new();
         let film = filmed(&scene, &times, |world| {
             let fibers = world.assembly().fibers().iter().enumerate();

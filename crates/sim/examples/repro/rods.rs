@@ -4,7 +4,7 @@ use crate::film::{Film, play, scene};
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
 use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
-use rapunzel_sim::scene::{Arrangement, Method, Shape, StepperSettings, Tip, Weights};
+use rapunzel_sim::scene::{Arrangement, FiberShape, RodMethod, StepperSettings, Tip, Weights};
 use rapunzel_sim::{Scene, World};
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ fn tip(world: &World) -> (Point3<f64>, Vector3<f64>) {
 fn with_box(scene: &mut Scene, weights: Weights, dt: f64) {
     let residual = rapunzel_rod_dynamic::BoxOptions::default().tolerance;
     scene.stepper =
-        StepperSettings { dt, method: Some(Method::Box { weights, residual }), tolerance: None };
+        StepperSettings { dt, method: Some(RodMethod::Box { weights, residual }), tolerance: None };
 }
 
 /// Figure 3.15: a sine that is clamped level and let go.
@@ -245,7 +245,7 @@ fn coarse(segments: usize, dt: f64) -> Fallible<Ringing> {
     bundle.segments = segments;
     // The frequency goes with the length times the radius.
     bundle.length = 0.0196;
-    if let Shape::Helix { radius, pitch, .. } = &mut bundle.shape {
+    if let FiberShape::Helix { radius, pitch, .. } = &mut bundle.shape {
         (*radius, *pitch) = (0.0022, 0.0037);
     }
     if let Tip::Loaded { force, .. } = &mut bundle.tip {

@@ -7,7 +7,7 @@ use rapunzel_keratin::lab::hook;
 use rapunzel_keratin::lab::oscillation::{self, Oscillation};
 use rapunzel_keratin::moduli::oscillating_moduli;
 use rapunzel_rod_dynamic::{Instant, Rod, Steady};
-use rapunzel_rod_static::{End, Piece, Problem, Properties};
+use rapunzel_rod_static::{EndCondition, Piece, Problem, Properties};
 use std::f64::consts::TAU;
 
 /// Mass of the weight at each leg of the hook, kg, and length of a leg, m.
@@ -37,7 +37,7 @@ pub(super) fn hook(sample: &LabSample) -> Result<Reading, SimError> {
         natural_curvature: Vector3::zeros(),
         load: -node.linear_density * GRAVITY * Vector3::z(),
     };
-    let end = End::Free { force: -tension * Vector3::z(), moment: Vector3::zeros() };
+    let end = EndCondition::Free { force: -tension * Vector3::z(), moment: Vector3::zeros() };
     let piece = Piece::uniform(LEG, properties);
     let top = root(Vector3::x())?;
     let found = Problem::new(&top, vec![piece], end)?.solve()?;

@@ -7,7 +7,7 @@ use rapunzel_fiber::generate::{Handedness, Helix, Sine};
 use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::lab::curl::{self, WaterWave};
 use rapunzel_rod_dynamic::{End, Instant, Load, Rod, equilibrium};
-use rapunzel_rod_static::{End as StaticEnd, Piece, Problem, Properties};
+use rapunzel_rod_static::{EndCondition as StaticEnd, Piece, Problem, Properties};
 
 /// The wave that is measured: length of the hair, amplitude and wavelength, m, and segments.
 const LENGTH: f64 = 0.254;

@@ -1,7 +1,7 @@
 //! Capstan friction: a hair drawn over a cylinder.
 
 use super::sample::{LabSample, Number, Reading, Record};
-use crate::scene::Surface;
+use crate::scene::FrictionSurface;
 use crate::{Scene, SimError, World};
 use nalgebra::Vector3;
 use rapunzel_keratin::KeratinError;
@@ -24,7 +24,7 @@ const STEPS: usize = 100;
 /// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of its
 /// ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
 pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
-    let on = Surface::Nylon;
+    let on = FrictionSurface::Nylon;
     let wetness = sample.wetness();
     let section = sample.hair()?.section(&sample.climate);
     // The segments are chords whose middles touch the cylinder; the legs end half a segment above it.

@@ -1,6 +1,6 @@
 //! What instruments measure, what they read, and what they all do.
 
-use crate::scene::{self, Keratin, Law, Material};
+use crate::scene::{self, Keratin, Law, MaterialSpec};
 use crate::{CouplingError, Scene, SimError};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_fiber::generate::root_pose;
@@ -83,9 +83,10 @@ impl LabSample {
         let law = Law::Elastic;
         for bundle in &mut scene.fibers {
             bundle.section = None;
-            bundle.material = Material::Keratin { kind, treatment, thickness, law, extrapolate };
+            bundle.material =
+                MaterialSpec::Keratin { kind, treatment, thickness, law, extrapolate };
         }
-        scene.environment.climate = scene::Climate {
+        scene.environment.climate = scene::ClimateHistory {
             humidity: vec![(0.0, self.climate.humidity.fraction())],
             temperature: self.climate.temperature.celsius(),
         };

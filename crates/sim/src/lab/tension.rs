@@ -2,7 +2,7 @@
 
 use super::sample::{LabSample, Number, Reading, Record};
 use crate::SimError;
-use rapunzel_keratin::lab::tensile::{self, Point};
+use rapunzel_keratin::lab::tensile::{self, CurvePoint};
 use rapunzel_keratin::law::Tension;
 
 /// Stress on the way back in parts of that on the way up, as the figures of hair in water show it.
@@ -42,7 +42,7 @@ pub(super) fn hysteresis(sample: &LabSample) -> Result<Reading, SimError> {
     Ok(Reading { numbers, record: stress(&curve) })
 }
 
-fn stress(curve: &[Point]) -> Record {
+fn stress(curve: &[CurvePoint]) -> Record {
     let points = curve.iter().map(|[strain, stress]| [*strain, 1e-6 * stress]).collect();
     Record { axes: ["strain", "stress (MPa)"], points }
 }

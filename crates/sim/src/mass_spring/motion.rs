@@ -31,7 +31,7 @@ pub(crate) trait ErasedSystem: Send + Sync {
     /// Springs as lines.
     fn strands(&self) -> Vec<Strand>;
     /// What it is bounded by, of points of these lines, if it has a surface.
-    fn surface(&self) -> Option<usd::Shape>;
+    fn surface(&self) -> Option<usd::PrimShape>;
     /// In which of these lines every node is, and where in it.
     fn places(&self) -> BTreeMap<usize, [usize; 2]>;
     /// Whether something holds a node now.
@@ -207,7 +207,7 @@ where
         self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
     }
 
-    fn surface(&self) -> Option<usd::Shape> {
+    fn surface(&self) -> Option<usd::PrimShape> {
         surface(&self.places(), &self.faces)
     }
 

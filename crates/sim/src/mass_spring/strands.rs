@@ -67,11 +67,11 @@ pub(crate) fn places(lines: &[Polyline]) -> BTreeMap<usize, [usize; 2]> {
 pub(crate) fn surface(
     places: &BTreeMap<usize, [usize; 2]>,
     faces: &[Vec<usize>],
-) -> Option<usd::Shape> {
+) -> Option<usd::PrimShape> {
     let nodes: BTreeSet<usize> = faces.iter().flatten().copied().collect();
     let vertices: BTreeMap<usize, usize> = nodes.into_iter().zip(0..).collect();
     let face = |face: &Vec<usize>| face.iter().map(|node| vertices[node]).collect();
-    let shape = usd::Shape::Surface {
+    let shape = usd::PrimShape::Surface {
         vertices: vertices.keys().map(|node| places[node]).collect(),
         faces: faces.iter().map(face).collect(),
     };
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(lines.iter().map(|line| line.springs.len()).sum::<usize>(), springs.len());
         let faces = [vec![1, 4, 5, 2]];
         let vertices = vec![[0, 1], [0, 2], [2, 1], [3, 1]];
-        let expected = usd::Shape::Surface { vertices, faces: vec![vec![0, 2, 3, 1]] };
+        let expected = usd::PrimShape::Surface { vertices, faces: vec![vec![0, 2, 3, 1]] };
         assert_eq!(surface(&places(&lines), &faces), Some(expected));
         assert_eq!(surface(&places(&lines), &[]), None);
     }

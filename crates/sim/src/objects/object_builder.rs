@@ -3,7 +3,7 @@
 use super::edge_capsules::edge_capsules;
 use super::mesh::read_mesh;
 use crate::SimError;
-use crate::scene::{self, Mass, Moves, ObjectShape};
+use crate::scene::{self, Moves, ObjectMass, ObjectShape};
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
@@ -77,8 +77,8 @@ pub(crate) fn build_object(
         }
         Moves::Free { mass, velocity, spin } => {
             let density = match mass {
-                Mass::Density(density) => density,
-                Mass::Mass(mass) => mass / volume(&scene.shape, &surface),
+                ObjectMass::Density(density) => density,
+                ObjectMass::Mass(mass) => mass / volume(&scene.shape, &surface),
             };
             let refuse = |source| SimError::Body { object: index, source };
             let (mut body, center) =

@@ -1,5 +1,5 @@
 use super::Observer;
-use crate::scene::{Node, Probe, Quantity};
+use crate::scene::{Probe, ProbeNode, ProbeQuantity};
 use crate::{Plan, SimError, Stepper, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
@@ -143,12 +143,12 @@ impl Observer for CsvTable {
 /// Names, with units, of what a probe reads.
 fn columns(probe: &Probe) -> [String; 3] {
     let node = match probe.node {
-        Node::Tip => "tip".to_owned(),
-        Node::At { index } => format!("node {index}"),
+        ProbeNode::Tip => "tip".to_owned(),
+        ProbeNode::At { index } => format!("node {index}"),
     };
     let (symbol, unit) = match probe.quantity {
-        Quantity::Position => ("", "m"),
-        Quantity::Velocity => ("v", "m/s"),
+        ProbeQuantity::Position => ("", "m"),
+        ProbeQuantity::Velocity => ("v", "m/s"),
     };
     ["x", "y", "z"].map(|axis| format!("fiber {} {node} {symbol}{axis} ({unit})", probe.fiber))
 }
@@ -156,12 +156,12 @@ fn columns(probe: &Probe) -> [String; 3] {
 /// What a probe reads of a world.
 fn read(probe: &Probe, world: &World) -> [f64; 3] {
     let node = match probe.node {
-        Node::Tip => None,
-        Node::At { index } => Some(index),
+        ProbeNode::Tip => None,
+        ProbeNode::At { index } => Some(index),
     };
     let (position, velocity) = world.node(probe.fiber, node);
     match probe.quantity {
-        Quantity::Position => position.coords.into(),
-        Quantity::Velocity => velocity.into(),
+        ProbeQuantity::Position => position.coords.into(),
+        ProbeQuantity::Velocity => velocity.into(),
     }
 }

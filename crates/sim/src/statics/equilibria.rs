@@ -2,7 +2,7 @@ use super::answer::{CaseEquilibrium, Peak, Stability, Station};
 use crate::SimError;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
 use rapunzel_rod_static as rods;
-use rapunzel_scene::case::{Case, End};
+use rapunzel_scene::case::{Case, CaseEnd};
 use rapunzel_scene::{LoadFrame, Pose};
 use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
 
@@ -93,10 +93,10 @@ fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
         })
         .collect();
     match case.end {
-        End::Free { force, .. } => forces[count] += Vector3::from(force),
-        End::Joint { position } => targets.push(Target::held(count, position.into())),
+        CaseEnd::Free { force, .. } => forces[count] += Vector3::from(force),
+        CaseEnd::Joint { position } => targets.push(Target::held(count, position.into())),
         // Refused when the case was checked.
-        End::Bearing { .. } | End::Clamped { .. } => {}
+        CaseEnd::Bearing { .. } | CaseEnd::Clamped { .. } => {}
     }
     chain.set_forces(&forces)?;
     chain.set_followers(&followers)?;
@@ -199,18 +199,18 @@ fn pieces(case: &Case) -> Vec<Piece> {
     pieces
 }
 
-fn far_end(case: &Case) -> Result<rods::End, SimError> {
+fn far_end(case: &Case) -> Result<rods::EndCondition, SimError> {
     Ok(match case.end {
-        End::Free { force, moment } => {
-            rods::End::Free { force: force.into(), moment: moment.into() }
+        CaseEnd::Free { force, moment } => {
+            rods::EndCondition::Free { force: force.into(), moment: moment.into() }
         }
-        End::Joint { position } => rods::End::Position(position.into()),
-        End::Bearing { position, direction } => {
+        CaseEnd::Joint { position } => rods::EndCondition::Position(position.into()),
+        CaseEnd::Bearing { position, direction } => {
             let tangent = Unit::new_normalize(Vector3::from(direction));
-            rods::End::Tangent(Point3::from(position), tangent)
+            rods::EndCondition::Tangent(Point3::from(position), tangent)
         }
-        End::Clamped { position, orientation } => {
-            rods::End::Held(pose(&Pose { position, orientation })?)
+        CaseEnd::Clamped { position, orientation } => {
+            rods::EndCondition::Held(pose(&Pose { position, orientation })?)
         }
     })
 }

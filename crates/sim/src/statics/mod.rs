@@ -7,5 +7,7 @@ mod solve;
 mod write;
 
 pub use answer::{CaseAnswer, CaseEquilibrium, Length, Peak, Stability, Station};
-pub use rapunzel_scene::case::{Case, End, Force, Mass, Place, Rod, Wish, Wished};
+pub use rapunzel_scene::case::{
+    Case, CaseEnd, CaseRod, Force, PlacedPoint, PointMass, Wish, Wished,
+};
 pub use solve::solve;

@@ -5,7 +5,7 @@ use crate::storage::{save, write_atomically};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_export::preview::{self, Support};
 use rapunzel_export::{Frame, Strand, vtp};
-use rapunzel_scene::case::{Case, End};
+use rapunzel_scene::case::{Case, CaseEnd};
 use std::io::Write;
 use std::path::Path;
 
@@ -61,9 +61,9 @@ impl CaseEquilibrium {
     /// What holds it as a strand of the picture: clamps, and joints where it can turn.
     fn supports(&self, strand: usize, case: &Case) -> Vec<Support> {
         let end = match case.end {
-            End::Free { .. } => None,
-            End::Joint { .. } => Some(false),
-            End::Bearing { .. } | End::Clamped { .. } => Some(true),
+            CaseEnd::Free { .. } => None,
+            CaseEnd::Joint { .. } => Some(false),
+            CaseEnd::Bearing { .. } | CaseEnd::Clamped { .. } => Some(true),
         };
         let end = end.map(|clamped| (self.stations.len() - 1, clamped));
         let places = case.places.iter().filter(|place| place.stiffness.is_none()).map(|place| {

@@ -1,9 +1,9 @@
 use crate::folder::{SPRINGS_USD, USD};
-use crate::scene::{Joint, MassSpring, Scene, Tip};
+use crate::scene::{JointKind, MassSpring, Scene, Tip};
 use crate::stepper::{FiberStates, Scenery};
 use rapunzel_export::Strand;
 use rapunzel_export::preview::Support;
-use rapunzel_export::usd::{Prim, Shape};
+use rapunzel_export::usd::{Prim, PrimShape};
 use std::ops::Range;
 
 /// Colours of hair, bundle by bundle: red, green and blue, linear.
@@ -57,7 +57,7 @@ impl Scenery {
         });
         let prim = |(i, strands): (usize, Range<usize>)| Prim {
             name: format!("Bundle_{i}"),
-            shape: Shape::Curves { strands, guide: false },
+            shape: PrimShape::Curves { strands, guide: false },
             color: HAIR[i % HAIR.len()],
         };
         let prims = bundles.enumerate().map(prim).collect();
@@ -69,11 +69,11 @@ impl Scenery {
     pub(crate) fn of_springs(
         scene: &MassSpring,
         lines: usize,
-        surface: Option<Shape>,
+        surface: Option<PrimShape>,
         places: impl IntoIterator<Item = (usize, [usize; 2])>,
         is_held: impl Fn(usize) -> bool,
     ) -> Self {
-        let shape = Shape::Curves { strands: 0..lines, guide: surface.is_some() };
+        let shape = PrimShape::Curves { strands: 0..lines, guide: surface.is_some() };
         let prim =
             |(name, shape): (&str, _)| Prim { name: name.to_owned(), shape, color: Self::ROPE };
         let surface = surface.map(|shape| ("Surface", shape));
@@ -98,10 +98,10 @@ fn fiber_supports(scene: &Scene) -> Vec<(Support, Range<f64>)> {
     let bundles = scene.fibers.iter();
     let bundles = bundles.flat_map(|bundle| (0..bundle.arrangement.fibers()).map(move |_| bundle));
     let supports = bundles.enumerate().flat_map(|(strand, bundle)| {
-        let by = |joint: &Joint| match joint {
-            Joint::Clamped => Some(true),
-            Joint::Ball { .. } => Some(false),
-            Joint::Free => None,
+        let by = |joint: &JointKind| match joint {
+            JointKind::Clamped => Some(true),
+            JointKind::Ball { .. } => Some(false),
+            JointKind::Free => None,
         };
         let tip = match &bundle.tip {
             Tip::Free | Tip::Loaded { .. } => None,

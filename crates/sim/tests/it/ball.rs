@@ -3,7 +3,7 @@
 use crate::common::Run;
 use nalgebra::Point3;
 use rapunzel_sim::Scene;
-use rapunzel_sim::scene::{Arrangement, Friction};
+use rapunzel_sim::scene::{Arrangement, FrictionLaw};
 
 /// A scene that ships, with fewer fibres, as dense as they were, of fewer segments.
 fn smaller(text: &str, count: usize, segments: usize) -> Scene {
@@ -18,7 +18,7 @@ fn smaller(text: &str, count: usize, segments: usize) -> Scene {
 }
 
 /// Middles of the hairs after `time`, s.
-fn middles(friction: Friction, time: f64) -> Vec<Point3<f64>> {
+fn middles(friction: FrictionLaw, time: f64) -> Vec<Point3<f64>> {
     let text = include_str!("../../../../scenes/contact/horizontal-bundle-on-ball.ron");
     let mut scene = smaller(text, 10, 20);
     scene.contact.as_mut().expect("a scene with contact").friction = friction;
@@ -33,10 +33,10 @@ fn middles(friction: Friction, time: f64) -> Vec<Point3<f64>> {
 /// they part, and no middle is near the top any more.
 #[test]
 fn a_bundle_splits_without_friction_and_rests_with_it() {
-    let rough = middles(Friction::Isotropic(0.3), 0.4);
+    let rough = middles(FrictionLaw::Isotropic(0.3), 0.4);
     let widest = rough.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
     assert!(rough.iter().all(|p| p.z > -0.017 && p.z < -0.0129), "{rough:?}");
-    let smooth = middles(Friction::Isotropic(0.0), 0.4);
+    let smooth = middles(FrictionLaw::Isotropic(0.0), 0.4);
     let left = smooth.iter().filter(|p| p.y > 2.0 * widest).count();
     let right = smooth.iter().filter(|p| p.y < -2.0 * widest).count();
     println!("rough: within {:.1} mm; smooth: {left} left, {right} right", 1e3 * widest);

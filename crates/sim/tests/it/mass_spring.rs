@@ -1,6 +1,6 @@
 //! Mass-spring systems in scenes.
 
-use rapunzel_sim::scene::{Integrator, Mass, Model, Motion, Moves, ObjectShape};
+use rapunzel_sim::scene::{Integrator, Model, Motion, Moves, ObjectMass, ObjectShape};
 use rapunzel_sim::{
     Cancel, Control, Existing, Outcome, Plan, RunFolder, Scene, SimError, World, run,
 };
@@ -268,7 +268,7 @@ fn objects_that_nodes_cannot_move_or_touch_are_refused() {
     let mut scene = node_over_a_plane();
     scene.objects[0].shape = ObjectShape::Ball { radius: 0.1 };
     scene.objects[0].motion = Motion::Fixed;
-    let (mass, velocity, spin) = (Mass::Mass(1.0), [0.0; 3], [0.0; 3]);
+    let (mass, velocity, spin) = (ObjectMass::Mass(1.0), [0.0; 3], [0.0; 3]);
     scene.objects[0].moves = Moves::Free { mass, velocity, spin };
     scene.mass_spring.as_mut().expect("a rope").contacts = None;
     let message = scene.validate().expect_err("two problems").to_string();

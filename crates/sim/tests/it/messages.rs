@@ -1,7 +1,7 @@
 //! What a scene that is wrong is told: where, which field, and what is allowed.
 
 use proptest::prelude::*;
-use rapunzel_sim::scene::{Problem, SceneError};
+use rapunzel_sim::scene::{SceneError, SceneProblem};
 use rapunzel_sim::{Scene, World};
 
 const SOUND: &str = "(
@@ -21,7 +21,7 @@ const SOUND: &str = "(
 )";
 
 /// The problems of the sound scene with a text in it replaced.
-fn problems(from: &str, to: &str) -> Vec<Problem> {
+fn problems(from: &str, to: &str) -> Vec<SceneProblem> {
     assert_eq!(SOUND.matches(from).count(), 1, "{from} is in the scene once");
     match Scene::from_ron(&SOUND.replace(from, to)) {
         Err(SceneError { problems, .. }) => problems,

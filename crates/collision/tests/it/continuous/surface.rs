@@ -5,7 +5,7 @@ use crate::geometry::random::Random;
 use nalgebra::{Point3, Unit, Vector3};
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::field::{
-    Ball, Cuboid, DistanceField, Frame, Grid, HalfSpace, Mesh, shapes,
+    Ball, Cuboid, DistanceField, Grid, GridFrame, HalfSpace, Mesh, shapes,
 };
 
 /// A six-hundredth of the longest segment: finer is given up where one comes to lie flat.
@@ -79,7 +79,7 @@ fn nothing_tunnels_through_a_thin_plate() {
     let half = Vector3::new(8e-3, 8e-3, 0.15e-3);
     let mesh = Mesh::new(shapes::cuboid(half)).expect("a mesh");
     let corner = Vector3::new(9e-3, 9e-3, 1e-3);
-    let frame = Frame::new((-corner).into(), corner.into(), 0.1e-3).expect("a lattice");
+    let frame = GridFrame::new((-corner).into(), corner.into(), 0.1e-3).expect("a lattice");
     let grid = Grid::scan_in(&mesh, frame, 0.5e-3).expect("a grid");
     let mut random = Random::new(13);
     for _ in 0..500 {

@@ -3,10 +3,10 @@
 use crate::geometry::random::Random;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::{Cuboid, DistanceField, Grid, Mesh, Posed, Search, shapes};
+use rapunzel_collision::field::{ContactSearch, Cuboid, DistanceField, Grid, Mesh, Posed, shapes};
 
 const HALF: [f64; 3] = [4e-3, 5e-3, 6e-3];
-const SEARCH: Search = Search { margin: 5e-6, spacing: 0.3e-3, tolerance: 1e-6 };
+const SEARCH: ContactSearch = ContactSearch { margin: 5e-6, spacing: 0.3e-3, tolerance: 1e-6 };
 const RADIUS: f64 = 35e-6;
 
 /// A segment of 3 mm that leans on an edge of the box, within a few radii, at a random angle.

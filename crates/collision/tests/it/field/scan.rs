@@ -112,7 +112,7 @@ fn a_box_that_does_not_hold_the_mesh_is_refused() {
     let mesh = Mesh::new(shapes::cuboid(Vector3::repeat(0.5))).expect("valid");
     let frame = |half: f64| {
         let corner = Point3::from(Vector3::repeat(half));
-        rapunzel_collision::field::Frame::new(-corner, corner, 0.05).expect("a lattice")
+        rapunzel_collision::field::GridFrame::new(-corner, corner, 0.05).expect("a lattice")
     };
     assert!(Grid::scan_in(&mesh, frame(0.6), 0.2).is_err());
     assert!(Grid::scan_in(&mesh, frame(0.71), 0.2).is_ok());

@@ -2,7 +2,7 @@
 
 use crate::geometry::random::Random;
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::field::{Ball, DistanceField, Frame, Grid, Level, Sample};
+use rapunzel_collision::field::{Ball, DistanceField, Grid, GridFrame, LevelSet, Sample};
 
 const RADIUS: f64 = 0.05;
 const BAND: f64 = 4e-3;
@@ -14,7 +14,7 @@ fn ball() -> Ball {
 fn grid(spacing: f64) -> Grid {
     let corner = Vector3::repeat(0.06);
     let center = ball().center;
-    let frame = Frame::new(center - corner, center + corner, spacing).expect("a lattice");
+    let frame = GridFrame::new(center - corner, center + corner, spacing).expect("a lattice");
     Grid::sample(&ball(), frame, BAND).expect("a grid").smooth(RADIUS - BAND)
 }
 
@@ -101,7 +101,7 @@ fn few_blocks_are_stored() {
 
 #[test]
 fn a_level_set_is_a_surface() {
-    let grid = Level { field: grid(1e-3), level: 2e-3 };
+    let grid = LevelSet { field: grid(1e-3), level: 2e-3 };
     let p = ball().center + (RADIUS + 2e-3) * Vector3::x();
     assert!(grid.value(&p).abs() <= grid.error());
 }
@@ -109,7 +109,7 @@ fn a_level_set_is_a_surface() {
 #[test]
 fn a_box_that_does_not_hold_the_surface_is_refused() {
     let corner = Vector3::repeat(0.053);
-    let frame = Frame::new((-corner).into(), corner.into(), 1e-3).expect("a lattice");
+    let frame = GridFrame::new((-corner).into(), corner.into(), 1e-3).expect("a lattice");
     assert!(Grid::sample(&ball(), frame, BAND).is_err());
     let p = Point3::origin();
     for (low, high, spacing) in [
@@ -118,6 +118,6 @@ fn a_box_that_does_not_hold_the_surface_is_refused() {
         (p, Point3::new(1.0, 1.0, 1.0), 0.0),
         (p, Point3::new(1.0, 1.0, 1.0), 1e-4),
     ] {
-        assert!(Frame::new(low, high, spacing).is_err());
+        assert!(GridFrame::new(low, high, spacing).is_err());
     }
 }

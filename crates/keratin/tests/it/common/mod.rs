@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Fiber;
-use rapunzel_rod_static::{End, Equilibrium, Piece, Problem, Properties};
+use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties};
 
 /// Acceleration of free fall, m/s^2.
 pub(crate) const GRAVITY: f64 = 9.81;
@@ -16,7 +16,7 @@ pub(crate) fn at_rest(fiber: &Fiber, force: Vector3<f64>, weight: f64) -> Equili
         natural_curvature: node.natural_curvature,
         load: -weight * node.linear_density * GRAVITY * Vector3::z(),
     };
-    let end = End::Free { force, moment: Vector3::zeros() };
+    let end = EndCondition::Free { force, moment: Vector3::zeros() };
     let piece = Piece::uniform(fiber.length(), properties);
     Problem::new(fiber.root(), vec![piece], end)
         .and_then(|problem| problem.solve())
