@@ -61,7 +61,8 @@ fn read<Case: DeserializeOwned>(path: &Path) -> Result<Vec<Case>, OracleError> {
     Ok(oracle.cases)
 }
 
-/// A file or folder of the data that is not shipped; `None`, told on standard error, if it is not there.
+/// A file or folder of the data that is not shipped; `None`, told on standard error, if it is not
+/// there.
 #[must_use]
 pub fn data(name: &str) -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
