@@ -40,8 +40,8 @@ pub struct Chart {
     pub x: &'static str,
     /// Label of the ordinate, with its unit in brackets if it has one.
     pub y: &'static str,
-    /// Smallest value of a logarithmic ordinate, in the unit of the ordinate: smaller ones are drawn
-    /// there; `None` for a linear one.
+    /// Smallest value of a logarithmic ordinate, in its unit: smaller ones are drawn there; `None`
+    /// for a linear one.
     pub log_from: Option<f64>,
     /// What is drawn, first to last.
     pub curves: Vec<Curve>,

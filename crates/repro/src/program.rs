@@ -13,9 +13,9 @@ pub struct Entry<D> {
     pub draw: D,
 }
 
-/// Draws all figures into a folder, the first of the arguments, or those whose numbers follow it, and
-/// prints what was compared; `draw` is handed what an entry has for that. The program fails if a check
-/// does, a figure cannot be drawn, or there is none of a number.
+/// Draws all figures into a folder, the first of the arguments, or those whose numbers follow it,
+/// and prints what was compared; `draw` is handed what an entry has for that. The program fails if
+/// a check does, a figure cannot be drawn, or none has a number that is asked for.
 pub fn main<D>(
     figures: &[Entry<D>],
     arguments: impl Iterator<Item = String>,
