@@ -13,13 +13,13 @@ pub type Eight<T> = [[T; LANES]; 3];
 /// impulse does to all points is read in one go. For any point and any eight that is 576 bytes, or half of
 /// it in single precision, whose roundings move points by a ten-millionth of what the impulses do.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answers {
+pub struct DelassusBlocks {
     points: usize,
-    columns: Columns,
+    columns: DelassusColumns,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Columns {
+enum DelassusColumns {
     Single(Vec<Eight<f32>>),
     Double(Vec<Eight<f64>>),
 }
@@ -33,14 +33,14 @@ pub enum Answer<'a> {
     Double([&'a [Eight<f64>]; 3]),
 }
 
-impl Answers {
+impl DelassusBlocks {
     /// The answers of a matrix.
     ///
     /// # Errors
     /// [`ContactError::Length`] unless it is square with three rows a point, and [`ContactError::Invalid`] for
     /// an entry that is not finite.
     pub fn new(matrix: &DMatrix<f64>) -> Result<Self, ContactError> {
-        let columns = Columns::Double(side_by_side(matrix, |x| x)?);
+        let columns = DelassusColumns::Double(side_by_side(matrix, |x| x)?);
         Ok(Self { points: matrix.ncols() / 3, columns })
     }
 
@@ -50,7 +50,7 @@ impl Answers {
     /// As [`Self::new`], also for an entry that single precision does not reach.
     pub fn rounded(matrix: &DMatrix<f64>) -> Result<Self, ContactError> {
         #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
-        let columns = Columns::Single(side_by_side(matrix, |x| x as f32)?);
+        let columns = DelassusColumns::Single(side_by_side(matrix, |x| x as f32)?);
         Ok(Self { points: matrix.ncols() / 3, columns })
     }
 
@@ -68,8 +68,8 @@ impl Answers {
     #[inline(always)]
     pub fn of(&self, point: usize) -> Answer<'_> {
         match &self.columns {
-            Columns::Single(columns) => Answer::Single(of(columns, self.points, point)),
-            Columns::Double(columns) => Answer::Double(of(columns, self.points, point)),
+            DelassusColumns::Single(columns) => Answer::Single(of(columns, self.points, point)),
+            DelassusColumns::Double(columns) => Answer::Double(of(columns, self.points, point)),
         }
     }
 
@@ -91,8 +91,8 @@ impl Answers {
     /// What is less than this, relative to the numbers that it is the difference of, is rounding.
     pub(crate) fn rounding(&self) -> f64 {
         match &self.columns {
-            Columns::Single(_) => 1e-6,
-            Columns::Double(_) => 1e-13,
+            DelassusColumns::Single(_) => 1e-6,
+            DelassusColumns::Double(_) => 1e-13,
         }
     }
 }

@@ -1,4 +1,4 @@
-use crate::{Answers, ContactError};
+use crate::{ContactError, DelassusBlocks};
 use nalgebra::Vector3;
 
 /// Something that moves, or several such things, as a contact solver sees it: points that answer
@@ -34,7 +34,7 @@ pub trait Body: Send {
     /// How all its points answer each other, without added masses, where that is at hand: in groups that do
     /// not answer each other, the points of each and their answers. `None` where it would have to be asked
     /// for.
-    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         None
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 /// What an impact did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Impact {
+pub struct ImpactReport {
     /// Impulse of every contact in its frame, N s.
     pub impulses: Vec<Vector3<f64>>,
     /// Velocities of all points afterwards, m/s, world.
@@ -67,7 +67,7 @@ pub fn impact(
     restitution: &[f64],
     velocities: &[Vector3<f64>],
     solver: &mut dyn Solver,
-) -> Result<Impact, ContactError> {
+) -> Result<ImpactReport, ContactError> {
     validate(bodies, contacts, restitution, velocities)?;
     let before = relative(contacts, velocities);
     let mut returning = contacts.to_vec();
@@ -80,7 +80,7 @@ pub fn impact(
     let after = relative(contacts, &struck);
     let energy = work(&impulses, &before, &after);
     if energy <= ROUNDING * -dot(&impulses, &before) {
-        return Ok(Impact { impulses, velocities: struck, energy, share: 1.0, report });
+        return Ok(ImpactReport { impulses, velocities: struck, energy, share: 1.0, report });
     }
     let mut plastic = impulses.clone();
     let report = solver.solve(bodies, contacts, &struck, &mut plastic)?;
@@ -93,7 +93,7 @@ pub fn impact(
         let change = mixed(&before, &rest, 1.0, -1.0);
         let curvature = unsure - 0.5 * dot(&plastic, &change);
         let scale = (-dot(&plastic, &before) / curvature).clamp(0.0, 1.0);
-        return Ok(Impact {
+        return Ok(ImpactReport {
             impulses: plastic.iter().map(|r| r * scale).collect(),
             velocities: mixed(velocities, &settled, 1.0 - scale, scale),
             energy: -unsure * scale * scale,
@@ -106,7 +106,7 @@ pub fn impact(
     let unsure = unsure.max(rounding(bodies, contacts, &impulses));
     let curvature = 0.5 * dot(&extra, &response);
     let share = largest_share(loss + unsure, energy + unsure, curvature);
-    Ok(Impact {
+    Ok(ImpactReport {
         impulses: mixed(&impulses, &plastic, share, 1.0 - share),
         velocities: mixed(&struck, &settled, share, 1.0 - share),
         energy: if share > 0.0 { -unsure } else { loss },
@@ -128,7 +128,7 @@ pub fn impact_in_turn(
     restitution: &[f64],
     velocities: &[Vector3<f64>],
     most: usize,
-) -> Result<Impact, ContactError> {
+) -> Result<ImpactReport, ContactError> {
     validate(bodies, contacts, restitution, velocities)?;
     let mut delassus = Delassus::new(bodies, contacts, velocities)?;
     let speed = relative(contacts, velocities).iter().map(Vector3::norm).fold(0.0, f64::max);
@@ -167,7 +167,7 @@ pub fn impact_in_turn(
         report.iterations += 1;
     }
     let velocities = respond(bodies, contacts, velocities, &impulses);
-    Ok(Impact { impulses, velocities, energy, share: least, report })
+    Ok(ImpactReport { impulses, velocities, energy, share: least, report })
 }
 
 fn validate(

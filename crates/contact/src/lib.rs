@@ -21,12 +21,12 @@ mod solver;
 
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
 pub use admm::Admm;
-pub use answers::{Answer, Answers, Eight};
+pub use answers::{Answer, DelassusBlocks, Eight};
 pub use body::Body;
 pub use contact::Contact;
 pub use error::ContactError;
 pub use gauss_seidel::GaussSeidel;
-pub use impact::{Impact, closing, impact, impact_in_turn};
+pub use impact::{ImpactReport, closing, impact, impact_in_turn};
 pub use limit_curve::{Friction, LimitCurve, Polygon};
 pub use local::solve_contact;
 pub use polished::Polished;

@@ -108,7 +108,7 @@ pub fn report<C: Borrow<Contact>>(
     one: impl Fn(usize) -> (C, Vector3<f64>, Vector3<f64>, f64) + Sync,
 ) -> Report {
     let part = |start: usize| {
-        let mut sums = Sums::default();
+        let mut sums = ResidualSums::default();
         for (contact, velocity, impulse, weight) in (start..count.min(start + CHUNK)).map(&one) {
             sums.add(contact.borrow(), &velocity, &impulse, weight);
         }
@@ -117,12 +117,12 @@ pub fn report<C: Borrow<Contact>>(
     let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
     let parts: Vec<_> = starts.into_par_iter().map(part).collect();
     // In the order of the contacts, whoever computes the parts.
-    Sums::together(&parts).report()
+    ResidualSums::together(&parts).report()
 }
 
 /// What a report is made of.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sums {
+pub(crate) struct ResidualSums {
     /// Of the squares of what is wrong with impulses, and of the impulses.
     pub(crate) wrong: f64,
     pub(crate) all: f64,
@@ -131,7 +131,7 @@ pub(crate) struct Sums {
     pub(crate) slip_error: f64,
 }
 
-impl Sums {
+impl ResidualSums {
     /// Adds a contact, as in [`Violation::new`].
     fn add(
         &mut self,

@@ -3,12 +3,12 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
-use rapunzel_mass_spring::{Cells, ImplicitEuler, Lattice, Leapfrog, Place, System};
+use rapunzel_mass_spring::{Cells, ImplicitEuler, Lattice, Leapfrog, PlaceMatrix, System};
 use std::hint::black_box;
 use std::time::Duration;
 
 fn hung(side: usize, frequency: f64) -> System<3> {
-    let place = Place::line(side, side).expect("a size");
+    let place = PlaceMatrix::line(side, side).expect("a size");
     let net = Lattice::net(place, frequency, Cells::Rectangular);
     let mut system = net.build(Point3::origin()).expect("a net");
     system.set_gravity(Vector3::new(0.0, 0.1, -9.81)).expect("finite");

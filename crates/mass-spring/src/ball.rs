@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 ///
 /// Node 0 is that in the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ball {
+pub struct RoundBody {
     /// Radius, m.
     pub radius: f64,
     /// Masses, and springs on the surface.
@@ -21,7 +21,7 @@ pub struct Ball {
     pub tau: f64,
 }
 
-impl Ball {
+impl RoundBody {
     /// As in the text, tau is 0.2 and all springs are alike; masses of 10 g.
     #[must_use]
     pub fn of_the_text(radius: f64, frequency: f64) -> Self {

@@ -1,4 +1,4 @@
-use crate::{Columns, SpringError};
+use crate::{NodeVectors, SpringError};
 use nalgebra::{SMatrix, SVector};
 
 /// Resistance of a joint against bending: what the first text misses in its rope.
@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector};
 /// is the bending stiffness of the rope, N m^2, divided by the length of a segment. It does not keep
 /// lengths: both segments should be springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend {
+pub struct BendResistance {
     /// Three nodes in line; the middle one is the joint.
     pub nodes: [usize; 3],
     /// The constant k, N m.
@@ -21,7 +21,7 @@ struct Corner<const D: usize> {
     tangents: [SVector<f64, D>; 2],
 }
 
-impl Bend {
+impl BendResistance {
     pub(crate) fn check(&self, bend: usize, nodes: usize) -> Result<(), SpringError> {
         if let Some(&node) = self.nodes.iter().find(|&&node| node >= nodes) {
             return Err(SpringError::MissingNode { what: "bend", index: bend, node, nodes });
@@ -29,7 +29,7 @@ impl Bend {
         crate::error::non_negative("the stiffness of a bend (N m)", self.stiffness)
     }
 
-    fn corner<const D: usize>(&self, x: &Columns<D>) -> Corner<D> {
+    fn corner<const D: usize>(&self, x: &NodeVectors<D>) -> Corner<D> {
         let [a, b, c] = self.nodes.map(|node| x.get(node));
         let edges = [b - a, c - b];
         let lengths = edges.map(|e| e.norm().max(f64::MIN_POSITIVE));
@@ -37,13 +37,17 @@ impl Bend {
     }
 
     /// Energy, J.
-    pub(crate) fn energy<const D: usize>(&self, x: &Columns<D>) -> f64 {
+    pub(crate) fn energy<const D: usize>(&self, x: &NodeVectors<D>) -> f64 {
         let [t1, t2] = self.corner(x).tangents;
         0.5 * self.stiffness * (t2 - t1).norm_squared()
     }
 
     /// Adds the forces on the three nodes.
-    pub(crate) fn add_forces<const D: usize>(&self, x: &Columns<D>, forces: &mut Columns<D>) {
+    pub(crate) fn add_forces<const D: usize>(
+        &self,
+        x: &NodeVectors<D>,
+        forces: &mut NodeVectors<D>,
+    ) {
         let Corner { lengths, tangents: [t1, t2] } = self.corner(x);
         let cosine = t1.dot(&t2);
         // How the energy grows with the two edge vectors.
@@ -59,7 +63,7 @@ impl Bend {
     /// second), of the second. `convex` leaves out what makes them indefinite.
     pub(crate) fn hessian<const D: usize>(
         &self,
-        x: &Columns<D>,
+        x: &NodeVectors<D>,
         convex: bool,
     ) -> [SMatrix<f64, D, D>; 3] {
         let Corner { lengths: [l1, l2], tangents: [t1, t2] } = self.corner(x);

@@ -1,8 +1,8 @@
-use crate::{Cells, Element, Lattice, Place, SpringError};
+use crate::{Cells, Element, Lattice, PlaceMatrix, SpringError};
 
 /// The five compressible bodies of the second text, between its clamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Body {
+pub enum LatticeBody {
     /// Thin beam, 3 x 16 nodes: fixed at the left, guided along itself at the right.
     ThinBeamGuided,
     /// Thin beam, 3 x 16 nodes: fixed at the left.
@@ -15,7 +15,7 @@ pub enum Body {
     ThickBeam,
 }
 
-impl Body {
+impl LatticeBody {
     /// Rows and columns of nodes. The text shows them in a picture only.
     #[must_use]
     pub fn size(self) -> [usize; 2] {
@@ -34,7 +34,7 @@ impl Body {
         let [rows, columns] = self.size();
         let left = |_, column| column == 0;
         let ground = |row, _| row + 1 == rows;
-        let free = Place::free(rows, columns)?;
+        let free = PlaceMatrix::free(rows, columns)?;
         let place = match self {
             Self::ThinBeamGuided => {
                 free.with('f', left).with('v', |_, column| column + 1 == columns)

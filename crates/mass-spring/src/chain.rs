@@ -1,5 +1,5 @@
 use crate::supports::Guide;
-use crate::{Columns, SpringError, System};
+use crate::{NodeVectors, SpringError, System};
 use nalgebra::SVector;
 
 /// The inextensible limit: all springs keep their rest length, whatever their stiffness.
@@ -8,7 +8,7 @@ use nalgebra::SVector;
 /// the RATTLE scheme, symplectic, of second order and reversible, with one tridiagonal matrix for
 /// the tensions. The step is limited by what else acts, not by the springs.
 #[derive(Debug, Clone, Default)]
-pub struct Chain {
+pub struct RigidChain {
     /// Tensions by half of the squared step, in the last step.
     multipliers: Vec<f64>,
     dt: f64,
@@ -17,7 +17,7 @@ pub struct Chain {
 /// Relative error of the lengths.
 const TOLERANCE: f64 = 1e-13;
 
-impl Chain {
+impl RigidChain {
     /// Without memory yet.
     #[must_use]
     pub fn new() -> Self {
@@ -35,7 +35,7 @@ impl Chain {
     /// What the tensions of the last step add to the [power](System::support_power) of supports, W.
     #[must_use]
     pub fn support_power<const D: usize>(&self, system: &System<D>) -> f64 {
-        let mut forces = Columns::zeros(system.nodes());
+        let mut forces = NodeVectors::zeros(system.nodes());
         for (s, tension) in self.tensions(system).into_iter().enumerate() {
             let edge = system.positions.get(s + 1) - system.positions.get(s);
             let pull = edge * (tension / system.springs.rest_length[s]);
@@ -94,7 +94,7 @@ impl Chain {
     fn shorten<const D: usize>(
         &mut self,
         system: &mut System<D>,
-        weights: &Columns<D>,
+        weights: &NodeVectors<D>,
         old: &[SVector<f64, D>],
     ) -> Result<(), SpringError> {
         self.multipliers.fill(0.0);
@@ -131,7 +131,7 @@ fn kick<const D: usize>(system: &mut System<D>, dt: f64) {
 }
 
 /// Takes from the velocities what would change the lengths.
-fn turn<const D: usize>(system: &mut System<D>, weights: &Columns<D>, rates: &mut [f64]) {
+fn turn<const D: usize>(system: &mut System<D>, weights: &NodeVectors<D>, rates: &mut [f64]) {
     let edges = edges(&system.positions);
     for (s, edge) in edges.iter().enumerate() {
         rates[s] = edge.dot(&(system.velocities.get(s + 1) - system.velocities.get(s)));
@@ -143,8 +143,8 @@ fn turn<const D: usize>(system: &mut System<D>, weights: &Columns<D>, rates: &mu
 }
 
 fn pull<const D: usize>(
-    columns: &mut Columns<D>,
-    weights: &Columns<D>,
+    columns: &mut NodeVectors<D>,
+    weights: &NodeVectors<D>,
     s: usize,
     impulse: &SVector<f64, D>,
 ) {
@@ -152,13 +152,13 @@ fn pull<const D: usize>(
     columns.add(s + 1, &weights.get(s + 1).component_mul(impulse));
 }
 
-fn edges<const D: usize>(x: &Columns<D>) -> Vec<SVector<f64, D>> {
+fn edges<const D: usize>(x: &NodeVectors<D>) -> Vec<SVector<f64, D>> {
     (1..x.len()).map(|k| x.get(k) - x.get(k - 1)).collect()
 }
 
 /// Inverse masses, zero where a component is driven.
-fn inverse_masses<const D: usize>(system: &System<D>) -> Columns<D> {
-    let mut weights = Columns(std::array::from_fn(|_| system.inverse_masses.clone()));
+fn inverse_masses<const D: usize>(system: &System<D>) -> NodeVectors<D> {
+    let mut weights = NodeVectors(std::array::from_fn(|_| system.inverse_masses.clone()));
     for &(node, guides) in &system.supports.guided {
         for axis in (0..D).filter(|&axis| guides[axis] == Guide::Driven) {
             weights.0[axis][node] = 0.0;
@@ -172,7 +172,7 @@ fn inverse_masses<const D: usize>(system: &System<D>) -> Columns<D> {
 fn solve<const D: usize>(
     new: &[SVector<f64, D>],
     old: &[SVector<f64, D>],
-    weights: &Columns<D>,
+    weights: &NodeVectors<D>,
     mut excess: Vec<f64>,
 ) -> Option<Vec<f64>> {
     let count = new.len();

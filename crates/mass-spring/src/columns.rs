@@ -4,18 +4,18 @@ use std::ops::Range;
 /// Vectors of dimension `D`, stored component by component, so that loops over neighbors run in
 /// SIMD lanes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Columns<const D: usize>(pub(crate) [Vec<f64>; D]);
+pub struct NodeVectors<const D: usize>(pub(crate) [Vec<f64>; D]);
 
 /// `2^400`: numbers of this size have no finite squares soon, and no meaning in a simulation.
 pub(crate) const BEYOND: f64 = f64::from_bits((1023 + 400) << 52);
 
-impl<const D: usize> Default for Columns<D> {
+impl<const D: usize> Default for NodeVectors<D> {
     fn default() -> Self {
         Self::zeros(0)
     }
 }
 
-impl<const D: usize> Columns<D> {
+impl<const D: usize> NodeVectors<D> {
     /// `count` vectors of zeros.
     #[must_use]
     pub fn zeros(count: usize) -> Self {

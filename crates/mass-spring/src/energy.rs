@@ -1,10 +1,10 @@
 use crate::supports::Guide;
-use crate::{Columns, System};
+use crate::{NodeVectors, System};
 use nalgebra::SVector;
 
 /// Energy of a system, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Energy {
+pub struct SpringEnergy {
     /// Of motion.
     pub kinetic: f64,
     /// Of springs and bends.
@@ -15,7 +15,7 @@ pub struct Energy {
     pub load: f64,
 }
 
-impl Energy {
+impl SpringEnergy {
     /// The sum.
     #[must_use]
     pub fn total(&self) -> f64 {
@@ -26,9 +26,10 @@ impl Energy {
 impl<const D: usize> System<D> {
     /// Energy, J; costs a pass over springs and nodes.
     #[must_use]
-    pub fn energy(&self) -> Energy {
+    pub fn energy(&self) -> SpringEnergy {
         let (x, v) = (&self.positions, &self.velocities);
-        let mut energy = Energy { elastic: self.elastic_energy(x), ..Energy::default() };
+        let mut energy =
+            SpringEnergy { elastic: self.elastic_energy(x), ..SpringEnergy::default() };
         for (node, mass) in self.masses.iter().enumerate() {
             energy.kinetic += 0.5 * mass * v.get(node).norm_squared();
             energy.gravitational -= mass * self.gravity.dot(&x.get(node));
@@ -38,7 +39,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Energy of springs and bends at other positions, J.
-    pub(crate) fn elastic_energy(&self, x: &Columns<D>) -> f64 {
+    pub(crate) fn elastic_energy(&self, x: &NodeVectors<D>) -> f64 {
         let spring = |s: usize| {
             let [i, j] = self.springs.nodes[s];
             let length = (x.get(j) - x.get(i)).norm();
@@ -82,7 +83,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Power that supports put into what they move, W: they give what the forces on its nodes lack.
-    /// Costs an evaluation of forces. The tensions of a [`Chain`](crate::Chain) count with
+    /// Costs an evaluation of forces. The tensions of a [`RigidChain`](crate::Chain) count with
     /// [its own](crate::Chain::support_power).
     #[must_use]
     pub fn support_power(&self) -> f64 {

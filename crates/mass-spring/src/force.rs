@@ -1,8 +1,8 @@
 //! Spring forces over runs of springs: loops without branches over arrays, for the widest vectors
 //! that the processor has.
 
-use crate::Columns;
-use crate::spring::{Run, Springs};
+use crate::NodeVectors;
+use crate::spring::{SpringRun, Springs};
 use nalgebra::SVector;
 
 /// Springs taken at a time; what belongs to them stays in the first cache.
@@ -16,10 +16,10 @@ pub(crate) const TINY: f64 = 1e-200;
 #[inline(always)]
 pub(crate) fn add_run<const D: usize>(
     springs: &Springs,
-    run: &Run,
-    x: &Columns<D>,
-    v: &Columns<D>,
-    forces: &mut Columns<D>,
+    run: &SpringRun,
+    x: &NodeVectors<D>,
+    v: &NodeVectors<D>,
+    forces: &mut NodeVectors<D>,
 ) {
     if run.count < SHORT {
         for s in run.first..run.first + run.count {
@@ -32,7 +32,8 @@ pub(crate) fn add_run<const D: usize>(
     }
     for done in (0..run.count).step_by(CHUNK) {
         let count = CHUNK.min(run.count - done);
-        let part = Run { first: run.first + done, count, i: run.i + done, j: run.j + done, ..*run };
+        let part =
+            SpringRun { first: run.first + done, count, i: run.i + done, j: run.j + done, ..*run };
         match (springs.damped, run.uniform) {
             (false, true) => add_chunk::<D, false, true>(springs, &part, x, v, forces),
             (false, false) => add_chunk::<D, false, false>(springs, &part, x, v, forces),
@@ -59,10 +60,10 @@ pub(crate) fn force<const D: usize>(
 #[inline(always)]
 fn add_chunk<const D: usize, const DAMPED: bool, const UNIFORM: bool>(
     springs: &Springs,
-    &Run { first, count, i, j, .. }: &Run,
-    x: &Columns<D>,
-    v: &Columns<D>,
-    forces: &mut Columns<D>,
+    &SpringRun { first, count, i, j, .. }: &SpringRun,
+    x: &NodeVectors<D>,
+    v: &NodeVectors<D>,
+    forces: &mut NodeVectors<D>,
 ) {
     let count = count.min(CHUNK);
     let [a, b] = [i, j].map(|node| std::array::from_fn::<_, D, _>(|k| &x.0[k][node..node + count]));

@@ -1,6 +1,6 @@
 //! Conjugate gradients: loops over columns in SIMD lanes, few passes over memory.
 
-use crate::Columns;
+use crate::NodeVectors;
 use crate::tangent::Tangent;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -14,20 +14,20 @@ const MOST: usize = 20_000;
 /// A direction along which the matrix is not positive definite, if one is met.
 pub(crate) fn solve<const D: usize>(
     tangent: &Tangent<D>,
-    forces: &Columns<D>,
+    forces: &NodeVectors<D>,
     tolerance: f64,
-) -> Result<Columns<D>, Columns<D>> {
-    Arch::new().dispatch(Solve { tangent, forces, tolerance })
+) -> Result<NodeVectors<D>, NodeVectors<D>> {
+    Arch::new().dispatch(GradientSolve { tangent, forces, tolerance })
 }
 
-struct Solve<'a, const D: usize> {
+struct GradientSolve<'a, const D: usize> {
     tangent: &'a Tangent<'a, D>,
-    forces: &'a Columns<D>,
+    forces: &'a NodeVectors<D>,
     tolerance: f64,
 }
 
-impl<const D: usize> WithSimd for Solve<'_, D> {
-    type Output = Result<Columns<D>, Columns<D>>;
+impl<const D: usize> WithSimd for GradientSolve<'_, D> {
+    type Output = Result<NodeVectors<D>, NodeVectors<D>>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
@@ -35,9 +35,9 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
         let supports = &tangent.system().supports;
         let inverse = tangent.inverse_diagonal();
         let mut residual = forces.clone();
-        let mut x = Columns::zeros(forces.len());
-        let mut direction = Columns::zeros(forces.len());
-        let mut image = Columns::zeros(forces.len());
+        let mut x = NodeVectors::zeros(forces.len());
+        let mut direction = NodeVectors::zeros(forces.len());
+        let mut image = NodeVectors::zeros(forces.len());
         let mut product = residual.dot_weighted(&inverse);
         let enough = product * tolerance * tolerance;
         let mut turn = 0.0;

@@ -1,5 +1,5 @@
-use crate::newton::{Energies, Search};
-use crate::{Columns, SpringError, System};
+use crate::newton::{Energies, LineSearch};
+use crate::{NodeVectors, SpringError, System};
 
 /// The implicit Euler method: of first order, damps what it cannot resolve, stable for any step.
 ///
@@ -48,7 +48,7 @@ impl ImplicitEuler {
             }
         }
         let energies = Energies { system, inertia, target, damping: rate };
-        let search = Search {
+        let search = LineSearch {
             what: "the end of an implicit step",
             tolerance: self.tolerance * system.size(),
             linear: LINEAR,
@@ -82,7 +82,7 @@ impl<const D: usize> System<D> {
         let start = calm.positions.clone();
         let energies =
             Energies { system: &calm, inertia: 0.0, target: start.clone(), damping: 0.0 };
-        let search = Search {
+        let search = LineSearch {
             what: "the equilibrium",
             tolerance: tolerance * self.size(),
             linear: 1e-9,
@@ -99,7 +99,7 @@ impl<const D: usize> System<D> {
             found = next;
         }
         self.positions = found;
-        self.velocities = Columns::zeros(self.nodes());
+        self.velocities = NodeVectors::zeros(self.nodes());
         Ok(())
     }
 }

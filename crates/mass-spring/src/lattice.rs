@@ -1,5 +1,5 @@
 use crate::error::positive;
-use crate::{Element, Place, Spring, SpringError, System};
+use crate::{Element, PlaceMatrix, Spring, SpringError, System};
 use nalgebra::{Point, SVector};
 use std::f64::consts::SQRT_2;
 
@@ -26,7 +26,7 @@ pub enum Cells {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice {
     /// What every node is.
-    pub place: Place,
+    pub place: PlaceMatrix,
     /// Rest length of the sides, m; diagonals rest at `sqrt(2)` times it (errata, section 9).
     pub spacing: f64,
     /// Masses and springs.
@@ -38,7 +38,7 @@ pub struct Lattice {
 impl Lattice {
     /// The net of the second text: 7.5 cm wide meshes, and, as it does not say, masses of 10 g.
     #[must_use]
-    pub fn net(place: Place, frequency: f64, cells: Cells) -> Self {
+    pub fn net(place: PlaceMatrix, frequency: f64, cells: Cells) -> Self {
         let element = Element { mass: 0.01, ..Element::unit(frequency) };
         Self { place, spacing: 0.075, element, cells }
     }

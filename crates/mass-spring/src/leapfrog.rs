@@ -1,7 +1,7 @@
 use crate::columns::BEYOND;
 use crate::force::add_run;
 use crate::supports::Guide;
-use crate::{Columns, SpringError, System};
+use crate::{NodeVectors, SpringError, System};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use std::ops::Range;
 #[derive(Debug, Clone, Default)]
 pub struct Leapfrog<const D: usize> {
     /// Forces of springs, bends and loads; zero between calls.
-    forces: Columns<D>,
+    forces: NodeVectors<D>,
 }
 
 impl<const D: usize> Leapfrog<D> {
@@ -40,10 +40,10 @@ impl<const D: usize> Leapfrog<D> {
     ) -> Result<(), SpringError> {
         crate::error::positive("the time step (s)", dt)?;
         if self.forces.len() != system.nodes() {
-            self.forces = Columns::zeros(system.nodes());
+            self.forces = NodeVectors::zeros(system.nodes());
         }
         let forces = &mut self.forces;
-        let result = Arch::new().dispatch(Advance { system, forces, dt, steps });
+        let result = Arch::new().dispatch(LeapfrogKernel { system, forces, dt, steps });
         if result.is_err() {
             self.forces.clear();
         }
@@ -51,9 +51,9 @@ impl<const D: usize> Leapfrog<D> {
     }
 }
 
-struct Advance<'a, const D: usize> {
+struct LeapfrogKernel<'a, const D: usize> {
     system: &'a mut System<D>,
-    forces: &'a mut Columns<D>,
+    forces: &'a mut NodeVectors<D>,
     dt: f64,
     steps: usize,
 }
@@ -85,7 +85,7 @@ struct Kick<const D: usize> {
     common: [f64; D],
 }
 
-impl<const D: usize> WithSimd for Advance<'_, D> {
+impl<const D: usize> WithSimd for LeapfrogKernel<'_, D> {
     type Output = Result<(), SpringError>;
 
     #[inline(always)]
@@ -137,7 +137,7 @@ impl<const D: usize> Kick<D> {
 #[inline(always)]
 fn go_together<const D: usize>(
     system: &mut System<D>,
-    forces: &mut Columns<D>,
+    forces: &mut NodeVectors<D>,
     fronts: &mut [Front<D>],
     tied: bool,
 ) {
@@ -157,7 +157,7 @@ impl<const D: usize> Front<D> {
     fn go(
         &mut self,
         system: &mut System<D>,
-        forces: &mut Columns<D>,
+        forces: &mut NodeVectors<D>,
         bound: usize,
         tied: bool,
     ) -> bool {
@@ -195,7 +195,7 @@ impl<const D: usize> Front<D> {
 #[inline(always)]
 fn move_free<const D: usize>(
     system: &mut System<D>,
-    forces: &mut Columns<D>,
+    forces: &mut NodeVectors<D>,
     kick: &Kick<D>,
     nodes: Range<usize>,
 ) -> bool {
@@ -255,7 +255,7 @@ fn move_column<const D: usize>(
 #[inline(always)]
 fn move_guided<const D: usize>(
     system: &mut System<D>,
-    forces: &mut Columns<D>,
+    forces: &mut NodeVectors<D>,
     kick: &Kick<D>,
     nodes: Range<usize>,
 ) -> bool {

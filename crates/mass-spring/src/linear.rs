@@ -1,6 +1,6 @@
 use crate::supports::Guide;
 use crate::tangent::Tangent;
-use crate::{Columns, SpringError, System};
+use crate::{NodeVectors, SpringError, System};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::fmt;
 
@@ -103,7 +103,7 @@ impl<const D: usize> System<D> {
         let square = self.largest_eigenvalue(|z, y| elastic.apply(z, y)).max(0.0);
         let decay = if self.springs.damped {
             let both = Tangent::new(self, &self.positions, 0.0, 1.0, false);
-            let mut only_elastic = Columns::zeros(self.nodes());
+            let mut only_elastic = NodeVectors::zeros(self.nodes());
             self.largest_eigenvalue(|z, y| {
                 both.apply(z, y);
                 elastic.apply(z, &mut only_elastic);
@@ -124,17 +124,20 @@ impl<const D: usize> System<D> {
     }
 
     /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses.
-    fn largest_eigenvalue(&self, mut apply: impl FnMut(&Columns<D>, &mut Columns<D>)) -> f64 {
+    fn largest_eigenvalue(
+        &self,
+        mut apply: impl FnMut(&NodeVectors<D>, &mut NodeVectors<D>),
+    ) -> f64 {
         let nodes = self.nodes();
         // Of no symmetry, so that no mode is left out.
         let seed = |axis: usize, node: usize| ((node * D + axis) as f64 * 1.618_034).fract() - 0.5;
         let mut vector =
-            Columns(std::array::from_fn(|axis| (0..nodes).map(|n| seed(axis, n)).collect()));
+            NodeVectors(std::array::from_fn(|axis| (0..nodes).map(|n| seed(axis, n)).collect()));
         let roots: Vec<f64> = self.inverse_masses.iter().map(|m| m.sqrt()).collect();
         let project =
-            |c: &mut Columns<D>| self.supports.project_weighted(c, |node| 1.0 / roots[node]);
+            |c: &mut NodeVectors<D>| self.supports.project_weighted(c, |node| 1.0 / roots[node]);
         project(&mut vector);
-        let scaled = |columns: &mut Columns<D>| {
+        let scaled = |columns: &mut NodeVectors<D>| {
             for column in &mut columns.0 {
                 column.iter_mut().zip(&roots).for_each(|(x, root)| *x *= root);
             }
@@ -144,8 +147,8 @@ impl<const D: usize> System<D> {
             return 0.0;
         }
         vector.0.iter_mut().flatten().for_each(|x| *x /= norm);
-        let mut before = Columns::zeros(nodes);
-        let mut image = Columns::zeros(nodes);
+        let mut before = NodeVectors::zeros(nodes);
+        let mut image = NodeVectors::zeros(nodes);
         let (mut diagonal, mut beside) = (Vec::<f64>::new(), Vec::<f64>::new());
         let mut largest = 0.0;
         for iteration in 1..=300 {

@@ -2,7 +2,7 @@
 
 use crate::gradients::solve;
 use crate::tangent::Tangent;
-use crate::{Columns, SpringError, System};
+use crate::{NodeVectors, SpringError, System};
 
 /// Curvature of the energy, in parts of the stiffest spring's, below which a way counts as neutral.
 const NEUTRAL: f64 = 1e-9;
@@ -17,13 +17,13 @@ const FALLS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 pub(crate) struct Energies<'a, const D: usize> {
     pub(crate) system: &'a System<D>,
     pub(crate) inertia: f64,
-    pub(crate) target: Columns<D>,
+    pub(crate) target: NodeVectors<D>,
     /// The inverse of the time step, or zero.
     pub(crate) damping: f64,
 }
 
 /// How the least is sought.
-pub(crate) struct Search {
+pub(crate) struct LineSearch {
     /// What is sought, for the message.
     pub(crate) what: &'static str,
     /// Ends when a step moves nothing by more than this, m.
@@ -37,7 +37,7 @@ pub(crate) struct Search {
 }
 
 impl<const D: usize> Energies<'_, D> {
-    fn value(&self, x: &Columns<D>) -> f64 {
+    fn value(&self, x: &NodeVectors<D>) -> f64 {
         let system = self.system;
         let mut sum = system.elastic_energy(x);
         let mut away = x.clone();
@@ -54,9 +54,9 @@ impl<const D: usize> Energies<'_, D> {
     }
 
     /// The forces, whose sum is zero where the energy is least.
-    fn forces(&self, x: &Columns<D>) -> Columns<D> {
+    fn forces(&self, x: &NodeVectors<D>) -> NodeVectors<D> {
         let system = self.system;
-        let mut forces = system.internal_forces(x, &Columns::zeros(system.nodes()));
+        let mut forces = system.internal_forces(x, &NodeVectors::zeros(system.nodes()));
         for axis in 0..D {
             for (node, &mass) in system.masses.iter().enumerate() {
                 let away = self.target.0[axis][node] - x.0[axis][node];
@@ -76,7 +76,7 @@ impl<const D: usize> Energies<'_, D> {
     }
 
     /// Every damper with its constant times the damping, and how much longer it is than it was.
-    fn dampers(&self, x: &Columns<D>, mut visit: impl FnMut(usize, f64, f64)) {
+    fn dampers(&self, x: &NodeVectors<D>, mut visit: impl FnMut(usize, f64, f64)) {
         let springs = &self.system.springs;
         if !springs.damped || self.damping == 0.0 {
             return;
@@ -94,9 +94,9 @@ impl<const D: usize> Energies<'_, D> {
     /// of its steps. Where the matrix is not positive definite, its convex part takes its place.
     pub(crate) fn least(
         &self,
-        mut x: Columns<D>,
-        search: &Search,
-    ) -> Result<(Columns<D>, usize), SpringError> {
+        mut x: NodeVectors<D>,
+        search: &LineSearch,
+    ) -> Result<(NodeVectors<D>, usize), SpringError> {
         let stiffest = self.system.stiffest();
         let mut caution = search.caution;
         let mut steps = Vec::new();
@@ -153,10 +153,10 @@ impl<const D: usize> Energies<'_, D> {
 impl<const D: usize> Energies<'_, D> {
     /// A place of less energy near the equilibrium `x`, if it is a saddle: along the negative
     /// curvature that a push without any symmetry finds. What costs no energy counts as stable.
-    pub(crate) fn below(&self, x: &Columns<D>, linear: f64) -> Option<Columns<D>> {
+    pub(crate) fn below(&self, x: &NodeVectors<D>, linear: f64) -> Option<NodeVectors<D>> {
         let system = self.system;
         let tangent = Tangent::new(system, x, NEUTRAL * system.stiffest(), self.damping, false);
-        let mut push = Columns::zeros(system.nodes());
+        let mut push = NodeVectors::zeros(system.nodes());
         for (axis, column) in push.0.iter_mut().enumerate() {
             for (node, push) in column.iter_mut().enumerate() {
                 *push = (1.0 + GENERIC * (node * D + axis) as f64).sin();

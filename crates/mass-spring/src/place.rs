@@ -14,7 +14,7 @@ use crate::SpringError;
 /// Between neighbors there is a spring where both letters have it: `f`, `h` and `v` take whatever
 /// the neighbor wants. So letters also cut: a row of `b` over a row of `t` is a slit.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct PlaceMatrix {
     rows: Vec<Vec<char>>,
 }
 
@@ -26,7 +26,7 @@ const SIDES: [(&str, [isize; 2], &str); 4] = [
     ("to the right", [0, 1], "r23"),
 ];
 
-impl Place {
+impl PlaceMatrix {
     /// Reads the matrix, one string per row, from the top.
     ///
     /// # Errors

@@ -1,11 +1,11 @@
 use crate::error::{non_negative, positive};
-use crate::{Bend, Element, Spring, SpringError, System};
+use crate::{BendResistance, Element, Spring, SpringError, System};
 use nalgebra::{Point, SVector};
 
 /// The rope of the first text: masses in a row, the first one fixed.
 ///
 /// For a chain, which does not stretch, take [`rigid`](Self::rigid) springs and a
-/// [`Chain`](crate::Chain) to move it.
+/// [`RigidChain`](crate::Chain) to move it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rope {
     /// Number of nodes with the fixed one, at least two.
@@ -59,7 +59,7 @@ impl Rope {
         let mut system = System::new(&positions, &masses, &springs)?;
         if self.bending_stiffness > 0.0 {
             let stiffness = self.bending_stiffness / self.spacing;
-            let bend = |k| Bend { nodes: [k, k + 1, k + 2], stiffness };
+            let bend = |k| BendResistance { nodes: [k, k + 1, k + 2], stiffness };
             system = system.with_bends((0..self.nodes - 2).map(bend).collect())?;
         }
         system.set_drag(self.element.drag)?;

@@ -1,5 +1,5 @@
 use crate::supports::Guide;
-use crate::{Columns, SpringError, StepTooLong, System};
+use crate::{NodeVectors, SpringError, StepTooLong, System};
 
 /// The limit of a step by that of the leapfrog, which reaches to 2 on both axes of the complex plane.
 /// The region of the classical method reaches to 2.785 on the real axis and 2.828 on the imaginary.
@@ -15,7 +15,12 @@ impl<const D: usize> System<D> {
 
     /// Accelerations at given positions and velocities at time `t`, m/s^2 (world), as the supports
     /// let them be.
-    pub(crate) fn accelerations(&self, t: f64, x: &Columns<D>, v: &Columns<D>) -> Columns<D> {
+    pub(crate) fn accelerations(
+        &self,
+        t: f64,
+        x: &NodeVectors<D>,
+        v: &NodeVectors<D>,
+    ) -> NodeVectors<D> {
         let mut result = self.internal_forces(x, v);
         for (&node, load) in &self.loads {
             result.add(node, load);

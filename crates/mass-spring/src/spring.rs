@@ -62,7 +62,7 @@ pub(crate) struct Springs {
     pub(crate) damping: Vec<f64>,
     pub(crate) yield_strain: Vec<f64>,
     /// In the order of their lowest node.
-    pub(crate) runs: Vec<Run>,
+    pub(crate) runs: Vec<SpringRun>,
     /// Whether any spring has a damper.
     pub(crate) damped: bool,
 }
@@ -71,7 +71,7 @@ pub(crate) struct Springs {
 ///
 /// Ropes and nets are made of long runs, over which forces are computed in SIMD lanes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Run {
+pub(crate) struct SpringRun {
     pub(crate) first: usize,
     pub(crate) count: usize,
     pub(crate) i: usize,
@@ -82,7 +82,7 @@ pub(crate) struct Run {
     pub(crate) frontier: usize,
 }
 
-impl Run {
+impl SpringRun {
     /// No node from here on is touched.
     pub(crate) fn end(&self) -> usize {
         self.i.max(self.j) + self.count
@@ -137,7 +137,7 @@ impl Springs {
     }
 
     fn find_runs(&mut self) {
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<SpringRun> = Vec::new();
         for (s, &[i, j]) in self.nodes.iter().enumerate() {
             match runs.last_mut() {
                 Some(run)
@@ -147,7 +147,7 @@ impl Springs {
                     run.count += 1;
                 }
                 _ => {
-                    runs.push(Run { first: s, count: 1, i, j, uniform: true, frontier: 0 });
+                    runs.push(SpringRun { first: s, count: 1, i, j, uniform: true, frontier: 0 });
                 }
             }
         }

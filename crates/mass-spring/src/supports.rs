@@ -1,5 +1,5 @@
 use crate::system::finite;
-use crate::{Columns, SpringError, System};
+use crate::{NodeVectors, SpringError, System};
 use nalgebra::SVector;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -17,7 +17,7 @@ pub(crate) enum Guide {
 
 /// Nodes that move together along an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Tie {
+pub(crate) struct NodeTie {
     pub(crate) axis: usize,
     pub(crate) nodes: BTreeSet<usize>,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Tie {
 pub(crate) struct Supports<const D: usize> {
     /// Node and axis, as asked for.
     driven: BTreeSet<(usize, usize)>,
-    pub(crate) ties: Vec<Tie>,
+    pub(crate) ties: Vec<NodeTie>,
     /// All nodes with a component that is not free, in order.
     pub(crate) guided: Vec<(usize, [Guide; D])>,
     /// The nodes between.
@@ -53,7 +53,7 @@ impl<const D: usize> Supports<D> {
 
     /// Ties that share a node along the same axis become one.
     pub(crate) fn tie(&mut self, axis: usize, nodes: BTreeSet<usize>) {
-        let mut tie = Tie { axis, nodes };
+        let mut tie = NodeTie { axis, nodes };
         self.ties.retain(|other| {
             let apart = other.axis != axis || other.nodes.is_disjoint(&tie.nodes);
             if !apart {
@@ -79,12 +79,16 @@ impl<const D: usize> Supports<D> {
 
     /// The projection onto what the supports allow: zero where a component is driven, the mean over
     /// the nodes of a tie.
-    pub(crate) fn project(&self, columns: &mut Columns<D>) {
+    pub(crate) fn project(&self, columns: &mut NodeVectors<D>) {
         self.project_weighted(columns, |_| 1.0);
     }
 
     /// The same for components that have been multiplied by a weight for every node.
-    pub(crate) fn project_weighted(&self, columns: &mut Columns<D>, weight: impl Fn(usize) -> f64) {
+    pub(crate) fn project_weighted(
+        &self,
+        columns: &mut NodeVectors<D>,
+        weight: impl Fn(usize) -> f64,
+    ) {
         for (node, guides) in &self.guided {
             for axis in 0..D {
                 if guides[axis] == Guide::Driven {
@@ -101,7 +105,7 @@ impl<const D: usize> Supports<D> {
     }
 
     /// Adds to a node, and to those that move with it.
-    fn add(&self, columns: &mut Columns<D>, node: usize, change: &SVector<f64, D>) {
+    fn add(&self, columns: &mut NodeVectors<D>, node: usize, change: &SVector<f64, D>) {
         for axis in 0..D {
             for partner in self.partners(node, axis) {
                 columns.0[axis][partner] += change[axis];

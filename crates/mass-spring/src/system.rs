@@ -2,7 +2,7 @@ use crate::error::{non_negative, positive};
 use crate::force::{self, add_run};
 use crate::spring::Springs;
 use crate::supports::Supports;
-use crate::{Bend, Columns, Spring, SpringError, Wind};
+use crate::{BendResistance, NodeVectors, Spring, SpringError, WindField};
 use nalgebra::{Point, SVector};
 use std::collections::BTreeMap;
 
@@ -14,16 +14,16 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone)]
 pub struct System<const D: usize> {
     pub(crate) time: f64,
-    pub(crate) positions: Columns<D>,
-    pub(crate) velocities: Columns<D>,
+    pub(crate) positions: NodeVectors<D>,
+    pub(crate) velocities: NodeVectors<D>,
     pub(crate) masses: Vec<f64>,
     pub(crate) inverse_masses: Vec<f64>,
     pub(crate) springs: Springs,
-    pub(crate) bends: Vec<Bend>,
+    pub(crate) bends: Vec<BendResistance>,
     pub(crate) supports: Supports<D>,
     pub(crate) gravity: SVector<f64, D>,
     pub(crate) drag: f64,
-    pub(crate) wind: Wind<D>,
+    pub(crate) wind: WindField<D>,
     pub(crate) loads: BTreeMap<usize, SVector<f64, D>>,
 }
 
@@ -51,8 +51,8 @@ impl<const D: usize> System<D> {
         springs.iter().enumerate().try_for_each(|(s, spring)| spring.check(s, nodes))?;
         let mut system = Self {
             time: 0.0,
-            positions: Columns::zeros(nodes),
-            velocities: Columns::zeros(nodes),
+            positions: NodeVectors::zeros(nodes),
+            velocities: NodeVectors::zeros(nodes),
             masses: masses.to_vec(),
             inverse_masses: masses.iter().map(|m| 1.0 / m).collect(),
             springs: Springs::new(springs),
@@ -60,11 +60,11 @@ impl<const D: usize> System<D> {
             supports: Supports::none(nodes),
             gravity: SVector::zeros(),
             drag: 0.0,
-            wind: Wind::default(),
+            wind: WindField::default(),
             loads: BTreeMap::new(),
         };
         let coordinates: Vec<_> = positions.iter().map(|p| p.coords).collect();
-        system.set_positions(&Columns::of(&coordinates))?;
+        system.set_positions(&NodeVectors::of(&coordinates))?;
         Ok(system)
     }
 
@@ -72,7 +72,7 @@ impl<const D: usize> System<D> {
     ///
     /// # Errors
     /// [`SpringError::MissingNode`], [`SpringError::Parameter`].
-    pub fn with_bends(mut self, bends: Vec<Bend>) -> Result<Self, SpringError> {
+    pub fn with_bends(mut self, bends: Vec<BendResistance>) -> Result<Self, SpringError> {
         bends.iter().enumerate().try_for_each(|(b, bend)| bend.check(b, self.nodes()))?;
         self.bends = bends;
         Ok(self)
@@ -133,13 +133,13 @@ impl<const D: usize> System<D> {
 
     /// Positions of all nodes (world), m.
     #[must_use]
-    pub fn positions(&self) -> &Columns<D> {
+    pub fn positions(&self) -> &NodeVectors<D> {
         &self.positions
     }
 
     /// Velocities of all nodes (world), m/s.
     #[must_use]
-    pub fn velocities(&self) -> &Columns<D> {
+    pub fn velocities(&self) -> &NodeVectors<D> {
         &self.velocities
     }
 
@@ -147,7 +147,7 @@ impl<const D: usize> System<D> {
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
-    pub fn set_positions(&mut self, positions: &Columns<D>) -> Result<(), SpringError> {
+    pub fn set_positions(&mut self, positions: &NodeVectors<D>) -> Result<(), SpringError> {
         self.check("position", positions)?;
         self.positions = positions.clone();
         Ok(())
@@ -157,7 +157,7 @@ impl<const D: usize> System<D> {
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
-    pub fn set_velocities(&mut self, velocities: &Columns<D>) -> Result<(), SpringError> {
+    pub fn set_velocities(&mut self, velocities: &NodeVectors<D>) -> Result<(), SpringError> {
         self.check("velocity", velocities)?;
         let mut change = velocities.clone();
         change.add_scaled(-1.0, &self.velocities);
@@ -172,8 +172,8 @@ impl<const D: usize> System<D> {
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
     pub fn set_state(
         &mut self,
-        positions: &Columns<D>,
-        velocities: &Columns<D>,
+        positions: &NodeVectors<D>,
+        velocities: &NodeVectors<D>,
     ) -> Result<(), SpringError> {
         self.check("velocity", velocities)?;
         self.set_positions(positions)?;
@@ -181,7 +181,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    fn check(&self, what: &'static str, columns: &Columns<D>) -> Result<(), SpringError> {
+    fn check(&self, what: &'static str, columns: &NodeVectors<D>) -> Result<(), SpringError> {
         if columns.len() != self.nodes() {
             let expected = format!("one for each of the {} nodes", self.nodes());
             return Err(SpringError::Count { what, found: columns.len(), expected });
@@ -217,7 +217,7 @@ impl<const D: usize> System<D> {
     ///
     /// # Errors
     /// [`SpringError::Parameter`] if a number is not finite or the period not positive.
-    pub fn set_wind(&mut self, wind: Wind<D>) -> Result<(), SpringError> {
+    pub fn set_wind(&mut self, wind: WindField<D>) -> Result<(), SpringError> {
         finite("the wind (m/s)", &wind.steady)?;
         finite("the pulse of the wind (m/s)", &wind.pulse)?;
         positive("the period of the wind (s)", wind.period)?;
@@ -300,8 +300,8 @@ impl<const D: usize> System<D> {
     /// # Panics
     /// If there is not one of each for every node.
     #[must_use]
-    pub fn internal_forces(&self, x: &Columns<D>, v: &Columns<D>) -> Columns<D> {
-        let mut forces = Columns::zeros(self.nodes());
+    pub fn internal_forces(&self, x: &NodeVectors<D>, v: &NodeVectors<D>) -> NodeVectors<D> {
+        let mut forces = NodeVectors::zeros(self.nodes());
         for run in &self.springs.runs {
             add_run(&self.springs, run, x, v, &mut forces);
         }

@@ -1,8 +1,8 @@
 //! How the forces change with the positions.
 
 use crate::force::TINY;
-use crate::spring::Run;
-use crate::{Columns, System};
+use crate::spring::SpringRun;
+use crate::{NodeVectors, System};
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -19,9 +19,9 @@ pub(crate) struct Tangent<'a, const D: usize> {
     system: &'a System<D>,
     inertia: f64,
     isotropic: Vec<f64>,
-    axial: Columns<D>,
+    axial: NodeVectors<D>,
     /// Dampers have `w` of their own, along the springs as they are in the system; empty without.
-    dampers: Columns<D>,
+    dampers: NodeVectors<D>,
     /// Joints with the three blocks of their second derivatives.
     bends: Vec<[SMatrix<f64, D, D>; 3]>,
 }
@@ -30,7 +30,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
     /// At positions `x`.
     pub(crate) fn new(
         system: &'a System<D>,
-        x: &Columns<D>,
+        x: &NodeVectors<D>,
         inertia: f64,
         damping: f64,
         convex: bool,
@@ -40,8 +40,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
             system,
             inertia,
             isotropic: vec![0.0; springs.len()],
-            axial: Columns::zeros(springs.len()),
-            dampers: Columns::zeros(0),
+            axial: NodeVectors::zeros(springs.len()),
+            dampers: NodeVectors::zeros(0),
             bends: system.bends.iter().map(|bend| bend.hessian(x, convex)).collect(),
         };
         for (s, &[i, j]) in springs.nodes.iter().enumerate() {
@@ -57,7 +57,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
             tangent.axial.set(s, &(apart * (along.sqrt() / length)));
         }
         if springs.damped && damping > 0.0 {
-            tangent.dampers = Columns::zeros(springs.len());
+            tangent.dampers = NodeVectors::zeros(springs.len());
             for (s, &[i, j]) in springs.nodes.iter().enumerate() {
                 let apart = system.positions.get(j) - system.positions.get(i);
                 let length = (apart.norm_squared() + TINY).sqrt();
@@ -74,13 +74,13 @@ impl<'a, const D: usize> Tangent<'a, D> {
     }
 
     /// `y = A z`.
-    pub(crate) fn apply(&self, z: &Columns<D>, y: &mut Columns<D>) {
+    pub(crate) fn apply(&self, z: &NodeVectors<D>, y: &mut NodeVectors<D>) {
         Arch::new().dispatch(Apply { tangent: self, z, y });
     }
 
     /// The same from within a loop in SIMD lanes.
     #[inline(always)]
-    pub(crate) fn apply_inline(&self, z: &Columns<D>, y: &mut Columns<D>) {
+    pub(crate) fn apply_inline(&self, z: &NodeVectors<D>, y: &mut NodeVectors<D>) {
         self.apply_springs(z, y);
         for s in 0..self.dampers.len() {
             let [i, j] = self.system.springs.nodes[s];
@@ -101,7 +101,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
     }
 
     #[inline(always)]
-    fn apply_springs(&self, z: &Columns<D>, y: &mut Columns<D>) {
+    fn apply_springs(&self, z: &NodeVectors<D>, y: &mut NodeVectors<D>) {
         for axis in 0..D {
             let masses = self.system.masses.iter();
             for ((to, from), mass) in y.0[axis].iter_mut().zip(&z.0[axis]).zip(masses) {
@@ -112,7 +112,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
             for done in (0..run.count).step_by(CHUNK) {
                 let count = CHUNK.min(run.count - done);
                 let (first, i, j) = (run.first + done, run.i + done, run.j + done);
-                apply_chunk(self, &Run { first, count, i, j, ..*run }, z, y);
+                apply_chunk(self, &SpringRun { first, count, i, j, ..*run }, z, y);
             }
         }
     }
@@ -159,8 +159,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
 
     /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is not
     /// positive, of its size.
-    pub(crate) fn inverse_diagonal(&self) -> Columns<D> {
-        let mut diagonal = Columns::zeros(self.system.nodes());
+    pub(crate) fn inverse_diagonal(&self) -> NodeVectors<D> {
+        let mut diagonal = NodeVectors::zeros(self.system.nodes());
         self.blocks(|row, column, block| {
             if row == column {
                 diagonal.add(row, &block.diagonal());
@@ -181,8 +181,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
 
 struct Apply<'a, const D: usize> {
     tangent: &'a Tangent<'a, D>,
-    z: &'a Columns<D>,
-    y: &'a mut Columns<D>,
+    z: &'a NodeVectors<D>,
+    y: &'a mut NodeVectors<D>,
 }
 
 impl<const D: usize> WithSimd for Apply<'_, D> {
@@ -197,9 +197,9 @@ impl<const D: usize> WithSimd for Apply<'_, D> {
 #[inline(always)]
 fn apply_chunk<const D: usize>(
     tangent: &Tangent<D>,
-    &Run { first, count, i, j, .. }: &Run,
-    z: &Columns<D>,
-    y: &mut Columns<D>,
+    &SpringRun { first, count, i, j, .. }: &SpringRun,
+    z: &NodeVectors<D>,
+    y: &mut NodeVectors<D>,
 ) {
     if count == 1 {
         let apart = z.get(j) - z.get(i);

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// It acts through the drag, as wind does, where the texts add an acceleration: for a drag rate
 /// `gamma` that of the texts is `gamma u`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wind<const D: usize> {
+pub struct WindField<const D: usize> {
     /// Velocity that blows always (world), m/s.
     pub steady: SVector<f64, D>,
     /// Velocity that the height of a pulse adds (world), m/s.
@@ -15,13 +15,13 @@ pub struct Wind<const D: usize> {
     pub period: f64,
 }
 
-impl<const D: usize> Default for Wind<D> {
+impl<const D: usize> Default for WindField<D> {
     fn default() -> Self {
         Self::steady(SVector::zeros())
     }
 }
 
-impl<const D: usize> Wind<D> {
+impl<const D: usize> WindField<D> {
     /// Wind that blows evenly, m/s (world).
     #[must_use]
     pub fn steady(velocity: SVector<f64, D>) -> Self {

@@ -4,7 +4,7 @@ use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
 /// An axis for the library, with marks at round numbers.
-pub(crate) struct Axis {
+pub(crate) struct PlotAxis {
     ends: RangedCoordf64,
     marks: Vec<f64>,
     /// Between marks.
@@ -13,7 +13,7 @@ pub(crate) struct Axis {
     log: bool,
 }
 
-impl Axis {
+impl PlotAxis {
     /// An axis between two ends, with at most some `most` marks.
     pub(crate) fn new([low, high]: [f64; 2], most: f64, log: bool) -> Self {
         let (mut marks, step) = ticks([low, high], most);
@@ -24,7 +24,7 @@ impl Axis {
     }
 }
 
-impl Ranged for Axis {
+impl Ranged for PlotAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
@@ -42,7 +42,7 @@ impl Ranged for Axis {
     }
 }
 
-impl ValueFormatter<f64> for Axis {
+impl ValueFormatter<f64> for PlotAxis {
     fn format_ext(&self, value: &f64) -> String {
         if self.log { format!("1e{value:.0}") } else { label(*value, self.step) }
     }

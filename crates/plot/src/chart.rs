@@ -1,4 +1,4 @@
-use crate::axis::Axis;
+use crate::axis::PlotAxis;
 use crate::page::{GREY, INK, PALE, Page, WIDTH, letters, line, path, pixels, write};
 use crate::{PlotError, quoted, range};
 use plotters::prelude::{
@@ -147,8 +147,8 @@ impl Chart {
             .x_label_area_size(pixels(BELOW - GAP))
             .y_label_area_size(pixels(LEFT - GAP))
             .build_cartesian_2d(
-                Axis::new(xs, 8.0, false),
-                Axis::new(ys, 8.0, self.log_from.is_some()),
+                PlotAxis::new(xs, 8.0, false),
+                PlotAxis::new(ys, 8.0, self.log_from.is_some()),
             )?;
         chart
             .configure_mesh()

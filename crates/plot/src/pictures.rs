@@ -42,7 +42,7 @@ pub struct Picture {
 }
 
 /// How pictures stand on a page, pixels.
-struct Layout {
+struct PageLayout {
     /// Lowest and highest coordinate to the right and up, m.
     bounds: [[f64; 2]; 2],
     /// Pixels in a meter.
@@ -70,7 +70,7 @@ impl Pictures {
         self.axes.map(|axis| axis.dot(&p.coords))
     }
 
-    fn layout(&self) -> Result<Layout, PlotError> {
+    fn layout(&self) -> Result<PageLayout, PlotError> {
         if self.columns == 0 {
             return Err(PlotError::NoColumns);
         }
@@ -79,7 +79,7 @@ impl Pictures {
         let [width, height] = bounds.map(|[low, high]| high - low);
         let cell = (WIDTH - 2.0 * MARGIN) / self.columns as f64;
         let scale = ((cell - 2.0 * INSET) / width).min(TALLEST / height);
-        Ok(Layout { bounds, scale, cell: [cell, scale * height + CAPTION + INSET] })
+        Ok(PageLayout { bounds, scale, cell: [cell, scale * height + CAPTION + INSET] })
     }
 
     pub(crate) fn height(&self) -> Result<f64, PlotError> {
@@ -88,7 +88,7 @@ impl Pictures {
     }
 
     pub(crate) fn draw(&self, page: &Page<'_>) -> Result<(), PlotError> {
-        let Layout { bounds: [xs, ys], scale, cell } = self.layout()?;
+        let PageLayout { bounds: [xs, ys], scale, cell } = self.layout()?;
         write(page, [MARGIN, 22.0], 16.0, &self.title)?;
         for (i, picture) in self.pictures.iter().enumerate() {
             let (column, row) = (i % self.columns, i / self.columns);

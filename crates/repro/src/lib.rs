@@ -4,9 +4,9 @@
 mod program;
 mod report;
 
-pub use program::{Entry, main};
+pub use program::{FigureEntry, main};
 pub use rapunzel_plot as plot;
-pub use report::{Check, Criterion, Figure, check};
+pub use report::{ClaimCheck, Criterion, Figure, check};
 
 use std::path::PathBuf;
 

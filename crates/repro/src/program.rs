@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// A figure of the thesis in the list of a program.
-pub struct Entry<D> {
+pub struct FigureEntry<D> {
     /// As the thesis numbers it; the name of its files.
     pub number: &'static str,
     /// What it shows.
@@ -17,7 +17,7 @@ pub struct Entry<D> {
 /// and prints what was compared; `draw` is handed what an entry has for that. The program fails if
 /// a check does, a figure cannot be drawn, or none has a number that is asked for.
 pub fn main<D>(
-    figures: &[Entry<D>],
+    figures: &[FigureEntry<D>],
     arguments: impl Iterator<Item = String>,
     draw: impl Fn(&D) -> Fallible<Figure>,
 ) -> ExitCode {
@@ -36,7 +36,7 @@ pub fn main<D>(
 
 /// How many checks fail.
 fn run<D>(
-    entries: &[Entry<D>],
+    entries: &[FigureEntry<D>],
     mut arguments: impl Iterator<Item = String>,
     draw: impl Fn(&D) -> Fallible<Figure>,
 ) -> Result<usize, ReproError> {
@@ -80,8 +80,11 @@ mod tests {
 
     #[test]
     fn what_is_wanted_is_drawn_and_what_fails_is_counted() {
-        let entries =
-            [("1", 1.0), ("2", 3.0)].map(|(number, draw)| Entry { number, title: "title", draw });
+        let entries = [("1", 1.0), ("2", 3.0)].map(|(number, draw)| FigureEntry {
+            number,
+            title: "title",
+            draw,
+        });
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().to_str().expect("a name");
         let run = |words: &[&str]| {

@@ -1,5 +1,5 @@
 use crate::plot::{Drawing, svg};
-use crate::{Entry, ReproError};
+use crate::{FigureEntry, ReproError};
 use serde::Serialize;
 use std::fmt;
 use std::fs;
@@ -14,12 +14,12 @@ pub struct Figure {
     /// Its parts, each with a table of its own.
     pub drawings: Vec<Drawing>,
     /// What the thesis says of it, with our numbers.
-    pub checks: Vec<Check>,
+    pub checks: Vec<ClaimCheck>,
 }
 
 /// A claim of the thesis with a number of ours.
 #[derive(Serialize)]
-pub struct Check {
+pub struct ClaimCheck {
     /// Which number.
     pub compared: String,
     /// The number, in its unit.
@@ -52,11 +52,11 @@ pub fn check(
     unit: &'static str,
     criterion: Criterion,
     thesis: &'static str,
-) -> Check {
-    Check { compared: compared.into(), obtained, unit, criterion, thesis }
+) -> ClaimCheck {
+    ClaimCheck { compared: compared.into(), obtained, unit, criterion, thesis }
 }
 
-impl Check {
+impl ClaimCheck {
     /// A number that is none fails.
     fn holds(&self) -> bool {
         match self.criterion {
@@ -81,18 +81,21 @@ impl fmt::Display for Criterion {
 
 /// An entry of the manifest.
 #[derive(Serialize)]
-struct Record<'a> {
+struct ManifestRecord<'a> {
     figure: &'a str,
     title: &'a str,
     scene: &'a str,
     parameters: &'a str,
-    checks: &'a [Check],
+    checks: &'a [ClaimCheck],
     holds: bool,
     files: Vec<String>,
 }
 
 /// Writes the drawings, their tables and the manifest to `folder`.
-pub(crate) fn write<D>(folder: &Path, figures: &[(&Entry<D>, Figure)]) -> Result<(), ReproError> {
+pub(crate) fn write<D>(
+    folder: &Path,
+    figures: &[(&FigureEntry<D>, Figure)],
+) -> Result<(), ReproError> {
     let refused = |path: &Path| {
         let path = path.to_owned();
         |source| ReproError::File { path, source }
@@ -115,13 +118,13 @@ pub(crate) fn write<D>(folder: &Path, figures: &[(&Entry<D>, Figure)]) -> Result
         for (name, text) in &files {
             atomically(name, text)?;
         }
-        records.push(Record {
+        records.push(ManifestRecord {
             figure: number,
             title: entry.title,
             scene: figure.scene,
             parameters: figure.parameters,
             checks: &figure.checks,
-            holds: figure.checks.iter().all(Check::holds),
+            holds: figure.checks.iter().all(ClaimCheck::holds),
             files: files.into_iter().map(|(name, _)| name).collect(),
         });
     }
@@ -129,7 +132,7 @@ pub(crate) fn write<D>(folder: &Path, figures: &[(&Entry<D>, Figure)]) -> Result
 }
 
 /// All checks as one table, and how many do not hold.
-pub(crate) fn table<D>(figures: &[(&Entry<D>, Figure)]) -> (String, usize) {
+pub(crate) fn table<D>(figures: &[(&FigureEntry<D>, Figure)]) -> (String, usize) {
     let mut text = "| figure | compared | obtained | criterion | thesis | |\n".to_owned();
     text += "|---|---|---|---|---|---|\n";
     let mut failed = 0;

@@ -1,6 +1,6 @@
 use super::Wind;
 use super::check::{Allowed, Check};
-use rapunzel_mass_spring::{Body, Element};
+use rapunzel_mass_spring::{Element, LatticeBody};
 use serde::{Deserialize, Serialize};
 
 /// A mass-spring system, in place of fibres: one model and what acts on it.
@@ -144,7 +144,7 @@ pub enum NodePlaces {
         /// Number of columns.
         columns: usize,
     },
-    /// A letter for every node: `f m t b l r 1 2 3 4 h v`, see `rapunzel_mass_spring::Place`.
+    /// A letter for every node: `f m t b l r 1 2 3 4 h v`, see `rapunzel_mass_spring::PlaceMatrix`.
     Matrix {
         /// Rows from the top.
         rows: Vec<String>,
@@ -330,13 +330,13 @@ impl MassSpring {
 
 impl SpringBodyShape {
     /// The body of the crate.
-    pub fn body(self) -> Body {
+    pub fn body(self) -> LatticeBody {
         match self {
-            Self::ThinBeamGuided => Body::ThinBeamGuided,
-            Self::ThinBeam => Body::ThinBeam,
-            Self::Cube => Body::Cube,
-            Self::CubeUnderLid => Body::CubeUnderLid,
-            Self::ThickBeam => Body::ThickBeam,
+            Self::ThinBeamGuided => LatticeBody::ThinBeamGuided,
+            Self::ThinBeam => LatticeBody::ThinBeam,
+            Self::Cube => LatticeBody::Cube,
+            Self::CubeUnderLid => LatticeBody::CubeUnderLid,
+            Self::ThickBeam => LatticeBody::ThickBeam,
         }
     }
 }

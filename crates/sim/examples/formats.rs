@@ -64,7 +64,7 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     // As after a crash: from the files of the frames.
     let (frames_per_second, end) = (30.0, times[FRAMES - 1]);
     let timeline = usd::Timeline { frames: FRAMES, rate: frames_per_second, end };
-    let shape = usd::Shape::Curves { strands: 0..frames[0].strands.len(), guide: false };
+    let shape = usd::PrimShape::Curves { strands: 0..frames[0].strands.len(), guide: false };
     let prim = usd::Prim { name: "Lock".to_owned(), shape, color: [0.09, 0.045, 0.02] };
     let open = |index: usize| Ok(BufReader::new(File::open(folder.join(&names[index]))?));
     let strands = usd::Strands::new(timeline, "Fibers", vec![prim], open)?;

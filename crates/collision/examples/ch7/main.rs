@@ -12,19 +12,19 @@ mod still;
 mod sweep;
 
 use models::Size;
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use std::process::ExitCode;
 
 type Draw = fn(Size) -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 7] = [
-    Entry { number: "7.7", title: "The models", draw: models::all },
-    Entry { number: "7.9", title: "The static bundle test", draw: still::bundle },
-    Entry { number: "7.11", title: "The dynamic test", draw: motion::looping },
-    Entry { number: "7.12", title: "Ways to update", draw: motion::updates },
-    Entry { number: "7.13", title: "All trees, all models", draw: still::table },
-    Entry { number: "7.14", title: "Tests and volumes", draw: still::counts },
-    Entry { number: "7.15", title: "How many faces a k-DOP should have", draw: sweep::faces },
+const FIGURES: [FigureEntry<Draw>; 7] = [
+    FigureEntry { number: "7.7", title: "The models", draw: models::all },
+    FigureEntry { number: "7.9", title: "The static bundle test", draw: still::bundle },
+    FigureEntry { number: "7.11", title: "The dynamic test", draw: motion::looping },
+    FigureEntry { number: "7.12", title: "Ways to update", draw: motion::updates },
+    FigureEntry { number: "7.13", title: "All trees, all models", draw: still::table },
+    FigureEntry { number: "7.14", title: "Tests and volumes", draw: still::counts },
+    FigureEntry { number: "7.15", title: "How many faces a k-DOP should have", draw: sweep::faces },
 ];
 
 fn main() -> ExitCode {

@@ -4,7 +4,7 @@ use super::anderson::Onward;
 use super::part::{Common, Part};
 use super::wide::{Eight, Vectors, WIDTH, Wide, norm};
 use crate::metric;
-use crate::residual::Sums;
+use crate::residual::ResidualSums;
 use pulp::{Simd, WithSimd};
 use rapunzel_lanes::Lane;
 
@@ -216,7 +216,7 @@ fn squared<S: Simd>([x, y, z]: Vectors<S>) -> Lane<S> {
     x * x + y * y + z * z
 }
 
-/// [`Sums`] by lane.
+/// [`ResidualSums`] by lane.
 struct WideSums<S: Simd> {
     wrong: Lane<S>,
     all: Lane<S>,
@@ -247,8 +247,8 @@ impl<S: Simd> WideSums<S> {
     }
 
     #[inline(always)]
-    fn of_all(self) -> Sums {
-        Sums {
+    fn of_all(self) -> ResidualSums {
+        ResidualSums {
             wrong: self.wrong.sum(),
             all: self.all.sum(),
             normal_error: self.normal_error.largest(),

@@ -20,7 +20,7 @@ use crate::{Report, Tolerance};
 const MEMORY: usize = 5;
 
 /// When descent is tried, and for how long.
-pub(super) struct Attempt {
+pub(super) struct DescentPlan {
     /// From which error on, in tolerances.
     pub(super) near: f64,
     /// Iterations. Few contacts are then right to many more digits than asked for, as who starts from the
@@ -46,7 +46,7 @@ pub(super) fn descend<'a, 'b, A>(
     lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>,
     tolerance: &Tolerance,
     error: f64,
-    attempt: &Attempt,
+    attempt: &DescentPlan,
     iterations: &mut usize,
 ) -> Option<Report>
 where

@@ -33,7 +33,7 @@ use crate::solver::check;
 use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
 use anderson::{Anderson, Products, Turn};
 use crew::{Crew, Lead};
-use descent::{Attempt, descend};
+use descent::{DescentPlan, descend};
 use nalgebra::Vector3;
 use part::{Common, Order, Part, Room, judge, together};
 use rayon::prelude::*;
@@ -70,11 +70,11 @@ const ROOMS: usize = 128;
 const PERIOD: usize = 3;
 const FEW: usize = 64;
 /// Where a solve begins near its end, and where splitting has come near it.
-const AT_START: Attempt = Attempt { near: 30.0, least: 5, most: 30, off_course: 1.5 };
-const AT_END: Attempt = Attempt { near: 3.0, least: 1, most: 8, off_course: 1.5 };
+const AT_START: DescentPlan = DescentPlan { near: 30.0, least: 5, most: 30, off_course: 1.5 };
+const AT_END: DescentPlan = DescentPlan { near: 3.0, least: 1, most: 8, off_course: 1.5 };
 /// Where most points are in a crowd: what they do together is what splitting is slow to find. Where that is
 /// not what is wrong, descent creeps, and must not be long about it.
-const IN_CROWD: Attempt = Attempt { near: 30.0, least: 5, most: 40, off_course: 3.0 };
+const IN_CROWD: DescentPlan = DescentPlan { near: 30.0, least: 5, most: 40, off_course: 3.0 };
 
 impl Admm {
     /// The solver with its usual relaxation, weight and memory.
@@ -140,7 +140,7 @@ impl Admm {
         &self,
         lead: &Lead<'_, '_, Part<'a, 'b>, Order, Room, A>,
         period: usize,
-        [at_start, at_end]: [&Attempt; 2],
+        [at_start, at_end]: [&DescentPlan; 2],
     ) -> Result<Report, ContactError>
     where
         A: Fn(&Order, &mut Part<'a, 'b>, &mut Room) + Sync,

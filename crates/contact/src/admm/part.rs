@@ -7,7 +7,7 @@ use super::descent::Step;
 use super::shared::Shared;
 use super::sides::Sides;
 use super::wide::{Eight, Group, WIDTH};
-use crate::residual::Sums;
+use crate::residual::ResidualSums;
 use crate::{Body, Contact, ContactError, Report};
 use nalgebra::Vector3;
 use pulp::Arch;
@@ -86,7 +86,7 @@ pub(super) struct Part<'a, 'b> {
     /// Impulses in the frames of the contacts, and relative velocities that these want, by group.
     pub(super) impulses: Vec<Eight>,
     pub(super) wanted: Vec<Eight>,
-    pub(super) sums: Sums,
+    pub(super) sums: ResidualSums,
     /// Why a body does not take the metric.
     pub(super) refused: Option<ContactError>,
 }
@@ -123,7 +123,7 @@ impl<'a, 'b> Part<'a, 'b> {
             groups,
             products: Products::default(),
             wanted: Vec::new(),
-            sums: Sums::default(),
+            sums: ResidualSums::default(),
             refused: None,
             start: Vec::new(),
             bodies,
@@ -285,7 +285,7 @@ where
 {
     let mut parts = Vec::new();
     lead.each(|part| parts.push(part.sums));
-    Sums::together(&parts).report()
+    ResidualSums::together(&parts).report()
 }
 
 impl Common<'_> {

@@ -1,5 +1,5 @@
-use super::Chain;
-use crate::projection::{Partner, Polygon, Touch};
+use super::CylinderChain;
+use crate::projection::{Partner, PolygonalCone, Touch};
 use crate::rigid::{angular, linear, stack};
 use crate::{ContactError, Report, Response, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
@@ -20,7 +20,7 @@ pub enum SegmentPartner {
 }
 
 /// A contact of a chain's segment, as a collision test found it: at the chains' poses, or with
-/// [`ChainForm::contact_time`](super::ChainForm) as printed at those of [`Chain::half_way`].
+/// [`ChainForm::contact_time`](super::ChainForm) as printed at those of [`CylinderChain::half_way`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentContact {
     /// Index of the chain.
@@ -36,7 +36,7 @@ pub struct SegmentContact {
     /// The other side.
     pub partner: SegmentPartner,
     /// Limit curve, its angle zero along the segment's axis, root to tip.
-    pub friction: Polygon,
+    pub friction: PolygonalCone,
 }
 
 /// What its contacts do to a segment: the changes of its momenta, N s and N m s.
@@ -50,7 +50,7 @@ pub(super) struct Change {
 /// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act, `closing` the
 /// velocity at which a contact may close.
 pub(super) fn resolve(
-    chains: &[Chain],
+    chains: &[CylinderChain],
     contacts: &[SegmentContact],
     closing: impl Fn(&SegmentContact) -> f64,
     restitution: f64,
@@ -111,7 +111,7 @@ pub(super) fn resolve(
 }
 
 /// How fast the two sides of a contact part, m/s.
-pub(super) fn parting(chains: &[Chain], contact: &SegmentContact) -> f64 {
+pub(super) fn parting(chains: &[CylinderChain], contact: &SegmentContact) -> f64 {
     let of = |chain: usize, segment: usize| {
         let segment: &RigidBody = &chains[chain].segments[segment];
         segment.velocity_at(&contact.point)

@@ -1,7 +1,7 @@
 use super::contacts::{SegmentContact, parting, resolve};
-use super::joints::{Joints, Sums};
-use super::link::Link;
-use super::{Chain, ChainForm, Method, half_way};
+use super::joints::{JointSums, Joints};
+use super::link::ChainLink;
+use super::{ChainForm, CylinderChain, JointMethod, half_way};
 use crate::projection::Form;
 use crate::{ContactError, Report, Response, RigidBody, closing};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Which projection has the last word in Alg. 7.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Order {
+pub enum LastWord {
     /// Joints, then contacts: contacts hold, joints open a little (the thesis's choice, 8.6.5.3).
     #[default]
     JointsFirst,
@@ -25,9 +25,9 @@ pub struct Settings {
     /// Acceleration of gravity, world, m/s^2.
     pub gravity: Vector3<f64>,
     /// How joints are closed.
-    pub method: Method,
+    pub method: JointMethod,
     /// Which projection comes first.
-    pub order: Order,
+    pub order: LastWord,
     /// How often both are done, at least 1; the thesis does 1 to 3.
     pub harmonizations: usize,
     /// Coefficient of restitution, 0 to 1; see [`ChainForm::rebound`].
@@ -38,7 +38,7 @@ pub struct Settings {
 
 /// What a [`step`] did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StepReport {
+pub struct HarmonizationReport {
     /// Most linear solves that a chain's joints needed at once.
     pub iterations: usize,
     /// Widest gap of a joint after the step, m.
@@ -50,8 +50,8 @@ pub struct StepReport {
 /// What acts on one chain in a step.
 struct Acting {
     springs: Vec<Vector3<f64>>,
-    joints: Sums,
-    contacts: Sums,
+    joints: JointSums,
+    contacts: JointSums,
 }
 
 /// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by `response`.
@@ -63,11 +63,11 @@ struct Acting {
 /// step), [`ContactError::Invalid`] for the step's length and the restitution, and as
 /// [`Response::collide`]. The chains are then as before.
 pub fn step(
-    chains: &mut [Chain],
+    chains: &mut [CylinderChain],
     contacts: &[SegmentContact],
     settings: &Settings,
     response: &mut dyn Response,
-) -> Result<StepReport, ContactError> {
+) -> Result<HarmonizationReport, ContactError> {
     let dt = settings.dt;
     if !(dt > 0.0 && dt.is_finite()) {
         let why = "must be > 0 s";
@@ -87,7 +87,7 @@ pub fn step(
         .collect();
     let (mut iterations, mut report) = (0, None);
     for _ in 0..settings.harmonizations.max(1) {
-        if settings.order == Order::JointsFirst {
+        if settings.order == LastWord::JointsFirst {
             iterations = iterations.max(close_joints(chains, &mut acting, settings)?);
             report = meet_contacts(chains, &mut acting, contacts, settings, response)?;
         } else {
@@ -104,21 +104,21 @@ pub fn step(
         })
         .collect();
     let widest_gap = gaps.into_iter().fold(0.0, f64::max);
-    Ok(StepReport { iterations, widest_gap, contacts: report })
+    Ok(HarmonizationReport { iterations, widest_gap, contacts: report })
 }
 
-fn links(chain: &Chain, acting: &Acting, settings: &Settings) -> Vec<Link> {
+fn links(chain: &CylinderChain, acting: &Acting, settings: &Settings) -> Vec<ChainLink> {
     let link = |(i, segment): (usize, &RigidBody)| {
         let force = segment.mass() * settings.gravity;
         let (half, springs) = (chain.half_lengths[i], &acting.springs[i]);
         let contact = &acting.contacts[i];
-        Link::new(segment, half, &force, springs, contact, settings.dt, &settings.form)
+        ChainLink::new(segment, half, &force, springs, contact, settings.dt, &settings.form)
     };
     chain.segments.iter().enumerate().map(link).collect()
 }
 
 fn close_joints(
-    chains: &[Chain],
+    chains: &[CylinderChain],
     acting: &mut [Acting],
     settings: &Settings,
 ) -> Result<usize, ContactError> {
@@ -138,7 +138,7 @@ fn close_joints(
 }
 
 fn meet_contacts(
-    chains: &[Chain],
+    chains: &[CylinderChain],
     acting: &mut [Acting],
     contacts: &[SegmentContact],
     settings: &Settings,
@@ -172,7 +172,7 @@ fn meet_contacts(
     Ok(report)
 }
 
-fn integrate(chain: &mut Chain, acting: &Acting, settings: &Settings) {
+fn integrate(chain: &mut CylinderChain, acting: &Acting, settings: &Settings) {
     let links = links(chain, acting, settings);
     let printed = !settings.form.curvature.is_corrected();
     let before = printed.then(|| chain.segments.clone());

@@ -1,7 +1,7 @@
-use super::link::{Link, wall};
-use super::springs::Springs;
+use super::link::{ChainLink, wall};
+use super::springs::JointSprings;
 use super::tridiagonal::Tridiagonal;
-use super::{Chain, ChainForm, Coupling, Method};
+use super::{ChainForm, Coupling, CylinderChain, JointMethod};
 use crate::ContactError;
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use rapunzel_fiber::so3;
@@ -14,22 +14,27 @@ type Start = (f64, Rotation3<f64>);
 
 /// A chain in a step: its segments' links and what its joints must fulfil.
 pub(super) struct Joints<'a> {
-    chain: &'a Chain,
+    chain: &'a CylinderChain,
     dt: f64,
     /// Segment towards the tip of joint 0.
     first: usize,
     /// Springs that are unknowns, and the joints' distances and mean frames at the start.
-    springs: Option<(&'a Springs, Vec<Option<Start>>)>,
-    pub(super) links: Vec<Link>,
+    springs: Option<(&'a JointSprings, Vec<Option<Start>>)>,
+    pub(super) links: Vec<ChainLink>,
     /// The links as the printed (8.87) moves those towards the tip.
-    mirrored: Option<Vec<Link>>,
+    mirrored: Option<Vec<ChainLink>>,
 }
 
 /// The joints' impulses on every segment, summed: linear, N s, and angular, N m s.
-pub(super) type Sums = Vec<[Vector3<f64>; 2]>;
+pub(super) type JointSums = Vec<[Vector3<f64>; 2]>;
 
 impl<'a> Joints<'a> {
-    pub(super) fn new(chain: &'a Chain, links: Vec<Link>, dt: f64, form: &ChainForm) -> Self {
+    pub(super) fn new(
+        chain: &'a CylinderChain,
+        links: Vec<ChainLink>,
+        dt: f64,
+        form: &ChainForm,
+    ) -> Self {
         let springs = chain.springs.as_ref().filter(|s| s.coupling != Coupling::Explicit);
         let springs = springs.map(|springs| {
             let bends = chain.bends();
@@ -45,9 +50,9 @@ impl<'a> Joints<'a> {
     /// impulses and the number of linear solves. `index` is the chain's, for the error.
     pub(super) fn close(
         &mut self,
-        method: Method,
+        method: JointMethod,
         index: usize,
-    ) -> Result<(Sums, usize), ContactError> {
+    ) -> Result<(JointSums, usize), ContactError> {
         match self.springs {
             Some(_) => self.solve::<6>(method, index),
             None => self.solve::<3>(method, index),
@@ -56,9 +61,9 @@ impl<'a> Joints<'a> {
 
     fn solve<const D: usize>(
         &mut self,
-        method: Method,
+        method: JointMethod,
         index: usize,
-    ) -> Result<(Sums, usize), ContactError> {
+    ) -> Result<(JointSums, usize), ContactError> {
         let mut impulses = vec![SVector::<f64, D>::zeros(); self.chain.joints()];
         let (mut iterations, mut last) = (0, f64::INFINITY);
         loop {
@@ -70,11 +75,11 @@ impl<'a> Joints<'a> {
                 return Err(open(if gap.is_finite() { gap } else { f64::INFINITY }));
             }
             let done = gap <= rounding || (gap >= 0.5 * last && gap <= 1e3 * rounding);
-            if done || (method == Method::Linearized && iterations == 1) {
+            if done || (method == JointMethod::Linearized && iterations == 1) {
                 return Ok((self.sums(&impulses), iterations));
             }
-            if method == Method::Linearized {
-                self.links.iter_mut().for_each(Link::linearize);
+            if method == JointMethod::Linearized {
+                self.links.iter_mut().for_each(ChainLink::linearize);
             }
             let mut matrix = self.matrix::<D>();
             matrix.solve(&mut residuals).map_err(|_| open(f64::INFINITY))?;
@@ -99,7 +104,7 @@ impl<'a> Joints<'a> {
         16.0 * f64::EPSILON * (reach + 2.0 * length)
     }
 
-    fn inner(&self, l: usize) -> &Link {
+    fn inner(&self, l: usize) -> &ChainLink {
         &self.mirrored.as_ref().unwrap_or(&self.links)[l]
     }
 
@@ -179,8 +184,8 @@ impl<'a> Joints<'a> {
         matrix
     }
 
-    fn sums<const D: usize>(&self, impulses: &[SVector<f64, D>]) -> Sums {
-        let sum = |(b, link): (usize, &Link)| {
+    fn sums<const D: usize>(&self, impulses: &[SVector<f64, D>]) -> JointSums {
+        let sum = |(b, link): (usize, &ChainLink)| {
             let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
             let outward = impulses.get(b + 1 - self.first);
             let inward = b.checked_sub(self.first).and_then(|j| impulses.get(j));

@@ -1,4 +1,4 @@
-use super::{Chain, ChainForm, Root};
+use super::{ChainForm, CylinderChain, Root};
 use crate::RigidBody;
 use crate::projection::Form;
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, Vector3};
@@ -6,7 +6,7 @@ use rapunzel_fiber::so3::{self, hat};
 
 /// A segment in a step: what it does without its joints' impulses, and what these change.
 #[derive(Debug, Clone)]
-pub(super) struct Link {
+pub(super) struct ChainLink {
     dt: f64,
     pub(super) mass: f64,
     /// The turn's rate per angular impulse, and the rate of the spin about the axis that is beside it.
@@ -27,7 +27,7 @@ pub(super) struct Link {
     turn: Matrix3<f64>,
 }
 
-impl Link {
+impl ChainLink {
     /// `angular` is the springs' impulse, N m s; `contact` are the contacts' impulses.
     pub(super) fn new(
         segment: &RigidBody,
@@ -140,7 +140,7 @@ fn inverse_inertia(segment: &RigidBody, form: &ChainForm) -> (Matrix3<f64>, f64)
 }
 
 /// Where the root is held, and in which frame.
-pub(super) fn wall(chain: &Chain) -> Option<(Point3<f64>, Option<Rotation3<f64>>)> {
+pub(super) fn wall(chain: &CylinderChain) -> Option<(Point3<f64>, Option<Rotation3<f64>>)> {
     match chain.root {
         Root::Free => None,
         Root::Hinged(point) => Some((point, None)),

@@ -32,8 +32,8 @@ mod tridiagonal;
 
 pub use collision_matrix::collision_matrix;
 pub use contacts::{SegmentContact, SegmentPartner};
-pub use harmonize::{Order, Settings, StepReport, step};
-pub use springs::{Coupling, Springs};
+pub use harmonize::{HarmonizationReport, LastWord, Settings, step};
+pub use springs::{Coupling, JointSprings};
 
 use crate::projection::Form;
 use crate::{ContactError, RigidBody};
@@ -42,7 +42,7 @@ use rapunzel_fiber::so3;
 
 /// How a chain's joints are closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
+pub enum JointMethod {
     /// Method I, 8.5.1: the impulses after which the joints are closed at the end of the step, by
     /// Newton's method on all joints together. No drift.
     #[default]
@@ -103,16 +103,16 @@ pub enum Root {
 /// A fiber as rigid cylinders joined at their ends. The third axis of a segment's frame points to
 /// the tip.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Chain {
+pub struct CylinderChain {
     pub(crate) segments: Vec<RigidBody>,
     pub(crate) half_lengths: Vec<f64>,
     pub(crate) root: Root,
-    pub(crate) springs: Option<Springs>,
+    pub(crate) springs: Option<JointSprings>,
     /// Curvature as the printed rule carries it along, 1/m, per joint.
     pub(crate) printed_curvature: Vec<Vector3<f64>>,
 }
 
-impl Chain {
+impl CylinderChain {
     /// A chain at rest through `nodes` (world, root to tip) of a round fiber of `linear_density`
     /// (kg/m) and `radius` (m). Frames are carried along without twist from `first_axis`, made
     /// orthogonal to the first segment.
@@ -167,7 +167,7 @@ impl Chain {
     /// # Errors
     /// [`ContactError::Length`] if there is not one natural curvature per joint,
     /// [`ContactError::Invalid`] for stiffnesses that are not positive.
-    pub fn with_springs(mut self, springs: Springs) -> Result<Self, ContactError> {
+    pub fn with_springs(mut self, springs: JointSprings) -> Result<Self, ContactError> {
         springs.check(self.joints())?;
         self.springs = Some(springs);
         Ok(self)

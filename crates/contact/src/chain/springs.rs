@@ -1,5 +1,5 @@
 use super::link::wall;
-use super::{Chain, ChainForm};
+use super::{ChainForm, CylinderChain};
 use crate::{ContactError, RigidBody};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
@@ -21,7 +21,7 @@ pub enum Coupling {
 
 /// Bending and torsion springs of a chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Springs {
+pub struct JointSprings {
     /// `E I_1`, `E I_2`, `G J`, N m^2.
     pub stiffness: Vector3<f64>,
     /// Natural curvature of every joint, in the mean material frame, 1/m.
@@ -30,7 +30,7 @@ pub struct Springs {
     pub coupling: Coupling,
 }
 
-impl Springs {
+impl JointSprings {
     pub(super) fn check(&self, joints: usize) -> Result<(), ContactError> {
         if self.natural.len() != joints {
             let (what, found) = ("natural curvatures of a chain's joints", self.natural.len());
@@ -55,7 +55,7 @@ impl Springs {
 }
 
 /// A joint as its springs see it: the frames on its two sides and their distance.
-pub(super) struct Bend {
+pub(super) struct BendSpring {
     pub(super) distance: f64,
     /// `log(R_k^T R_l)`, the same in the frames of `k`, of `l` and the mean one.
     pub(super) angle: Vector3<f64>,
@@ -63,9 +63,9 @@ pub(super) struct Bend {
     pub(super) mean: Rotation3<f64>,
 }
 
-impl Chain {
+impl CylinderChain {
     /// The joints' frames, root to tip; `None` for a hinge of the root, which has no springs.
-    pub(super) fn bends(&self) -> Vec<Option<Bend>> {
+    pub(super) fn bends(&self) -> Vec<Option<BendSpring>> {
         let frame = |i: usize| self.segments[i].pose.rotation.to_rotation_matrix();
         let held = wall(self).map(|(_, frame)| {
             frame.map(|wall| {
@@ -87,7 +87,7 @@ impl Chain {
     /// (8.104), corrected. Zero for a hinge of the root.
     #[must_use]
     pub fn curvatures(&self) -> Vec<Vector3<f64>> {
-        let curvature = |bend: &Bend| bend.angle / bend.distance;
+        let curvature = |bend: &BendSpring| bend.angle / bend.distance;
         self.bends().iter().map(|b| b.as_ref().map_or_else(Vector3::zeros, curvature)).collect()
     }
 
@@ -152,7 +152,7 @@ impl Chain {
     }
 }
 
-fn bend(distance: f64, k: &Rotation3<f64>, l: &Rotation3<f64>) -> Bend {
+fn bend(distance: f64, k: &Rotation3<f64>, l: &Rotation3<f64>) -> BendSpring {
     let angle = so3::log(&(k.inverse() * l));
-    Bend { distance, angle, mean: k * so3::exp(&(0.5 * angle)) }
+    BendSpring { distance, angle, mean: k * so3::exp(&(0.5 * angle)) }
 }

@@ -1,11 +1,11 @@
 use crate::answers::LANES;
-use crate::{Answer, Answers, Body, Contact, ContactError, Eight};
+use crate::{Answer, Body, Contact, ContactError, DelassusBlocks, Eight};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::borrow::Cow;
 use std::ops::Range;
 
 /// A number for each of eight points.
-type Lanes = [f64; LANES];
+type PointLanes = [f64; LANES];
 
 /// What all contacts of some bodies do to each other: how points answer impulses on each other, and their
 /// velocities.
@@ -16,9 +16,9 @@ pub(crate) struct Delassus<'b> {
     velocities: Vec<Eight<f64>>,
     /// By how much each of these has changed, all ways together, since a contact there was looked at;
     /// [`WAITS`] while one is to be, and where there is no point.
-    changes: Vec<Lanes>,
+    changes: Vec<PointLanes>,
     /// By point of all bodies, if it is touched.
-    places: Vec<Option<Place>>,
+    places: Vec<Option<PatchPoint>>,
 }
 
 /// Less than any change.
@@ -29,17 +29,17 @@ const WAITS: f64 = f64::NEG_INFINITY;
 struct Patch<'b> {
     /// Where their velocities are.
     own: Range<usize>,
-    answers: Cow<'b, Answers>,
+    answers: Cow<'b, DelassusBlocks>,
 }
 
 /// A point: its patch, and which of all points it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct PatchPoint {
     pub(crate) patch: usize,
     pub(crate) point: usize,
 }
 
-impl Place {
+impl PatchPoint {
     /// The register of its patch and its place there.
     fn lane(self) -> (usize, usize) {
         (self.point / LANES, self.point % LANES)
@@ -89,7 +89,8 @@ impl<'b> Delassus<'b> {
         for (index, (body, asked)) in bodies.iter().zip(asked).enumerate() {
             let refused = |why: String| ContactError::Body { body: index, why };
             if let Some((points, matrix)) = asked {
-                let answers = Answers::new(&matrix).map_err(|error| refused(error.to_string()))?;
+                let answers =
+                    DelassusBlocks::new(&matrix).map_err(|error| refused(error.to_string()))?;
                 delassus.add(start, &points, Cow::Owned(answers), velocities);
             } else {
                 let groups = body.written_out().unwrap_or_default();
@@ -104,7 +105,7 @@ impl<'b> Delassus<'b> {
             }
             start += body.points();
         }
-        let of_none = Answers::new(&DMatrix::zeros(0, 0))?;
+        let of_none = DelassusBlocks::new(&DMatrix::zeros(0, 0))?;
         delassus.add(0, &[], Cow::Owned(of_none), &[]);
         delassus.velocities.push([[0.0; LANES]; 3]);
         delassus.changes.push([WAITS; LANES]);
@@ -116,7 +117,7 @@ impl<'b> Delassus<'b> {
         &mut self,
         start: usize,
         points: &[usize],
-        answers: Cow<'b, Answers>,
+        answers: Cow<'b, DelassusBlocks>,
         velocities: &[Vector3<f64>],
     ) {
         let count = points.len().div_ceil(LANES);
@@ -124,7 +125,7 @@ impl<'b> Delassus<'b> {
         self.velocities.resize(own.end, [[0.0; LANES]; 3]);
         self.changes.resize(own.end, [WAITS; LANES]);
         for (i, point) in points.iter().zip((LANES * own.start)..) {
-            let place = Place { patch: self.patches.len(), point };
+            let place = PatchPoint { patch: self.patches.len(), point };
             self.places[start + i] = Some(place);
             let (register, lane) = place.lane();
             for axis in 0..3 {
@@ -135,9 +136,11 @@ impl<'b> Delassus<'b> {
     }
 
     /// Where the points of a contact are.
-    pub(crate) fn places(&self, contact: &Contact) -> [Place; 2] {
-        let still =
-            Place { patch: self.patches.len() - 1, point: LANES * (self.velocities.len() - 1) };
+    pub(crate) fn places(&self, contact: &Contact) -> [PatchPoint; 2] {
+        let still = PatchPoint {
+            patch: self.patches.len() - 1,
+            point: LANES * (self.velocities.len() - 1),
+        };
         [Some(contact.first), contact.second]
             .map(|point| point.and_then(|i| self.places[i]).unwrap_or(still))
     }
@@ -149,7 +152,7 @@ impl<'b> Delassus<'b> {
 
     /// The contact's own answer, in its frame; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
-        let block = |of: Place, to: Place| {
+        let block = |of: PatchPoint, to: PatchPoint| {
             let Patch { own, answers } = &self.patches[to.patch];
             if of.patch != to.patch || own.is_empty() {
                 return Matrix3::zeros();
@@ -178,7 +181,7 @@ impl<'b> Delassus<'b> {
 
     /// The same, by where the points of the contact are.
     #[inline(always)]
-    pub(crate) fn relative(&self, contact: &Contact, places: [Place; 2]) -> Vector3<f64> {
+    pub(crate) fn relative(&self, contact: &Contact, places: [PatchPoint; 2]) -> Vector3<f64> {
         let [first, second] = places.map(|place| {
             let (register, lane) = place.lane();
             let of = &self.velocities[register];
@@ -194,13 +197,13 @@ impl<'b> Delassus<'b> {
 
     /// Lets an impulse act on the first of two points, and against it on the second.
     #[inline(always)]
-    pub(crate) fn push(&mut self, [first, second]: [Place; 2], impulse: &Vector3<f64>) {
+    pub(crate) fn push(&mut self, [first, second]: [PatchPoint; 2], impulse: &Vector3<f64>) {
         self.push_one(first, impulse);
         self.push_one(second, &-impulse);
     }
 
     #[inline(always)]
-    fn push_one(&mut self, Place { patch, point }: Place, impulse: &Vector3<f64>) {
+    fn push_one(&mut self, PatchPoint { patch, point }: PatchPoint, impulse: &Vector3<f64>) {
         let Patch { own, answers } = &self.patches[patch];
         if own.is_empty() {
             return;
@@ -236,7 +239,7 @@ impl<'b> Delassus<'b> {
 
     /// Says that points have been looked at.
     #[inline(always)]
-    pub(crate) fn look_at(&mut self, places: [Place; 2]) {
+    pub(crate) fn look_at(&mut self, places: [PatchPoint; 2]) {
         for place in places {
             let (register, lane) = place.lane();
             self.changes[register][lane] = 0.0;
@@ -251,7 +254,7 @@ fn act<T: Copy + Into<f64>>(
     [a, b, c]: [&[Eight<T>]; 3],
     impulse: &Vector3<f64>,
     velocities: &mut [Eight<f64>],
-    changes: &mut [Lanes],
+    changes: &mut [PointLanes],
 ) {
     let larger = |a: f64, b: f64| if a > b { a } else { b };
     let size = a.len();
@@ -262,7 +265,7 @@ fn act<T: Copy + Into<f64>>(
         let (mut v, mut most) = (velocities[i], [0.0; LANES]);
         for axis in 0..3 {
             let (a, b, c) = (a[axis], b[axis], c[axis]);
-            let change: Lanes = std::array::from_fn(|lane| {
+            let change: PointLanes = std::array::from_fn(|lane| {
                 a[lane].into() * impulse.x + b[lane].into() * impulse.y + c[lane].into() * impulse.z
             });
             v[axis] = std::array::from_fn(|lane| v[axis][lane] + change[lane]);
@@ -276,7 +279,7 @@ fn act<T: Copy + Into<f64>>(
 }
 
 /// Whether groups have each of so many points once, and its answers.
-fn each_once(count: usize, groups: &[(&[usize], &Answers)]) -> bool {
+fn each_once(count: usize, groups: &[(&[usize], &DelassusBlocks)]) -> bool {
     let mut points: Vec<usize> = groups.iter().flat_map(|(points, _)| *points).copied().collect();
     points.sort_unstable();
     points.into_iter().eq(0..count)

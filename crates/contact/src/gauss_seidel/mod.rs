@@ -12,7 +12,7 @@ mod search;
 use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
 use delassus::finite;
 use nalgebra::Vector3;
-use search::Search;
+use search::ImpulseSearch;
 
 pub(crate) use delassus::Delassus;
 
@@ -79,6 +79,6 @@ impl Solver for GaussSeidel {
         }
         finite("component of a starting impulse", impulses)?;
         let delassus = Delassus::new(bodies, contacts, velocities)?;
-        Ok(Search::new(self, delassus, contacts, impulses).run(impulses))
+        Ok(ImpulseSearch::new(self, delassus, contacts, impulses).run(impulses))
     }
 }

@@ -1,7 +1,7 @@
 use super::GaussSeidel;
-use super::delassus::{Delassus, Place};
+use super::delassus::{Delassus, PatchPoint};
 use super::queue::Queue;
-use crate::local::Local;
+use crate::local::LocalProblem;
 use crate::residual::{report, slips};
 use crate::{Contact, Report, Tolerance, Violation};
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ const LOOKS: usize = 2;
 #[repr(align(64))]
 struct Site {
     contact: Contact,
-    places: [Place; 2],
+    places: [PatchPoint; 2],
     impulse: Vector3<f64>,
     /// The mass that compares its impulse and its velocity.
     weight: f64,
@@ -35,12 +35,12 @@ impl Borrow<Contact> for Site {
 }
 
 /// A search, with the velocities while the impulses found so far act.
-pub(super) struct Search<'a> {
+pub(super) struct ImpulseSearch<'a> {
     solver: &'a GaussSeidel,
     delassus: Delassus<'a>,
     sites: Vec<Site>,
     /// By contact: what it needs to be solved.
-    locals: Vec<Local>,
+    locals: Vec<LocalProblem>,
     /// By point: the contacts there, from a start to the next.
     starts: Vec<u32>,
     at_points: Vec<u32>,
@@ -77,20 +77,20 @@ impl Pass {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> ImpulseSearch<'a> {
     pub(super) fn new(
         solver: &'a GaussSeidel,
         delassus: Delassus<'a>,
         contacts: &[Contact],
         impulses: &[Vector3<f64>],
     ) -> Self {
-        let site = |((contact, local), &impulse): ((&Contact, &Local), &Vector3<f64>)| {
+        let site = |((contact, local), &impulse): ((&Contact, &LocalProblem), &Vector3<f64>)| {
             let trace = local.response.trace() + 3.0 * contact.compliance;
             // What cannot move has no weight of its own: any will do.
             let weight = if trace > 0.0 { 3.0 / trace } else { 1.0 };
             Site { contact: contact.clone(), places: delassus.places(contact), impulse, weight }
         };
-        let local = |contact| Local::new(contact, &delassus.own_response(contact));
+        let local = |contact| LocalProblem::new(contact, &delassus.own_response(contact));
         let locals: Vec<_> = contacts.iter().map(local).collect();
         let sites: Vec<_> = contacts.iter().zip(&locals).zip(impulses).map(site).collect();
         let mut starts = vec![0; delassus.len() + 1];
@@ -240,7 +240,7 @@ fn relaxed(
 
 /// Solves contacts that are wrong until none is. Tells how many solves that took.
 struct Relax<'s, 'a> {
-    search: &'s mut Search<'a>,
+    search: &'s mut ImpulseSearch<'a>,
     pass: Pass,
 }
 

@@ -28,11 +28,11 @@ pub fn solve_contact(
     response: &Matrix3<f64>,
     free: &Vector3<f64>,
 ) -> Vector3<f64> {
-    Local::new(contact, response).solve(contact, free)
+    LocalProblem::new(contact, response).solve(contact, free)
 }
 
 /// What a contact and its own answer are, whatever the velocity.
-pub(crate) struct Local {
+pub(crate) struct LocalProblem {
     pub(crate) response: Matrix3<f64>,
     /// What keeps it from being singular, added to its diagonal.
     softness: Vector3<f64>,
@@ -40,7 +40,7 @@ pub(crate) struct Local {
     factors: Option<Factors>,
 }
 
-impl Local {
+impl LocalProblem {
     pub(crate) fn new(contact: &Contact, response: &Matrix3<f64>) -> Self {
         let mut local = Self { response: *response, softness: Vector3::zeros(), factors: None };
         let bare = local.bare(contact);

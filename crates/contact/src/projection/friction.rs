@@ -1,5 +1,5 @@
-use super::group::{Group, Link, Row};
-use super::{Differences, Form, Polygon, active_set, program};
+use super::group::{GroupContact, ProjectionGroup, TwistForm};
+use super::{Differences, Form, PolygonalCone, active_set, program};
 use crate::ContactError;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 
@@ -21,7 +21,7 @@ const UNCOUPLED: f64 = 1e-12;
 /// are the impulses `p` along the contacts' tangents, as (8.58) has it; the printed half planes on
 /// `M u` alone would leave four of a body's six directions unbounded.
 pub(super) fn project(
-    group: &Group<'_>,
+    group: &ProjectionGroup<'_>,
     plus: &[Vector6<f64>],
     bouncing: &[Vector6<f64>],
     impulses: &[f64],
@@ -30,7 +30,7 @@ pub(super) fn project(
     let loaded: Vec<usize> = (0..group.links.len())
         .filter(|&i| impulses[i] > 0.0 && !group.links[i].friction.is_frictionless())
         .collect();
-    let tangents: Vec<&Row> = loaded.iter().flat_map(|&i| &group.links[i].tangents).collect();
+    let tangents: Vec<&TwistForm> = loaded.iter().flat_map(|&i| &group.links[i].tangents).collect();
     if tangents.is_empty() {
         return Ok(vec![Vector6::zeros(); plus.len()]);
     }
@@ -38,8 +38,8 @@ pub(super) fn project(
         Form::AsPrinted => plus,
         Form::Corrected => bouncing,
     };
-    let normals: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
-    let room = |link: &Link<'_>| match form.objective {
+    let normals: Vec<&TwistForm> = group.links.iter().map(|link| &link.normal).collect();
+    let room = |link: &GroupContact<'_>| match form.objective {
         // Asked of friction's own change of velocity.
         Form::AsPrinted => 0.0,
         Form::Corrected => link.normal.velocity(velocity) + link.closing,
@@ -59,7 +59,7 @@ pub(super) fn project(
     };
     let p = match form.objective {
         Form::AsPrinted => {
-            let twists = |row: &Row| {
+            let twists = |row: &TwistForm| {
                 let answer = group.answer(Form::Corrected, std::iter::once((row, 1.0)));
                 answer.iter().zip(velocity).map(|(a, u)| a.dot(u)).sum()
             };
@@ -86,7 +86,7 @@ pub(super) struct Tangential<'a> {
     /// By how much each normal velocity may fall; less than zero is none.
     pub(super) room: Vec<f64>,
     /// Normal impulses, and the limit curves for a unit of each.
-    pub(super) limits: Vec<(f64, &'a Polygon)>,
+    pub(super) limits: Vec<(f64, &'a PolygonalCone)>,
     /// Whose half planes friction is in.
     pub(super) set: Form,
 }

@@ -1,18 +1,18 @@
 use super::touch::effective_mass;
-use super::{Differences, Form, Partner, Polygon, Touch};
+use super::{Differences, Form, Partner, PolygonalCone, Touch};
 use crate::rigid::{angular, linear, stack};
 use crate::{ContactError, RigidBody};
 use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 
 /// A direction at a contact as a linear form on the twists of a group's bodies.
-pub(super) struct Row {
+pub(super) struct TwistForm {
     /// Body of the group, and the wrench `(d, r x d)` that a unit impulse exerts on it.
     sides: Vec<(usize, Vector6<f64>)>,
     /// Velocity along the direction that is taken off: that of the other side.
     pub(super) given: f64,
 }
 
-impl Row {
+impl TwistForm {
     /// The form applied to one vector per body.
     pub(super) fn apply(&self, vectors: &[Vector6<f64>]) -> f64 {
         self.sides.iter().map(|(body, wrench)| wrench.dot(&vectors[*body])).sum()
@@ -36,24 +36,24 @@ impl Row {
 }
 
 /// A contact as a group sees it.
-pub(super) struct Link<'a> {
-    pub(super) normal: Row,
-    pub(super) tangents: [Row; 2],
+pub(super) struct GroupContact<'a> {
+    pub(super) normal: TwistForm,
+    pub(super) tangents: [TwistForm; 2],
     /// The normal row is the contact's unit normal times this: 1, or the inverse norm of (8.65).
     pub(super) normal_scale: f64,
     pub(super) closing: f64,
-    pub(super) friction: &'a Polygon,
+    pub(super) friction: &'a PolygonalCone,
 }
 
 /// Bodies that are projected together, with their contacts.
-pub(super) struct Group<'a> {
+pub(super) struct ProjectionGroup<'a> {
     /// Indices among all bodies.
     pub(super) members: Vec<usize>,
     masses: Vec<(f64, Matrix3<f64>, Matrix3<f64>)>,
-    pub(super) links: Vec<Link<'a>>,
+    pub(super) links: Vec<GroupContact<'a>>,
 }
 
-impl<'a> Group<'a> {
+impl<'a> ProjectionGroup<'a> {
     /// The bodies `members` (by rising index) with the contacts of `touches` that are on one of
     /// them. What is not a member moves as given or, a body, as a plastic impact would have it
     /// (8.67).
@@ -72,7 +72,7 @@ impl<'a> Group<'a> {
                 Form::Corrected => 1.0,
             };
             normal.scale(normal_scale);
-            links.push(Link {
+            links.push(GroupContact {
                 normal,
                 tangents: [t1, t2],
                 normal_scale,
@@ -100,7 +100,7 @@ impl<'a> Group<'a> {
     pub(super) fn answer<'r>(
         &self,
         metric: Form,
-        impulses: impl Iterator<Item = (&'r Row, f64)>,
+        impulses: impl Iterator<Item = (&'r TwistForm, f64)>,
     ) -> Vec<Vector6<f64>> {
         let mut sums = vec![Vector6::zeros(); self.members.len()];
         for (row, impulse) in impulses {
@@ -115,7 +115,7 @@ impl<'a> Group<'a> {
     }
 
     /// `J_a M^-1 J_b^T`, or `J_a J_b^T`, for all pairs of rows.
-    pub(super) fn gram(&self, metric: Form, a: &[&Row], b: &[&Row]) -> DMatrix<f64> {
+    pub(super) fn gram(&self, metric: Form, a: &[&TwistForm], b: &[&TwistForm]) -> DMatrix<f64> {
         let mut gram = DMatrix::zeros(a.len(), b.len());
         for (j, second) in b.iter().enumerate() {
             for (body, wrench) in &second.sides {
@@ -131,7 +131,7 @@ impl<'a> Group<'a> {
     }
 
     /// `J M^-1 J^T` of one row.
-    pub(super) fn own(&self, row: &Row) -> f64 {
+    pub(super) fn own(&self, row: &TwistForm) -> f64 {
         let square = |(body, wrench): &(usize, Vector6<f64>)| {
             wrench.dot(&self.divide(Form::Corrected, *body, wrench))
         };
@@ -149,7 +149,12 @@ impl<'a> Group<'a> {
     }
 }
 
-fn row(bodies: &[RigidBody], touch: &Touch, members: &[usize], direction: &Vector3<f64>) -> Row {
+fn row(
+    bodies: &[RigidBody],
+    touch: &Touch,
+    members: &[usize],
+    direction: &Vector3<f64>,
+) -> TwistForm {
     let wrench =
         |body: usize| stack(direction, &(touch.point - bodies[body].center()).cross(direction));
     let mut sides = Vec::with_capacity(2);
@@ -172,7 +177,7 @@ fn row(bodies: &[RigidBody], touch: &Touch, members: &[usize], direction: &Vecto
             }
         }
     };
-    Row { sides, given }
+    TwistForm { sides, given }
 }
 
 /// (8.67), for any direction: the mean of both sides' velocities at the contact, weighted by their

@@ -23,7 +23,7 @@ mod solver;
 mod step;
 mod touch;
 
-pub use polygon::Polygon;
+pub use polygon::PolygonalCone;
 pub use solver::TwoProjections;
 pub use step::{moreau_step, project};
 pub use touch::{Partner, Touch};

@@ -1,4 +1,4 @@
-use super::group::{Group, Row};
+use super::group::{ProjectionGroup, TwistForm};
 use super::{Differences, Form, active_set, program};
 use crate::ContactError;
 use nalgebra::{DMatrix, DVector, Vector6};
@@ -14,12 +14,12 @@ pub(super) struct Normal {
 /// Lines 5 to 7 of Alg. 6: the twists nearest to `before` that no contact forbids, by the
 /// program's dual, `min 1/2 l^T G l + l^T (J u- - v_N)` over `l >= 0` with `G = J M^-1 J^T`.
 pub(super) fn project(
-    group: &Group<'_>,
+    group: &ProjectionGroup<'_>,
     before: &[Vector6<f64>],
     restitution: f64,
     form: &Differences,
 ) -> Result<Normal, ContactError> {
-    let rows: Vec<&Row> = group.links.iter().map(|link| &link.normal).collect();
+    let rows: Vec<&TwistForm> = group.links.iter().map(|link| &link.normal).collect();
     let gram = group.gram(form.metric, &rows, &rows);
     let slack = DVector::from_iterator(
         rows.len(),

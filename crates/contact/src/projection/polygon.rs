@@ -9,14 +9,14 @@ use std::f64::consts::PI;
 /// A direction whose point is inside the hull of the others has no effect, so that the condition of
 /// convexity after (8.48) need not be asked for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Polygon {
+pub struct PolygonalCone {
     /// Unit directions with their coefficients, by rising angle.
     spokes: Vec<(Vector2<f64>, f64)>,
     /// `a . p <= b` for every pair, for a unit normal force.
     hull: Vec<(Vector2<f64>, f64)>,
 }
 
-impl Polygon {
+impl PolygonalCone {
     /// A curve from (angle from `t1` to `t2` in rad, coefficient of friction in that direction of
     /// the force).
     ///

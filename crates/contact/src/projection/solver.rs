@@ -1,5 +1,5 @@
 use super::friction::Tangential;
-use super::{Form, Polygon, normal};
+use super::{Form, PolygonalCone, normal};
 use crate::solver::{check, respond};
 use crate::{Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance, report};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
@@ -38,7 +38,7 @@ impl TwoProjections {
         Self { tolerance, friction_set: Form::Corrected, corners: 8 }
     }
 
-    fn polygon(&self, curve: &LimitCurve) -> Result<Polygon, ContactError> {
+    fn polygon(&self, curve: &LimitCurve) -> Result<PolygonalCone, ContactError> {
         let around = |count: usize| {
             (0..count).map(move |i| {
                 let angle = TAU * i as f64 / count as f64;
@@ -47,14 +47,14 @@ impl TwoProjections {
             })
         };
         let LimitCurve::Polygon(polygon) = curve else {
-            return Polygon::new(&around(self.corners).collect::<Vec<_>>());
+            return PolygonalCone::new(&around(self.corners).collect::<Vec<_>>());
         };
         let corners = polygon.vertices().iter().filter(|corner| **corner != Vector2::zeros());
         let mut spokes: Vec<_> = corners.map(|p| (p.y.atan2(p.x), p.norm())).collect();
-        Polygon::new(&spokes).or_else(|_| {
+        PolygonalCone::new(&spokes).or_else(|_| {
             // The curve has no corners on one side of the origin.
             spokes.extend(around(4));
-            Polygon::new(&spokes)
+            PolygonalCone::new(&spokes)
         })
     }
 

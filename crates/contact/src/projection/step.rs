@@ -1,4 +1,4 @@
-use super::group::Group;
+use super::group::ProjectionGroup;
 use super::{Differences, Form, Partner, Touch, friction, normal};
 use crate::{ContactError, RigidBody};
 use nalgebra::{Vector3, Vector6};
@@ -36,7 +36,7 @@ pub fn project(
     let touched: Vec<usize> = (0..bodies.len()).filter(|&b| !on_body[b].is_empty()).collect();
     let solve = |members: Vec<usize>, indices: &mut dyn Iterator<Item = usize>| {
         let touches = indices.map(|i| (i, &touches[i]));
-        let group = Group::new(bodies, touches, members, form)?;
+        let group = ProjectionGroup::new(bodies, touches, members, form)?;
         let after = respond(&group, bodies, restitution, form)?;
         Ok(group.members.into_iter().zip(after).collect::<Vec<_>>())
     };
@@ -54,7 +54,7 @@ pub fn project(
 }
 
 fn respond(
-    group: &Group<'_>,
+    group: &ProjectionGroup<'_>,
     bodies: &[RigidBody],
     restitution: f64,
     form: &Differences,

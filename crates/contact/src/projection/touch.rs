@@ -1,4 +1,4 @@
-use super::Polygon;
+use super::PolygonalCone;
 use crate::{ContactError, RigidBody};
 use nalgebra::{Point3, Vector3};
 
@@ -30,7 +30,7 @@ pub struct Touch {
     /// left; zero where the bodies touch or overlap; negative where they must part.
     pub closing: f64,
     /// Limit curve of the friction that acts on the body.
-    pub friction: Polygon,
+    pub friction: PolygonalCone,
 }
 
 impl Touch {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
-use rapunzel_contact::{Answer as OfPoint, Answers, ContactError, Eight};
+use rapunzel_contact::{Answer as OfPoint, ContactError, DelassusBlocks, Eight};
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 
@@ -15,7 +15,7 @@ const COLUMNS: usize = 4;
 pub(super) struct FiberDelassus {
     /// Which points they are, from root to tip.
     points: Vec<usize>,
-    own: Answers,
+    own: DelassusBlocks,
     /// Answers of the points with masses added to them.
     weighted: WeightedDelassus,
 }
@@ -35,7 +35,8 @@ impl FiberDelassus {
     /// The operator of given responses, in single precision unless `exact`.
     pub(super) fn new(own: PointResponses, exact: bool) -> Result<Self, ContactError> {
         let PointResponses { points, matrix } = own;
-        let own = if exact { Answers::new(&matrix)? } else { Answers::rounded(&matrix)? };
+        let own =
+            if exact { DelassusBlocks::new(&matrix)? } else { DelassusBlocks::rounded(&matrix)? };
         Ok(Self { points, own, weighted: WeightedDelassus::NONE })
     }
 
@@ -60,7 +61,7 @@ impl FiberDelassus {
     }
 
     /// The points and their answers without masses.
-    pub(super) fn own(&self) -> (&[usize], &Answers) {
+    pub(super) fn own(&self) -> (&[usize], &DelassusBlocks) {
         (&self.points, &self.own)
     }
 
@@ -126,7 +127,7 @@ fn stride(size: usize) -> usize {
 
 /// Adds masses; of the matrix that is left, with its stride, the lower triangle is right.
 struct AddMasses<'a> {
-    answers: &'a Answers,
+    answers: &'a DelassusBlocks,
     masses: Vec<f64>,
 }
 

@@ -3,7 +3,7 @@
 use super::delassus::{DelassusProduct, FiberDelassus, InertiaKind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
-use rapunzel_contact::{Answers, Body, ContactError};
+use rapunzel_contact::{Body, ContactError, DelassusBlocks};
 use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
 
 /// Multiplications that a pass over a segment costs, and lanes that a pass serves at once: what a
@@ -148,7 +148,7 @@ impl Body for GroupBody<'_> {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         let DelassusCache { answers, .. } = self.written.as_ref()?;
         Some(answers.iter().map(FiberDelassus::own).collect())
     }

@@ -11,19 +11,19 @@ mod common;
 mod curls;
 mod sweeps;
 
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 7] = [
-    Entry { number: "2.3", title: "Stress over strain", draw: sweeps::tension },
-    Entry { number: "2.11", title: "Water and swelling", draw: sweeps::water },
-    Entry { number: "2.12", title: "Curl retention over humidity", draw: curls::retention },
-    Entry { number: "2.14", title: "Young's modulus over temperature", draw: sweeps::warmth },
-    Entry { number: "2.16", title: "Moduli over humidity", draw: sweeps::moduli },
-    Entry { number: "2.17", title: "Torsion after treatments", draw: sweeps::torsion },
-    Entry { number: "2.4.10", title: "Electric resistance", draw: sweeps::resistance },
+const FIGURES: [FigureEntry<Draw>; 7] = [
+    FigureEntry { number: "2.3", title: "Stress over strain", draw: sweeps::tension },
+    FigureEntry { number: "2.11", title: "Water and swelling", draw: sweeps::water },
+    FigureEntry { number: "2.12", title: "Curl retention over humidity", draw: curls::retention },
+    FigureEntry { number: "2.14", title: "Young's modulus over temperature", draw: sweeps::warmth },
+    FigureEntry { number: "2.16", title: "Moduli over humidity", draw: sweeps::moduli },
+    FigureEntry { number: "2.17", title: "Torsion after treatments", draw: sweeps::torsion },
+    FigureEntry { number: "2.4.10", title: "Electric resistance", draw: sweeps::resistance },
 ];
 
 fn main() -> ExitCode {

@@ -4,12 +4,12 @@ use approx::assert_relative_eq;
 use nalgebra::{DVector, Point2, Point3, Vector2, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_mass_spring::{
-    Ball, Body, Cells, Columns, Contacts, Element, Lattice, Leapfrog, Obstacle, Place, Spring,
-    SpringError, Surface, System,
+    Cells, Contacts, Element, Lattice, LatticeBody, Leapfrog, NodeVectors, Obstacle, PlaceMatrix,
+    RoundBody, Spring, SpringError, Surface, System,
 };
 use std::f64::consts::TAU;
 
-fn unit_beam(body: Body) -> (Lattice, System<2>) {
+fn unit_beam(body: LatticeBody) -> (Lattice, System<2>) {
     let lattice = body.lattice(1.0, Element::unit(1.0 / TAU)).expect("a body");
     let system = lattice.build(Point2::origin()).expect("a body");
     (lattice, system)
@@ -18,7 +18,7 @@ fn unit_beam(body: Body) -> (Lattice, System<2>) {
 #[test]
 fn a_rectangular_cell_stays_folded_and_a_triangular_one_does_not() {
     let folded = |cells: Cells| {
-        let place = Place::free(10, 10).expect("a size");
+        let place = PlaceMatrix::free(10, 10).expect("a size");
         let mut net = Lattice::net(place, 5.0, cells);
         net.element = Element { drag: 5.0, ..Element::unit(5.0) };
         let mut system: System<2> = net.build(Point2::origin()).expect("a net");
@@ -37,7 +37,7 @@ fn a_rectangular_cell_stays_folded_and_a_triangular_one_does_not() {
 #[test]
 fn every_corner_of_a_triangular_net_has_a_diagonal() {
     for (rows, columns) in [(2, 2), (3, 3), (2, 7), (10, 10), (9, 10), (9, 11)] {
-        let place = Place::free(rows, columns).expect("a size");
+        let place = PlaceMatrix::free(rows, columns).expect("a size");
         let net: System<2> =
             Lattice::net(place, 5.0, Cells::Triangular).build(Point2::origin()).expect("a net");
         let sides = rows * (columns - 1) + columns * (rows - 1);
@@ -55,7 +55,7 @@ fn every_corner_of_a_triangular_net_has_a_diagonal() {
 /// linear theory of its own stiffness: at the load where the second derivative of the energy of the
 /// straight beam under it is singular.
 fn euler_load() -> f64 {
-    let (lattice, system) = unit_beam(Body::ThinBeamGuided);
+    let (lattice, system) = unit_beam(LatticeBody::ThinBeamGuided);
     let lowest = |load: f64| {
         let loaded = straight(&lattice, &system, load);
         loaded.linearized().expect("small").modes().squares[0]
@@ -89,7 +89,7 @@ fn straight(lattice: &Lattice, system: &System<2>, load: f64) -> System<2> {
 fn a_thin_beam_buckles_at_the_load_of_euler() {
     // The stiffness against bending of the discrete beam, from its own linear deflection: fixed and
     // guided at the ends in one case, free in the other.
-    let (lattice, system) = unit_beam(Body::ThinBeam);
+    let (lattice, system) = unit_beam(LatticeBody::ThinBeam);
     let force = 1e-6;
     let linear = system.linearized().expect("small");
     let mut load = DVector::zeros(2 * system.nodes());
@@ -114,7 +114,7 @@ fn a_thin_beam_buckles_at_the_load_of_euler() {
     assert!((found / euler - 1.0).abs() < 0.05, "buckles at {found}, Euler says {euler}");
 
     // And it does: a nudge grows above the load, and not below.
-    let (lattice, system) = unit_beam(Body::ThinBeamGuided);
+    let (lattice, system) = unit_beam(LatticeBody::ThinBeamGuided);
     let middle = lattice.node(1, 8);
     let deflected = |load: f64| {
         let mut beam = straight(&lattice, &system, load);
@@ -135,7 +135,7 @@ fn a_thin_beam_buckles_at_the_load_of_euler() {
 
 #[test]
 fn a_moving_clamp_presses_the_beam() {
-    let (lattice, mut system) = unit_beam(Body::ThinBeamGuided);
+    let (lattice, mut system) = unit_beam(LatticeBody::ThinBeamGuided);
     let edge = lattice.node(0, 15);
     // One node is held, and its edge follows.
     system.hold(edge, Vector2::new(-0.01, 0.0)).expect("there");
@@ -155,7 +155,7 @@ fn a_moving_clamp_presses_the_beam() {
 
 #[test]
 fn a_cube_under_its_lid_is_compressed_evenly() {
-    let (lattice, mut system) = unit_beam(Body::CubeUnderLid);
+    let (lattice, mut system) = unit_beam(LatticeBody::CubeUnderLid);
     for column in 0..10 {
         system.set_load(lattice.node(0, column), Vector2::new(0.0, -0.01)).expect("there");
     }
@@ -180,9 +180,13 @@ fn a_cube_under_its_lid_is_compressed_evenly() {
 
 #[test]
 fn all_five_bodies_stand_in_gravity() {
-    for body in
-        [Body::ThinBeamGuided, Body::ThinBeam, Body::Cube, Body::CubeUnderLid, Body::ThickBeam]
-    {
+    for body in [
+        LatticeBody::ThinBeamGuided,
+        LatticeBody::ThinBeam,
+        LatticeBody::Cube,
+        LatticeBody::CubeUnderLid,
+        LatticeBody::ThickBeam,
+    ] {
         let (_, mut system) = unit_beam(body);
         system.set_gravity(Vector2::new(0.0, -2e-5)).expect("finite");
         let rest = system.energy().total();
@@ -204,7 +208,7 @@ fn touching<const D: usize>(system: &System<D>, friction: f64) -> Contacts {
 
 #[test]
 fn a_ring_on_the_ground_keeps_its_area() {
-    let mut ball = Ball::of_the_text(0.5, 15.0);
+    let mut ball = RoundBody::of_the_text(0.5, 15.0);
     ball.element.damping_ratio = 0.1;
     let (mut ring, area) = ball.ring(Point2::new(0.0, 0.8), 14).expect("a ring");
     ring.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
@@ -230,7 +234,7 @@ fn a_ring_on_the_ground_keeps_its_area() {
 
 #[test]
 fn a_ball_that_is_pressed_keeps_its_volume() {
-    let mut ball = Ball::of_the_text(0.5, 10.0);
+    let mut ball = RoundBody::of_the_text(0.5, 10.0);
     ball.element.drag = 20.0;
     let (mut system, volume) = ball.sphere(Point3::origin(), 4).expect("a ball");
     assert!((volume.rest_measure() / (0.125 * TAU * 2.0 / 3.0) - 1.0).abs() < 0.1);
@@ -281,7 +285,7 @@ fn springs_beyond_their_limit_stay_longer() {
 
 #[test]
 fn a_node_fixed_to_another_follows_it() {
-    let place = Place::flag(3, 3).expect("a size");
+    let place = PlaceMatrix::flag(3, 3).expect("a size");
     let net = Lattice::net(place, 5.0, Cells::Triangular);
     let mut system: System<2> = net.build(Point2::origin()).expect("a net");
     system.pin_to(8, 4).expect("there");
@@ -295,26 +299,28 @@ fn a_node_fixed_to_another_follows_it() {
 
 #[test]
 fn nonsense_is_refused_by_name() {
-    let unknown = Place::new(&["1t2", "lxr", "4b3"]).expect_err("x is no letter");
+    let unknown = PlaceMatrix::new(&["1t2", "lxr", "4b3"]).expect_err("x is no letter");
     assert_eq!(
         unknown.to_string(),
         "the place matrix has 'x' in row 1, column 1; the letters are f m t b l r 1 2 3 4 h v"
     );
-    let shape = Place::new(&["1t2", "lr", "4b3"]).expect_err("a short row");
+    let shape = PlaceMatrix::new(&["1t2", "lr", "4b3"]).expect_err("a short row");
     assert_eq!(
         shape.to_string(),
         "the place matrix has 2 letters in row 1, but needs 3 in every row and at least two rows"
     );
     assert!(
-        Place::new(&["12"]).is_err() && Place::new(&[]).is_err() && Place::new(&["1"]).is_err()
+        PlaceMatrix::new(&["12"]).is_err()
+            && PlaceMatrix::new(&[]).is_err()
+            && PlaceMatrix::new(&["1"]).is_err()
     );
-    let rim = Place::new(&["mm", "mm"]).expect_err("no neighbors above");
+    let rim = PlaceMatrix::new(&["mm", "mm"]).expect_err("no neighbors above");
     assert!(rim.to_string().contains("above"), "{rim}");
     // A slit down the middle is none: both sides agree.
-    let slit = Place::new(&["1212", "4343"]).expect("letters that agree");
+    let slit = PlaceMatrix::new(&["1212", "4343"]).expect("letters that agree");
     let two = Lattice {
         place: slit,
-        ..Lattice::net(Place::free(2, 4).expect("a size"), 1.0, Cells::Triangular)
+        ..Lattice::net(PlaceMatrix::free(2, 4).expect("a size"), 1.0, Cells::Triangular)
     };
     assert_eq!(two.build::<2>(Point2::origin()).expect("two nets").springs(), 10);
 
@@ -342,7 +348,7 @@ fn nonsense_is_refused_by_name() {
         let refused = Leapfrog::new().advance(&mut two, dt, 1);
         assert!(matches!(refused, Err(SpringError::Parameter { .. })), "{refused:?}");
     }
-    two.set_velocities(&Columns::of(&[Vector2::zeros(), Vector2::new(1e308, 0.0)]))
+    two.set_velocities(&NodeVectors::of(&[Vector2::zeros(), Vector2::new(1e308, 0.0)]))
         .expect("finite");
     let blown = Leapfrog::new().advance(&mut two, 1e3, 5).expect_err("too fast");
     let text = blown.to_string();
@@ -355,7 +361,7 @@ fn nonsense_is_refused_by_name() {
 #[test]
 fn a_pressed_ring_leaves_its_saddle() {
     let element = Element::unit(3.0_f64.sqrt() / TAU);
-    let ball = Ball { radius: 1.0, element, radial: 1.0 / 3.0, tau: 0.2 };
+    let ball = RoundBody { radius: 1.0, element, radial: 1.0 / 3.0, tau: 0.2 };
     let (mut ring, _) = ball.ring(Point2::origin(), 20).expect("a ring");
     let mut x = ring.positions().clone();
     x.set(6, &Vector2::new(0.0, 0.55));

@@ -3,20 +3,20 @@
 use approx::assert_relative_eq;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use rapunzel_mass_spring::{
-    Cells, Chain, Columns, Element, Energy, ImplicitEuler, Lattice, Leapfrog, Place, Rope,
-    SpringError, System, runge_kutta,
+    Cells, Element, ImplicitEuler, Lattice, Leapfrog, NodeVectors, PlaceMatrix, RigidChain, Rope,
+    SpringEnergy, SpringError, System, runge_kutta,
 };
 use std::f64::consts::{PI, TAU};
 
 /// A free triangular net that turns and swings.
 fn flying() -> System<2> {
-    let place = Place::free(4, 5).expect("a size");
+    let place = PlaceMatrix::free(4, 5).expect("a size");
     let mut net = Lattice::net(place, 5.0, Cells::Triangular);
     net.element = Element::unit(5.0);
     let mut system = net.build(Point2::origin()).expect("a net");
     let velocity = |n: usize| Vector2::new((n as f64).sin(), 0.4 * (1.3 * n as f64).cos());
     let velocities: Vec<_> = (0..system.nodes()).map(velocity).collect();
-    system.set_velocities(&Columns::of(&velocities)).expect("finite");
+    system.set_velocities(&NodeVectors::of(&velocities)).expect("finite");
     system
 }
 
@@ -73,7 +73,7 @@ fn the_leapfrog_goes_back_the_way_it_came() {
     let mut leapfrog = Leapfrog::new();
     leapfrog.advance(&mut system, dt, 500).expect("stable");
     let back: Vec<_> = (0..system.nodes()).map(|n| -system.velocity(n)).collect();
-    system.set_velocities(&Columns::of(&back)).expect("finite");
+    system.set_velocities(&NodeVectors::of(&back)).expect("finite");
     leapfrog.advance(&mut system, dt, 500).expect("stable");
     for node in 0..system.nodes() {
         // Rounding errors of 500 steps, which chaos enlarges.
@@ -98,7 +98,7 @@ fn runge_kutta_is_of_fourth_order_also_in_wind() {
     let end = |steps: usize| {
         let mut system = flying();
         system.set_drag(0.5).expect("positive");
-        let mut wind = rapunzel_mass_spring::Wind::steady(Vector2::new(1.0, 0.0));
+        let mut wind = rapunzel_mass_spring::WindField::steady(Vector2::new(1.0, 0.0));
         (wind.pulse, wind.period) = (Vector2::new(0.0, 3.0), 0.4);
         system.set_wind(wind).expect("finite");
         runge_kutta(&mut system, 0.5 / steps as f64, steps).expect("finite");
@@ -114,7 +114,7 @@ fn the_leapfrog_is_of_second_order_in_drag_and_wind() {
     let end = |steps: usize| {
         let mut system = flying();
         system.set_drag(2.0).expect("positive");
-        let mut wind = rapunzel_mass_spring::Wind::steady(Vector2::new(1.0, 0.0));
+        let mut wind = rapunzel_mass_spring::WindField::steady(Vector2::new(1.0, 0.0));
         (wind.pulse, wind.period) = (Vector2::new(0.0, 3.0), 0.4);
         system.set_wind(wind).expect("finite");
         Leapfrog::new().advance(&mut system, 0.5 / steps as f64, steps).expect("stable");
@@ -153,7 +153,7 @@ fn one_mass_on_one_spring_swings_at_its_frequency() {
 #[test]
 fn above_the_limit_only_the_implicit_step_holds() {
     // One node is nudged sideways in a net at rest.
-    let place = Place::flag(6, 6).expect("a size");
+    let place = PlaceMatrix::flag(6, 6).expect("a size");
     let net = Lattice::net(place, 20.0, Cells::Triangular).build(Point3::origin()).expect("a net");
     let mut nudge = net.velocities().clone();
     nudge.set(20, &Vector3::new(0.01, 0.02, -0.01));
@@ -185,7 +185,7 @@ fn above_the_limit_only_the_implicit_step_holds() {
 }
 
 /// Energy of a damped system.
-fn settled(mut system: System<2>) -> (System<2>, Energy) {
+fn settled(mut system: System<2>) -> (System<2>, SpringEnergy) {
     system.find_equilibrium(1e-11).expect("a hanging rope");
     let energy = system.energy();
     (system, energy)
@@ -222,7 +222,7 @@ fn every_integrator_comes_to_the_same_rest() {
 
 #[test]
 fn dampers_take_energy_and_no_momentum() {
-    let mut net = Lattice::net(Place::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
+    let mut net = Lattice::net(PlaceMatrix::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
     net.element = Element { damping_ratio: 0.2, ..Element::unit(5.0) };
     let mut system = net.build(Point2::origin()).expect("a net");
     system.set_velocities(flying().velocities()).expect("finite");
@@ -255,7 +255,7 @@ fn a_chain_swings_without_stretching() {
     let start = system.energy().total();
     let wander = |dt: f64, steps: usize| {
         let mut system = system.clone();
-        let mut chain = Chain::new();
+        let mut chain = RigidChain::new();
         let deviation = |_| {
             chain.advance(&mut system, dt, 1).expect("a chain");
             for k in 0..10 {
@@ -284,7 +284,7 @@ fn a_chain_of_one_link_is_a_pendulum() {
     }
     let quarter = PI / (2.0 * a) * (0.5_f64 / 9.81).sqrt();
     let steps = 2000;
-    let mut chain = Chain::new();
+    let mut chain = RigidChain::new();
     chain.advance(&mut system, quarter / f64::from(steps), 2000).expect("a chain");
     assert!(system.position(1).x.abs() < 1e-6, "{}", system.position(1));
     // At the lowest point it carries its weight and turns with the energy of the fall.
@@ -306,7 +306,7 @@ fn stiff_springs_tend_to_the_chain() {
         Rope { nodes: 4, element: Element::unit(1.0), rigid: true, ..Rope::of_the_text(1.0) };
     let mut system = rope.build(Point2::origin(), Vector2::x()).expect("a chain");
     system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-    Chain::new().advance(&mut system, 1e-5, 8000).expect("a chain");
+    RigidChain::new().advance(&mut system, 1e-5, 8000).expect("a chain");
     let [soft, stiff] = [500.0, 1000.0].map(|f| (end(f) - system.position(3)).norm());
     // Stretch goes as 1 / k.
     assert!(stiff < 1e-5 && (3.0..5.0).contains(&(soft / stiff)), "{soft} and {stiff}");
@@ -322,7 +322,7 @@ fn a_chain_hangs_from_two_neighbors_that_are_held() {
     let mut short = shorter.build(Point2::new(rope.spacing, 0.0), Vector2::x()).expect("a chain");
     for system in [&mut held, &mut short] {
         system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-        Chain::new().advance(system, 1e-3, 500).expect("of the right length");
+        RigidChain::new().advance(system, 1e-3, 500).expect("of the right length");
     }
     for node in 0..5 {
         assert_relative_eq!(held.position(node + 1), short.position(node), epsilon = 1e-12);

@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_mass_spring::{
-    Columns, Contacts, Leapfrog, Obstacle, SpringError, Surface, System, runge_kutta,
+    Contacts, Leapfrog, NodeVectors, Obstacle, SpringError, Surface, System, runge_kutta,
 };
 
 fn below(normal: Vector3<f64>) -> HalfSpace {
@@ -32,7 +32,7 @@ fn a_block_slides_its_stopping_distance() {
         let dt = 1e-4;
         let mut block = System::new(&[Point2::new(0.0, 0.01)], &[2.0], &[]).expect("a mass");
         block.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-        block.set_velocities(&Columns::of(&[Vector2::new(speed, 0.0)])).expect("finite");
+        block.set_velocities(&NodeVectors::of(&[Vector2::new(speed, 0.0)])).expect("finite");
         let (mut contacts, ground) = (contacts(&block, 0.0, friction, false), below(Vector3::z()));
         let expected = speed * speed / (2.0 * friction * 9.81);
         let stopped = speed / (friction * 9.81);
@@ -102,7 +102,7 @@ fn guided_nodes_stop_at_obstacles_along_their_guide() {
         if tied {
             system.tie(&[0, 1], 0).expect("there");
         }
-        system.set_velocities(&Columns::of(&[Vector3::x(), Vector3::x()])).expect("finite");
+        system.set_velocities(&NodeVectors::of(&[Vector3::x(), Vector3::x()])).expect("finite");
         let mut contacts = contacts(&system, 0.0, 0.5, false);
         let count = contacts.resolve(&mut system, &[Obstacle::at_rest(&slope)]);
         assert_eq!(count.expect("finite"), 1);
@@ -147,7 +147,7 @@ fn nodes_that_meet_exchange_their_momentum() {
     let positions = [Point3::new(-0.1, 0.0, 0.0), Point3::new(0.1, 0.0, 0.0)];
     let mut system = System::new(&positions, &[1.0, 1.0], &[]).expect("two masses");
     let velocities = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(-0.5, 0.0, 0.0)];
-    system.set_velocities(&Columns::of(&velocities)).expect("finite");
+    system.set_velocities(&NodeVectors::of(&velocities)).expect("finite");
     let surface = Surface { radius: 0.02, restitution: 1.0, friction: 0.0 };
     let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
     let mut count = 0;
@@ -186,7 +186,7 @@ fn friction_between_nodes_turns_sliding_into_half_of_it() {
         let positions = [Point3::origin(), Point3::new(0.0, 0.0, 0.0401)];
         let mut system = System::new(&positions, &[1.0, 1.0], &[]).expect("two masses");
         let velocities = [Vector3::zeros(), Vector3::new(1.0, 0.0, -1.0)];
-        system.set_velocities(&Columns::of(&velocities)).expect("finite");
+        system.set_velocities(&NodeVectors::of(&velocities)).expect("finite");
         let surface = Surface { radius: 0.02, restitution: 0.0, friction };
         let mut contacts = Contacts::new(&system, surface, true).expect("a surface");
         runge_kutta(&mut system, 2e-4, 1).expect("finite");

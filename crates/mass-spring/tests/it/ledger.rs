@@ -3,20 +3,21 @@
 use approx::assert_relative_eq;
 use nalgebra::{Point2, Vector2};
 use rapunzel_mass_spring::{
-    Cells, Chain, Columns, Element, Lattice, Leapfrog, Place, Rope, System,
+    Cells, Element, Lattice, Leapfrog, NodeVectors, PlaceMatrix, RigidChain, Rope, System,
 };
 
 #[test]
 fn the_ledger_of_energy_closes_with_drag_wind_dampers_and_loads() {
     let error = |steps: u32| {
         let dt = 0.5 / f64::from(steps);
-        let mut net = Lattice::net(Place::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
+        let mut net =
+            Lattice::net(PlaceMatrix::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
         net.element = Element { damping_ratio: 0.1, drag: 0.5, ..Element::unit(5.0) };
         let mut system = net.build(Point2::origin()).expect("a net");
         system.set_velocities(&swinging(system.nodes())).expect("finite");
         system.set_gravity(Vector2::new(0.0, -1.0)).expect("finite");
         system.set_load(3, Vector2::new(0.2, 0.1)).expect("there");
-        system.set_wind(rapunzel_mass_spring::Wind::steady(Vector2::x())).expect("finite");
+        system.set_wind(rapunzel_mass_spring::WindField::steady(Vector2::x())).expect("finite");
         let (start, mut lost) = (system.energy().total(), 0.0);
         let mut leapfrog = Leapfrog::new();
         for _ in 0..steps {
@@ -40,7 +41,8 @@ fn the_ledger_of_energy_closes_with_supports_that_move() {
     // One corner is led away, at once with its clamp, from a net that it pulls along.
     let error = |steps: u32| {
         let dt = 0.5 / f64::from(steps);
-        let mut net = Lattice::net(Place::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
+        let mut net =
+            Lattice::net(PlaceMatrix::free(4, 5).expect("a size"), 5.0, Cells::Triangular);
         net.element = Element { drag: 0.5, ..Element::unit(5.0) };
         let mut system = net.build(Point2::origin()).expect("a net");
         system.set_gravity(Vector2::new(0.0, -1.0)).expect("finite");
@@ -67,16 +69,16 @@ fn the_ledger_of_a_chain_counts_its_tensions() {
     let rope = Rope { nodes: 5, rigid: true, ..Rope::of_the_text(10.0) };
     let mut system = rope.build(Point2::origin(), -Vector2::y()).expect("a chain");
     system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-    system.set_velocities(&Columns::of(&[Vector2::new(0.0, 0.5); 5])).expect("finite");
+    system.set_velocities(&NodeVectors::of(&[Vector2::new(0.0, 0.5); 5])).expect("finite");
     system.hold(0, Vector2::new(0.0, 0.5)).expect("there");
-    let mut chain = Chain::new();
+    let mut chain = RigidChain::new();
     chain.advance(&mut system, 1e-3, 10).expect("of the right length");
     let power = system.support_power() + chain.support_power(&system);
     assert_relative_eq!(power, 0.05 * 9.81 * 0.5, max_relative = 1e-9);
 }
 
 /// Velocities that turn and swing a net of so many nodes.
-fn swinging(nodes: usize) -> Columns<2> {
+fn swinging(nodes: usize) -> NodeVectors<2> {
     let velocity = |n: usize| Vector2::new((n as f64).sin(), 0.4 * (1.3 * n as f64).cos());
-    Columns::of(&(0..nodes).map(velocity).collect::<Vec<_>>())
+    NodeVectors::of(&(0..nodes).map(velocity).collect::<Vec<_>>())
 }

@@ -2,7 +2,9 @@
 
 use crate::common::{Case, cases, difference, distance};
 use nalgebra::{DVector, Point2, Vector2};
-use rapunzel_mass_spring::{Ball, Cells, Columns, Element, Lattice, Leapfrog, Place, Rope, System};
+use rapunzel_mass_spring::{
+    Cells, Element, Lattice, Leapfrog, NodeVectors, PlaceMatrix, Rope, RoundBody, System,
+};
 use std::f64::consts::{PI, TAU};
 
 /// Equilibria are found to this part of the mean rest length.
@@ -88,7 +90,7 @@ fn chain_between_two_points(case: &Case) {
         Vector2::new(span * along, -span * (PI * along).sin())
     };
     let start: Vec<_> = (0..moving + 2).map(at).collect();
-    system.set_positions(&Columns::of(&start)).expect("finite");
+    system.set_positions(&NodeVectors::of(&start)).expect("finite");
     system.pin(moving + 1).expect("there");
     let end = Vector2::new(span, 0.0);
     let mut placed = system.positions().clone();
@@ -113,7 +115,7 @@ fn chain_between_two_points(case: &Case) {
 fn stretched_net(case: &Case) {
     let name = &case.name;
     let [rows, columns] = case.nodes.expect("a size");
-    let place = Place::free(rows, columns).expect("a size");
+    let place = PlaceMatrix::free(rows, columns).expect("a size");
     let mut net =
         Lattice { place, spacing: 1.0, element: element(case), cells: Cells::Rectangular };
     let letters: Vec<String> = (0..rows)
@@ -123,12 +125,12 @@ fn stretched_net(case: &Case) {
         })
         .collect();
     let letters: Vec<&str> = letters.iter().map(String::as_str).collect();
-    net.place = Place::new(&letters).expect("letters that agree");
+    net.place = PlaceMatrix::new(&letters).expect("letters that agree");
     let mut system = net.build(Point2::origin()).expect("a net");
     let stretch = case.prestretch.expect("a stretch");
     let stretched: Vec<_> =
         (0..system.nodes()).map(|n| system.position(n).coords * stretch).collect();
-    system.set_positions(&Columns::of(&stretched)).expect("finite");
+    system.set_positions(&NodeVectors::of(&stretched)).expect("finite");
     let found = system.linearized().expect("small").modes().angular_frequencies();
     let expected = case.omega_sorted.as_ref().expect("frequencies");
     assert!(difference(&found, expected) < 1e-9, "{name}: {}", difference(&found, expected));
@@ -141,7 +143,7 @@ fn stretched_net(case: &Case) {
 fn hanging_net(case: &Case) {
     let name = &case.name;
     let [rows, columns] = case.nodes.expect("a size");
-    let place = Place::free(rows, columns).expect("a size");
+    let place = PlaceMatrix::free(rows, columns).expect("a size");
     let mut net = Lattice::net(place, case.frequency.expect("one"), Cells::Rectangular);
     net.spacing = case.rest_length.expect("a length");
     net.element = element(case);
@@ -176,7 +178,7 @@ fn beam(case: &Case) {
             format!("f{}{last}", middle.repeat(columns - 2))
         })
         .collect();
-    let place = Place::new(&letters.iter().map(String::as_str).collect::<Vec<_>>());
+    let place = PlaceMatrix::new(&letters.iter().map(String::as_str).collect::<Vec<_>>());
     let cells = Cells::Braced { ratio: case.kd_over_k.expect("a ratio") };
     let lattice = Lattice {
         place: place.expect("letters that agree"),
@@ -239,7 +241,7 @@ fn element_of_beam(case: &Case) -> Element {
 fn ring(case: &Case) {
     let name = &case.name;
     let stiffness = case.k_surface.expect("a stiffness");
-    let ball = Ball {
+    let ball = RoundBody {
         radius: case.radius.expect("a radius"),
         element: Element::unit(stiffness.sqrt() / TAU),
         radial: case.k_radial.expect("a stiffness") / stiffness,

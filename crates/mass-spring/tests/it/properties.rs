@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use rapunzel_mass_spring::{Bend, Columns, ImplicitEuler, Leapfrog, Spring, System};
+use rapunzel_mass_spring::{BendResistance, ImplicitEuler, Leapfrog, NodeVectors, Spring, System};
 
 fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     [-size..size, -size..size, -size..size].prop_map(Vector3::from)
@@ -30,11 +30,11 @@ fn systems() -> impl Strategy<Value = System<3>> {
             let mut springs: Vec<_> = springs.iter().map(spring).collect();
             // A bend needs segments that keep their length.
             springs.extend([[0, 1], [1, 2]].map(|nodes| Spring::new(nodes, 50.0, 1.0)));
-            let bends = vec![Bend { nodes: [0, 1, 2], stiffness: 3.0 }];
+            let bends = vec![BendResistance { nodes: [0, 1, 2], stiffness: 3.0 }];
             let mut system = System::new(&positions, &masses, &springs)
                 .and_then(|system| system.with_bends(bends))
                 .expect("sound numbers");
-            system.set_velocities(&Columns::of(&speeds)).expect("finite");
+            system.set_velocities(&NodeVectors::of(&speeds)).expect("finite");
             system
         })
     })
@@ -42,10 +42,10 @@ fn systems() -> impl Strategy<Value = System<3>> {
 
 fn map(
     system: &System<3>,
-    of: &Columns<3>,
+    of: &NodeVectors<3>,
     f: impl Fn(Vector3<f64>) -> Vector3<f64>,
-) -> Columns<3> {
-    Columns::of(&(0..system.nodes()).map(|n| f(of.get(n))).collect::<Vec<_>>())
+) -> NodeVectors<3> {
+    NodeVectors::of(&(0..system.nodes()).map(|n| f(of.get(n))).collect::<Vec<_>>())
 }
 
 proptest! {
@@ -90,7 +90,7 @@ proptest! {
                 prop_assert!(sum.abs() < 1e-9);
             }
         }
-        let still = Columns::zeros(system.nodes());
+        let still = NodeVectors::zeros(system.nodes());
         let h = 1e-6;
         for column in 0..k.ncols() {
             let force = |sign: f64| {

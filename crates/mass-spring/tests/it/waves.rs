@@ -1,7 +1,7 @@
 //! Waves on the rope: their speed, and how they come back.
 
 use nalgebra::{Point2, Vector2};
-use rapunzel_mass_spring::{Columns, Element, Leapfrog, Rope, System};
+use rapunzel_mass_spring::{Element, Leapfrog, NodeVectors, Rope, System};
 use std::f64::consts::{PI, TAU};
 
 const NODES: usize = 401;
@@ -24,14 +24,16 @@ fn pulse(speed: f64, across: Vector2<f64>, free: bool) -> System<2> {
     let slope = |k: f64| 0.5 * (shape(k + 1e-3) - shape(k - 1e-3)) / 1e-3 / (SPACING * STRETCH);
     let at = |k: usize| Vector2::new(k as f64 * SPACING * STRETCH, 0.0) + across * shape(k as f64);
     let moving = |k: usize| across * (-speed * slope(k as f64));
-    system.set_positions(&Columns::of(&(0..NODES).map(at).collect::<Vec<_>>())).expect("finite");
+    system
+        .set_positions(&NodeVectors::of(&(0..NODES).map(at).collect::<Vec<_>>()))
+        .expect("finite");
     if free {
         system.hold_axis(NODES - 1, 0, 0.0).expect("there");
     } else {
         system.pin(NODES - 1).expect("there");
     }
     let velocities: Vec<_> = (0..NODES).map(moving).collect();
-    system.set_velocities(&Columns::of(&velocities)).expect("finite");
+    system.set_velocities(&NodeVectors::of(&velocities)).expect("finite");
     system
 }
 

@@ -64,14 +64,14 @@ pub(super) struct Turning {
 /// inverse pivots, and the rows in the second node's (from column 8 on, so whole vectors).
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-struct Factor {
+struct PivotRows {
     columns: [[f64; 16]; N],
     rows: [[f64; 16]; N],
     inverse: [f64; 16],
     rhs: [f64; 16],
 }
 
-impl Factor {
+impl PivotRows {
     const ZERO: Self =
         Self { columns: [[0.0; 16]; N], rows: [[0.0; 16]; N], inverse: [0.0; 16], rhs: [0.0; 16] };
 
@@ -102,7 +102,7 @@ impl Factor {
 pub(super) struct Elimination {
     arch: Arch,
     panel: Box<Panel>,
-    factors: Vec<Factor>,
+    factors: Vec<PivotRows>,
     solution: Vec<Increment>,
 }
 
@@ -114,7 +114,7 @@ impl Elimination {
                 rows: [[0.0; WIDTH]; ACTIVE + PASSIVE],
                 rhs: [0.0; ACTIVE + PASSIVE],
             }),
-            factors: vec![Factor::ZERO; segments],
+            factors: vec![PivotRows::ZERO; segments],
             solution: vec![[0.0; N]; segments + 1],
         }
     }
@@ -167,10 +167,10 @@ impl Elimination {
     }
 }
 
-type Row = ([f64; N], f64);
+type PivotRow = ([f64; N], f64);
 
 /// The rows of an end with its rotation substituted.
-fn close(end: &EndRows, theta: &[[f64; N]; 3], minus_t: &[f64; 3]) -> [Row; 6] {
+fn close(end: &EndRows, theta: &[[f64; N]; 3], minus_t: &[f64; 3]) -> [PivotRow; 6] {
     std::array::from_fn(|r| {
         let (mut row, mut rhs) = (end.unknowns[r], end.rhs[r]);
         for k in 0..3 {
@@ -208,7 +208,7 @@ impl Panel {
 /// Gaussian elimination of the first node's unknowns, rows pivoted.
 struct Reduce<'a> {
     panel: &'a mut Panel,
-    factor: &'a mut Factor,
+    factor: &'a mut PivotRows,
 }
 
 impl WithSimd for Reduce<'_> {
@@ -260,7 +260,7 @@ impl Panel {
 }
 
 struct BackSubstitute<'a> {
-    factors: &'a [Factor],
+    factors: &'a [PivotRows],
     solution: &'a mut [Increment],
 }
 
@@ -298,8 +298,8 @@ impl WithSimd for BackSubstitute<'_> {
 }
 
 /// The last node: six carried rows and six of the tip.
-fn solve_corner(carried: &[Row; 6], tip: &[Row; 6]) -> Increment {
-    let mut rows: [Row; N] =
+fn solve_corner(carried: &[PivotRow; 6], tip: &[PivotRow; 6]) -> Increment {
+    let mut rows: [PivotRow; N] =
         std::array::from_fn(|r| if r < CARRIED { carried[r] } else { tip[r - CARRIED] });
     for k in 0..N {
         let mut pivot = k;

@@ -3,8 +3,8 @@ use super::ends::StageEnd;
 use super::newton::Newton;
 use super::setup::Setup;
 use super::span::Span;
-use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage};
-use super::state::State;
+use super::stage::{NodeLaw, RootFrame, Scales, Segment, StageEquations};
+use super::state::BoxState;
 use crate::{
     Conditions, Energy, Rod, RodError, RodIntegrator, RodState, SectionLaws, StepError, StepReport,
 };
@@ -50,11 +50,11 @@ impl Default for BoxOptions {
 pub struct BoxIntegrator {
     rod: Rod,
     options: BoxOptions,
-    state: State,
+    state: BoxState,
     /// The state before the current step, to go back to.
-    backup: State,
+    backup: BoxState,
     node_forces: Vec<Vector3<f64>>,
-    stage: Stage,
+    stage: StageEquations,
     newton: Newton,
 }
 
@@ -82,11 +82,11 @@ impl BoxIntegrator {
             return invalid("max_iterations", "must be at least 1");
         }
         let segments = rod.fiber.segments();
-        let state = State::rest(&rod);
+        let state = BoxState::rest(&rod);
         let o = Vector3::zeros();
         let law = NodeLaw { b_v: o, b_omega: o, b_kappa: o, stiffness: o, offset: o };
         let held = StageEnd::Held { velocity: o, angular_velocity: o };
-        let stage = Stage {
+        let stage = StageEquations {
             c: 0.0,
             nodes: vec![law; segments + 1],
             segments: vec![Segment { h: 0.0, rho: 0.0, inertia: o, force: o }; segments],
@@ -185,7 +185,7 @@ impl RodIntegrator for BoxIntegrator {
     /// The root's frame and the curvatures are taken over where they agree with the frames, and
     /// recomputed from the frames where they do not.
     fn set_state(&mut self, state: &RodState) -> Result<(), RodError> {
-        self.state = State::from_read(state, &self.rod)?;
+        self.state = BoxState::from_read(state, &self.rod)?;
         Ok(())
     }
 

@@ -3,12 +3,12 @@ use rapunzel_fiber::so3;
 
 /// A position and a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pose {
+pub(super) struct NodePose {
     pub(super) position: Vector3<f64>,
     pub(super) frame: Rotation3<f64>,
 }
 
-impl Pose {
+impl NodePose {
     /// Whether `other` is the same pose up to rounding, for positions of magnitude `length`.
     pub(super) fn is(&self, other: &Self, length: f64) -> bool {
         let turn = so3::log(&(self.frame.inverse() * other.frame));
@@ -37,10 +37,10 @@ impl Pose {
 /// the middle and at the end, whose velocity is exact to second order anywhere in the step. The
 /// end must turn by less than pi in a step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
-    start: Pose,
-    middle: Pose,
-    pub(super) end: Pose,
+pub(super) struct HeldMotion {
+    start: NodePose,
+    middle: NodePose,
+    pub(super) end: NodePose,
 }
 
 /// A pose with its rates: velocity (world) and angular velocity (material frame), per step.
@@ -58,16 +58,16 @@ impl Moving {
     }
 }
 
-impl Motion {
-    pub(super) fn through(start: Pose, middle: Pose, end: Pose) -> Self {
+impl HeldMotion {
+    pub(super) fn through(start: NodePose, middle: NodePose, end: NodePose) -> Self {
         Self { start, middle, end }
     }
 
     /// At the fraction `s` of the step; rates are per step.
     pub(super) fn at(&self, s: f64) -> Moving {
-        let turn = |p: &Pose| so3::log(&(self.start.frame.inverse() * p.frame));
+        let turn = |p: &NodePose| so3::log(&(self.start.frame.inverse() * p.frame));
         let slope = |a: Vector3<f64>, b: Vector3<f64>| (4.0 * a - b) + 4.0 * s * (b - 2.0 * a);
-        let shift = |p: &Pose| p.position - self.start.position;
+        let shift = |p: &NodePose| p.position - self.start.position;
         let (a, b) = (turn(&self.middle), turn(&self.end));
         let angle = s * (4.0 * a - b) + 2.0 * s * s * (b - 2.0 * a);
         Moving {
@@ -86,11 +86,11 @@ mod tests {
     #[test]
     fn a_parabola_is_followed_exactly() {
         // x = t + 3 t^2 along x, turning about z by 2 t - t^2.
-        let pose = |t: f64| Pose {
+        let pose = |t: f64| NodePose {
             position: Vector3::new(t + 3.0 * t * t, 1.0, 0.0),
             frame: so3::exp(&Vector3::new(0.0, 0.0, 2.0 * t - t * t)),
         };
-        let motion = Motion::through(pose(0.0), pose(0.5), pose(1.0));
+        let motion = HeldMotion::through(pose(0.0), pose(0.5), pose(1.0));
         for s in [0.0, 0.3, 0.5, 1.0] {
             let m = motion.at(s);
             assert_relative_eq!(m.velocity.x, 1.0 + 6.0 * s, epsilon = 1e-13);

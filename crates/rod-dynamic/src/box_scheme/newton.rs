@@ -1,5 +1,5 @@
 use super::elimination::{Elimination, Increment};
-use super::stage::{Stage, Trial};
+use super::stage::{StageEquations, Trial};
 
 /// Full Newton steps are halved at most this often in the line search.
 const BACKTRACKS: usize = 6;
@@ -37,7 +37,7 @@ impl Newton {
     /// is `-2 phi`: accept mu when `phi(mu) <= (1 - 2e-4 mu) phi(0)` ((3.172) after erratum).
     pub(super) fn solve(
         &mut self,
-        stage: &Stage,
+        stage: &StageEquations,
         tolerance: f64,
         max_iterations: usize,
     ) -> (usize, bool) {
@@ -60,7 +60,7 @@ impl Newton {
     }
 
     /// One Newton step; false when no fraction of it decreases the merit.
-    fn advance(&mut self, stage: &Stage) -> bool {
+    fn advance(&mut self, stage: &StageEquations) -> bool {
         let Self { trial, candidate, elimination, .. } = self;
         let increments = increments(stage, trial, elimination);
         let mut mu = 1.0;
@@ -81,7 +81,7 @@ impl Newton {
 
 /// The Newton increments at `trial`, which has been evaluated.
 fn increments<'a>(
-    stage: &Stage,
+    stage: &StageEquations,
     trial: &Trial,
     elimination: &'a mut Elimination,
 ) -> &'a [Increment] {
@@ -93,7 +93,7 @@ fn increments<'a>(
 #[cfg(test)]
 impl Newton {
     /// The increments at `self.trial`, which has been evaluated.
-    pub(super) fn increments(&mut self, stage: &Stage) -> Vec<Increment> {
+    pub(super) fn increments(&mut self, stage: &StageEquations) -> Vec<Increment> {
         increments(stage, &self.trial, &mut self.elimination).to_vec()
     }
 }

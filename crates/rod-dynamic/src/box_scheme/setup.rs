@@ -1,11 +1,11 @@
 use super::coefficients::Coefficients;
 use super::ends::{MixedLoad, StageEnd};
-use super::motion::{Motion, Moving, Pose};
+use super::motion::{HeldMotion, Moving, NodePose};
 use super::span::{Side, Span};
-use super::stage::{NodeLaw, RootFrame, Scales, Segment, Stage, Unknowns};
-use super::state::{NodeState, State};
+use super::stage::{NodeLaw, RootFrame, Scales, Segment, StageEquations, Unknowns};
+use super::state::{BoxState, NodeState};
 use super::units::{Units, largest};
-use super::update::Update;
+use super::update::StageUpdate;
 use crate::{End, Load, Rod};
 use nalgebra::{Rotation3, Vector3};
 use rapunzel_fiber::so3;
@@ -22,7 +22,7 @@ const LEAST_LOAD: f64 = 1e-12;
 #[derive(Debug)]
 pub(super) struct Setup<'a> {
     rod: &'a Rod,
-    state: &'a State,
+    state: &'a BoxState,
     node_forces: &'a [Vector3<f64>],
     span: &'a Span,
     k: Coefficients,
@@ -30,15 +30,15 @@ pub(super) struct Setup<'a> {
     tolerance: f64,
     acceleration: f64,
     units: Units,
-    root_motion: Option<Motion>,
+    root_motion: Option<HeldMotion>,
     /// Where the tip is at the start of the step.
-    tip_now: Pose,
+    tip_now: NodePose,
 }
 
 impl<'a> Setup<'a> {
     pub(super) fn new(
         rod: &'a Rod,
-        state: &'a State,
+        state: &'a BoxState,
         node_forces: &'a [Vector3<f64>],
         span: &'a Span,
         k: Coefficients,
@@ -64,7 +64,7 @@ impl<'a> Setup<'a> {
     }
 
     /// Writes the equations.
-    pub(super) fn fill(&self, stage: &mut Stage) {
+    pub(super) fn fill(&self, stage: &mut StageEquations) {
         stage.c = self.k.rate(self.dt) * self.units.time;
         self.fill_nodes(stage);
         self.fill_segments(stage);
@@ -107,8 +107,8 @@ impl<'a> Setup<'a> {
     }
 
     /// What turns the solution into the new state.
-    pub(super) fn update(&self) -> Update {
-        Update {
+    pub(super) fn update(&self) -> StageUpdate {
+        StageUpdate {
             k: self.k,
             dt: self.dt,
             units: self.units,
@@ -117,7 +117,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    fn fill_nodes(&self, stage: &mut Stage) {
+    fn fill_nodes(&self, stage: &mut StageEquations) {
         let Units { length, time, .. } = self.units;
         let (c, d) = (stage.c, self.k.memory() * time);
         let tau = self.rod.damping_time / time;
@@ -139,7 +139,7 @@ impl<'a> Setup<'a> {
 
     /// Residuals are measured by the loads and internal forces that act, but not finer than
     /// rounding lets their largest terms cancel.
-    fn scales(&self, stage: &Stage) -> Scales {
+    fn scales(&self, stage: &StageEquations) -> Scales {
         let u = &self.units;
         let nodes = &self.state.nodes;
         let c = stage.c;
@@ -181,7 +181,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    fn fill_segments(&self, stage: &mut Stage) {
+    fn fill_segments(&self, stage: &mut StageEquations) {
         let fiber = &self.rod.fiber;
         let (nodes, lengths) = (fiber.nodes(), fiber.segment_lengths());
         let last = lengths.len() - 1;

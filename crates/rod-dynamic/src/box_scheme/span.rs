@@ -1,5 +1,5 @@
 use super::coefficients::Coefficients;
-use super::motion::{Motion, Pose};
+use super::motion::{HeldMotion, NodePose};
 use crate::{Air, Conditions, End, Instant, Load, StepError};
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
@@ -61,7 +61,7 @@ impl Span {
     }
 
     /// The poses of a held or pinned end, at the beginning, in the middle and at the end.
-    fn poses(&self, side: Side, now: &Pose) -> Option<[Pose; 3]> {
+    fn poses(&self, side: Side, now: &NodePose) -> Option<[NodePose; 3]> {
         let pose = |instant: &Instant| pose(&side.of(instant), now.frame);
         let middle = pose(&self.middle)?;
         let start = pose(&self.start).unwrap_or(*now);
@@ -71,29 +71,29 @@ impl Span {
 
     /// The motion of a held or pinned root, from where it is. A support that starts the step
     /// elsewhere has jumped: the root then travels on a straight line to where it is last.
-    pub(super) fn root_motion(&self, now: &Pose, length: f64) -> Option<Motion> {
+    pub(super) fn root_motion(&self, now: &NodePose, length: f64) -> Option<HeldMotion> {
         let [start, middle, end] = self.poses(Side::Root, now)?;
         Some(if start.is(now, length) {
-            Motion::through(start, middle, end)
+            HeldMotion::through(start, middle, end)
         } else {
-            Motion::through(*now, now.half_way(&end), end)
+            HeldMotion::through(*now, now.half_way(&end), end)
         })
     }
 
     /// The motion of the support of a held or pinned tip, and where it starts.
-    pub(super) fn tip_motion(&self, now: &Pose) -> Option<(Motion, Pose)> {
+    pub(super) fn tip_motion(&self, now: &NodePose) -> Option<(HeldMotion, NodePose)> {
         let [start, middle, end] = self.poses(Side::Tip, now)?;
-        Some((Motion::through(start, middle, end), start))
+        Some((HeldMotion::through(start, middle, end), start))
     }
 }
 
 /// The prescribed pose, with `frame` where the frame is free.
-fn pose(end: &End, frame: Rotation3<f64>) -> Option<Pose> {
+fn pose(end: &End, frame: Rotation3<f64>) -> Option<NodePose> {
     match end {
         End::Held(Isometry3 { rotation, translation }) => {
-            Some(Pose { position: translation.vector, frame: rotation.to_rotation_matrix() })
+            Some(NodePose { position: translation.vector, frame: rotation.to_rotation_matrix() })
         }
-        End::Pinned { position, .. } => Some(Pose { position: position.coords, frame }),
+        End::Pinned { position, .. } => Some(NodePose { position: position.coords, frame }),
         End::Loaded { .. } => None,
     }
 }

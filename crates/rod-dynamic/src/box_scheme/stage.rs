@@ -93,7 +93,7 @@ pub(super) struct Scales {
 /// Dv/h + kappa x v - omega x d3                                            = 0
 /// ```
 #[derive(Debug, Clone)]
-pub(super) struct Stage {
+pub(super) struct StageEquations {
     pub(super) c: f64,
     pub(super) nodes: Vec<NodeLaw>,
     pub(super) segments: Vec<Segment>,
@@ -106,7 +106,7 @@ pub(super) struct Stage {
     pub(super) scales: Scales,
 }
 
-/// A trial solution of a [`Stage`] and what follows from it.
+/// A trial solution of a [`StageEquations`] and what follows from it.
 #[derive(Debug, Clone)]
 pub(super) struct Trial {
     pub(super) x: Vec<Unknowns>,
@@ -157,7 +157,7 @@ pub(super) fn rebuild_frames(
     }
 }
 
-impl Stage {
+impl StageEquations {
     /// The rotation of a free root during the step, up to the stage.
     pub(super) fn root_turn(&self, omega: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         (omega - b) / self.c

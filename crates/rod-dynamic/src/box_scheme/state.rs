@@ -1,4 +1,4 @@
-use super::motion::Pose;
+use super::motion::NodePose;
 use super::stage::rebuild_frames;
 use crate::{Energy, Rod, RodError, RodState};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -23,9 +23,9 @@ pub(super) struct NodeState {
 
 /// What the integrator carries from step to step, SI.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct State {
+pub(super) struct BoxState {
     pub(super) time: f64,
-    pub(super) root: Pose,
+    pub(super) root: NodePose,
     /// Derivatives that the scheme carries for the root's position (world) and rotation.
     pub(super) root_velocity: Vector3<f64>,
     pub(super) root_rate: Vector3<f64>,
@@ -34,7 +34,7 @@ pub(super) struct State {
     pub(super) nodes: Vec<NodeState>,
 }
 
-impl State {
+impl BoxState {
     /// Takes over `other` of as many nodes, without allocation.
     pub(super) fn copy_from(&mut self, other: &Self) {
         let mut nodes = std::mem::take(&mut self.nodes);
@@ -48,7 +48,7 @@ impl State {
         let root = rod.fiber.root();
         Self {
             time: 0.0,
-            root: Pose {
+            root: NodePose {
                 position: root.translation.vector,
                 frame: root.rotation.to_rotation_matrix(),
             },
@@ -95,9 +95,9 @@ impl State {
     }
 
     /// Where the tip is.
-    pub(super) fn tip(&self, rod: &Rod) -> Pose {
+    pub(super) fn tip(&self, rod: &Rod) -> NodePose {
         let mut tip = self.root;
-        self.walk(rod, |_, _, frame, position| tip = Pose { position, frame });
+        self.walk(rod, |_, _, frame, position| tip = NodePose { position, frame });
         tip
     }
 
@@ -212,12 +212,12 @@ impl State {
         }
     }
 
-    /// How many numbers [`State::save`] writes.
+    /// How many numbers [`BoxState::save`] writes.
     pub(super) fn saved_len(&self) -> usize {
         20 + 21 * self.nodes.len()
     }
 
-    /// Takes back [`State::saved_len`] numbers.
+    /// Takes back [`BoxState::saved_len`] numbers.
     pub(super) fn restore(&mut self, numbers: &[f64]) {
         let vector = |i: usize| Vector3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
         self.time = numbers[0];

@@ -1,23 +1,23 @@
 use super::coefficients::Coefficients;
-use super::motion::{Motion, Pose};
+use super::motion::{HeldMotion, NodePose};
 use super::stage::Trial;
-use super::state::State;
+use super::state::BoxState;
 use super::units::Units;
 use nalgebra::Vector3;
 use rapunzel_fiber::so3;
 
 /// Turns the solution at the stage into the state at the end of the step.
 #[derive(Debug)]
-pub(super) struct Update {
+pub(super) struct StageUpdate {
     pub(super) k: Coefficients,
     pub(super) dt: f64,
     pub(super) units: Units,
-    pub(super) root_motion: Option<Motion>,
+    pub(super) root_motion: Option<HeldMotion>,
     pub(super) root_is_held: bool,
 }
 
-impl Update {
-    pub(super) fn apply(&self, solution: &Trial, state: &mut State) {
+impl StageUpdate {
+    pub(super) fn apply(&self, solution: &Trial, state: &mut BoxState) {
         let u = &self.units;
         let started = state.started;
         self.root(solution, state);
@@ -50,7 +50,7 @@ impl Update {
         if started { slope.zip_map(old, |s, o| self.k.derivative(s, o)) } else { slope }
     }
 
-    fn root(&self, solution: &Trial, state: &mut State) {
+    fn root(&self, solution: &Trial, state: &mut BoxState) {
         let u = &self.units;
         let x = &solution.x[0];
         let c = self.k.rate(self.dt);
@@ -64,7 +64,7 @@ impl Update {
         let turn = change(x.omega / u.time, &state.root_rate);
         state.root_velocity = self.derivative(started, shift, &state.root_velocity);
         state.root_rate = self.derivative(started, turn, &state.root_rate);
-        let end: Option<Pose> = self.root_motion.map(|m| m.end);
+        let end: Option<NodePose> = self.root_motion.map(|m| m.end);
         state.root.position = end.map_or(state.root.position + shift, |e| e.position);
         state.root.frame = match end {
             Some(pose) if self.root_is_held => pose.frame,

@@ -4,7 +4,7 @@ use crate::annealing::{CYCLES, Found, LENGTH, TARGET, TORSION, clamp, end, searc
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapunzel_repro::Criterion::{AtMost, Told};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
-use rapunzel_repro::{Check, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Fallible, Figure, check};
 use rapunzel_rod_static::{EndCondition, Equilibrium, Lagrange, Piece, Problem, Properties, State};
 use std::time::Instant;
 
@@ -90,7 +90,7 @@ fn figure(
     }
     line("time of annealing", annealed, "s", Told);
     line("time of shooting", took, "s", Told);
-    let checks: Vec<Check> = checks;
+    let checks: Vec<ClaimCheck> = checks;
     let curve = |(seed, one): (usize, &Found)| Curve {
         name: format!("start {seed}"),
         points: (0..CYCLES).map(f64::from).zip(&one.history).map(|(x, y)| [x, y.sqrt()]).collect(),

@@ -7,18 +7,26 @@ mod annealing;
 mod ends;
 mod minima;
 
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 6] = [
-    Entry { number: "3.3", title: "Annealing for a position", draw: ends::position },
-    Entry { number: "3.5", title: "Annealing for position and tangent", draw: ends::tangent },
-    Entry { number: "3.9", title: "A force that follows the tip", draw: minima::followers },
-    Entry { number: "3.10", title: "A force that keeps its direction", draw: minima::dead_load },
-    Entry { number: "3.11", title: "Natural curvatures in gravity", draw: minima::curvatures },
-    Entry { number: "3.12", title: "A wound fiber at two places", draw: minima::places },
+const FIGURES: [FigureEntry<Draw>; 6] = [
+    FigureEntry { number: "3.3", title: "Annealing for a position", draw: ends::position },
+    FigureEntry { number: "3.5", title: "Annealing for position and tangent", draw: ends::tangent },
+    FigureEntry { number: "3.9", title: "A force that follows the tip", draw: minima::followers },
+    FigureEntry {
+        number: "3.10",
+        title: "A force that keeps its direction",
+        draw: minima::dead_load,
+    },
+    FigureEntry {
+        number: "3.11",
+        title: "Natural curvatures in gravity",
+        draw: minima::curvatures,
+    },
+    FigureEntry { number: "3.12", title: "A wound fiber at two places", draw: minima::places },
 ];
 
 fn main() -> ExitCode {

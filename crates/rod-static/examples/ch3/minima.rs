@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_repro::Criterion::{AtLeast, AtMost, Within};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
-use rapunzel_repro::{Check, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Fallible, Figure, check};
 use rapunzel_rod_static::{Chain, Piece, Properties, Rest, Target};
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,7 +23,7 @@ fn straight(load: Vector3<f64>, natural_curvature: Vector3<f64>) -> Piece {
 fn figure(
     [scene, parameters]: [&'static str; 2],
     rests: Vec<(String, Rest)>,
-    checks: Vec<Check>,
+    checks: Vec<ClaimCheck>,
 ) -> Figure {
     let pictures = rests
         .into_iter()

@@ -11,20 +11,28 @@ mod film;
 mod half_head;
 mod tress;
 
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use rapunzel_sim::Scene;
 use rapunzel_sim::scene::Arrangement;
 use std::process::ExitCode;
 
 type Draw = fn(Size) -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 6] = [
-    Entry { number: "4.3", title: "The field of a charged tress", draw: field::plane },
-    Entry { number: "4.7", title: "A charged tress, dry and wet", draw: tress::humidity },
-    Entry { number: "4.8", title: "A charged tress without gravity", draw: tress::weightless },
-    Entry { number: "4.9", title: "Half a head of charged hair", draw: half_head::charged },
-    Entry { number: "4.10", title: "Time and error over the terms", draw: accuracy::terms },
-    Entry { number: "growth", title: "Time over the number of points", draw: accuracy::growth },
+const FIGURES: [FigureEntry<Draw>; 6] = [
+    FigureEntry { number: "4.3", title: "The field of a charged tress", draw: field::plane },
+    FigureEntry { number: "4.7", title: "A charged tress, dry and wet", draw: tress::humidity },
+    FigureEntry {
+        number: "4.8",
+        title: "A charged tress without gravity",
+        draw: tress::weightless,
+    },
+    FigureEntry { number: "4.9", title: "Half a head of charged hair", draw: half_head::charged },
+    FigureEntry { number: "4.10", title: "Time and error over the terms", draw: accuracy::terms },
+    FigureEntry {
+        number: "growth",
+        title: "Time over the number of points",
+        draw: accuracy::growth,
+    },
 ];
 
 fn main() -> ExitCode {

@@ -4,7 +4,7 @@ use crate::Size;
 use crate::film::{Film, play};
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
-use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::Dealing;
 use rapunzel_sim::{Scene, World};
 
@@ -88,7 +88,7 @@ fn drawings(number: &str, run: Run) -> Vec<Drawing> {
     ]
 }
 
-fn settled(run: &Run) -> Check {
+fn settled(run: &Run) -> ClaimCheck {
     check(
         "portions that did not come to rest",
         run.unsettled as f64,

@@ -4,13 +4,14 @@ use crate::size::Size;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{Candidates, Capsules};
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
+    Coupling, CylinderChain, JointMethod, JointSprings, LastWord, Root, SegmentContact,
+    SegmentPartner, Settings, step,
 };
-use rapunzel_contact::projection::{Form, Polygon};
+use rapunzel_contact::projection::{Form, PolygonalCone};
 use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
-use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::FrictionLaw;
 use rapunzel_sim::{Scene, World};
 
@@ -20,7 +21,7 @@ const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
 const DT: f64 = 1.5e-4;
 /// Gaps up to which there are contacts, m: what closes in a step at four times the speed of the fall.
 const REACH: f64 = 3.0 * DT;
-/// Axial moments of the segments over those across; see [`Chain::with_axial_moments`].
+/// Axial moments of the segments over those across; see [`CylinderChain::with_axial_moments`].
 const AXIAL: f64 = 1.0;
 /// To which contacts are solved.
 const TOLERANCE: Tolerance =
@@ -30,7 +31,7 @@ const DIAMETER: f64 = 70.0;
 
 /// The hairs of a scene as free chains over a plane.
 struct Bundle {
-    chains: Vec<Chain>,
+    chains: Vec<CylinderChain>,
     layout: Layout,
     /// Pairs of segments of hairs that may touch.
     near: Candidates,
@@ -38,7 +39,7 @@ struct Bundle {
     radius: f64,
     /// Height of the plane, m.
     ground: f64,
-    friction: Polygon,
+    friction: PolygonalCone,
 }
 
 impl Bundle {
@@ -49,32 +50,38 @@ impl Bundle {
         };
         let world = World::build(scene)?;
         let fibers = world.assembly().fibers();
-        let chain = |(i, fiber): (usize, &Fiber)| -> Fallible<Chain> {
+        let chain = |(i, fiber): (usize, &Fiber)| -> Fallible<CylinderChain> {
             let (state, node) = (world.state(i), fiber.nodes()[0]);
             let (nodes, radius) = (state.positions, node.section.equivalent_radius());
             let first = state.frames[0] * Vector3::x();
-            let chain = Chain::new(&nodes, node.linear_density, radius, &first, Root::Free)?
-                .with_axial_moments(AXIAL)?;
+            let chain =
+                CylinderChain::new(&nodes, node.linear_density, radius, &first, Root::Free)?
+                    .with_axial_moments(AXIAL)?;
             if !springs {
                 return Ok(chain);
             }
             let (stiffness, natural) = (node.stiffness, chain.curvatures());
-            Ok(chain.with_springs(Springs { stiffness, natural, coupling: Coupling::Implicit })?)
+            Ok(chain.with_springs(JointSprings {
+                stiffness,
+                natural,
+                coupling: Coupling::Implicit,
+            })?)
         };
-        let chains: Vec<Chain> = fibers.iter().enumerate().map(chain).collect::<Fallible<_>>()?;
+        let chains: Vec<CylinderChain> =
+            fibers.iter().enumerate().map(chain).collect::<Fallible<_>>()?;
         Ok(Self {
             layout: Layout::new(chains.iter().map(|chain| chain.segments().len())),
             chains,
             near: Candidates::new(REACH, 1e-3)?,
             radius: *world.assembly().radii().first().ok_or("a scene with hairs")?,
             ground: scene.objects.first().ok_or("a scene with a plane")?.position[2],
-            friction: Polygon::regular(mu, 8)?,
+            friction: PolygonalCone::regular(mu, 8)?,
         })
     }
 
     /// Nodes of every chain, m; where a joint is open, the end of the segment towards the root.
     fn nodes(&self) -> Vec<Vec<Point3<f64>>> {
-        let nodes = |chain: &Chain| {
+        let nodes = |chain: &CylinderChain| {
             let count = chain.segments().len();
             let first = chain.ends(0)[0];
             std::iter::once(first).chain((0..count).map(|i| chain.ends(i)[1])).collect()
@@ -164,7 +171,7 @@ struct Outcome {
     unsolved: f64,
 }
 
-fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<Outcome> {
+fn run(scene: &Scene, springs: bool, method: JointMethod, order: LastWord) -> Fallible<Outcome> {
     let contact = scene.contact.as_ref().ok_or("a scene with contact")?;
     let settings = Settings {
         dt: DT,
@@ -212,13 +219,13 @@ fn run(scene: &Scene, springs: bool, method: Method, order: Order) -> Fallible<O
 }
 
 /// What the thesis says of a bundle with and of one without springs.
-fn judged(name: &str, order: Order, [stiff, limp]: &[Outcome; 2]) -> [Check; 8] {
+fn judged(name: &str, order: LastWord, [stiff, limp]: &[Outcome; 2]) -> [ClaimCheck; 8] {
     let bend = |outcome: &Outcome| outcome.bends.last().map_or(f64::NAN, |last| last[1]);
     let most = |value: fn(&Outcome) -> f64| value(stiff).max(value(limp));
     let named = |what: &str| format!("{name}: {what}");
     let (gaps, depths) = match order {
-        Order::JointsFirst => (Criterion::AtLeast(1.0), Criterion::AtMost(DIAMETER)),
-        Order::ContactsFirst => (Criterion::AtMost(10.0), Criterion::AtLeast(DIAMETER)),
+        LastWord::JointsFirst => (Criterion::AtLeast(1.0), Criterion::AtMost(DIAMETER)),
+        LastWord::ContactsFirst => (Criterion::AtMost(10.0), Criterion::AtLeast(DIAMETER)),
     };
     let smooth = "smooth with springs: a joint of the coils has 22 degrees";
     [
@@ -287,8 +294,10 @@ pub(crate) fn springs(_: Size) -> Fallible<Figure> {
     // Crowds take hours: 40 limp hairs with contacts last a third of a second a step.
     let scene = Size::Reduced.scene("partly-elastic", 4, 50)?;
     let (mut pictures, mut curves, mut checks) = (Vec::new(), Vec::new(), Vec::new());
-    for (method, by) in [(Method::ImpulseCorrection, "I"), (Method::Linearized, "II")] {
-        for (order, last) in [(Order::JointsFirst, "contacts"), (Order::ContactsFirst, "joints")] {
+    for (method, by) in [(JointMethod::ImpulseCorrection, "I"), (JointMethod::Linearized, "II")] {
+        for (order, last) in
+            [(LastWord::JointsFirst, "contacts"), (LastWord::ContactsFirst, "joints")]
+        {
             let name = format!("{by}, {last} last");
             let mut outcomes =
                 [run(&scene, true, method, order)?, run(&scene, false, method, order)?];

@@ -12,23 +12,35 @@ mod film;
 mod friction;
 mod size;
 
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use size::Size;
 use std::process::ExitCode;
 
 type Draw = fn(Size) -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 6] = [
-    Entry { number: "2.19", title: "The force of combing", draw: comb::force },
-    Entry { number: "8.8", title: "A bundle on a ball rests or splits", draw: friction::split },
-    Entry { number: "8.16", title: "Partly elastic impacts", draw: elastic::impacts },
-    Entry { number: "8.18", title: "Fibers with and without stiffness", draw: elastic::stiffness },
-    Entry {
+const FIGURES: [FigureEntry<Draw>; 6] = [
+    FigureEntry { number: "2.19", title: "The force of combing", draw: comb::force },
+    FigureEntry {
+        number: "8.8",
+        title: "A bundle on a ball rests or splits",
+        draw: friction::split,
+    },
+    FigureEntry { number: "8.16", title: "Partly elastic impacts", draw: elastic::impacts },
+    FigureEntry {
+        number: "8.18",
+        title: "Fibers with and without stiffness",
+        draw: elastic::stiffness,
+    },
+    FigureEntry {
         number: "8.18-chains",
         title: "Chains with and without bending springs",
         draw: chains::springs,
     },
-    Entry { number: "8.19", title: "Three kinds of friction, Table 8.1", draw: friction::volumes },
+    FigureEntry {
+        number: "8.19",
+        title: "Three kinds of friction, Table 8.1",
+        draw: friction::volumes,
+    },
 ];
 
 fn main() -> ExitCode {

@@ -3,7 +3,7 @@
 use crate::film::{Film, play, scene};
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
-use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_sim::World;
 use rapunzel_sim::scene::Tip;
 
@@ -120,21 +120,21 @@ pub(crate) fn falling() -> Fallible<Figure> {
             chart("Mean height of the tips", "height (mm)", "tips", height),
         ],
         checks: vec![
-            Check {
+            ClaimCheck {
                 compared: "stretch at rest".into(),
                 obtained: start - rest,
                 unit: "mm",
                 criterion: Criterion::AtLeast(5.0),
                 thesis: "it stretches under gravity",
             },
-            Check {
+            ClaimCheck {
                 compared: "turns of the motion".into(),
                 obtained: swings.len() as f64,
                 unit: "",
                 criterion: Criterion::AtLeast(4.0),
                 thesis: "several damped swings",
             },
-            Check {
+            ClaimCheck {
                 compared: "last swing over the first".into(),
                 obtained: last_over_first(&swings),
                 unit: "",
@@ -178,21 +178,21 @@ pub(crate) fn moving_root() -> Fallible<Figure> {
             chart("Kinetic energy of the lock", "kinetic energy (uJ)", "181 fibers", energies),
         ],
         checks: vec![
-            Check {
+            ClaimCheck {
                 compared: "angle of the arc that the root covers".into(),
                 obtained: angle,
                 unit: "degrees",
                 criterion: Criterion::Within(44.5, 45.5),
                 thesis: "45 degrees, 30 cm",
             },
-            Check {
+            ClaimCheck {
                 compared: "speed of the root, 95th over 5th percentile".into(),
                 obtained: high / low,
                 unit: "",
                 criterion: Criterion::AtMost(1.01),
                 thesis: "constant speed",
             },
-            Check {
+            ClaimCheck {
                 compared: "largest root mean square speed of the lock over that of its root".into(),
                 obtained: speed / high,
                 unit: "",

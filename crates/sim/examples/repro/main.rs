@@ -9,22 +9,26 @@ mod film;
 mod locks;
 mod rods;
 
-use rapunzel_repro::{Entry, Fallible, Figure};
+use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const FIGURES: [Entry<Draw>; 10] = [
-    Entry { number: "3.15", title: "A wavy rod falls and keeps its waves", draw: rods::wavy },
-    Entry { number: "3.16", title: "A helix under an end load", draw: rods::helix },
-    Entry { number: "3.17", title: "A straight rod with a moment at its end", draw: rods::torque },
-    Entry { number: "3.18", title: "A spring is let go", draw: rods::spring },
-    Entry { number: "3.19", title: "Segments and steps of all sizes", draw: rods::sizes },
-    Entry { number: "3.20", title: "Buckling", draw: rods::buckling },
-    Entry { number: "3.21", title: "A lock is pulled and let go", draw: locks::pulled },
-    Entry { number: "3.22", title: "How the coefficients damp", draw: rods::damping },
-    Entry { number: "3.23", title: "A lock stretches under gravity", draw: locks::falling },
-    Entry { number: "3.24", title: "A lock on a moving root", draw: locks::moving_root },
+const FIGURES: [FigureEntry<Draw>; 10] = [
+    FigureEntry { number: "3.15", title: "A wavy rod falls and keeps its waves", draw: rods::wavy },
+    FigureEntry { number: "3.16", title: "A helix under an end load", draw: rods::helix },
+    FigureEntry {
+        number: "3.17",
+        title: "A straight rod with a moment at its end",
+        draw: rods::torque,
+    },
+    FigureEntry { number: "3.18", title: "A spring is let go", draw: rods::spring },
+    FigureEntry { number: "3.19", title: "Segments and steps of all sizes", draw: rods::sizes },
+    FigureEntry { number: "3.20", title: "Buckling", draw: rods::buckling },
+    FigureEntry { number: "3.21", title: "A lock is pulled and let go", draw: locks::pulled },
+    FigureEntry { number: "3.22", title: "How the coefficients damp", draw: rods::damping },
+    FigureEntry { number: "3.23", title: "A lock stretches under gravity", draw: locks::falling },
+    FigureEntry { number: "3.24", title: "A lock on a moving root", draw: locks::moving_root },
 ];
 
 fn main() -> ExitCode {

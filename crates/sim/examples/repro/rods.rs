@@ -3,7 +3,7 @@
 use crate::film::{Film, play, scene};
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Pictures};
-use rapunzel_repro::{Check, Criterion, Fallible, Figure, check};
+use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::{Arrangement, FiberShape, RodMethod, StepperSettings, Tip, Weights};
 use rapunzel_sim::{Scene, World};
 use std::f64::consts::TAU;
@@ -56,14 +56,14 @@ pub(crate) fn wavy() -> Fallible<Figure> {
         parameters: "the thesis gives no size; undamped: box scheme, rho_inf 1, steps of 1 ms",
         drawings: vec![Drawing::Pictures(pictures)],
         checks: vec![
-            Check {
+            ClaimCheck {
                 compared: "torsion, in parts of the largest natural curvature".into(),
                 obtained: torsion,
                 unit: "",
                 criterion: Criterion::AtMost(1e-9),
                 thesis: "only bending, kappa_3 = 0",
             },
-            Check {
+            ClaimCheck {
                 compared: "part of the natural waves in the curvature while it falls, at least"
                     .into(),
                 obtained: kept,
@@ -127,9 +127,9 @@ pub(crate) fn helix() -> Fallible<Figure> {
             "the other way it stretches it",
         ),
     ];
-    let mut checks: Vec<Check> = checks
+    let mut checks: Vec<ClaimCheck> = checks
         .into_iter()
-        .map(|(compared, obtained, less, thesis)| Check {
+        .map(|(compared, obtained, less, thesis)| ClaimCheck {
             compared: compared.into(),
             obtained,
             unit: "",
@@ -138,7 +138,7 @@ pub(crate) fn helix() -> Fallible<Figure> {
         })
         .collect();
     for (load, most) in ["moment", "force"].into_iter().zip(torsion) {
-        checks.push(Check {
+        checks.push(ClaimCheck {
             compared: format!("largest torsion under the {load}"),
             obtained: most,
             unit: "1/m",
@@ -291,14 +291,14 @@ pub(crate) fn spring() -> Fallible<Figure> {
             curves: vec![Curve { name: "v_z".into(), points: ringing.velocity }],
         })],
         checks: vec![
-            Check {
+            ClaimCheck {
                 compared: "frequency after release".into(),
                 obtained: ringing.frequency,
                 unit: "Hz",
                 criterion: Criterion::Within(150.0, 170.0),
                 thesis: "about 160 Hz",
             },
-            Check {
+            ClaimCheck {
                 compared: "speed 50 ms after release over the largest".into(),
                 obtained: ringing.left,
                 unit: "",
@@ -313,7 +313,7 @@ pub(crate) fn spring() -> Fallible<Figure> {
 pub(crate) fn sizes() -> Fallible<Figure> {
     let mut checks = Vec::new();
     let mut check = |name: &str, ringing: &Ringing, reference: f64| {
-        checks.push(Check {
+        checks.push(ClaimCheck {
             compared: format!("{name}: largest speed over that of 100 segments, 1e-4 s"),
             obtained: ringing.fastest / reference,
             unit: "",
@@ -401,14 +401,14 @@ pub(crate) fn buckling() -> Fallible<Figure> {
             }),
         ],
         checks: vec![
-            Check {
+            ClaimCheck {
                 compared: "kinetic energy at the collapse over that of the driven motion".into(),
                 obtained: peak[1] / driven,
                 unit: "",
                 criterion: Criterion::AtLeast(10.0),
                 thesis: "the motion gets faster toward the bifurcation",
             },
-            Check {
+            ClaimCheck {
                 compared: "crossings of the fiber with itself at most, seen along y".into(),
                 obtained: f64::from(crossings),
                 unit: "",

@@ -3,8 +3,8 @@ use super::space::flat;
 use crate::scene::{MassSpring, Model, NodeContacts, NodePlaces, Wind};
 use nalgebra::{Point, Point3, Vector3};
 use rapunzel_mass_spring::{
-    self as spring, Ball, Cells, Contacts, Enclosure, Lattice, Place, Rope, SpringError, Surface,
-    System,
+    self as spring, Cells, Contacts, Enclosure, Lattice, PlaceMatrix, Rope, RoundBody, SpringError,
+    Surface, System,
 };
 
 /// The system of a scene at its start.
@@ -24,11 +24,11 @@ pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn ErasedSystem>, SpringE
         }
         Model::Net { place, spacing, triangular } => {
             let place = match place {
-                NodePlaces::Line { rows, columns } => Place::line(*rows, *columns),
-                NodePlaces::Flag { rows, columns } => Place::flag(*rows, *columns),
-                NodePlaces::Flying { rows, columns } => Place::free(*rows, *columns),
+                NodePlaces::Line { rows, columns } => PlaceMatrix::line(*rows, *columns),
+                NodePlaces::Flag { rows, columns } => PlaceMatrix::flag(*rows, *columns),
+                NodePlaces::Flying { rows, columns } => PlaceMatrix::free(*rows, *columns),
                 NodePlaces::Matrix { rows } => {
-                    Place::new(&rows.iter().map(String::as_str).collect::<Vec<_>>())
+                    PlaceMatrix::new(&rows.iter().map(String::as_str).collect::<Vec<_>>())
                 }
             }?;
             let cells = if *triangular { Cells::Triangular } else { Cells::Rectangular };
@@ -41,14 +41,14 @@ pub(crate) fn build(scene: &MassSpring) -> Result<Box<dyn ErasedSystem>, SpringE
             moving(scene, body.build(corner)?, body.faces(), None)
         }
         Model::Ring { count, radius, tau } => {
-            let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
+            let ball = RoundBody { radius: *radius, element, radial: 1.0, tau: *tau };
             let (system, area) = ball.ring(flat::<2>(&scene.position).into(), *count)?;
             // With the mass in the middle, where its springs lead.
             let faces = area.facets().iter().map(|&[a, b]| vec![0, a, b]).collect();
             moving(scene, system, faces, Some(area))
         }
         Model::Ball { radius, fineness, tau } => {
-            let ball = Ball { radius: *radius, element, radial: 1.0, tau: *tau };
+            let ball = RoundBody { radius: *radius, element, radial: 1.0, tau: *tau };
             let (system, volume) = ball.sphere(scene.position.into(), *fineness)?;
             let faces = volume.facets().iter().map(|facet| facet.to_vec()).collect();
             moving(scene, system, faces, Some(volume))
@@ -87,11 +87,11 @@ where
     Ok(Box::new(MovingSystem::new(scene, system, faces, enclosure, contacts, chain)))
 }
 
-fn wind<const D: usize>(wind: &Wind) -> spring::Wind<D> {
+fn wind<const D: usize>(wind: &Wind) -> spring::WindField<D> {
     match wind {
-        Wind::Steady { velocity } => spring::Wind::steady(flat(velocity)),
+        Wind::Steady { velocity } => spring::WindField::steady(flat(velocity)),
         Wind::Gusts { velocity, gust, period } => {
-            spring::Wind { steady: flat(velocity), pulse: flat(gust), period: *period }
+            spring::WindField { steady: flat(velocity), pulse: flat(gust), period: *period }
         }
     }
 }

@@ -6,7 +6,7 @@ use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;
 use rapunzel_export::{Strand, usd};
 use rapunzel_mass_spring::{
-    Chain, Columns, Contacts, Enclosure, ImplicitEuler, Leapfrog, Obstacle, SpringError,
+    Contacts, Enclosure, ImplicitEuler, Leapfrog, NodeVectors, Obstacle, RigidChain, SpringError,
     StepTooLong, System, runge_kutta,
 };
 use rapunzel_rod_dynamic::Energy;
@@ -66,7 +66,7 @@ pub(crate) struct MovingSystem<const D: usize> {
 }
 
 enum SpringIntegrator<const D: usize> {
-    Chain(Chain),
+    Chain(RigidChain),
     Leapfrog(Leapfrog<D>),
     RungeKutta,
     ImplicitEuler(ImplicitEuler),
@@ -85,7 +85,7 @@ impl<const D: usize> MovingSystem<D> {
         chain: bool,
     ) -> Self {
         let method = match scene.integrator {
-            _ if chain => SpringIntegrator::Chain(Chain::new()),
+            _ if chain => SpringIntegrator::Chain(RigidChain::new()),
             Integrator::Leapfrog => SpringIntegrator::Leapfrog(Leapfrog::new()),
             Integrator::RungeKutta => SpringIntegrator::RungeKutta,
             Integrator::ImplicitEuler => SpringIntegrator::ImplicitEuler(ImplicitEuler::default()),
@@ -246,7 +246,7 @@ where
             return false;
         }
         let (vectors, lengths) = numbers.split_at(2 * D * nodes);
-        let (mut x, mut v) = (Columns::zeros(nodes), Columns::zeros(nodes));
+        let (mut x, mut v) = (NodeVectors::zeros(nodes), NodeVectors::zeros(nodes));
         for (node, both) in vectors.chunks_exact(2 * D).enumerate() {
             x.set(node, &SVector::from_column_slice(&both[..D]));
             v.set(node, &SVector::from_column_slice(&both[D..]));

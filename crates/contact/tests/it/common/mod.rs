@@ -3,8 +3,8 @@ pub(crate) mod incline;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rapunzel_contact::{
-    Answers, Body, Contact, ContactError, GaussSeidel, LimitCurve, Report, Solver, Tolerance,
-    Violation,
+    Body, Contact, ContactError, DelassusBlocks, GaussSeidel, LimitCurve, Report, Solver,
+    Tolerance, Violation,
 };
 
 pub(crate) const G: f64 = 9.81;
@@ -21,7 +21,7 @@ pub(crate) struct Dense {
     /// The same with weights.
     response: DMatrix<f64>,
     /// Its points, if it writes out how they answer.
-    written: Option<(Vec<usize>, Answers)>,
+    written: Option<(Vec<usize>, DelassusBlocks)>,
 }
 
 impl Dense {
@@ -33,7 +33,7 @@ impl Dense {
 
     /// The same, with its answers written out.
     pub(crate) fn written(self) -> Self {
-        let answers = Answers::new(&self.bare).expect("a square of finite numbers");
+        let answers = DelassusBlocks::new(&self.bare).expect("a square of finite numbers");
         Self { written: Some(((0..self.points()).collect(), answers)), ..self }
     }
 
@@ -130,7 +130,7 @@ impl Body for Dense {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         self.written.as_ref().map(|(points, answers)| vec![(&points[..], answers)])
     }
 }

@@ -3,7 +3,8 @@ use crate::common::{Dense, G, Random, act, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::projection::TwoProjections;
 use rapunzel_contact::{
-    Body, Contact, Impact, Solver, Tolerance, Violation, impact, impact_in_turn, solve_contact,
+    Body, Contact, ImpactReport, Solver, Tolerance, Violation, impact, impact_in_turn,
+    solve_contact,
 };
 
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +19,7 @@ fn collide(
     restitution: &[f64],
     law: Law,
     solver: &mut dyn Solver,
-) -> Impact {
+) -> ImpactReport {
     let velocities: Vec<_> = bodies.iter().flat_map(Dense::velocities).collect();
     let mut dynamic: Vec<&mut dyn Body> = bodies.iter_mut().map(|b| b as &mut dyn Body).collect();
     let hit = match law {

@@ -2,7 +2,7 @@
 use crate::common::{Dense, Random, act, circle, contact, exact, resolve, to, worst};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rapunzel_contact::{
-    Answers, Body, Contact, ContactError, GaussSeidel, Report, Solver, Violation, report,
+    Body, Contact, ContactError, DelassusBlocks, GaussSeidel, Report, Solver, Violation, report,
 };
 
 /// A net of particles that press each other and the ground, with all kinds of curves.
@@ -75,11 +75,11 @@ fn relaxation_and_warm_starts_find_the_same() {
 }
 
 /// Particles that know how they answer, in another order than that of their points.
-struct WrittenOut(Vec<(Vec<usize>, Answers)>);
+struct WrittenOut(Vec<(Vec<usize>, DelassusBlocks)>);
 
 impl WrittenOut {
     fn new(particles: &[Dense]) -> Self {
-        let answers = |particle: &Dense| Answers::new(&particle.mobility).expect("square");
+        let answers = |particle: &Dense| DelassusBlocks::new(&particle.mobility).expect("square");
         let one = |(i, particle)| (vec![i], answers(particle));
         Self(particles.iter().enumerate().map(one).rev().collect())
     }
@@ -106,7 +106,7 @@ impl Body for WrittenOut {
         unreachable!("nobody asks")
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &Answers)>> {
+    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         Some(self.0.iter().map(|(points, answers)| (&points[..], answers)).collect())
     }
 }
@@ -134,7 +134,7 @@ fn answers_that_are_written_out_are_not_asked_for() {
 #[test]
 fn answers_that_do_not_fit_are_refused() {
     let contacts = [contact(0, None, &Vector3::z(), circle(0.3))];
-    let of_points = |count: usize| Answers::new(&DMatrix::identity(3 * count, 3 * count));
+    let of_points = |count: usize| DelassusBlocks::new(&DMatrix::identity(3 * count, 3 * count));
     let wrong = [(vec![1], 1), (vec![0], 2), (vec![0, 0], 2)];
     for (points, count) in wrong {
         let mut body = WrittenOut(vec![(points, of_points(count).expect("square"))]);
@@ -143,10 +143,10 @@ fn answers_that_do_not_fit_are_refused() {
         assert!(matches!(error, ContactError::Body { body: 0, .. }), "{error}");
     }
     for (rows, columns) in [(2, 3), (3, 2), (4, 4), (6, 3)] {
-        let error = Answers::new(&DMatrix::zeros(rows, columns)).expect_err("refused");
+        let error = DelassusBlocks::new(&DMatrix::zeros(rows, columns)).expect_err("refused");
         assert!(matches!(error, ContactError::Length { .. }), "{error}");
     }
-    let error = Answers::new(&DMatrix::from_element(3, 3, f64::NAN)).expect_err("refused");
+    let error = DelassusBlocks::new(&DMatrix::from_element(3, 3, f64::NAN)).expect_err("refused");
     assert!(matches!(error, ContactError::Invalid { .. }), "{error}");
 }
 
@@ -156,7 +156,7 @@ fn answers_side_by_side_are_those_of_their_matrix() {
         // Whole numbers of so few digits are exact in single precision too.
         let entry = |i: usize, j: usize| (3 * i * j + i + 2 * j) as f64;
         let matrix = DMatrix::from_fn(3 * count, 3 * count, entry);
-        for answers in [Answers::new(&matrix), Answers::rounded(&matrix)] {
+        for answers in [DelassusBlocks::new(&matrix), DelassusBlocks::rounded(&matrix)] {
             let answers = answers.expect("square");
             assert_eq!(answers.points(), count);
             for (row, column) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
@@ -166,7 +166,7 @@ fn answers_side_by_side_are_those_of_their_matrix() {
         }
     }
     let far = DMatrix::from_element(3, 3, 1e39);
-    assert!(Answers::new(&far).is_ok() && Answers::rounded(&far).is_err());
+    assert!(DelassusBlocks::new(&far).is_ok() && DelassusBlocks::rounded(&far).is_err());
 }
 
 /// Single precision moves points by a ten-millionth of what impulses do to them, of the order of one here.
@@ -176,7 +176,8 @@ fn rounded_answers_serve_as_far_as_their_digits_go() {
     for _ in 0..20 {
         let (mut particles, contacts) = net(&mut random);
         let velocities: Vec<_> = particles.iter().flat_map(Dense::velocities).collect();
-        let rounded = |particle: &Dense| Answers::rounded(&particle.mobility).expect("square");
+        let rounded =
+            |particle: &Dense| DelassusBlocks::rounded(&particle.mobility).expect("square");
         let one = |(i, particle)| (vec![i], rounded(particle));
         let mut written = WrittenOut(particles.iter().enumerate().map(one).collect());
         let mut impulses = vec![Vector3::zeros(); contacts.len()];

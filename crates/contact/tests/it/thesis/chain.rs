@@ -4,7 +4,7 @@ use super::chains::{G, cantilever, momenta, run, settings, shake, springs, step,
 use nalgebra::{DMatrix, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_contact::ContactError;
-use rapunzel_contact::chain::{Chain, Coupling, Method, Root, Settings};
+use rapunzel_contact::chain::{Coupling, CylinderChain, JointMethod, Root, Settings};
 
 #[test]
 fn a_hanging_chain_rests() {
@@ -50,9 +50,9 @@ fn a_chain_swings_at_its_exact_frequency() {
         nodes.push(last + l * Vector3::new(angle.sin(), 0.0, -angle.cos()));
     }
     let root = Root::Hinged(Point3::origin());
-    let mut chain = Chain::new(&nodes, 0.1, 1e-3, &Vector3::y(), root).expect("valid");
+    let mut chain = CylinderChain::new(&nodes, 0.1, 1e-3, &Vector3::y(), root).expect("valid");
     let dt = 1e-3;
-    let tip = |chain: &Chain| chain.ends(n - 1)[1].x;
+    let tip = |chain: &CylinderChain| chain.ends(n - 1)[1].x;
     // Ten half periods between crossings, each interpolated.
     let (mut crossings, mut before, mut i) = (Vec::new(), tip(&chain), 0);
     while crossings.len() < 11 {
@@ -70,13 +70,13 @@ fn a_chain_swings_at_its_exact_frequency() {
 
 #[test]
 fn method_one_has_no_drift_and_method_two_little() {
-    let drift = |method: Method, dt: f64, steps: usize| {
+    let drift = |method: JointMethod, dt: f64, steps: usize| {
         let mut chain = straight(20, 0.2, Vector3::x(), Root::Hinged(Point3::origin()));
         run(&mut chain, steps, &Settings { method, ..settings(dt) })
     };
-    let one = drift(Method::ImpulseCorrection, 1e-3, 500);
-    let two = drift(Method::Linearized, 1e-3, 500);
-    let finer = drift(Method::Linearized, 2.5e-4, 2000);
+    let one = drift(JointMethod::ImpulseCorrection, 1e-3, 500);
+    let two = drift(JointMethod::Linearized, 1e-3, 500);
+    let finer = drift(JointMethod::Linearized, 2.5e-4, 2000);
     println!(
         "widest gap of a falling chain: I {one:e} m, II {two:e} m, at a quarter step {finer:e}"
     );
@@ -183,12 +183,12 @@ fn explicit_springs_swing_at_the_beams_frequency() {
 fn orientation_joints_make_a_rigid_body() {
     let nodes = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.1, 0.1, 0.1]];
     let nodes = nodes.map(Point3::from);
-    let chain =
-        Chain::new(&nodes, 0.1, 1e-2, &Vector3::new(0.3, 0.5, 1.0), Root::Free).expect("valid");
+    let chain = CylinderChain::new(&nodes, 0.1, 1e-2, &Vector3::new(0.3, 0.5, 1.0), Root::Free)
+        .expect("valid");
     let mut rigid = springs(1.0, 2, Coupling::Rigid);
     rigid.natural = chain.curvatures();
     let mut chain = chain.with_springs(rigid).expect("valid");
-    let shape = |chain: &Chain| {
+    let shape = |chain: &CylinderChain| {
         let [a, b] = [chain.ends(0)[0], chain.ends(2)[1]];
         (b - a).norm()
     };
@@ -206,7 +206,8 @@ fn orientation_joints_make_a_rigid_body() {
 #[test]
 fn a_spinning_segment_precesses_exactly() {
     let nodes = [Point3::origin(), Point3::new(0.003, 0.0, 0.0)];
-    let mut chain = Chain::new(&nodes, 5e-6, 3.5e-5, &Vector3::y(), Root::Free).expect("valid");
+    let mut chain =
+        CylinderChain::new(&nodes, 5e-6, 3.5e-5, &Vector3::y(), Root::Free).expect("valid");
     let dt = 1e-3;
     let segment = &mut chain.segments_mut()[0];
     segment.set_angular_velocity(&(Vector3::new(7.0, 0.2, 0.4) / dt));
@@ -278,7 +279,7 @@ fn bad_chains_and_steps_are_refused() {
     let up = Vector3::z();
     let p = |x: f64| Point3::new(x, 0.0, 0.0);
     let new = |nodes: &[Point3<f64>], density: f64, radius: f64| {
-        Chain::new(nodes, density, radius, &up, Root::Free)
+        CylinderChain::new(nodes, density, radius, &up, Root::Free)
     };
     assert!(new(&[p(0.0)], 1.0, 1.0).is_err());
     assert!(new(&[p(0.0), p(0.0)], 1.0, 1.0).is_err());
@@ -286,7 +287,7 @@ fn bad_chains_and_steps_are_refused() {
     assert!(new(&[p(0.0), p(f64::NAN)], 1.0, 1.0).is_err());
     assert!(new(&[p(0.0), p(1.0)], 0.0, 1.0).is_err());
     assert!(new(&[p(0.0), p(1.0)], 1.0, -1.0).is_err());
-    assert!(Chain::new(&[p(0.0), p(1.0)], 1.0, 1.0, &Vector3::x(), Root::Free).is_err());
+    assert!(CylinderChain::new(&[p(0.0), p(1.0)], 1.0, 1.0, &Vector3::x(), Root::Free).is_err());
     let chain = new(&[p(0.0), p(1.0), p(2.0)], 1.0, 0.1).expect("valid");
     assert!(chain.clone().with_springs(springs(1.0, 2, Coupling::Explicit)).is_err());
     assert!(chain.clone().with_springs(springs(0.0, 1, Coupling::Explicit)).is_err());
@@ -309,7 +310,7 @@ fn bad_chains_and_steps_are_refused() {
 fn threads_do_not_change_a_bit() {
     let runs = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let mut chains: Vec<Chain> = (0..8)
+        let mut chains: Vec<CylinderChain> = (0..8)
             .map(|i| {
                 let mut chain = straight(10, 0.2, Vector3::x(), Root::Hinged(Point3::origin()));
                 shake(&mut chain, 0.3, 100 + i);

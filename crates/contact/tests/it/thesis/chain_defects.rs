@@ -2,7 +2,9 @@
 
 use super::chains::{momenta, run, settings, shake, step, straight};
 use nalgebra::{Point3, Vector3};
-use rapunzel_contact::chain::{ChainForm, Coupling, Root, Settings, Springs, collision_matrix};
+use rapunzel_contact::chain::{
+    ChainForm, Coupling, JointSprings, Root, Settings, collision_matrix,
+};
 use rapunzel_contact::projection::Form;
 
 #[test]
@@ -62,8 +64,11 @@ fn printed_curvature_is_an_angle_and_runs_away() {
     let bent = |n: usize, curvature: Form| {
         let mut chain = straight(n, 0.2, Vector3::x(), Root::Free);
         let natural = vec![Vector3::new(0.0, 1.0, 0.0); n - 1];
-        let springs =
-            Springs { stiffness: Vector3::repeat(1e-9), natural, coupling: Coupling::Explicit };
+        let springs = JointSprings {
+            stiffness: Vector3::repeat(1e-9),
+            natural,
+            coupling: Coupling::Explicit,
+        };
         chain = chain.with_springs(springs).expect("valid");
         let form = ChainForm { curvature, ..Form::Corrected.into() };
         let free = Settings { gravity: Vector3::zeros(), form, ..settings(1e-3) };

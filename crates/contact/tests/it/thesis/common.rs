@@ -1,7 +1,7 @@
 //! What the tests share.
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::RigidBody;
-use rapunzel_contact::projection::{Partner, Polygon, Touch};
+use rapunzel_contact::projection::{Partner, PolygonalCone, Touch};
 use serde_json::Value;
 
 pub(crate) fn number(case: &Value, key: &str) -> f64 {
@@ -26,7 +26,7 @@ pub(crate) fn particle(mass: f64, velocity: Vector3<f64>) -> RigidBody {
 }
 
 /// A contact of body 0 at its center with a fixed plane.
-pub(crate) fn floor(normal: Vector3<f64>, tangent: Vector3<f64>, friction: Polygon) -> Touch {
+pub(crate) fn floor(normal: Vector3<f64>, tangent: Vector3<f64>, friction: PolygonalCone) -> Touch {
     Touch {
         body: 0,
         partner: Partner::Given(Vector3::zeros()),
@@ -38,8 +38,8 @@ pub(crate) fn floor(normal: Vector3<f64>, tangent: Vector3<f64>, friction: Polyg
     }
 }
 
-pub(crate) fn frictionless() -> Polygon {
-    Polygon::regular(0.0, 4).expect("valid")
+pub(crate) fn frictionless() -> PolygonalCone {
+    PolygonalCone::regular(0.0, 4).expect("valid")
 }
 
 /// Numbers between -1 and 1 that are the same in every run (Marsaglia's xorshift64).

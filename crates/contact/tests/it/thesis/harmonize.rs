@@ -2,18 +2,19 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::chain::{
-    Chain, Coupling, Method, Order, Root, SegmentContact, SegmentPartner, Settings, Springs, step,
+    Coupling, CylinderChain, JointMethod, JointSprings, LastWord, Root, SegmentContact,
+    SegmentPartner, Settings, step,
 };
-use rapunzel_contact::projection::{Differences, Form, Polygon};
+use rapunzel_contact::projection::{Differences, Form, PolygonalCone};
 use rapunzel_contact::{ContactError, GaussSeidel, Response, Tolerance};
 
 const RADIUS: f64 = 1e-3;
 
-fn settings(order: Order, harmonizations: usize) -> Settings {
+fn settings(order: LastWord, harmonizations: usize) -> Settings {
     Settings {
         dt: 1e-3,
         gravity: Vector3::new(0.0, 0.0, -9.81),
-        method: Method::ImpulseCorrection,
+        method: JointMethod::ImpulseCorrection,
         order,
         harmonizations,
         restitution: 0.0,
@@ -31,18 +32,18 @@ fn together() -> GaussSeidel {
     GaussSeidel::new(Tolerance::EXACT)
 }
 
-fn line(from: Point3<f64>, to: Point3<f64>, segments: usize, root: Root) -> Chain {
+fn line(from: Point3<f64>, to: Point3<f64>, segments: usize, root: Root) -> CylinderChain {
     let node = |i: usize| from + (to - from) * (i as f64 / segments as f64);
     let nodes: Vec<_> = (0..=segments).map(node).collect();
-    Chain::new(&nodes, 0.01, RADIUS, &Vector3::new(0.1, 0.9, 0.4), root).expect("valid")
+    CylinderChain::new(&nodes, 0.01, RADIUS, &Vector3::new(0.1, 0.9, 0.4), root).expect("valid")
 }
 
-fn friction(mu: f64) -> Polygon {
-    Polygon::regular(mu, 8).expect("valid")
+fn friction(mu: f64) -> PolygonalCone {
+    PolygonalCone::regular(mu, 8).expect("valid")
 }
 
 /// The poses at which contacts are asked for.
-fn poses(chain: &Chain, settings: &Settings) -> Vec<Isometry3<f64>> {
+fn poses(chain: &CylinderChain, settings: &Settings) -> Vec<Isometry3<f64>> {
     match settings.form.contact_time {
         Form::AsPrinted => chain.half_way(settings.dt),
         Form::Corrected => chain.segments().iter().map(|segment| segment.pose).collect(),
@@ -50,7 +51,7 @@ fn poses(chain: &Chain, settings: &Settings) -> Vec<Isometry3<f64>> {
 }
 
 /// Contacts with the plane z = 0 at both ends of every segment of chain 0.
-fn on_plane(chain: &Chain, settings: &Settings, mu: f64) -> Vec<SegmentContact> {
+fn on_plane(chain: &CylinderChain, settings: &Settings, mu: f64) -> Vec<SegmentContact> {
     let half = 0.5 * (chain.ends(0)[1] - chain.ends(0)[0]).norm();
     let ends = |(segment, pose): (usize, Isometry3<f64>)| {
         [-half, half].map(|z| {
@@ -75,7 +76,7 @@ fn a_chain_lies_still_on_a_plane() {
     let at = |x: f64| Point3::new(x, 0.0, RADIUS);
     let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
     let start = chains[0].clone();
-    let settings = settings(Order::JointsFirst, 1);
+    let settings = settings(LastWord::JointsFirst, 1);
     for _ in 0..1000 {
         let contacts = on_plane(&chains[0], &settings, 0.3);
         assert_eq!(contacts.len(), 20);
@@ -93,7 +94,7 @@ fn a_sliding_chain_is_braked_by_friction() {
     for segment in chains[0].segments_mut() {
         segment.velocity.y = 1.0;
     }
-    let settings = settings(Order::JointsFirst, 1);
+    let settings = settings(LastWord::JointsFirst, 1);
     for _ in 0..100 {
         let contacts = on_plane(&chains[0], &settings, 0.3);
         step(&mut chains, &contacts, &settings, &mut alone()).expect("solved");
@@ -117,7 +118,7 @@ fn friction_along_the_axis_needs_contacts_without_a_lever() {
         for segment in chains[0].segments_mut() {
             segment.velocity.x = 1.0;
         }
-        let settings = settings(Order::JointsFirst, 1);
+        let settings = settings(LastWord::JointsFirst, 1);
         for _ in 0..100 {
             let mut contacts = on_plane(&chains[0], &settings, 0.3);
             if !ends {
@@ -190,10 +191,10 @@ fn the_order_decides_what_is_violated() {
         (gap, depth)
     };
     for times in 1..=3 {
-        run(Order::JointsFirst, times, Form::AsPrinted);
-        run(Order::ContactsFirst, times, Form::AsPrinted);
-        let joints_first = run(Order::JointsFirst, times, Form::Corrected);
-        let contacts_first = run(Order::ContactsFirst, times, Form::Corrected);
+        run(LastWord::JointsFirst, times, Form::AsPrinted);
+        run(LastWord::ContactsFirst, times, Form::AsPrinted);
+        let joints_first = run(LastWord::JointsFirst, times, Form::Corrected);
+        let contacts_first = run(LastWord::ContactsFirst, times, Form::Corrected);
         assert!(contacts_first.0 < 1e-14, "the last word is the joints'");
         assert!(joints_first.0 > 1e3 * contacts_first.0);
         assert!(contacts_first.1 > 3.0 * joints_first.1, "{joints_first:?} {contacts_first:?}");
@@ -223,15 +224,15 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
             partner: SegmentPartner::Segment { chain: 1, segment: 2 },
             friction: friction(0.4),
         };
-        let total = |chains: &[Chain]| {
-            let all = chains.iter().flat_map(Chain::segments);
+        let total = |chains: &[CylinderChain]| {
+            let all = chains.iter().flat_map(CylinderChain::segments);
             let linear: Vector3<f64> = all.clone().map(|s| s.mass() * s.velocity).sum();
             let angular: Vector3<f64> =
                 all.map(|s| s.angular_momentum_about(&Point3::origin())).sum();
             (linear, angular)
         };
         let before = total(&chains);
-        let settings = Settings { gravity: Vector3::zeros(), ..settings(Order::JointsFirst, 1) };
+        let settings = Settings { gravity: Vector3::zeros(), ..settings(LastWord::JointsFirst, 1) };
         // Two points, of which one has a lever on the lower segment alone.
         let contacts = [contact(0.0), contact(0.004)];
         let report = step(&mut chains, &contacts, &settings, response).expect("solved");
@@ -251,7 +252,7 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
 /// whatever comes last; one that comes no faster than gravity makes it in two steps stays.
 #[test]
 fn a_chain_rebounds_by_its_restitution() {
-    let after = |speed: f64, order: Order, response: &mut dyn Response| {
+    let after = |speed: f64, order: LastWord, response: &mut dyn Response| {
         let at = |x: f64| Point3::new(x, 0.0, RADIUS);
         let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
         for segment in chains[0].segments_mut() {
@@ -262,7 +263,7 @@ fn a_chain_rebounds_by_its_restitution() {
         step(&mut chains, &contacts, &settings, response).expect("solved");
         chains[0].segments()[5].velocity.z
     };
-    for order in [Order::JointsFirst, Order::ContactsFirst] {
+    for order in [LastWord::JointsFirst, LastWord::ContactsFirst] {
         let (mut alone, mut together) = (alone(), together());
         for response in [&mut alone as &mut dyn Response, &mut together] {
             // The mean of the step rebounds; half of its fall is still to come.
@@ -281,7 +282,7 @@ fn joints_that_close_do_not_rebound() {
     let jumps = |rebound: Form| {
         let at = |x: f64| Point3::new(x, 0.0, RADIUS);
         let mut chains = [line(at(0.0), at(0.1), 10, Root::Free)];
-        let mut settings = Settings { restitution: 0.9, ..settings(Order::JointsFirst, 1) };
+        let mut settings = Settings { restitution: 0.9, ..settings(LastWord::JointsFirst, 1) };
         settings.form.rebound = rebound;
         for (i, segment) in chains[0].segments_mut().iter_mut().enumerate() {
             let lift = if i % 2 == 0 { -1e-4 } else { 0.0 };
@@ -312,7 +313,7 @@ fn joints_that_close_do_not_rebound() {
 fn bad_contacts_are_refused() {
     let mut chains = [line(Point3::origin(), Point3::new(0.1, 0.0, 0.0), 4, Root::Free)];
     let before = chains.clone();
-    let settings = settings(Order::JointsFirst, 2);
+    let settings = settings(LastWord::JointsFirst, 2);
     let good = on_plane(&chains[0], &settings, 0.3)[0].clone();
     for bad in [
         SegmentContact { chain: 1, ..good.clone() },
@@ -339,7 +340,7 @@ fn bad_contacts_are_refused() {
 #[test]
 #[ignore = "slow: 3 s, prints the cost of a step of the thesis's reference size"]
 fn cost_of_the_reference_size() {
-    let chains = |coupling: Option<Coupling>| -> Vec<Chain> {
+    let chains = |coupling: Option<Coupling>| -> Vec<CylinderChain> {
         (0..355)
             .map(|i| {
                 let y = 1e-4 * f64::from(i);
@@ -349,7 +350,7 @@ fn cost_of_the_reference_size() {
                 match coupling {
                     None => chain,
                     Some(coupling) => chain
-                        .with_springs(Springs {
+                        .with_springs(JointSprings {
                             stiffness: Vector3::repeat(1e-9),
                             natural: vec![Vector3::zeros(); 100],
                             coupling,
@@ -365,7 +366,7 @@ fn cost_of_the_reference_size() {
         ("implicit springs", Some(Coupling::Implicit), false),
         ("no springs, 71,000 contacts with a plane", None, true),
     ] {
-        let (mut chains, settings) = (chains(coupling), settings(Order::JointsFirst, 1));
+        let (mut chains, settings) = (chains(coupling), settings(LastWord::JointsFirst, 1));
         let mut spent = std::time::Duration::ZERO;
         let steps = 5;
         for _ in 0..steps {

@@ -4,7 +4,7 @@ use super::common::{floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
 use rapunzel_contact::projection::{
-    Differences, Form, Partner, Polygon, Touch, moreau_step, project,
+    Differences, Form, Partner, PolygonalCone, Touch, moreau_step, project,
 };
 use rapunzel_contact::{ContactError, RigidBody};
 
@@ -32,7 +32,7 @@ fn box_on_incline(alpha: f64, mu: f64, height: f64, steps: usize) -> (f64, f64) 
     let mut bodies = [RigidBody::cuboid(0.3, edges, Isometry3::identity()).expect("valid")];
     let weight = 0.3 * 9.81;
     let load = Vector6::new(weight * alpha.sin(), 0.0, -weight * alpha.cos(), 0.0, 0.0, 0.0);
-    let friction = Polygon::regular(mu, 8).expect("valid");
+    let friction = PolygonalCone::regular(mu, 8).expect("valid");
     let corners = |bodies: &[RigidBody]| -> Result<Vec<Touch>, ContactError> {
         let at = [(-0.05, -0.05), (0.05, -0.05), (0.05, 0.05), (-0.05, 0.05)];
         Ok(at
@@ -89,7 +89,7 @@ fn a_sliding_cube_is_not_lifted() {
     bodies[0].velocity.x = 6.0;
     let load = Vector6::new(0.0, 0.0, -0.3 * 9.81, 0.0, 0.0, 0.0);
     let center_contact = |bodies: &[RigidBody]| {
-        let friction = Polygon::regular(0.5, 8).expect("valid");
+        let friction = PolygonalCone::regular(0.5, 8).expect("valid");
         Ok(vec![Touch { point: bodies[0].center(), ..floor(Vector3::z(), Vector3::x(), friction) }])
     };
     let mut lift = 0.0_f64;
@@ -117,7 +117,11 @@ fn squeezed_between_walls() {
     let walls = |speed: f64| {
         [1.0, -1.0].map(|side| Touch {
             partner: Partner::Given(Vector3::z() * side * speed),
-            ..floor(Vector3::z() * side, Vector3::x(), Polygon::regular(0.5, 8).expect("valid"))
+            ..floor(
+                Vector3::z() * side,
+                Vector3::x(),
+                PolygonalCone::regular(0.5, 8).expect("valid"),
+            )
         })
     };
     let mut bodies = [particle(1.0, Vector3::new(0.2, 0.0, -1.0))];
@@ -147,9 +151,9 @@ fn bad_contacts_are_refused() {
     assert!(refused(Touch { partner: Partner::Body(0), ..good.clone() }));
     assert!(refused(Touch { closing: f64::INFINITY, ..good.clone() }));
     assert!(project(&mut [particle(1.0, Vector3::z())], &[good], 1.5, &form).is_err());
-    assert!(Polygon::regular(0.3, 2).is_err());
-    assert!(Polygon::new(&[(0.0, 0.3), (1.0, 0.3), (2.0, 0.3)]).is_err());
-    assert!(Polygon::regular(-0.1, 8).is_err());
+    assert!(PolygonalCone::regular(0.3, 2).is_err());
+    assert!(PolygonalCone::new(&[(0.0, 0.3), (1.0, 0.3), (2.0, 0.3)]).is_err());
+    assert!(PolygonalCone::regular(-0.1, 8).is_err());
 }
 
 /// Angles and coefficients of any size, many of them zero, so that the hull degenerates.
@@ -175,7 +179,7 @@ proptest! {
         body.velocity = velocity.into();
         body.set_angular_velocity(&omega.into());
         let point = Point3::new(0.0, 0.0, -0.1);
-        let friction = Polygon::new(&spokes).expect("valid");
+        let friction = PolygonalCone::new(&spokes).expect("valid");
         let touch = Touch { point, ..floor(Vector3::z(), Vector3::x(), friction.clone()) };
         let before = body.clone();
         let mut bodies = [body];

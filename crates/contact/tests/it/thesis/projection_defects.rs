@@ -4,7 +4,7 @@ use super::common::{Numbers, floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector3, Vector6};
 use rapunzel_contact::RigidBody;
 use rapunzel_contact::projection::{
-    Differences, Form, Partner, Polygon, Touch, moreau_step, project,
+    Differences, Form, Partner, PolygonalCone, Touch, moreau_step, project,
 };
 
 pub(crate) fn corrected() -> Differences {
@@ -13,7 +13,7 @@ pub(crate) fn corrected() -> Differences {
 
 fn land(velocity: Vector3<f64>, mu: f64, restitution: f64, form: Differences) -> Vector3<f64> {
     let mut bodies = [particle(1.0, velocity)];
-    let friction = Polygon::regular(mu, 8).expect("valid");
+    let friction = PolygonalCone::regular(mu, 8).expect("valid");
     project(&mut bodies, &[floor(Vector3::z(), Vector3::x(), friction)], restitution, &form)
         .expect("solved");
     bodies[0].velocity
@@ -45,7 +45,8 @@ fn printed_half_force_halves_the_slide() {
     let load = Vector6::new(9.81 * alpha.sin(), 0.0, -9.81 * alpha.cos(), 0.0, 0.0, 0.0);
     let acceleration = |form: Differences| {
         let mut bodies = [particle(1.0, Vector3::zeros())];
-        let touch = floor(Vector3::z(), Vector3::x(), Polygon::regular(mu, 4).expect("valid"));
+        let touch =
+            floor(Vector3::z(), Vector3::x(), PolygonalCone::regular(mu, 4).expect("valid"));
         for _ in 0..100 {
             let found = |bodies: &[RigidBody]| {
                 Ok(vec![Touch { point: bodies[0].center(), ..touch.clone() }])
@@ -81,7 +82,7 @@ pub(crate) fn random_touches(numbers: &mut Numbers, bodies: usize, count: usize)
         .map(|i| {
             let body = i % bodies;
             let partner = (i + 1) % bodies;
-            let friction = Polygon::regular(2.0 * numbers.positive(), 8).expect("valid");
+            let friction = PolygonalCone::regular(2.0 * numbers.positive(), 8).expect("valid");
             Touch {
                 body,
                 partner: if partner == body || i % 3 == 2 {
@@ -201,7 +202,7 @@ fn one_contact_without_friction_keeps_momentum_in_either_scope() {
 /// (8.63) is another set than (8.48): larger for a circle, smaller at the tips of an ellipse.
 #[test]
 fn printed_half_planes_are_another_set() {
-    let reach = |friction: &Polygon, form: Form, angle: f64| {
+    let reach = |friction: &PolygonalCone, form: Form, angle: f64| {
         let direction = nalgebra::Vector2::new(angle.cos(), angle.sin());
         let bound = |(a, b): &(nalgebra::Vector2<f64>, f64)| {
             let along = a.dot(&direction);
@@ -209,7 +210,7 @@ fn printed_half_planes_are_another_set() {
         };
         friction.half_planes(form).iter().map(bound).fold(f64::INFINITY, f64::min)
     };
-    let circle = Polygon::regular(0.47, 8).expect("valid");
+    let circle = PolygonalCone::regular(0.47, 8).expect("valid");
     let middle = std::f64::consts::PI / 8.0;
     let excess = reach(&circle, Form::AsPrinted, middle) / 0.47;
     assert!((excess - 1.0 / middle.cos()).abs() < 1e-12, "{excess}");
@@ -219,7 +220,7 @@ fn printed_half_planes_are_another_set() {
         .map(|i| f64::from(i) * std::f64::consts::FRAC_PI_4)
         .map(|angle| (angle, 1.0 / angle.cos().hypot(angle.sin() / 0.1)))
         .collect();
-    let ellipse = Polygon::new(&spokes).expect("valid");
+    let ellipse = PolygonalCone::new(&spokes).expect("valid");
     let tip = reach(&ellipse, Form::AsPrinted, 0.0);
     assert!((tip - 2_f64.sqrt() * spokes[1].1).abs() < 1e-12);
     println!("the tip of the ellipse is cut off to {tip}");
@@ -255,7 +256,7 @@ fn printed_impulses_count_twice() {
         let tilt = 60_f64.to_radians();
         let touches = [-1.0, 1.0].map(|side| {
             let normal = Vector3::new(side * (0.5 * tilt).sin(), 0.0, (0.5 * tilt).cos());
-            floor(normal, Vector3::y(), Polygon::regular(0.1, 4).expect("valid"))
+            floor(normal, Vector3::y(), PolygonalCone::regular(0.1, 4).expect("valid"))
         });
         project(&mut bodies, &touches, 0.0, form).expect("solved");
         1.0 - bodies[0].velocity.y

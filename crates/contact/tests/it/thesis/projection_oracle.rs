@@ -3,7 +3,7 @@
 use super::common::{floor, number, numbers, particle, vector};
 use crate::common::incline::{EndOfSlip, within};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector2, Vector3, Vector6};
-use rapunzel_contact::projection::{Form, Polygon, Touch, moreau_step, project};
+use rapunzel_contact::projection::{Form, PolygonalCone, Touch, moreau_step, project};
 use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_oracles::cases;
 use serde_json::Value;
@@ -49,7 +49,7 @@ fn impact(case: &Value) {
     let mut bodies = [particle(number(case, "m"), before)];
     let slip = before - normal * normal.dot(&before);
     let slip = if slip.norm() > 1e-9 * before.norm() { slip } else { normal.yzx() };
-    let touch = floor(normal, slip, Polygon::regular(number(case, "mu"), 8).expect("valid"));
+    let touch = floor(normal, slip, PolygonalCone::regular(number(case, "mu"), 8).expect("valid"));
     project(&mut bodies, &[touch], number(case, "eps"), &Form::Corrected.into()).expect("solved");
     let error = (bodies[0].velocity - vector(case, "v_after")).norm();
     assert!(error < 1e-13 * before.norm(), "{case}: {error:e}");
@@ -79,7 +79,7 @@ fn slide(
     alpha: f64,
     v0: f64,
     tangent: Vector3<f64>,
-    friction: &Polygon,
+    friction: &PolygonalCone,
     t: &[f64],
     dt: f64,
 ) -> Vec<(Vector2<f64>, Vector2<f64>)> {
@@ -103,7 +103,7 @@ fn slide(
 
 fn incline(case: &Value) {
     let (alpha, dt) = (number(case, "alpha_deg").to_radians(), 2.5e-4);
-    let friction = Polygon::regular(number(case, "mu"), 4).expect("valid");
+    let friction = PolygonalCone::regular(number(case, "mu"), 4).expect("valid");
     let (x, v, t) = (numbers(case, "x_downhill"), numbers(case, "v_downhill"), numbers(case, "t"));
     let path = slide(alpha, number(case, "v0_downhill"), Vector3::x(), &friction, &t, dt);
     let (g, mu, v0) = (number(case, "g"), number(case, "mu"), number(case, "v0_downhill"));
@@ -141,7 +141,7 @@ fn anisotropic_incline(case: &Value) {
 
 /// A curve of two half ellipses as a polygon of many corners, evenly spaced in the ellipses'
 /// parameter: `mu_t1` for slip towards +t1 (force towards -t1) and towards -t1.
-fn smooth(mu_t1: [f64; 2], mu_t2: f64) -> Polygon {
+fn smooth(mu_t1: [f64; 2], mu_t2: f64) -> PolygonalCone {
     let corner = |i: usize| {
         let (sine, cosine) = (2.0 * std::f64::consts::PI * i as f64 / MANY as f64).sin_cos();
         let along = if cosine < 0.0 { mu_t1[0] } else { mu_t1[1] };
@@ -149,11 +149,11 @@ fn smooth(mu_t1: [f64; 2], mu_t2: f64) -> Polygon {
         (force.y.atan2(force.x), force.norm())
     };
     let spokes: Vec<_> = (0..MANY).map(corner).collect();
-    Polygon::new(&spokes).expect("valid")
+    PolygonalCone::new(&spokes).expect("valid")
 }
 
 /// Friction on a unit mass that lands at 1 m/s while it slips fast towards `degrees`.
-fn friction_in_slip(friction: &Polygon, degrees: f64) -> Vector2<f64> {
+fn friction_in_slip(friction: &PolygonalCone, degrees: f64) -> Vector2<f64> {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     let before = Vector3::new(100.0 * cosine, 100.0 * sine, -1.0);
     let mut bodies = [particle(1.0, before)];
@@ -173,7 +173,7 @@ fn polygon(case: &Value) {
         .map(|degrees| degrees.to_radians())
         .zip(numbers(case, "mu_beta"))
         .collect();
-    let friction = Polygon::new(&spokes).expect("valid");
+    let friction = PolygonalCone::new(&spokes).expect("valid");
     for sample in case["samples"].as_array().expect("a list") {
         let (slip, force) = expected(sample);
         let error = (friction_in_slip(&friction, slip) - force).norm();

@@ -2,7 +2,9 @@
 
 use super::common::Numbers;
 use super::projection_defects::{corrected, random_touches, rods};
-use rapunzel_contact::projection::{Differences, Form, Partner, Polygon, Touch, TwoProjections};
+use rapunzel_contact::projection::{
+    Differences, Form, Partner, PolygonalCone, Touch, TwoProjections,
+};
 use rapunzel_contact::{Admm, ContactError, GaussSeidel, Response, RigidBody, Tolerance};
 
 /// How far two answers are apart, in parts of the velocities.
@@ -31,7 +33,7 @@ fn random(numbers: &mut Numbers, count: usize, touching: usize) -> (Vec<RigidBod
     let mut touches = random_touches(numbers, count, touching);
     for touch in &mut touches {
         touch.closing = 0.1 * numbers.positive();
-        touch.friction = Polygon::regular(2.0 * numbers.positive(), 8).expect("valid");
+        touch.friction = PolygonalCone::regular(2.0 * numbers.positive(), 8).expect("valid");
         if let Partner::Given(velocity) = &mut touch.partner {
             *velocity = 0.1 * numbers.vector();
         }
@@ -70,7 +72,7 @@ fn smooth_bodies_move_in_one_way() {
         for _ in 0..100 {
             let (start, mut touches) = random(&mut numbers, count, touching);
             for touch in &mut touches {
-                touch.friction = Polygon::regular(0.0, 8).expect("valid");
+                touch.friction = PolygonalCone::regular(0.0, 8).expect("valid");
             }
             let expected = answer(&start, &touches, &mut corrected()).expect("solved");
             let mut all = (
