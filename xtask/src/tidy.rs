@@ -6,20 +6,21 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("fiber", &[]),
     ("lanes", &[]),
+    ("vibration", &[]),
     // The rods are for its tests only, which put simulated hairs into its instruments.
     ("keratin", &["fiber", "rod-static", "rod-dynamic"]),
     ("rod-static", &["fiber"]),
-    ("rod-dynamic", &["fiber", "lanes", "rod-static"]),
+    ("rod-dynamic", &["fiber", "lanes", "vibration", "rod-static"]),
     ("render", &["fiber"]),
     ("collision", &["fiber"]),
     ("contact", &["fiber", "lanes", "collision"]),
     ("electrostatics", &["fiber", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
-    ("mass-spring", &["fiber", "collision"]),
+    ("mass-spring", &["fiber", "vibration", "collision"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("hairgen", &["fiber", "collision", "rod-static"]),
     ("sim", &["*"]),
