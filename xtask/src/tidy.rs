@@ -7,9 +7,10 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 21] = [
+const ARROWS: [(&str, &[&str]); 22] = [
     ("fiber", &[]),
     ("lanes", &[]),
+    ("vibration", &[]),
     ("plot", &[]),
     // For examples and for tests only, wherever an arrow runs to them.
     ("repro", &["plot"]),
@@ -17,14 +18,14 @@ const ARROWS: [(&str, &[&str]); 21] = [
     // The rods are for its tests only, which put simulated hairs into its instruments.
     ("keratin", &["fiber", "rod-static", "rod-dynamic", "repro"]),
     ("rod-static", &["fiber", "oracles", "repro"]),
-    ("rod-dynamic", &["fiber", "lanes", "rod-static", "oracles"]),
+    ("rod-dynamic", &["fiber", "lanes", "vibration", "rod-static", "oracles"]),
     ("render", &["fiber"]),
     ("collision", &["fiber", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
-    ("mass-spring", &["fiber", "collision", "oracles"]),
+    ("mass-spring", &["fiber", "vibration", "collision", "oracles"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("coupling", &["fiber", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (

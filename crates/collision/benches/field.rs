@@ -1,11 +1,17 @@
-//! Values and gradients of a grid against a plain loop over a dense one, on the same lattice.
+//! Values and gradients of a grid against a plain loop over a dense one, on the same lattice, and
+//! against parry's signed distance to the triangles of the same ball.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
+use parry3d::math::Vector;
+use parry3d::query::PointQuery;
+use parry3d::shape::{TriMesh, TriMeshFlags};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::{Ball, ContactSearch, DistanceField, Grid, GridFrame, Sample};
+use rapunzel_collision::field::{
+    Ball, ContactSearch, DistanceField, Grid, GridFrame, Sample, shapes,
+};
 use std::hint::black_box;
 
 const RADIUS: f64 = 0.05;
@@ -91,6 +97,30 @@ fn queries(c: &mut Criterion) {
     });
 }
 
+/// Points in single precision.
+fn single(points: &[Point3<f64>]) -> Vec<Vector> {
+    #[expect(clippy::cast_possible_truncation, reason = "parry's precision")]
+    let single = |p: &Point3<f64>| Vector::new(p.x as f32, p.y as f32, p.z as f32);
+    points.iter().map(single).collect()
+}
+
+/// The peer: 2048 triangles, as many as are shown of a ball.
+fn parry(c: &mut Criterion) {
+    let surface = shapes::sphere(RADIUS, 16);
+    let vertices = single(&surface.vertices);
+    let mesh = TriMesh::with_flags(vertices, surface.triangles, TriMeshFlags::ORIENTED);
+    let (mesh, points) = (mesh.expect("a mesh"), single(&points()));
+    let mut distances = vec![0.0; POINTS];
+    c.bench_function("parry3d f32/samples", |b| {
+        b.iter(|| {
+            for (distance, point) in distances.iter_mut().zip(&points) {
+                *distance = mesh.distance_to_local_point(*point, false);
+            }
+            black_box(&mut distances);
+        });
+    });
+}
+
 /// Segments of 3 mm near the ball, a third of them in touch: what a step does for every segment.
 fn segments(c: &mut Criterion) {
     let ball = Ball { center: Point3::origin(), radius: RADIUS };
@@ -115,5 +145,5 @@ fn segments(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, queries, segments);
+criterion_group!(benches, queries, parry, segments);
 criterion_main!(benches);

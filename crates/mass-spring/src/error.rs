@@ -1,4 +1,5 @@
 use rapunzel_collision::CollisionError;
+use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
 /// What can be wrong with a mass-spring system, or with a step of it.
@@ -141,6 +142,9 @@ pub enum SpringError {
     /// A search for contacts refused its input.
     #[error("contacts: {0}")]
     Collision(#[from] CollisionError),
+    /// Eigenvalues that were not found.
+    #[error("small motions: {0}")]
+    Vibration(#[from] VibrationError),
 }
 
 /// The last few of many numbers.

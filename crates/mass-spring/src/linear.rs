@@ -1,7 +1,8 @@
 use crate::supports::Guide;
 use crate::tangent::Tangent;
 use crate::{NodeVectors, SpringError, System};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
+use rapunzel_vibration::{Modes, eigen, largest_eigenvalue};
 use std::fmt;
 
 /// Small motions about a state: `M s'' + D s' + K s = F`, as the third text has them.
@@ -16,25 +17,8 @@ pub struct Linearized {
     pub damping: DMatrix<f64>,
     /// K: second derivatives of the energy, N/m.
     pub stiffness: DMatrix<f64>,
-    /// Columns are the free motions, orthonormal in the metric of M.
+    /// NodeVectors are the free motions, orthonormal in the metric of M.
     free: DMatrix<f64>,
-}
-
-/// Free oscillations without damping.
-#[derive(Debug, Clone)]
-pub struct Modes {
-    /// Squares of the angular frequencies, 1/s^2, rising; negative where the state is unstable.
-    pub squares: Vec<f64>,
-    /// A column for each: displacements, with M-norm 1.
-    pub shapes: DMatrix<f64>,
-}
-
-impl Modes {
-    /// Angular frequencies, 1/s, rising; zero where the state is not stable.
-    #[must_use]
-    pub fn angular_frequencies(&self) -> Vec<f64> {
-        self.squares.iter().map(|square| square.max(0.0).sqrt()).collect()
-    }
 }
 
 /// Most components for which matrices are written down.
@@ -123,83 +107,54 @@ impl<const D: usize> System<D> {
         (dt >= limit).then_some(StepTooLong { dt, limit, method: "leapfrog" })
     }
 
-    /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses.
+    /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses;
+    /// infinite if that is no number.
     fn largest_eigenvalue(
         &self,
         mut apply: impl FnMut(&NodeVectors<D>, &mut NodeVectors<D>),
     ) -> f64 {
         let nodes = self.nodes();
-        // Of no symmetry, so that no mode is left out.
-        let seed = |axis: usize, node: usize| ((node * D + axis) as f64 * 1.618_034).fract() - 0.5;
-        let mut vector =
-            NodeVectors(std::array::from_fn(|axis| (0..nodes).map(|n| seed(axis, n)).collect()));
         let roots: Vec<f64> = self.inverse_masses.iter().map(|m| m.sqrt()).collect();
         let project =
             |c: &mut NodeVectors<D>| self.supports.project_weighted(c, |node| 1.0 / roots[node]);
-        project(&mut vector);
-        let scaled = |columns: &mut NodeVectors<D>| {
+        let scale = |columns: &mut NodeVectors<D>| {
             for column in &mut columns.0 {
                 column.iter_mut().zip(&roots).for_each(|(x, root)| *x *= root);
             }
         };
-        let norm = vector.dot(&vector).sqrt();
-        if norm == 0.0 {
-            return 0.0;
-        }
-        vector.0.iter_mut().flatten().for_each(|x| *x /= norm);
-        let mut before = NodeVectors::zeros(nodes);
-        let mut image = NodeVectors::zeros(nodes);
-        let (mut diagonal, mut beside) = (Vec::<f64>::new(), Vec::<f64>::new());
-        let mut largest = 0.0;
-        for iteration in 1..=300 {
-            let mut scaled_vector = vector.clone();
-            scaled(&mut scaled_vector);
-            apply(&scaled_vector, &mut image);
-            scaled(&mut image);
-            project(&mut image);
-            let along = image.dot(&vector);
-            image.add_scaled(-along, &vector);
-            if let Some(&last) = beside.last() {
-                image.add_scaled(-last, &before);
+        // Of no symmetry, so that no mode is left out.
+        let seed = |axis: usize, node: usize| ((node * D + axis) as f64 * 1.618_034).fract() - 0.5;
+        let mut from =
+            NodeVectors(std::array::from_fn(|axis| (0..nodes).map(|n| seed(axis, n)).collect()));
+        project(&mut from);
+        let start = DVector::from_iterator(D * nodes, from.0.iter().flatten().copied());
+        let mut to = NodeVectors::zeros(nodes);
+        let largest = largest_eigenvalue(start, |z, y| {
+            for (axis, column) in from.0.iter_mut().enumerate() {
+                column.copy_from_slice(&z.as_slice()[axis * nodes..][..nodes]);
             }
-            diagonal.push(along);
-            let rest = image.dot(&image).sqrt();
-            if iteration % 20 == 0 || rest <= 1e-12 * along.abs() {
-                let value = largest_of_tridiagonal(&diagonal, &beside);
-                if value - largest <= 1e-7 * value || rest <= 1e-12 * along.abs() {
-                    return value;
-                }
-                largest = value;
+            scale(&mut from);
+            apply(&from, &mut to);
+            scale(&mut to);
+            project(&mut to);
+            for (axis, column) in to.0.iter().enumerate() {
+                y.as_mut_slice()[axis * nodes..][..nodes].copy_from_slice(column);
             }
-            beside.push(rest);
-            before = vector;
-            vector = image.clone();
-            vector.0.iter_mut().flatten().for_each(|x| *x /= rest);
-        }
-        largest
+        });
+        largest.unwrap_or(f64::INFINITY)
     }
 }
 
-fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
-    let n = diagonal.len();
-    let matrix = DMatrix::from_fn(n, n, |row, column| match row.abs_diff(column) {
-        0 => diagonal[row],
-        1 => beside[row.min(column)],
-        _ => 0.0,
-    });
-    matrix.symmetric_eigenvalues().max()
-}
-
 impl Linearized {
-    /// The modes within what the supports allow; costs the eigenvalues of a dense matrix.
-    #[must_use]
-    pub fn modes(&self) -> Modes {
-        let reduced = self.free.transpose() * &self.stiffness * &self.free;
-        let eigen = SymmetricEigen::new(reduced);
-        let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-        let shapes = &self.free * eigen.eigenvectors.select_columns(&order);
-        Modes { squares: order.iter().map(|&k| eigen.eigenvalues[k]).collect(), shapes }
+    /// The modes within what the supports allow: shapes are displacements with M-norm 1. Costs the
+    /// eigenvalues of a dense matrix.
+    ///
+    /// # Errors
+    /// [`SpringError::Vibration`] where the iteration for the eigenvalues does not converge.
+    pub fn modes(&self) -> Result<Modes, SpringError> {
+        let Modes { squares, shapes } =
+            eigen(&(self.free.transpose() * &self.stiffness * &self.free))?;
+        Ok(Modes { squares, shapes: &self.free * shapes })
     }
 }
 

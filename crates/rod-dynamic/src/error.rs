@@ -1,3 +1,4 @@
+use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
 /// What can be wrong with a rod, its state or its parameters.
@@ -22,6 +23,9 @@ pub enum RodError {
         /// Entries given.
         found: usize,
     },
+    /// Eigenvalues of a stiffness and a mass that were not found.
+    #[error("small motions: {0}")]
+    Vibration(#[from] VibrationError),
 }
 
 /// Why a step could not be taken. The integrator is left as it was before the step.

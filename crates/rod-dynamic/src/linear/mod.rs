@@ -141,10 +141,12 @@ impl Linearization {
     ///
     /// Negative says unstable, if the loads have a potential. A motion that costs no energy, as of
     /// a free rod, gives zero to about `1e-15`. Cost: `O(N^3)`.
-    #[must_use]
-    pub fn smallest_stiffness(&self) -> f64 {
+    ///
+    /// # Errors
+    /// [`RodError::Vibration`] where the iteration for the eigenvalues does not converge.
+    pub fn smallest_stiffness(&self) -> Result<f64, RodError> {
         let symmetric = 0.5 * (&self.stiffness + self.stiffness.transpose());
-        symmetric.symmetric_eigenvalues().min() / self.stiffness.amax()
+        Ok(rapunzel_vibration::smallest_eigenvalue(&symmetric)? / self.stiffness.amax())
     }
 }
 

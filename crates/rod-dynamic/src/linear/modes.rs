@@ -2,10 +2,8 @@
 
 use super::Linearization;
 use crate::RodError;
-use nalgebra::{Complex, DMatrix, DVector, Schur, Vector3};
-
-/// A stiffness with a smaller pivot, in parts of the largest, has a motion that costs no energy.
-const STIFF: f64 = 1e-12;
+use nalgebra::{Complex, DVector, Vector3};
+use rapunzel_vibration as vibration;
 
 /// One small motion of a rod: `q` times `cos(omega t)`, or `exp(growth t)` where it is unstable.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +27,7 @@ impl Linearization {
     ///
     /// # Errors
     /// [`RodError::Invalid`] where the stiffness is not symmetric, see
-    /// [`Linearization::characteristic_exponents`].
+    /// [`Linearization::characteristic_exponents`]; [`RodError::Vibration`] for a rod without inertia.
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RodError> {
         if !self.symmetric {
             return Err(RodError::Invalid {
@@ -37,74 +35,32 @@ impl Linearization {
                 why: "moments and follower forces have no modes: use characteristic_exponents",
             });
         }
-        let (squares, shapes) = match reduce(&self.stiffness, &self.mass, STIFF) {
-            Some((inverses, shapes)) => (inverses.map(|x| 1.0 / x), shapes),
-            None => reduce(&self.mass, &self.stiffness, 0.0).ok_or(SINGULAR)?,
-        };
-        let mut order: Vec<_> = (0..squares.len()).collect();
-        order.sort_by(|&i, &j| squares[i].total_cmp(&squares[j]));
-        order.truncate(count);
-        Ok(order.into_iter().map(|i| self.mode(squares[i], &shapes.column(i).into())).collect())
+        let vibration::Modes { squares, shapes } =
+            vibration::modes(&self.stiffness, &self.mass, count)?;
+        let each = squares.iter().zip(shapes.column_iter());
+        Ok(each.map(|(&square, shape)| self.mode(square, &(&self.basis * shape))).collect())
     }
 
     /// The `count` rates `s` of `q = Re(exp(s t) x)` that are smallest in size, one of each pair
     /// `s`, `-s`: real part growth (1/s), not negative, imaginary part frequency (rad/s). Any
     /// conditions; with follower loads, a growth beside a frequency is flutter. Cost: `O(N^3)`,
-    /// ten times that of [`Linearization::modes`].
+    /// some times that of [`Linearization::modes`].
     ///
     /// # Errors
-    /// [`RodError::Invalid`] where the iteration for the eigenvalues does not converge.
+    /// [`RodError::Vibration`] where the iteration for the eigenvalues does not converge.
     pub fn characteristic_exponents(&self, count: usize) -> Result<Vec<Complex<f64>>, RodError> {
-        // As in `modes`, the inverse gives the low ones exactly.
-        let (matrix, inverse) = match self.stiffness.clone().lu().solve(&self.mass) {
-            Some(matrix) if matrix.iter().all(|x| x.is_finite()) => (matrix, true),
-            _ => (self.mass.clone().cholesky().ok_or(SINGULAR)?.solve(&self.stiffness), false),
-        };
-        let sweeps = 100 * matrix.nrows();
-        let schur = Schur::try_new(matrix, f64::EPSILON, sweeps).ok_or(RodError::Invalid {
-            what: "state",
-            why: "the eigenvalues of its stiffness were not found",
-        })?;
-        let squares = schur.complex_eigenvalues();
-        let rate = |x: &Complex<f64>| {
-            let s = if inverse { -x.inv() } else { -x }.sqrt();
-            Complex::new(s.re.abs(), s.im.abs())
-        };
-        let mut rates: Vec<_> = squares.iter().map(rate).collect();
-        rates.sort_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+        let mut rates = vibration::characteristic_exponents(&self.stiffness, &self.mass)?;
         rates.truncate(count);
         Ok(rates)
     }
 
-    fn mode(&self, square: f64, shape: &DVector<f64>) -> Mode {
-        let modal_mass = shape.dot(&(&self.mass * shape));
-        let increments = &self.basis * shape / modal_mass.sqrt();
+    fn mode(&self, square: f64, increments: &DVector<f64>) -> Mode {
         let vectors = |x: &[f64]| x.chunks(3).map(Vector3::from_column_slice).collect();
         Mode {
             angular_frequency: square.max(0.0).sqrt(),
             growth_rate: (-square).max(0.0).sqrt(),
-            displacements: vectors((&self.displacement * &increments).as_slice()),
+            displacements: vectors((&self.displacement * increments).as_slice()),
             rotations: vectors(&increments.as_slice()[if self.root_free { 3 } else { 0 }..]),
         }
     }
 }
-
-/// Eigenvalues of `a^-1 b` and their vectors, for an `a` whose pivots are positive and all larger
-/// than the part `pivot` of the largest.
-fn reduce(a: &DMatrix<f64>, b: &DMatrix<f64>, pivot: f64) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let lower = a.clone().cholesky()?.unpack();
-    let roots = lower.diagonal();
-    if roots.min() <= pivot.sqrt() * roots.max() {
-        return None;
-    }
-    let half = lower.solve_lower_triangular(b)?;
-    let c = lower.solve_lower_triangular(&half.transpose())?;
-    let eigen = c.symmetric_eigen();
-    Some((eigen.eigenvalues, lower.tr_solve_lower_triangular(&eigen.eigenvectors)?))
-}
-
-/// What a mass that is not positive definite says.
-const SINGULAR: RodError = RodError::Invalid {
-    what: "mass",
-    why: "not positive definite to rounding: the rotary inertia is too small to invert it",
-};
