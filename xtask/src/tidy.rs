@@ -16,7 +16,7 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("render", &["fiber"]),
     ("collision", &["fiber"]),
     ("contact", &["fiber", "lanes", "collision"]),
-    ("electrostatics", &["fiber", "collision"]),
+    ("electrostatics", &["fiber", "lanes", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "collision"]),

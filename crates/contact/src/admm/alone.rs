@@ -82,9 +82,9 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
         // Where nothing holds it, only what closes the gap is wrong.
         let loose = -wide.adhesion();
         let off = [
-            r[0].at_most(loose, v[0].min(zero), v[0] - wanted[0]),
-            r[0].at_most(loose, zero, v[1] - wanted[1]),
-            r[0].at_most(loose, zero, v[2] - wanted[2]),
+            r[0].less_or_equal(loose).select(v[0].min(zero), v[0] - wanted[0]),
+            r[0].less_or_equal(loose).select(zero, v[1] - wanted[1]),
+            r[0].less_or_equal(loose).select(zero, v[2] - wanted[2]),
         ];
         let u = sum(v, times(r, wide.compliance()));
         sums.wrong = sums.wrong + squared(off) * (weight * weight);
@@ -193,7 +193,7 @@ fn slip_error<S: Simd>(
     let [_, s, t] = less(impulse, times(u, weight));
     let [s, t] = wide.project([s, t], limit);
     let along = (impulse[1] - s) * u[1] + (impulse[2] - t) * u[2];
-    along.at_most(zero, zero, along / norm([u[1], u[2]])) / weight
+    along.less_or_equal(zero).select(zero, along / norm([u[1], u[2]])) / weight
 }
 
 #[inline(always)]
@@ -249,10 +249,10 @@ impl<S: Simd> WideSums<S> {
     #[inline(always)]
     fn of_all(self) -> Sums {
         Sums {
-            wrong: self.wrong.sum(),
-            all: self.all.sum(),
-            normal_error: self.normal_error.largest(),
-            slip_error: self.slip_error.largest(),
+            wrong: self.wrong.reduce_sum(),
+            all: self.all.reduce_sum(),
+            normal_error: self.normal_error.reduce_max(),
+            slip_error: self.slip_error.reduce_max(),
         }
     }
 }

@@ -262,8 +262,8 @@ impl<'a, S: Simd> Wide<'a, S> {
         if let Some(circles) = &self.group.circles {
             let (zero, one) = (self.splat(0.0), self.splat(1.0));
             let (radius, size) = (self.lane(circles) * scale, norm([s, t]));
-            let share = size.at_most(radius, one, radius / size);
-            let share = scale.at_most(zero, zero, share);
+            let share = size.less_or_equal(radius).select(one, radius / size);
+            let share = scale.less_or_equal(zero).select(zero, share);
             return [s * share, t * share];
         }
         let mut all = self.unpack([s, t, scale]);
@@ -283,12 +283,12 @@ impl<'a, S: Simd> Wide<'a, S> {
             let size = norm([s, t]);
             let (inside, outer) = (mu * n, n + mu * size);
             let normal = outer / (one + mu * mu);
-            let share = size.at_most(inside, one, mu * normal / size);
-            let normal = size.at_most(inside, n, normal);
+            let share = size.less_or_equal(inside).select(one, mu * normal / size);
+            let normal = size.less_or_equal(inside).select(n, normal);
             return [
-                outer.at_most(zero, zero, normal),
-                outer.at_most(zero, zero, s * share),
-                outer.at_most(zero, zero, t * share),
+                outer.less_or_equal(zero).select(zero, normal),
+                outer.less_or_equal(zero).select(zero, s * share),
+                outer.less_or_equal(zero).select(zero, t * share),
             ];
         }
         let mut all = self.unpack([n, s, t]);

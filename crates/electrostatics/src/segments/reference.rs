@@ -7,7 +7,7 @@ use super::parallel::Parallel;
 use super::rules::Rules;
 use crate::Accuracy;
 use crate::multipole::engine::Task;
-use crate::real::Real;
+use rapunzel_lanes::Real;
 use rayon::prelude::*;
 
 /// Sources whose action on the samples is found at once.
