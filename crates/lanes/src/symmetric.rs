@@ -6,6 +6,7 @@ use std::ops::{Add, Sub};
 
 /// A symmetric 3 x 3 matrix: xx, yy, zz, xy, xz, yz.
 #[derive(Clone, Copy)]
+// Registers begin at a cache line: one that crosses a line costs twice.
 #[repr(align(64))]
 pub struct Sym<S: Simd>(pub [Lane<S>; 6]);
 

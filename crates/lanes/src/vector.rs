@@ -6,6 +6,7 @@ use std::ops::{Add, AddAssign, Sub, SubAssign};
 
 /// A vector in each lane.
 #[derive(Clone, Copy)]
+// Registers begin at a cache line: one that crosses a line costs twice.
 #[repr(align(64))]
 pub struct V3<S: Simd, E: Real = f64>(pub [Lane<S, E>; 3]);
 
