@@ -14,7 +14,7 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("rod-static", &["fiber"]),
     ("rod-dynamic", &["fiber", "lanes", "rod-static"]),
     ("render", &["fiber"]),
-    ("collision", &["fiber"]),
+    ("collision", &["fiber", "lanes"]),
     ("contact", &["fiber", "lanes", "collision"]),
     ("electrostatics", &["fiber", "lanes", "collision"]),
     // The fibres are for its tests only.

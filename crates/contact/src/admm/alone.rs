@@ -2,11 +2,11 @@
 
 use super::anderson::Onward;
 use super::part::{Common, Part};
-use super::wide::{Eight, Vectors, WIDTH, Wide, norm};
+use super::wide::{Eight, Vectors, Wide, norm};
 use crate::metric;
 use crate::residual::Sums;
 use pulp::{Simd, WithSimd};
-use rapunzel_lanes::Lane;
+use rapunzel_lanes::{LANES, Lane};
 
 /// How near twice the bound of what keeps descent from diverging a step is.
 const NEARLY: f64 = 0.95;
@@ -115,8 +115,8 @@ fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool, way
         // Nothing is written into registers that no contact of the last group is in: they must not hold
         // what another part has left.
         all.clear();
-        all.resize(part.groups.len() * 3 * WIDTH, 0.0);
-        all.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<3>().0
+        all.resize(part.groups.len() * 3 * LANES, 0.0);
+        all.as_chunks_mut::<LANES>().0.as_chunks_mut::<3>().0
     });
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
@@ -147,7 +147,7 @@ fn told<S: Simd>(wide: &Wide<S>, common: &Common, impulse: Vectors<S>) -> Vector
 #[inline(always)]
 fn step<S: Simd>(simd: S, part: &mut Part, common: &Common, onward: &Onward, room: &mut Vec<f64>) {
     let contacts = &common.contacts[part.contacts.clone()];
-    let next = part.descents.onward(onward, room).as_chunks::<WIDTH>().0.as_chunks::<3>().0;
+    let next = part.descents.onward(onward, room).as_chunks::<LANES>().0.as_chunks::<3>().0;
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
         let r = nearest(&wide, wide.load(&next[wide.number]));

@@ -1,6 +1,6 @@
-use crate::answers::LANES;
 use crate::{Answer, Answers, Body, Contact, ContactError, Eight};
 use nalgebra::{DMatrix, Matrix3, Vector3};
+use rapunzel_lanes::LANES;
 use std::borrow::Cow;
 use std::ops::Range;
 
