@@ -3,7 +3,8 @@
 use pulp::Simd;
 use rapunzel_lanes::{Lane, Real, Roots, ln};
 
-/// A vector in each lane.
+/// A vector in each lane. Not a [`rapunzel_lanes::V3`], which rounds scalar products in another order: forces
+/// would change in their last digits.
 pub(crate) type Vectors<S, E = f64> = [Lane<S, E>; 3];
 
 #[inline(always)]

@@ -29,7 +29,8 @@ pub fn ln<S: Simd, R: Roots<S>>(roots: R, x: Lane<S>) -> Lane<S> {
     exponent.mul_add(x.lift(std::f64::consts::LN_2), (f + f) * sum)
 }
 
-/// Angles of the points `(x, y)` between 0 and `2 pi`; those that are below zero by rounding stay so.
+/// Angles of the points `(x, y)` between 0 and `2 pi`; those that are below zero by rounding stay
+/// so.
 #[inline(always)]
 pub fn angle<S: Simd, R: Roots<S>>(roots: R, x: Lane<S>, y: Lane<S>) -> Lane<S> {
     use std::f64::consts::{FRAC_PI_4, FRAC_PI_8, PI};

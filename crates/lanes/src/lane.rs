@@ -59,9 +59,9 @@ impl<S: Simd, E: Real> Lane<S, E> {
         Self::new(simd, E::splat(simd, x))
     }
 
-    /// The numbers of an array from `register` times the number of lanes on. Loads of a part of a
-    /// register are not offered: where two registers stand for a wide one, those of `pulp` 0.22 leave
-    /// half of it unset.
+    /// The numbers of an array from `register` times the number of lanes on. Loads of a part of
+    /// a register are not offered: where two registers stand for a wide one, those of `pulp` 0.22
+    /// leave half of it unset.
     ///
     /// # Panics
     /// If the array is shorter.

@@ -6,24 +6,22 @@ mod machine;
 mod matrix;
 mod quaternion;
 mod real;
+mod roots;
 mod symmetric;
 #[cfg(test)]
 mod tests;
 mod transpose;
 mod vector;
+mod ways;
 
 pub use functions::{angle, ln};
 pub use lane::{Lane, Mask, Select};
-pub use machine::{Kernel, Machine, Portable, Roots, dispatch};
+pub use machine::{Kernel, Machine, dispatch};
 pub use matrix::M3;
 pub use quaternion::Quat;
-pub use real::Real;
+pub use real::{LANES, LANES_F32, Real};
+pub use roots::{Portable, Roots};
 pub use symmetric::Sym;
 pub use transpose::Transpose;
 pub use vector::V3;
-
-/// Most lanes of any register of doubles.
-pub const LANES: usize = 8;
-
-/// Most lanes of any register of numbers of single precision.
-pub const LANES_F32: usize = 2 * LANES;
+pub use ways::Ways;

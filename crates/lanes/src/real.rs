@@ -1,8 +1,13 @@
 //! Numbers of single and double precision, a register of them at a time.
 
-use crate::{LANES_F32, Lane, Machine, Roots, Transpose};
 use pulp::Simd;
 use pulp::bytemuck::Pod;
+
+/// Most lanes of any register of doubles.
+pub const LANES: usize = 8;
+
+/// Most lanes of any register of numbers of single precision.
+pub const LANES_F32: usize = 2 * LANES;
 
 /// A type of floating-point numbers, `f32` or `f64`, with the arithmetic of its registers.
 pub trait Real: Pod + Send + Sync + PartialOrd {
@@ -71,16 +76,6 @@ pub trait Real: Pod + Send + Sync + PartialOrd {
     fn reduce_sum<S: Simd>(simd: S, a: Self::Register<S>) -> Self;
     /// The largest of all lanes.
     fn reduce_max<S: Simd>(simd: S, a: Self::Register<S>) -> Self;
-    /// Twice the inverse square roots by [`Roots::double_rsqrt`].
-    fn double_rsqrt<S: Simd, M: Machine<S>>(machine: M, x: Lane<S, Self>) -> Lane<S, Self>;
-    /// The exchange of rows and columns by [`Transpose::transpose`].
-    fn transpose<S: Simd, M: Machine<S>, const C: usize>(
-        simd: S,
-        machine: M,
-        rows: &[&[Self]; LANES_F32],
-        c: usize,
-        columns: &mut [[Self::Register<S>; C]],
-    );
 
     /// How many lanes a register has.
     #[inline(always)]
@@ -174,22 +169,6 @@ macro_rules! real {
             fn $reduce<S: Simd>(simd: S, a: S::$register) -> Self {
                 simd.$of_lanes(a)
             })*
-
-            #[inline(always)]
-            fn double_rsqrt<S: Simd, M: Machine<S>>(machine: M, x: Lane<S, Self>) -> Lane<S, Self> {
-                Roots::<S, Self>::double_rsqrt(machine, x)
-            }
-
-            #[inline(always)]
-            fn transpose<S: Simd, M: Machine<S>, const C: usize>(
-                simd: S,
-                machine: M,
-                rows: &[&[Self]; LANES_F32],
-                c: usize,
-                columns: &mut [[S::$register; C]],
-            ) {
-                Transpose::<S, Self>::transpose(machine, simd, rows, c, columns);
-            }
         }
     };
 }

@@ -5,8 +5,8 @@ use pulp::Simd;
 
 /// The exchange of rows and columns as the machine makes it best.
 pub trait Transpose<S: Simd, E: Real>: Copy {
-    /// Number `k` of row `i` becomes lane `i` of register `c` of `columns[k]`; there are as many rows and
-    /// columns as lanes, and at least as many numbers in each row.
+    /// Number `k` of row `i` becomes lane `i` of register `c` of `columns[k]`; there are as many
+    /// rows and columns as lanes, and at least as many numbers in each row.
     fn transpose<const C: usize>(
         self,
         simd: S,
@@ -38,7 +38,7 @@ impl<S: Simd, E: Real> Transpose<S, E> for Portable {
 #[cfg(target_arch = "x86_64")]
 mod widest {
     use super::Transpose;
-    use crate::machine::Estimate;
+    use crate::roots::Estimate;
     use crate::{LANES_F32, Real};
     use pulp::cast;
     use pulp::x86::V4;

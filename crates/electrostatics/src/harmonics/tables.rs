@@ -2,7 +2,7 @@
 
 use super::MAX_ORDER;
 use crate::quadrature::gauss_legendre;
-use rapunzel_lanes::Real;
+use rapunzel_lanes::{Real, Ways};
 use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -176,7 +176,7 @@ pub(crate) struct Moves<E> {
 }
 
 /// A type of coefficients, of single or double precision.
-pub(crate) trait Coefficient: Real {
+pub(crate) trait Coefficient: Ways {
     /// The constants that move expansions, which are made at the first call.
     fn moves() -> &'static Moves<Self>;
 }

@@ -10,7 +10,7 @@ use super::turn::{Block, Turn, turn_size};
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
 use pulp::Simd;
-use rapunzel_lanes::{Kernel, LANES_F32, Machine, Real, dispatch};
+use rapunzel_lanes::{Kernel, LANES_F32, Machine, Ways, dispatch};
 
 /// Highest order of which four registers are faster than two, from measured rates.
 const LOW: usize = 8;
@@ -174,7 +174,7 @@ fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
 /// Puts the coefficients of the `shifts` from `first` on into `a`, a shift in each lane and as many
 /// coefficients as lanes; those that are missing are zero.
 #[inline(always)]
-fn load<S: Simd, E: Real, M: Machine<S>, const C: usize>(
+fn load<S: Simd, E: Ways, M: Machine<S>, const C: usize>(
     simd: S,
     machine: M,
     first: usize,

@@ -6,6 +6,7 @@ use pulp::Simd;
 use rapunzel_lanes::{LANES_F32, Real};
 
 /// A coefficient of the expansions: `C` registers side by side, which share the constants.
+/// Bare registers and not lanes: the space for them is cut out of one array of numbers.
 pub(super) type Block<S, E, const C: usize> = [<E as Real>::Register<S>; C];
 
 /// Numbers in each lane of a block that [`Turn`] needs for degrees up to `order`.

@@ -5,9 +5,9 @@ use super::lines::{Lines, Loads, SOFTENING};
 use super::rules::{Node, Rules};
 use crate::vectors::{Vectors, along, dot, minus, scaled};
 use pulp::Simd;
-use rapunzel_lanes::{Kernel, LANES_F32, Lane, Machine, Real, dispatch};
+use rapunzel_lanes::{Kernel, LANES_F32, Lane, Machine, Ways, dispatch};
 
-impl<E: Real> Columns<E> {
+impl<E: Ways> Columns<E> {
     /// Adds to `out` the loads of the `targets` by all, each pair by the rule that serves it, and returns
     /// the pairs that are too close for any. A target among those that are alone is no pair.
     pub(super) fn act(
@@ -34,7 +34,7 @@ struct Pairs<'a, E> {
 
 /// Segments by their middles and halves.
 #[derive(Clone, Copy)]
-struct Bars<S: Simd, E: Real> {
+struct Bars<S: Simd, E: Ways> {
     middle: Vectors<S, E>,
     half: Vectors<S, E>,
     length: Lane<S, E>,
@@ -42,7 +42,7 @@ struct Bars<S: Simd, E: Real> {
     charge: Lane<S, E>,
 }
 
-impl<S: Simd, E: Real> Bars<S, E> {
+impl<S: Simd, E: Ways> Bars<S, E> {
     #[inline(always)]
     fn new([x, y, z, a, b, c, length, inverse_length, charge]: [Lane<S, E>; 9]) -> Self {
         Self { middle: [x, y, z], half: [a, b, c], length, inverse_length, charge }
@@ -51,13 +51,13 @@ impl<S: Simd, E: Real> Bars<S, E> {
 
 /// Sums over pairs: of `1/r`, of `r/r^3`, and of the latter times the place on the target.
 #[derive(Clone, Copy)]
-struct Sums<S: Simd, E: Real> {
+struct Sums<S: Simd, E: Ways> {
     energy: Lane<S, E>,
     force: Vectors<S, E>,
     moment: Vectors<S, E>,
 }
 
-impl<E: Real> Kernel for Pairs<'_, E> {
+impl<E: Ways> Kernel for Pairs<'_, E> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { lines, rules, columns, targets, close, out } = self;
@@ -95,7 +95,7 @@ impl<E: Real> Kernel for Pairs<'_, E> {
 }
 
 /// What a target sees.
-struct Seen<'a, S: Simd, E: Real> {
+struct Seen<'a, S: Simd, E: Ways> {
     rules: &'a Rules<E>,
     /// As [`Rules::reach`].
     reach: [Lane<S, E>; 2],
@@ -106,7 +106,7 @@ struct Seen<'a, S: Simd, E: Real> {
     count: usize,
 }
 
-impl<'a, S: Simd, E: Real> Seen<'a, S, E> {
+impl<'a, S: Simd, E: Ways> Seen<'a, S, E> {
     /// Adds the sources in a register: `part` of `block`, which is the `k`th; and to `felt` what they feel.
     #[inline(always)]
     fn add<M: Machine<S>>(
@@ -193,7 +193,7 @@ impl<'a, S: Simd, E: Real> Seen<'a, S, E> {
 /// over the length of this; the less of both ways round. With the distance p across the axis and g
 /// beyond the end it is `((2 g + L)^2 + 4 p^2)/L^2` by the triangle inequality.
 #[inline(always)]
-fn nearness<S: Simd, E: Real, M: Machine<S>>(
+fn nearness<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     own: &Bars<S, E>,
     other: &Bars<S, E>,
@@ -234,7 +234,7 @@ fn nearness<S: Simd, E: Real, M: Machine<S>>(
 /// Two points with the places u and v are `r + u own - v other` from each other. Only the part of it along
 /// `other` depends on v.
 #[inline(always)]
-fn sums<S: Simd, E: Real, M: Machine<S>>(
+fn sums<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     rule: &[Node<E>],
     own: &Bars<S, E>,
@@ -283,7 +283,7 @@ fn sums<S: Simd, E: Real, M: Machine<S>>(
 /// The same by the rule of two points, of which `node` is one, for segments that are not close: all four
 /// distances are from the products of the three vectors.
 #[inline(always)]
-fn of_two<S: Simd, E: Real, M: Machine<S>>(
+fn of_two<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     node: &Node<E>,
     own: &Bars<S, E>,
@@ -321,13 +321,13 @@ fn of_two<S: Simd, E: Real, M: Machine<S>>(
 
 /// Adds to a register of a row.
 #[inline(always)]
-fn add_to<S: Simd, E: Real>(row: &mut [E; LANES_F32], part: usize, values: Lane<S, E>) {
+fn add_to<S: Simd, E: Ways>(row: &mut [E; LANES_F32], part: usize, values: Lane<S, E>) {
     (Lane::load(values.simd(), row, part) + values).store(row, part);
 }
 
 /// `a x + b y - c z`.
 #[inline(always)]
-fn combined<S: Simd, E: Real>(
+fn combined<S: Simd, E: Ways>(
     [a, b, c]: [&Vectors<S, E>; 3],
     [x, y, z]: [Lane<S, E>; 3],
 ) -> Vectors<S, E> {

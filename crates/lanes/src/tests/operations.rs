@@ -1,17 +1,18 @@
 //! Every operation at every width of registers that the machine has.
 
-use super::*;
-use crate::machine::Usual;
+use super::widths::{by_all_machines, by_all_widths};
+use crate::*;
 use proptest::prelude::*;
-use pulp::{Arch, NullaryFnOnce, Scalar, Scalar128b, Scalar512b, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// All operations on three numbers in each lane.
 struct All<'a, E>([&'a [E; LANES_F32]; 3]);
 
-/// What they give, by lane, and what comparisons give in any lane of every register, sum and largest.
+/// Results of the operations, by lane, of comparisons in any lane of every register, sum and
+/// largest.
 type Found<E> = ([[E; LANES_F32]; 20], [bool; 2], [f64; 2]);
 
-impl<E: Real> WithSimd for All<'_, E> {
+impl<E: Ways> WithSimd for All<'_, E> {
     type Output = Found<E>;
 
     #[inline(always)]
@@ -55,38 +56,6 @@ impl<E: Real> WithSimd for All<'_, E> {
     }
 }
 
-/// By registers of one width, with the instructions that they need.
-struct At<S, W>(S, W);
-
-impl<S: Simd, W: WithSimd> NullaryFnOnce for At<S, W> {
-    type Output = W::Output;
-
-    #[inline(always)]
-    fn call(self) -> W::Output {
-        self.1.with_simd(self.0)
-    }
-}
-
-/// By registers of every width that this machine can have.
-fn by_all_widths<W: WithSimd>(work: impl Fn() -> W) -> Vec<W::Output> {
-    fn at<S: Simd, W: WithSimd>(simd: S, work: W) -> W::Output {
-        simd.vectorize(At(simd, work))
-    }
-    let mut found = vec![
-        Arch::new().dispatch(work()),
-        at(Scalar::new(), work()),
-        at(Scalar128b, work()),
-        at(Scalar512b, work()),
-    ];
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        found.push(at(simd, work()));
-        found.push(at(pulp::x86::V3_128b(simd), work()));
-        found.push(at(pulp::x86::V3_512b(simd), work()));
-    }
-    found
-}
-
 /// The same, number by number, without rounding twice.
 fn expected([a, b, c]: [f64; 3]) -> [f64; 20] {
     [
@@ -118,9 +87,9 @@ fn numbers() -> impl Strategy<Value = [f64; LANES_F32]> {
     prop::array::uniform16(prop_oneof![4 => -1e3..1e3, 1 => special])
 }
 
-/// One by one and by as many as a register has: all are rounded once, by half of `unit`, but those that
-/// a machine composes.
-fn check<E: Real>(all: [[f64; LANES_F32]; 3], unit: f64) {
+/// One by one and by as many as a register has: all are rounded once, by half of `unit`, but
+/// those that a machine composes.
+fn check<E: Ways>(all: [[f64; LANES_F32]; 3], unit: f64) {
     let rounded = all.map(|all| all.map(E::from_f64));
     let exact = rounded.map(|all| all.map(E::to_f64));
     let [first, second, _] = &exact;
@@ -154,12 +123,6 @@ proptest! {
         check::<f64>([a, b, c], f64::EPSILON);
         check::<f32>([a, b, c], f64::from(f32::EPSILON));
     }
-}
-
-/// Work on the machine's own registers, and on those of every width without its own ways.
-fn by_all_machines<K: Kernel + Copy>(kernel: K) {
-    dispatch(kernel);
-    by_all_widths(|| Usual(kernel));
 }
 
 #[derive(Clone, Copy)]
@@ -205,7 +168,7 @@ impl Kernel for Rows {
     }
 }
 
-fn transposed<S: Simd, E: Real, M: Machine<S>>(simd: S, machine: M) {
+fn transposed<S: Simd, E: Ways, M: Machine<S>>(simd: S, machine: M) {
     let lanes = E::lanes::<S>();
     let numbers: Vec<_> = (0..LANES_F32 * LANES_F32).map(|k| E::from_f64(k as f64)).collect();
     let rows = std::array::from_fn(|i| &numbers[LANES_F32 * i..][..LANES_F32]);
