@@ -20,14 +20,14 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("rod-static", &["fiber", "oracles", "repro"]),
     ("rod-dynamic", &["fiber", "lanes", "vibration", "rod-static", "oracles"]),
     ("render", &["fiber"]),
-    ("collision", &["fiber", "oracles", "repro"]),
+    ("collision", &["fiber", "lanes", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
-    ("electrostatics", &["fiber", "collision"]),
+    ("electrostatics", &["fiber", "lanes", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "vibration", "collision", "oracles"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
-    ("coupling", &["fiber", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
+    ("coupling", &["fiber", "lanes", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (
         "charging",
         &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],

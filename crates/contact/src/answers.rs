@@ -1,8 +1,6 @@
 use crate::ContactError;
 use nalgebra::{DMatrix, Matrix3};
-
-/// Points whose numbers lie side by side.
-pub(crate) const LANES: usize = 8;
+use rapunzel_lanes::LANES;
 
 /// A vector for each of eight points, component by component: what a register holds.
 pub type Eight<T> = [[T; LANES]; 3];

@@ -6,15 +6,12 @@ mod error;
 mod grid;
 mod harmonics;
 mod head;
-mod lanes;
-mod machine;
 mod method;
 mod multipole;
 mod quadrature;
-mod real;
 mod segments;
-mod transpose;
 pub mod units;
+mod vectors;
 
 pub use barnes_hut::BarnesHut;
 pub use charging::{ChargeFlow, Dealing};

@@ -2,22 +2,20 @@
 
 use super::bounds::Bounds;
 use pulp::Simd;
-
-/// Boxes in a block: the lanes of the widest register in use.
-pub(super) const WIDTH: usize = 16;
+use rapunzel_lanes::LANES_F32;
 
 /// Sixteen boxes. A lane that holds none is NaN, which no comparison accepts.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Block<const D: usize = 3> {
-    pub(super) low: [[f32; WIDTH]; D],
-    pub(super) high: [[f32; WIDTH]; D],
+    pub(super) low: [[f32; LANES_F32]; D],
+    pub(super) high: [[f32; LANES_F32]; D],
 }
 
 impl<const D: usize> Block<D> {
     /// No box at all.
     pub(super) const EMPTY: Self =
-        Self { low: [[f32::NAN; WIDTH]; D], high: [[f32::NAN; WIDTH]; D] };
+        Self { low: [[f32::NAN; LANES_F32]; D], high: [[f32::NAN; LANES_F32]; D] };
 
     pub(super) fn set(&mut self, lane: usize, bounds: &Bounds<D>) {
         for d in 0..D {
@@ -51,7 +49,7 @@ pub(super) trait Compare: Copy {
 
     /// The lanes of `nodes` that differ from `node` by at most one, as bits; also those that do
     /// so across the end of the range, where lanes are empty.
-    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16;
+    fn adjacent(self, nodes: &[u32; LANES_F32], node: u32) -> u16;
 }
 
 /// Comparison that compilers turn into what the machine has.
@@ -61,9 +59,9 @@ pub(super) struct Portable;
 impl Compare for Portable {
     #[inline(always)]
     fn meet<const D: usize>(self, block: &Block<D>, bounds: &Bounds<D>) -> u16 {
-        let mut meet = [true; WIDTH];
+        let mut meet = [true; LANES_F32];
         for d in 0..D {
-            for lane in 0..WIDTH {
+            for lane in 0..LANES_F32 {
                 meet[lane] &= block.low[d][lane] <= bounds.high[d];
                 meet[lane] &= block.high[d][lane] >= bounds.low[d];
             }
@@ -72,9 +70,9 @@ impl Compare for Portable {
     }
 
     #[inline(always)]
-    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16 {
-        let mut adjacent = [false; WIDTH];
-        for lane in 0..WIDTH {
+    fn adjacent(self, nodes: &[u32; LANES_F32], node: u32) -> u16 {
+        let mut adjacent = [false; LANES_F32];
+        for lane in 0..LANES_F32 {
             adjacent[lane] = nodes[lane].wrapping_sub(node).wrapping_add(1) <= 2;
         }
         bits(&adjacent)
@@ -82,15 +80,16 @@ impl Compare for Portable {
 }
 
 #[inline(always)]
-fn bits(lanes: &[bool; WIDTH]) -> u16 {
+fn bits(lanes: &[bool; LANES_F32]) -> u16 {
     let mut bits = 0;
-    for lane in 0..WIDTH {
+    for lane in 0..LANES_F32 {
         bits |= u16::from(lanes[lane]) << lane;
     }
     bits
 }
 
-/// Comparison with mask registers.
+/// Comparison with mask registers. What is wanted is the mask as bits, and of integers too, at one width only:
+/// none of this is arithmetic by lanes of any width.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub(super) struct Masks(pub(super) pulp::x86::V4);
@@ -109,7 +108,7 @@ impl Compare for Masks {
         meet
     }
     #[inline(always)]
-    fn adjacent(self, nodes: &[u32; WIDTH], node: u32) -> u16 {
+    fn adjacent(self, nodes: &[u32; LANES_F32], node: u32) -> u16 {
         let Self(simd) = self;
         let before = simd.splat_u32s(node.wrapping_sub(1));
         let ahead = simd.wrapping_sub_u32x16(pulp::cast(*nodes), before);
@@ -130,7 +129,7 @@ mod tests {
         /// Mask registers give what the portable comparison gives, and both what it means.
         #[test]
         fn comparisons_agree(
-            boxes in prop::collection::vec((corner(), corner()), 1..=WIDTH),
+            boxes in prop::collection::vec((corner(), corner()), 1..=LANES_F32),
             low in corner(), high in corner(),
             nodes in prop::array::uniform16(1..9_u32),
             node in 1..9_u32,

@@ -5,9 +5,9 @@
 //! A tree that is split so from the root on has a few per cent fewer pairs of boxes to look at,
 //! but takes four times as long to build.
 
-use super::block::WIDTH;
 use super::bounds::Bounds;
 use pulp::{Arch, NullaryFnOnce};
+use rapunzel_lanes::LANES_F32;
 
 /// Runs of the curve are cut until they are no longer than this.
 const RUN: usize = 96;
@@ -43,11 +43,11 @@ impl NullaryFnOnce for Cut<'_> {
     #[inline(always)]
     fn call(self) -> Vec<usize> {
         let Self { curve, items } = self;
-        let mut ends = Vec::with_capacity(items.len() / (WIDTH / 2) + 1);
+        let mut ends = Vec::with_capacity(items.len() / (LANES_F32 / 2) + 1);
         let all = 0..items.len();
         let mut stack = vec![all];
         while let Some(range) = stack.pop() {
-            if range.len() <= WIDTH {
+            if range.len() <= LANES_F32 {
                 ends.push(range.end);
                 continue;
             }
@@ -245,14 +245,14 @@ impl Bins {
         for b in (1..BINS).rev() {
             count += counts[b];
             hull.hold(&hulls[b].low, &hulls[b].high);
-            costs[b] = count.div_ceil(WIDTH) as f32 * hull.half_area();
+            costs[b] = count.div_ceil(LANES_F32) as f32 * hull.half_area();
         }
         (count, hull) = (0, Hull::EMPTY);
         let (mut best, mut least) = (1, f32::INFINITY);
         for b in 1..BINS {
             count += counts[b - 1];
             hull.hold(&hulls[b - 1].low, &hulls[b - 1].high);
-            let cost = costs[b] + count.div_ceil(WIDTH) as f32 * hull.half_area();
+            let cost = costs[b] + count.div_ceil(LANES_F32) as f32 * hull.half_area();
             if cost < least {
                 (best, least) = (b, cost);
             }

@@ -18,8 +18,9 @@ use crate::capsules::{count, length};
 use crate::{Capsules, CollisionError};
 pub use candidates::{Candidates, Update};
 
-use block::{Block, WIDTH};
+use block::Block;
 use bounds::{Bounds, nearest};
+use rapunzel_lanes::LANES_F32;
 
 /// A tree of boxes over all segments, which finds the pairs whose boxes meet.
 ///
@@ -35,14 +36,14 @@ pub struct Tree {
     diagonals: Option<Diagonals>,
     /// First node of the segment of every lane of the lowest level. Two segments are adjacent or
     /// one if these differ by at most one, because fibres share no node.
-    nodes: Vec<[u32; WIDTH]>,
+    nodes: Vec<[u32; LANES_F32]>,
 }
 
 #[derive(Debug, Clone)]
 struct TreeLevel {
     blocks: Vec<Block>,
     /// What the box of every lane holds: a segment, or a block of the level below.
-    children: Vec<[u32; WIDTH]>,
+    children: Vec<[u32; LANES_F32]>,
     /// Box of every block.
     hulls: Vec<Bounds>,
 }
@@ -83,7 +84,7 @@ impl Tree {
             NONE => NONE,
             s => u32::try_from(layout.segment_nodes(s as usize)[0]).unwrap_or(NONE),
         };
-        let first_nodes = |lanes: &[u32; WIDTH]| lanes.each_ref().map(first_node);
+        let first_nodes = |lanes: &[u32; LANES_F32]| lanes.each_ref().map(first_node);
         let nodes: Vec<_> = lowest.children.iter().map(first_nodes).collect();
         let count = lowest.blocks.len();
         let mut diagonals = oblique.then(|| Diagonals {
@@ -175,7 +176,7 @@ impl TreeLevel {
         let build::Groups { order, ends } = build::group(boxes);
         let mut start = 0;
         let group = |end: usize| {
-            let mut lanes = [NONE; WIDTH];
+            let mut lanes = [NONE; LANES_F32];
             lanes[..end - start].copy_from_slice(&order[start..end]);
             start = end;
             lanes

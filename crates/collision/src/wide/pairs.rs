@@ -1,11 +1,12 @@
 //! All pairs of boxes that meet.
 
-use super::block::{Compare, Portable, WIDTH};
+use super::block::{Compare, Portable};
 use super::bounds::Bounds;
 use super::{Diagonals, NONE, Tree, TreeLevel};
 use crate::Pair;
 use crate::join::join;
 use pulp::{Arch, NullaryFnOnce};
+use rapunzel_lanes::LANES_F32;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -69,7 +70,7 @@ impl Tree {
 impl TreeLevel {
     /// Which blocks hold something that is marked.
     fn with_marked(&self, marked: &[bool]) -> Vec<bool> {
-        let holds = |children: &[u32; WIDTH]| {
+        let holds = |children: &[u32; LANES_F32]| {
             children.iter().any(|&child| child != NONE && marked[child as usize])
         };
         self.children.iter().map(holds).collect()
@@ -103,7 +104,7 @@ impl Tree {
 struct Query<'a> {
     levels: &'a [TreeLevel],
     diagonals: Option<&'a Diagonals>,
-    nodes: &'a [[u32; WIDTH]],
+    nodes: &'a [[u32; LANES_F32]],
     firsts: Range<usize>,
     /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any are.
     marked: Option<&'a [Vec<bool>; 2]>,
@@ -238,7 +239,7 @@ fn partners_of(compare: impl Compare, levels: &[TreeLevel], first: usize, partne
 fn lanes(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {
-            let lane = bits.trailing_zeros() as usize % WIDTH;
+            let lane = bits.trailing_zeros() as usize % LANES_F32;
             bits &= bits - 1;
             lane
         })

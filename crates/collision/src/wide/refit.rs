@@ -1,10 +1,11 @@
 //! Boxes fitted to where the segments are now.
 
-use super::block::{Block, WIDTH};
+use super::block::Block;
 use super::bounds::{Bounds, above, below};
 use super::{Diagonals, NONE, TreeLevel};
 use crate::Capsules;
 use pulp::{Arch, NullaryFnOnce};
+use rapunzel_lanes::LANES_F32;
 use rayon::prelude::*;
 
 /// Blocks that one thread fits at a time.
@@ -16,7 +17,7 @@ impl TreeLevel {
     pub(super) fn fit_segments<const N: usize>(
         &mut self,
         diagonals: Option<&mut Diagonals>,
-        nodes: &[[u32; WIDTH]],
+        nodes: &[[u32; LANES_F32]],
         frames: [&Capsules; N],
         margin: f64,
     ) {
@@ -53,8 +54,8 @@ impl TreeLevel {
 struct Fit<'a, const N: usize> {
     along: (&'a mut [Block], &'a mut [Bounds]),
     oblique: Option<(&'a mut [Block<6>], &'a mut [Bounds<6>])>,
-    segments: &'a [[u32; WIDTH]],
-    nodes: &'a [[u32; WIDTH]],
+    segments: &'a [[u32; LANES_F32]],
+    nodes: &'a [[u32; LANES_F32]],
     frames: [&'a Capsules<'a>; N],
     margin: f64,
 }
@@ -80,21 +81,21 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
 struct LaneEnds<const N: usize, const D: usize = 3> {
     start: [LaneCoordinates<D>; N],
     end: [LaneCoordinates<D>; N],
-    grow: [f64; WIDTH],
+    grow: [f64; LANES_F32],
 }
 
 impl<const N: usize> LaneEnds<N> {
     /// Gathers segment by segment; lanes without one repeat the first.
     #[inline(always)]
     fn gather(
-        segments: &[u32; WIDTH],
-        nodes: &[u32; WIDTH],
+        segments: &[u32; LANES_F32],
+        nodes: &[u32; LANES_F32],
         frames: [&Capsules; N],
         margin: f64,
     ) -> Self {
-        let zero = [[[0.0; WIDTH]; 3]; N];
-        let mut ends = Self { start: zero, end: zero, grow: [0.0; WIDTH] };
-        for lane in 0..WIDTH {
+        let zero = [[[0.0; LANES_F32]; 3]; N];
+        let mut ends = Self { start: zero, end: zero, grow: [0.0; LANES_F32] };
+        for lane in 0..LANES_F32 {
             let used = if segments[lane] == NONE { 0 } else { lane };
             let node = nodes[used] as usize;
             for k in 0..N {
@@ -112,13 +113,13 @@ impl<const N: usize> LaneEnds<N> {
     /// The same along the diagonals of the axes' planes, as sums and differences of coordinates.
     #[inline(always)]
     fn along_diagonals(&self) -> LaneEnds<N, 6> {
-        let zero = [[[0.0; WIDTH]; 6]; N];
+        let zero = [[[0.0; LANES_F32]; 6]; N];
         let mut along = LaneEnds { start: zero, end: zero, grow: self.grow };
         for k in 0..N {
             along.start[k] = diagonals(&self.start[k]);
             along.end[k] = diagonals(&self.end[k]);
         }
-        for lane in 0..WIDTH {
+        for lane in 0..LANES_F32 {
             along.grow[lane] *= DIAGONAL;
         }
         along
@@ -126,15 +127,15 @@ impl<const N: usize> LaneEnds<N> {
 }
 
 /// Coordinates in all lanes.
-type LaneCoordinates<const D: usize> = [[f64; WIDTH]; D];
+type LaneCoordinates<const D: usize> = [[f64; LANES_F32]; D];
 
 /// The length of `(1, 1, 0)`, rounded up.
 const DIAGONAL: f64 = std::f64::consts::SQRT_2 * (1.0 + f64::EPSILON);
 
 #[inline(always)]
 fn diagonals([x, y, z]: &LaneCoordinates<3>) -> LaneCoordinates<6> {
-    let mut along = [[0.0; WIDTH]; 6];
-    for lane in 0..WIDTH {
+    let mut along = [[0.0; LANES_F32]; 6];
+    for lane in 0..LANES_F32 {
         along[0][lane] = x[lane] + y[lane];
         along[1][lane] = x[lane] - y[lane];
         along[2][lane] = y[lane] + z[lane];
@@ -148,10 +149,10 @@ fn diagonals([x, y, z]: &LaneCoordinates<3>) -> LaneCoordinates<6> {
 impl<const N: usize, const D: usize> LaneEnds<N, D> {
     /// Encloses and rounds in all lanes at once.
     #[inline(always)]
-    fn fit(&self, segments: &[u32; WIDTH], block: &mut Block<D>, hull: &mut Bounds<D>) {
+    fn fit(&self, segments: &[u32; LANES_F32], block: &mut Block<D>, hull: &mut Bounds<D>) {
         for d in 0..D {
-            let mut negative = [0.0; WIDTH];
-            for lane in 0..WIDTH {
+            let mut negative = [0.0; LANES_F32];
+            for lane in 0..LANES_F32 {
                 let (p, q) = (self.start[0][d][lane], self.end[0][d][lane]);
                 let (mut low, mut high) = (if p < q { p } else { q }, if p > q { p } else { q });
                 for k in 1..N {
@@ -167,7 +168,7 @@ impl<const N: usize, const D: usize> LaneEnds<N, D> {
             hull.low[d] = least(&block.low[d]);
             hull.high[d] = -least(&negative);
         }
-        for lane in 0..WIDTH {
+        for lane in 0..LANES_F32 {
             if segments[lane] == NONE {
                 block.clear(lane);
             }
@@ -177,9 +178,9 @@ impl<const N: usize, const D: usize> LaneEnds<N, D> {
 
 /// The least of sixteen numbers, by halves.
 #[inline(always)]
-fn least(x: &[f32; WIDTH]) -> f32 {
+fn least(x: &[f32; LANES_F32]) -> f32 {
     let mut x = *x;
-    let mut half = WIDTH / 2;
+    let mut half = LANES_F32 / 2;
     while half > 0 {
         for lane in 0..half {
             let other = x[lane + half];

@@ -2,11 +2,11 @@
 
 use super::anderson::Onward;
 use super::part::{Common, Part};
-use super::wide::{Eight, Vectors, WIDTH, Wide, norm};
+use super::wide::{Eight, Vectors, Wide, norm};
 use crate::metric;
 use crate::residual::ResidualSums;
 use pulp::{Simd, WithSimd};
-use rapunzel_lanes::Lane;
+use rapunzel_lanes::{LANES, Lane};
 
 /// How near twice the bound of what keeps descent from diverging a step is.
 const NEARLY: f64 = 0.95;
@@ -82,9 +82,9 @@ fn compare<S: Simd>(simd: S, part: &mut Part, common: &Common) {
         // Where nothing holds it, only what closes the gap is wrong.
         let loose = -wide.adhesion();
         let off = [
-            r[0].at_most(loose, v[0].min(zero), v[0] - wanted[0]),
-            r[0].at_most(loose, zero, v[1] - wanted[1]),
-            r[0].at_most(loose, zero, v[2] - wanted[2]),
+            r[0].less_or_equal(loose).select(v[0].min(zero), v[0] - wanted[0]),
+            r[0].less_or_equal(loose).select(zero, v[1] - wanted[1]),
+            r[0].less_or_equal(loose).select(zero, v[2] - wanted[2]),
         ];
         let u = sum(v, times(r, wide.compliance()));
         sums.wrong = sums.wrong + squared(off) * (weight * weight);
@@ -115,8 +115,8 @@ fn descend<S: Simd>(simd: S, part: &mut Part, common: &Common, judges: bool, way
         // Nothing is written into registers that no contact of the last group is in: they must not hold
         // what another part has left.
         all.clear();
-        all.resize(part.groups.len() * 3 * WIDTH, 0.0);
-        all.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<3>().0
+        all.resize(part.groups.len() * 3 * LANES, 0.0);
+        all.as_chunks_mut::<LANES>().0.as_chunks_mut::<3>().0
     });
     let mut sums = WideSums::zero(simd);
     for register in 0..Wide::<S>::registers(contacts.len()) {
@@ -147,7 +147,7 @@ fn told<S: Simd>(wide: &Wide<S>, common: &Common, impulse: Vectors<S>) -> Vector
 #[inline(always)]
 fn step<S: Simd>(simd: S, part: &mut Part, common: &Common, onward: &Onward, room: &mut Vec<f64>) {
     let contacts = &common.contacts[part.contacts.clone()];
-    let next = part.descents.onward(onward, room).as_chunks::<WIDTH>().0.as_chunks::<3>().0;
+    let next = part.descents.onward(onward, room).as_chunks::<LANES>().0.as_chunks::<3>().0;
     for register in 0..Wide::<S>::registers(contacts.len()) {
         let wide = Wide::new(simd, &part.groups, contacts, register);
         let r = nearest(&wide, wide.load(&next[wide.number]));
@@ -193,7 +193,7 @@ fn slip_error<S: Simd>(
     let [_, s, t] = less(impulse, times(u, weight));
     let [s, t] = wide.project([s, t], limit);
     let along = (impulse[1] - s) * u[1] + (impulse[2] - t) * u[2];
-    along.at_most(zero, zero, along / norm([u[1], u[2]])) / weight
+    along.less_or_equal(zero).select(zero, along / norm([u[1], u[2]])) / weight
 }
 
 #[inline(always)]
@@ -249,10 +249,10 @@ impl<S: Simd> WideSums<S> {
     #[inline(always)]
     fn of_all(self) -> ResidualSums {
         ResidualSums {
-            wrong: self.wrong.sum(),
-            all: self.all.sum(),
-            normal_error: self.normal_error.largest(),
-            slip_error: self.slip_error.largest(),
+            wrong: self.wrong.reduce_sum(),
+            all: self.all.reduce_sum(),
+            normal_error: self.normal_error.reduce_max(),
+            slip_error: self.slip_error.reduce_max(),
         }
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Sums that a product runs side by side.
-const LANES: usize = 32;
+const SUMS: usize = 32;
 /// Part of the largest entry that keeps the small system regular.
 const RIDGE: f64 = 1e-10;
 /// A step is taken back if the residual grows by more than this factor.
@@ -222,10 +222,10 @@ fn single(x: f64) -> f32 {
 /// The product of numbers with themselves.
 #[inline(always)]
 fn product(a: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (whole, rest) = a.as_chunks::<LANES>();
+    let mut sums = [0.0; SUMS];
+    let (whole, rest) = a.as_chunks::<SUMS>();
     for a in whole {
-        for i in 0..LANES {
+        for i in 0..SUMS {
             sums[i] += a[i] * a[i];
         }
     }
@@ -235,12 +235,12 @@ fn product(a: &[f64]) -> f64 {
 /// The products of a difference with a residual and with another difference.
 #[inline(always)]
 fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
-    let mut sums = [[0.0; LANES]; 2];
-    let (d, rest) = difference.as_chunks::<LANES>();
-    let (r, rest_r) = residual.as_chunks::<LANES>();
-    let (o, rest_o) = other.as_chunks::<LANES>();
+    let mut sums = [[0.0; SUMS]; 2];
+    let (d, rest) = difference.as_chunks::<SUMS>();
+    let (r, rest_r) = residual.as_chunks::<SUMS>();
+    let (o, rest_o) = other.as_chunks::<SUMS>();
     for ((d, r), o) in d.iter().zip(r).zip(o) {
-        for i in 0..LANES {
+        for i in 0..SUMS {
             sums[0][i] += f64::from(d[i]) * r[i];
             sums[1][i] += f64::from(d[i]) * f64::from(o[i]);
         }
@@ -253,8 +253,8 @@ fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
 
 /// By halves.
 #[inline(always)]
-fn total(mut sums: [f64; LANES]) -> f64 {
-    let mut half = LANES / 2;
+fn total(mut sums: [f64; SUMS]) -> f64 {
+    let mut half = SUMS / 2;
     while half > 0 {
         for i in 0..half {
             sums[i] += sums[i + half];

@@ -6,11 +6,12 @@ use super::crew::Lead;
 use super::descent::Step;
 use super::shared::Shared;
 use super::sides::Sides;
-use super::wide::{Eight, Group, WIDTH};
+use super::wide::{Eight, Group};
 use crate::residual::ResidualSums;
 use crate::{Body, Contact, ContactError, Report};
 use nalgebra::Vector3;
 use pulp::Arch;
+use rapunzel_lanes::LANES;
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -101,9 +102,9 @@ impl<'a, 'b> Part<'a, 'b> {
     ) -> Self {
         let Common { sides, masses, .. } = common;
         let group = |start: usize| {
-            let part = start..contacts.end.min(start + WIDTH);
+            let part = start..contacts.end.min(start + LANES);
             let own = &common.contacts[part.clone()];
-            let (mut at_points, mut at_sides) = ([[0; WIDTH]; 2], [[0; WIDTH]; 2]);
+            let (mut at_points, mut at_sides) = ([[0; LANES]; 2], [[0; LANES]; 2]);
             for (lane, (contact, sides)) in own.iter().zip(sides.of_contacts(&part)).enumerate() {
                 let points = [contact.first, contact.second.unwrap_or(masses.len())];
                 for side in 0..2 {
@@ -117,7 +118,7 @@ impl<'a, 'b> Part<'a, 'b> {
             let weights = own.iter().map(|contact| common.weight_of(contact));
             Group::new(own, velocities, impulses, responses, weights, [at_points, at_sides])
         };
-        let groups: Vec<_> = contacts.clone().step_by(WIDTH).map(group).collect();
+        let groups: Vec<_> = contacts.clone().step_by(LANES).map(group).collect();
         Self {
             impulses: groups.iter().map(|group| group.impulses).collect(),
             groups,

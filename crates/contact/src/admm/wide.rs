@@ -7,14 +7,11 @@ use super::shared::Shared;
 use crate::{Contact, LimitCurve};
 use nalgebra::Vector3;
 use pulp::Simd;
-use rapunzel_lanes::Lane;
+use rapunzel_lanes::{LANES, Lane};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Contacts of a group: what the widest register holds.
-pub(super) const WIDTH: usize = 8;
-
-type Numbers = [f64; WIDTH];
+type Numbers = [f64; LANES];
 
 /// A vector of each contact of a group, by component.
 pub(super) type Eight = [Numbers; 3];
@@ -44,7 +41,7 @@ pub(super) struct Group {
 }
 
 /// Where something of the first side of each contact is, and of the second.
-pub(super) type Places = [[u32; WIDTH]; 2];
+pub(super) type Places = [[u32; LANES]; 2];
 
 impl Group {
     /// At most eight contacts with the relative velocities of their sides, m/s, world, and impulses, N s, in their
@@ -62,8 +59,8 @@ impl Group {
             velocities: Default::default(),
             impulses: Default::default(),
             soft: None,
-            responses: [1.0; WIDTH],
-            weights: [1.0; WIDTH],
+            responses: [1.0; LANES],
+            weights: [1.0; LANES],
             circles: Some(Default::default()),
             points,
             sides,
@@ -121,7 +118,7 @@ impl<'a, S: Simd> Wide<'a, S> {
         contacts: &'a [Contact],
         register: usize,
     ) -> Self {
-        let in_group = WIDTH / S::F64_LANES;
+        let in_group = LANES / S::F64_LANES;
         let (number, first) = (register / in_group, register * S::F64_LANES);
         let (group, register) = (&groups[number], register % in_group);
         let count = (contacts.len() - first).min(S::F64_LANES);
@@ -178,8 +175,8 @@ impl<'a, S: Simd> Wide<'a, S> {
 
     /// Vectors one after another, side by side.
     #[inline(always)]
-    fn pack(&self, vectors: &[Vector3<f64>; WIDTH]) -> Vectors<S> {
-        let mut numbers = [[0.0; WIDTH]; 3];
+    fn pack(&self, vectors: &[Vector3<f64>; LANES]) -> Vectors<S> {
+        let mut numbers = [[0.0; LANES]; 3];
         for (lane, vector) in vectors.iter().take(S::F64_LANES).enumerate() {
             for k in 0..3 {
                 numbers[k][lane] = vector[k];
@@ -191,8 +188,8 @@ impl<'a, S: Simd> Wide<'a, S> {
 
     /// Vectors side by side, one after another.
     #[inline(always)]
-    pub(super) fn unpack(&self, vectors: Vectors<S>) -> [Vector3<f64>; WIDTH] {
-        let mut numbers = [[0.0; WIDTH]; 3];
+    pub(super) fn unpack(&self, vectors: Vectors<S>) -> [Vector3<f64>; LANES] {
+        let mut numbers = [[0.0; LANES]; 3];
         for k in 0..3 {
             vectors[k].store(&mut numbers[k], 0);
         }
@@ -210,7 +207,7 @@ impl<'a, S: Simd> Wide<'a, S> {
     #[inline(always)]
     pub(super) fn relative(&self, changes: &Shared, places: &Places) -> Vectors<S> {
         let from = self.register * S::F64_LANES;
-        let mut between = [Vector3::zeros(); WIDTH];
+        let mut between = [Vector3::zeros(); LANES];
         for lane in 0..S::F64_LANES {
             let [first, second] = [places[0][from + lane], places[1][from + lane]];
             between[lane] = changes.get(first as usize) - changes.get(second as usize);
@@ -262,8 +259,8 @@ impl<'a, S: Simd> Wide<'a, S> {
         if let Some(circles) = &self.group.circles {
             let (zero, one) = (self.splat(0.0), self.splat(1.0));
             let (radius, size) = (self.lane(circles) * scale, norm([s, t]));
-            let share = size.at_most(radius, one, radius / size);
-            let share = scale.at_most(zero, zero, share);
+            let share = size.less_or_equal(radius).select(one, radius / size);
+            let share = scale.less_or_equal(zero).select(zero, share);
             return [s * share, t * share];
         }
         let mut all = self.unpack([s, t, scale]);
@@ -283,12 +280,12 @@ impl<'a, S: Simd> Wide<'a, S> {
             let size = norm([s, t]);
             let (inside, outer) = (mu * n, n + mu * size);
             let normal = outer / (one + mu * mu);
-            let share = size.at_most(inside, one, mu * normal / size);
-            let normal = size.at_most(inside, n, normal);
+            let share = size.less_or_equal(inside).select(one, mu * normal / size);
+            let normal = size.less_or_equal(inside).select(n, normal);
             return [
-                outer.at_most(zero, zero, normal),
-                outer.at_most(zero, zero, s * share),
-                outer.at_most(zero, zero, t * share),
+                outer.less_or_equal(zero).select(zero, normal),
+                outer.less_or_equal(zero).select(zero, s * share),
+                outer.less_or_equal(zero).select(zero, t * share),
             ];
         }
         let mut all = self.unpack([n, s, t]);
@@ -376,10 +373,10 @@ mod tests {
             let contacts: Vec<_> = all.iter().map(contact).collect();
             let q: Vec<_> = all.iter().map(|(_, q)| *q).collect();
             let groups: Vec<_> = contacts
-                .chunks(WIDTH)
+                .chunks(LANES)
                 .map(|some| {
                     let zeros = repeat(Vector3::zeros());
-                    let given = [Vector3::zeros(); WIDTH];
+                    let given = [Vector3::zeros(); LANES];
                     let ones = repeat(1.0);
                     Group::new(some, zeros, &given, ones.clone(), ones, Default::default())
                 })

@@ -1,6 +1,6 @@
-use crate::answers::LANES;
 use crate::{Answer, Body, Contact, ContactError, DelassusBlocks, Eight};
 use nalgebra::{DMatrix, Matrix3, Vector3};
+use rapunzel_lanes::LANES;
 use std::borrow::Cow;
 use std::ops::Range;
 

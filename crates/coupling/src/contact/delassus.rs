@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
 use rapunzel_contact::{Answer as OfPoint, ContactError, DelassusBlocks, Eight};
+use rapunzel_lanes::LANES;
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
 
@@ -116,9 +117,6 @@ impl<T: RealField + Copy> MatrixStrips<T> {
         }
     }
 }
-
-/// Rows that are taken at once where columns are not cut into strips.
-const LANES: usize = 8;
 
 /// How far apart the columns are that masses are added to.
 fn stride(size: usize) -> usize {

@@ -14,7 +14,7 @@ mod translate;
 mod turn;
 
 pub(crate) use kernels::{Gradient, regular};
-pub(crate) use tables::{Moves, Tables, count};
+pub(crate) use tables::{Coefficient, Tables, count};
 pub(crate) use translate::{Kind, Shift, Translator};
 
 /// The highest degree of an expansion.

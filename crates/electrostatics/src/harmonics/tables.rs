@@ -2,7 +2,7 @@
 
 use super::MAX_ORDER;
 use crate::quadrature::gauss_legendre;
-use crate::real::Real;
+use rapunzel_lanes::{Real, Ways};
 use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -54,7 +54,7 @@ impl<E: Real, const ROWS: usize> Matrix<E, ROWS> {
         for first in (0..rows).step_by(ROWS) {
             for column in 0..columns {
                 let entry =
-                    |r| E::of(if first + r < rows { entry(first + r, column) } else { 0.0 });
+                    |r| E::from_f64(if first + r < rows { entry(first + r, column) } else { 0.0 });
                 blocks.push(std::array::from_fn(entry));
             }
         }
@@ -175,13 +175,32 @@ pub(crate) struct Moves<E> {
     pub(super) shifts: Vec<Vec<Vec<E>>>,
 }
 
+/// A type of coefficients, of single or double precision.
+pub(crate) trait Coefficient: Ways {
+    /// The constants that move expansions, which are made at the first call.
+    fn moves() -> &'static Moves<Self>;
+}
+
+macro_rules! coefficient {
+    ($real:ident) => {
+        impl Coefficient for $real {
+            fn moves() -> &'static Moves<Self> {
+                static MOVES: OnceLock<Moves<$real>> = OnceLock::new();
+                MOVES.get_or_init(Moves::new)
+            }
+        }
+    };
+}
+coefficient!(f32);
+coefficient!(f64);
+
 impl<E: Real> Moves<E> {
     /// Takes some milliseconds.
     pub(crate) fn new() -> Self {
         let factorials = factorials();
         let root = |n: usize, m: usize| (factorials[n - m] * factorials[n + m]).sqrt();
         let shift = |m: usize, n: usize, l: usize| {
-            E::of(if l > n { 0.0 } else { root(n, m) / (root(l, m) * factorials[n - l]) })
+            E::from_f64(if l > n { 0.0 } else { root(n, m) / (root(l, m) * factorials[n - l]) })
         };
         let far = |m: usize, n: usize, l: usize| {
             let sign = if (n + m).is_multiple_of(2) { 1.0 } else { -1.0 };

@@ -5,14 +5,12 @@
 //! z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the plain
 //! double sum takes `p^4`.
 
-use super::tables::count;
+use super::tables::{Coefficient, count};
 use super::turn::{Block, Turn, turn_size};
-use crate::machine::{Kernel, Machine, dispatch};
-use crate::real::Real;
-use crate::transpose::ROWS as LANES;
 use aligned_vec::{AVec, ConstAlign, avec};
 use nalgebra::Vector3;
 use pulp::Simd;
+use rapunzel_lanes::{Kernel, LANES_F32, Machine, Ways, dispatch};
 
 /// Highest order of which four registers are faster than two, from measured rates.
 const LOW: usize = 8;
@@ -43,7 +41,7 @@ pub(crate) struct Shift<'a, E> {
 
 /// Coefficients up to degree `order` with what fills the last register.
 pub(crate) const fn padded(order: usize) -> usize {
-    count(order).next_multiple_of(LANES)
+    count(order).next_multiple_of(LANES_F32)
 }
 
 /// Registers of expansions that are moved at once, which share the constants.
@@ -57,12 +55,12 @@ pub(crate) struct Translator<E> {
     work: AVec<E, ConstAlign<64>>,
 }
 
-impl<E: Real> Translator<E> {
+impl<E: Coefficient> Translator<E> {
     /// For expansions of degree up to `order`.
     pub(crate) fn new(order: usize) -> Self {
         let most = most_registers(order);
-        let size = (count(order) + most * (padded(order) + turn_size(order))) * LANES;
-        Self { order, work: avec![[64]| E::of(0.0); size] }
+        let size = (count(order) + most * (padded(order) + turn_size(order))) * LANES_F32;
+        Self { order, work: avec![[64]| E::from_f64(0.0); size] }
     }
 
     /// Adds the moved `shifts` to `out`. As many as some registers have lanes are moved at once, by the
@@ -93,13 +91,13 @@ struct Sum<'a, E> {
     out: Out<'a, E>,
 }
 
-impl<E: Real> Kernel for Sum<'_, E> {
+impl<E: Coefficient> Kernel for Sum<'_, E> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { order, kind, shifts, work, mut out } = self;
         let lanes = E::lanes::<S>();
         let (total, work) = E::registers_mut::<S>(work).split_at_mut(count(order));
-        total.fill(E::splat(simd, E::of(0.0)));
+        total.fill(E::splat(simd, E::from_f64(0.0)));
         let mut rest = shifts;
         while !rest.is_empty() {
             let (now, later) = rest.split_at(rest.len().min(most_registers(order) * lanes));
@@ -114,7 +112,7 @@ impl<E: Real> Kernel for Sum<'_, E> {
         }
         if let Out::Sum(out) = out {
             for (out, total) in out.iter_mut().zip(&*total) {
-                *out = E::of(out.double() + E::sum(simd, *total).double());
+                *out = E::from_f64(out.to_f64() + E::reduce_sum(simd, *total).to_f64());
             }
         }
     }
@@ -123,13 +121,13 @@ impl<E: Real> Kernel for Sum<'_, E> {
 /// Moves as many expansions as `C` registers have lanes, and adds them to `total` or puts each into its
 /// place.
 #[inline(always)]
-fn moved<S: Simd, E: Real, M: Machine<S>, const C: usize>(
+fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
     simd: S,
     machine: M,
     kind: Kind,
     shifts: &[Shift<E>],
-    work: &mut [E::Lanes<S>],
-    total: &mut [E::Lanes<S>],
+    work: &mut [E::Register<S>],
+    total: &mut [E::Register<S>],
     out: &mut Out<E>,
 ) {
     let lanes = E::lanes::<S>();
@@ -176,7 +174,7 @@ fn moved<S: Simd, E: Real, M: Machine<S>, const C: usize>(
 /// Puts the coefficients of the `shifts` from `first` on into `a`, a shift in each lane and as many
 /// coefficients as lanes; those that are missing are zero.
 #[inline(always)]
-fn load<S: Simd, E: Real, M: Machine<S>, const C: usize>(
+fn load<S: Simd, E: Ways, M: Machine<S>, const C: usize>(
     simd: S,
     machine: M,
     first: usize,
@@ -184,11 +182,11 @@ fn load<S: Simd, E: Real, M: Machine<S>, const C: usize>(
     a: &mut [Block<S, E, C>],
 ) {
     let lanes = E::lanes::<S>();
-    let none = [E::of(0.0); LANES];
-    let mut last = [none; LANES];
+    let none = [E::from_f64(0.0); LANES_F32];
+    let mut last = [none; LANES_F32];
     for c in 0..C {
         let shifts = shifts.get(c * lanes..).unwrap_or(&[]);
-        let mut rows = [&none[..]; LANES];
+        let mut rows = [&none[..]; LANES_F32];
         for ((row, last), shift) in rows[..lanes].iter_mut().zip(&mut last).zip(shifts) {
             *row = match shift.coefficients.get(first..first + lanes) {
                 Some(row) => row,

@@ -1,13 +1,13 @@
 //! Turns about an axis and shifts along it, of some registers of expansions at once.
 
-use super::tables::{Matrix, Moves, Swap};
+use super::tables::{Coefficient, Matrix, Moves, Swap};
 use super::translate::{Kind, Shift};
-use crate::real::Real;
-use crate::transpose::ROWS as LANES;
 use pulp::Simd;
+use rapunzel_lanes::{LANES_F32, Real};
 
 /// A coefficient of the expansions: `C` registers side by side, which share the constants.
-pub(super) type Block<S, E, const C: usize> = [<E as Real>::Lanes<S>; C];
+/// Bare registers and not lanes: the space for them is cut out of one array of numbers.
+pub(super) type Block<S, E, const C: usize> = [<E as Real>::Register<S>; C];
 
 /// Numbers in each lane of a block that [`Turn`] needs for degrees up to `order`.
 pub(super) const fn turn_size(order: usize) -> usize {
@@ -16,7 +16,7 @@ pub(super) const fn turn_size(order: usize) -> usize {
 }
 
 /// The turn that takes the offsets onto the z axis, and the shift along it.
-pub(super) struct Turn<'a, S: Simd, E: Real, const C: usize> {
+pub(super) struct Turn<'a, S: Simd, E: Coefficient, const C: usize> {
     simd: S,
     moves: &'static Moves<E>,
     kind: Kind,
@@ -35,7 +35,7 @@ pub(super) struct Turn<'a, S: Simd, E: Real, const C: usize> {
     axis: &'a mut [[Block<S, E, C>; 2]],
 }
 
-impl<'a, S: Simd, E: Real, const C: usize> Turn<'a, S, E, C> {
+impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
     /// For expansions of degree up to `order`, in the space `work` for that or more.
     #[inline(always)]
     pub(super) fn new(
@@ -79,13 +79,13 @@ impl<'a, S: Simd, E: Real, const C: usize> Turn<'a, S, E, C> {
     fn prepare(&mut self, c: usize, shifts: &[Shift<E>]) {
         let simd = self.simd;
         // Offsets and both scales; those of lanes without a shift are along z.
-        let mut rows = [0.0, 0.0, 1.0, 1.0, 1.0].map(|x| [E::of(x); LANES]);
+        let mut rows = [0.0, 0.0, 1.0, 1.0, 1.0].map(|x| [E::from_f64(x); LANES_F32]);
         for (lane, Shift { offset, scales, .. }) in shifts.iter().take(E::lanes::<S>()).enumerate()
         {
             let values = [offset.x, offset.y, offset.z, scales[0], scales[1]];
-            rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = E::of(value));
+            rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = E::from_f64(value));
         }
-        let mut values = [E::splat(simd, E::of(0.0)); 5];
+        let mut values = [E::splat(simd, E::from_f64(0.0)); 5];
         for (value, row) in values.iter_mut().zip(&rows) {
             *value = E::registers::<S>(row)[0];
         }
@@ -95,7 +95,7 @@ impl<'a, S: Simd, E: Real, const C: usize> Turn<'a, S, E, C> {
         multiples::<S, E, C>(simd, azimuth, c, self.angles[0]);
         multiples::<S, E, C>(simd, [cosine, E::neg(simd, sine)], c, self.angles[1]);
 
-        let one = E::splat(simd, E::of(1.0));
+        let one = E::splat(simd, E::from_f64(1.0));
         // Factors per degree before and after, and the length of the shift.
         let (before, first, after, step) = match self.kind {
             // The charges move backward as the center moves forward.
@@ -169,7 +169,7 @@ impl<'a, S: Simd, E: Real, const C: usize> Turn<'a, S, E, C> {
                     let columns = self.moves.far[m].block(block);
                     // A block of rows that are partly without the first columns is made in both ways.
                     let without = left_out.saturating_sub(4 * block).min(y.len());
-                    let mut rest = [[[E::splat(simd, E::of(0.0)); C]; 2]; 4];
+                    let mut rest = [[[E::splat(simd, E::from_f64(0.0)); C]; 2]; 4];
                     if without > 0 {
                         far::<S, E, 4, C>(simd, &columns[left_out..], &x[left_out..], &mut rest);
                     }
@@ -199,22 +199,27 @@ const fn place(order: usize, n: usize, m: usize) -> usize {
 
 /// Length of a vector, and cosine and sine of its angle; an angle that is not defined is none.
 #[inline(always)]
-fn polar<S: Simd, E: Real>(simd: S, [x, y]: [E::Lanes<S>; 2]) -> (E::Lanes<S>, [E::Lanes<S>; 2]) {
-    let [zero, one] = [E::splat(simd, E::of(0.0)), E::splat(simd, E::of(1.0))];
+fn polar<S: Simd, E: Real>(
+    simd: S,
+    [x, y]: [E::Register<S>; 2],
+) -> (E::Register<S>, [E::Register<S>; 2]) {
+    let [zero, one] = [E::splat(simd, E::from_f64(0.0)), E::splat(simd, E::from_f64(1.0))];
     let length = E::sqrt(simd, E::mul_add(simd, x, x, E::mul(simd, y, y)));
-    let cosine = E::below(simd, [zero, length], E::div(simd, x, length), one);
-    (length, [cosine, E::below(simd, [zero, length], E::div(simd, y, length), zero)])
+    let defined = E::less_than(simd, zero, length);
+    let cosine = E::select(simd, defined, E::div(simd, x, length), one);
+    (length, [cosine, E::select(simd, defined, E::div(simd, y, length), zero)])
 }
 
 /// Cosines and sines of the multiples of an angle from none, in the registers `c`.
 #[inline(always)]
 fn multiples<S: Simd, E: Real, const C: usize>(
     simd: S,
-    angle: [E::Lanes<S>; 2],
+    angle: [E::Register<S>; 2],
     c: usize,
     out: &mut [[Block<S, E, C>; 2]],
 ) {
-    let [mut cosine, mut sine] = [E::splat(simd, E::of(1.0)), E::splat(simd, E::of(0.0))];
+    let [mut cosine, mut sine] =
+        [E::splat(simd, E::from_f64(1.0)), E::splat(simd, E::from_f64(0.0))];
     for out in out {
         (out[0][c], out[1][c]) = (cosine, sine);
         [cosine, sine] = turned::<S, E, true>(simd, angle, [cosine, sine]);
@@ -225,8 +230,8 @@ fn multiples<S: Simd, E: Real, const C: usize>(
 #[inline(always)]
 fn powers<S: Simd, E: Real, const C: usize>(
     simd: S,
-    base: E::Lanes<S>,
-    first: E::Lanes<S>,
+    base: E::Register<S>,
+    first: E::Register<S>,
     c: usize,
     out: &mut [Block<S, E, C>],
 ) {
@@ -241,14 +246,14 @@ fn powers<S: Simd, E: Real, const C: usize>(
 #[inline(always)]
 fn turned<S: Simd, E: Real, const FORWARD: bool>(
     simd: S,
-    [c, s]: [E::Lanes<S>; 2],
-    [x, y]: [E::Lanes<S>; 2],
-) -> [E::Lanes<S>; 2] {
+    [c, s]: [E::Register<S>; 2],
+    [x, y]: [E::Register<S>; 2],
+) -> [E::Register<S>; 2] {
     let (cx, cy) = (E::mul(simd, c, x), E::mul(simd, c, y));
     if FORWARD {
-        [E::mul_from(simd, s, y, cx), E::mul_add(simd, s, x, cy)]
+        [E::negate_mul_add(simd, s, y, cx), E::mul_add(simd, s, x, cy)]
     } else {
-        [E::mul_add(simd, s, y, cx), E::mul_from(simd, s, x, cy)]
+        [E::mul_add(simd, s, y, cx), E::negate_mul_add(simd, s, x, cy)]
     }
 }
 
@@ -311,7 +316,7 @@ fn rows<S: Simd, E: Real, const R: usize, const C: usize>(
     x: &[Block<S, E, C>],
     out: &mut [Block<S, E, C>],
 ) {
-    let mut sums = [[E::splat(simd, E::of(0.0)); C]; R];
+    let mut sums = [[E::splat(simd, E::from_f64(0.0)); C]; R];
     for (column, x) in columns.iter().zip(x) {
         for r in 0..R {
             let entry = E::splat(simd, column[r]);
@@ -334,7 +339,7 @@ fn far<S: Simd, E: Real, const R: usize, const C: usize>(
     x: &[[Block<S, E, C>; 2]],
     out: &mut [[Block<S, E, C>; 2]],
 ) {
-    let mut sums = [[[E::splat(simd, E::of(0.0)); C]; 2]; R];
+    let mut sums = [[[E::splat(simd, E::from_f64(0.0)); C]; 2]; R];
     for (column, x) in columns.iter().zip(x) {
         for r in 0..R {
             let entry = E::splat(simd, column[r]);
@@ -362,7 +367,7 @@ fn triangle<S: Simd, E: Real, const C: usize>(
     y: &mut [[Block<S, E, C>; 2]],
 ) {
     for (n, y) in y.iter_mut().enumerate() {
-        *y = [[E::splat(simd, E::of(0.0)); C]; 2];
+        *y = [[E::splat(simd, E::from_f64(0.0)); C]; 2];
         let range = match kind {
             Kind::Multipole => 0..x.len().min(n + 1),
             _ => n.min(x.len())..x.len(),

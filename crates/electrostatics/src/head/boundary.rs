@@ -5,12 +5,12 @@ use super::elements::Elements;
 use super::iteration::{MOST, solve};
 use super::outside::{Add, Outside};
 use crate::error::{check_charges, check_count, check_positions};
+use crate::harmonics::Coefficient;
 use crate::method::places;
 use crate::multipole::engine::{Multipoles, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::solver::{check_accuracy, unit};
 use crate::multipole::tree::Tree;
-use crate::real::Real;
 use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields};
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
@@ -158,7 +158,7 @@ impl ConductingSurface {
     /// Adds to `out` what this conductor does to bodies outside, as [`Elements::make`] does, where their
     /// charges (in units of `unit`, C) have these multipoles and degree `known`. Its energy (J), as
     /// [`respond`](Self::respond) tells it, and the relative error are returned.
-    pub(crate) fn act<E: Real, const N: usize>(
+    pub(crate) fn act<E: Coefficient, const N: usize>(
         &self,
         condition: Condition,
         (outside, unit): (Outside, f64),

@@ -1,10 +1,10 @@
 //! Charged triangles and points near them, a point in each lane.
 
 use super::triangle::Triangle;
-use crate::lanes::{LANES, Lanes, Vectors};
-use crate::machine::{Kernel, Machine, dispatch};
 use crate::multipole::near::Cloud;
+use crate::vectors::Vectors;
 use pulp::Simd;
+use rapunzel_lanes::{Kernel, LANES, Lane, Machine, dispatch};
 use std::ops::Range;
 
 /// Adds to `out` what `triangles` with their charges make at the `targets` of `places`: `q/r` and its
@@ -33,11 +33,11 @@ impl Kernel for Fields<'_> {
         let Self { triangles, places, targets, out } = self;
         for (first, out) in targets.step_by(S::F64_LANES).zip(out.chunks_mut(S::F64_LANES)) {
             let x = points(simd, places, first..first + out.len());
-            let mut sums = [x[0].of(0.0); 4];
+            let mut sums = [x[0].lift(0.0); 4];
             for (triangle, charge) in triangles {
-                let charge = x[0].of(*charge);
+                let charge = x[0].lift(*charge);
                 for (sum, mean) in sums.iter_mut().zip(triangle.means(machine, &x)) {
-                    *sum = mean.times_plus(charge, *sum);
+                    *sum = mean.mul_add(charge, *sum);
                 }
             }
             for (c, sum) in sums.iter().enumerate() {
@@ -71,22 +71,22 @@ impl Kernel for Mean<'_> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { triangle, cloud, ranges, out } = self;
-        let mut sums = [Lanes::splat(simd, 0.0); 4];
+        let mut sums = [Lane::splat(simd, 0.0); 4];
         for range in ranges {
             for first in range.clone().step_by(S::F64_LANES) {
                 let range = first..range.end.min(first + S::F64_LANES);
                 let mut charges = [0.0; LANES];
                 charges[..range.len()].copy_from_slice(&cloud.charge[range.clone()]);
-                let charges = Lanes::load(simd, &charges);
+                let charges = Lane::load(simd, &charges, 0);
                 let means = triangle.means(machine, &points(simd, &cloud.x, range));
                 for (sum, mean) in sums.iter_mut().zip(means) {
-                    *sum = mean.times_plus(charges, *sum);
+                    *sum = mean.mul_add(charges, *sum);
                 }
             }
         }
-        out[0] += sums[0].sum();
+        out[0] += sums[0].reduce_sum();
         for c in 1..4 {
-            out[c] -= sums[c].sum();
+            out[c] -= sums[c].reduce_sum();
         }
     }
 }
@@ -94,11 +94,11 @@ impl Kernel for Mean<'_> {
 /// A point in each lane; those without one repeat the first.
 #[inline(always)]
 fn points<S: Simd>(simd: S, places: &[Vec<f64>; 3], range: Range<usize>) -> Vectors<S> {
-    let mut x = [Lanes::splat(simd, 0.0); 3];
+    let mut x = [Lane::splat(simd, 0.0); 3];
     for (x, places) in x.iter_mut().zip(places) {
         let mut lanes = [places[range.start]; LANES];
         lanes[..range.len()].copy_from_slice(&places[range.clone()]);
-        *x = Lanes::load(simd, &lanes);
+        *x = Lane::load(simd, &lanes, 0);
     }
     x
 }

@@ -3,12 +3,12 @@
 use super::close::{add_fields, add_mean};
 use super::elements::Elements;
 use super::triangle::{POINTS, RULED, Triangle};
+use crate::harmonics::Coefficient;
 use crate::multipole::engine::{self, Degrees, Descent, Far, Leaf, Multipoles, Task, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{MARGIN, find_order, guess, thinning};
 use crate::multipole::tree::{Cell, Tree};
-use crate::real::Real;
 use crate::{Accuracy, ElectrostaticsError};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -45,7 +45,7 @@ impl Elements {
     /// The means of `q/r` of all charges outside over each triangle, in the order of the tree, and their
     /// gradients, which are found to `accuracy`: with the multipoles and the degree that are `known`, if
     /// these do.
-    pub(super) fn felt<E: Real>(
+    pub(super) fn felt<E: Coefficient>(
         &self,
         outside: Outside,
         known: Option<(&Multipoles<E>, usize)>,
@@ -152,7 +152,7 @@ impl Elements {
         Ok(reached)
     }
 
-    fn descent<'a, L: Leaf, E: Real>(
+    fn descent<'a, L: Leaf, E: Coefficient>(
         &self,
         sources: &'a Multipoles<'a, E>,
         targets: &'a Tree,

@@ -1,9 +1,9 @@
 //! A triangle with its charge spread evenly, as seen from a point in each lane.
 
-use crate::lanes::{Lanes, Vectors, along, angle, dot, log, minus};
-use crate::machine::{Portable, Roots};
+use crate::vectors::{Vectors, along, dot, log, minus};
 use nalgebra::{Point3, Vector3};
 use pulp::{Scalar, Simd};
+use rapunzel_lanes::{Lane, Portable, Roots, angle};
 
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ const RULE: [([f64; 2], f64); 3] = [
 ];
 
 /// Means over a triangle of `1/r` from the points in all lanes, and its gradients by them.
-pub(super) type Means<S> = [Lanes<S>; 4];
+pub(super) type Means<S> = [Lane<S>; 4];
 
 impl Triangle {
     pub(super) fn new(corners: [Point3<f64>; 3]) -> Self {
@@ -80,21 +80,21 @@ impl Triangle {
     /// The mean of `1/r` over the triangle as seen from one point.
     pub(super) fn mean(&self, x: &Point3<f64>) -> f64 {
         let x = lanes(Scalar::new(), &x.coords);
-        self.means(Portable, &x)[0].sum()
+        self.means(Portable, &x)[0].reduce_sum()
     }
 
     /// By [`points`](Self::points) where the triangle is not close to the points `x`, else exact.
     #[inline(always)]
     pub(super) fn means<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
-        let r = minus(x, &lanes(x[0].simd, &self.center.coords));
-        let (r2, close) = (dot(&r, &r), x[0].of((RULED * self.longest).powi(2)));
-        if !r2.any_below(close) {
+        let r = minus(x, &lanes(x[0].simd(), &self.center.coords));
+        let (r2, close) = (dot(&r, &r), x[0].lift((RULED * self.longest).powi(2)));
+        if !r2.less_than(close).any() {
             return self.by_points(roots, x);
         }
         let mut means = self.exact(roots, x);
-        if close.any_below(r2) {
+        if close.less_than(r2).any() {
             for (mean, ruled) in means.iter_mut().zip(self.by_points(roots, x)) {
-                *mean = r2.below(close, *mean, ruled);
+                *mean = r2.less_than(close).select(*mean, ruled);
             }
         }
         means
@@ -103,15 +103,15 @@ impl Triangle {
     /// By [`points`](Self::points), which do not act on their own places.
     #[inline(always)]
     fn by_points<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
-        let mut means = [x[0].of(0.0); 4];
+        let mut means = [x[0].lift(0.0); 4];
         for (point, weight) in &self.points {
-            let r = minus(x, &lanes(x[0].simd, &point.coords));
-            let inverse = roots.inverse_root(dot(&r, &r));
-            let potential = x[0].of(*weight) * inverse;
+            let r = minus(x, &lanes(x[0].simd(), &point.coords));
+            let inverse = roots.rsqrt(dot(&r, &r));
+            let potential = x[0].lift(*weight) * inverse;
             means[0] = means[0] + potential;
             let slope = potential * inverse * inverse;
             for c in 0..3 {
-                means[1 + c] = slope.times_from(r[c], means[1 + c]);
+                means[1 + c] = slope.negate_mul_add(r[c], means[1 + c]);
             }
         }
         means
@@ -122,23 +122,23 @@ impl Triangle {
     /// mean of both sides.
     #[inline(always)]
     fn exact<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
-        let (simd, zero) = (x[0].simd, x[0].of(0.0));
+        let (simd, zero) = (x[0].simd(), x[0].lift(0.0));
         let mut to = [[zero; 3]; 3];
         let mut lengths = [zero; 3];
         for k in 0..3 {
             to[k] = minus(&lanes(simd, &self.corners[k].coords), x);
-            lengths[k] = dot(&to[k], &to[k]).square_root();
+            lengths[k] = dot(&to[k], &to[k]).sqrt();
         }
         let normal = lanes(simd, &self.normal);
         let height = -dot(&to[0], &normal);
         let [a, b, c] = &to;
         let [ra, rb, rc] = lengths;
-        let spread = dot(a, c).times_plus(rb, dot(b, c).times_plus(ra, ra * rb * rc));
-        let spread = dot(a, b).times_plus(rc, spread);
-        let half = angle(roots, spread, height.abs() * zero.of(2.0 * self.area));
+        let spread = dot(a, c).mul_add(rb, dot(b, c).mul_add(ra, ra * rb * rc));
+        let spread = dot(a, b).mul_add(rc, spread);
+        let half = angle(roots, spread, height.abs() * zero.lift(2.0 * self.area));
         let solid_angle = half + half;
-        let sign = height.below(zero, zero.of(-1.0), zero.of(1.0));
-        let sign = zero.below(height.abs(), sign, zero);
+        let sign = height.less_than(zero).select(zero.lift(-1.0), zero.lift(1.0));
+        let sign = zero.less_than(height.abs()).select(sign, zero);
         let mut potential = -(height.abs() * solid_angle);
         let mut gradient = along(&[zero; 3], &normal, -(sign * solid_angle));
         for k in 0..3 {
@@ -147,13 +147,13 @@ impl Triangle {
             let (next, p) = ((k + 1) % 3, dot(&to[k], &outward));
             let ways = [dot(&to[k], &tangent), dot(&to[next], &tangent)];
             // On the side itself nothing is left of its part of the potential.
-            let gap2 = p.times_plus(p, height * height);
+            let gap2 = p.mul_add(p, height * height);
             let log = log(roots, ways, [lengths[k], lengths[next]]);
-            let log = zero.of(1e-28 * self.area).below(gap2, log, zero);
-            potential = p.times_plus(log, potential);
+            let log = zero.lift(1e-28 * self.area).less_than(gap2).select(log, zero);
+            potential = p.mul_add(log, potential);
             gradient = along(&gradient, &outward, -log);
         }
-        let over = zero.of(1.0 / self.area);
+        let over = zero.lift(1.0 / self.area);
         let [x, y, z] = gradient;
         [potential * over, x * over, y * over, z * over]
     }
@@ -162,7 +162,7 @@ impl Triangle {
 /// The same vector in all lanes.
 #[inline(always)]
 fn lanes<S: Simd>(simd: S, v: &Vector3<f64>) -> Vectors<S> {
-    [Lanes::splat(simd, v.x), Lanes::splat(simd, v.y), Lanes::splat(simd, v.z)]
+    [Lane::splat(simd, v.x), Lane::splat(simd, v.y), Lane::splat(simd, v.z)]
 }
 
 #[cfg(test)]
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
 
     fn numbers(means: Means<Scalar>) -> (f64, Vector3<f64>) {
-        let [potential, x, y, z] = means.map(|mean| mean.sum());
+        let [potential, x, y, z] = means.map(|mean| mean.reduce_sum());
         (potential, Vector3::new(x, y, z))
     }
 

@@ -8,8 +8,7 @@
 use super::near::Cloud;
 use super::points;
 use super::tree::{Cell, Tree};
-use crate::harmonics::{Gradient, Kind, Shift, Tables, Translator, count};
-use crate::real::Real;
+use crate::harmonics::{Coefficient, Gradient, Kind, Shift, Tables, Translator, count};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -31,12 +30,12 @@ struct Rounded {
     moments: Vec<f32>,
 }
 
-impl<'a, E: Real> Multipoles<'a, E> {
+impl<'a, E: Coefficient> Multipoles<'a, E> {
     /// Multipoles of degree up to `order`; `cloud` holds `per_body` points for each body of the tree,
     /// in its order.
     pub(crate) fn new(tree: &'a Tree, cloud: &Cloud, per_body: usize, order: usize) -> Self {
         let size = count(order);
-        let mut moments = vec![E::of(0.0); size * tree.cells.len()];
+        let mut moments = vec![E::from_f64(0.0); size * tree.cells.len()];
         let mut below = 0..0;
         for level in tree.levels.windows(2).rev() {
             let (above, deeper) =
@@ -51,7 +50,7 @@ impl<'a, E: Real> Multipoles<'a, E> {
                 if cell.is_leaf() {
                     let range = scaled(&cell.bodies, per_body);
                     points::multipole(order, cell, cloud, range, work, leaf);
-                    moments.iter_mut().zip(leaf).for_each(|(m, leaf)| *m = E::of(*leaf));
+                    moments.iter_mut().zip(leaf).for_each(|(m, leaf)| *m = E::from_f64(*leaf));
                     return;
                 }
                 let shift = |child: usize| {
@@ -70,7 +69,7 @@ impl<'a, E: Real> Multipoles<'a, E> {
     /// other: the others are small.
     pub(crate) fn rounded(mut self, low: usize) -> Self {
         #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
-        let moments = self.moments.par_iter().map(|moment| moment.double() as f32).collect();
+        let moments = self.moments.par_iter().map(|moment| moment.to_f64() as f32).collect();
         self.rounded = Some(Rounded { low, moments });
         self
     }
@@ -232,13 +231,13 @@ pub(crate) struct Descent<'a, L, E> {
     pub(crate) samples: Option<&'a [usize]>,
 }
 
-impl<L: Leaf, E: Real> Descent<'_, L, E> {
+impl<L: Leaf, E: Coefficient> Descent<'_, L, E> {
     /// Adds to `out`, which has one item for each target in the order of its tree.
     pub(crate) fn run(&self, out: &mut [L::Out]) {
         if self.targets.cells.is_empty() || self.sources.tree.cells.is_empty() {
             return;
         }
-        let local = vec![E::of(0.0); count(self.order)];
+        let local = vec![E::from_f64(0.0); count(self.order)];
         let mut visits = vec![Visit { cell: 0, local, pending: vec![0] }];
         let mut tasks = Vec::new();
         while !visits.is_empty() {
@@ -304,7 +303,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
             single.sums.fill(0.0);
             single.translator.sum(Kind::Far(rounded.low), &higher, &mut single.sums);
             for (local, sum) in local.iter_mut().zip(&single.sums) {
-                *local = E::of(local.double() + f64::from(*sum));
+                *local = E::from_f64(local.to_f64() + f64::from(*sum));
             }
         }
     }
@@ -320,7 +319,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         let cell = self.cell(&visit);
         if cell.is_leaf() {
             let mut gradient = Gradient::default();
-            let local: Vec<_> = visit.local.iter().map(|c| c.double()).collect();
+            let local: Vec<_> = visit.local.iter().map(|c| c.to_f64()).collect();
             gradient.set(Tables::get(), self.order, cell.scale, &local);
             let far = Far { order: self.order, gradient };
             self.leaf.receive(cell, &far, &movers.lists.near, task);
@@ -350,7 +349,7 @@ impl<L: Leaf, E: Real> Descent<'_, L, E> {
         let to = |&child: &usize| shift(cell, &cells[child], &visit.local, self.order);
         let shifts: Vec<_> = wanted.iter().map(to).collect();
         let size = count(self.order);
-        let mut locals = vec![E::of(0.0); size * wanted.len()];
+        let mut locals = vec![E::from_f64(0.0); size * wanted.len()];
         movers.translator.each(Kind::Local, &shifts, &mut locals);
         let child = |(cell, local): (usize, &[E])| Visit {
             cell,
@@ -403,7 +402,7 @@ struct Lists {
 impl Lists {
     /// The larger of two cells is split, of equal ones that with the greater index, so that within
     /// one tree a body is near to another if that is near to it.
-    fn sort<L: Leaf, E: Real>(&mut self, descent: &Descent<L, E>, visit: &Visit<E>) {
+    fn sort<L: Leaf, E: Coefficient>(&mut self, descent: &Descent<L, E>, visit: &Visit<E>) {
         let (own, target) = (visit.cell, descent.cell(visit));
         self.far.clear();
         self.pending.clear();

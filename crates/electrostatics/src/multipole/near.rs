@@ -1,8 +1,8 @@
 //! The direct sum over pairs of points, targets in the lanes.
 
-use crate::lanes::{Lanes, Vectors};
-use crate::machine::{Kernel, Roots, dispatch};
+use crate::vectors::Vectors;
 use pulp::Simd;
+use rapunzel_lanes::{Kernel, LANES, Lane, Roots, dispatch};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -52,9 +52,9 @@ impl Kernel for Pairs<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
         let Self { sources, ranges, softening, places, targets, out } = self;
-        let softening = Lanes::splat(simd, softening);
+        let softening = Lane::splat(simd, softening);
         let block = 2 * S::F64_LANES;
-        let mut buffer = [[0.0; 16]; 3];
+        let mut buffer = [[0.0; 2 * LANES]; 3];
         for (first, out) in targets.step_by(block).zip(out.chunks_mut(block)) {
             for d in 0..3 {
                 // Lanes without a target repeat the first one.
@@ -64,10 +64,10 @@ impl Kernel for Pairs<'_> {
             let mut places = [[softening; 3]; 2];
             for d in 0..3 {
                 for (k, place) in places.iter_mut().enumerate() {
-                    place[d].values = S::as_simd_f64s(&buffer[d]).0[k];
+                    place[d] = Lane::load(simd, &buffer[d], k);
                 }
             }
-            let mut sums = [[Lanes::splat(simd, 0.0); 4]; 2];
+            let mut sums = [[Lane::splat(simd, 0.0); 4]; 2];
             for range in ranges {
                 let [xs, ys, zs, qs] = [
                     &sources.x[0][range.clone()],
@@ -76,8 +76,8 @@ impl Kernel for Pairs<'_> {
                     &sources.charge[range.clone()],
                 ];
                 for (((sx, sy), sz), q) in xs.iter().zip(ys).zip(zs).zip(qs) {
-                    let source = [softening.of(*sx), softening.of(*sy), softening.of(*sz)];
-                    let charge = softening.of(*q);
+                    let source = [softening.lift(*sx), softening.lift(*sy), softening.lift(*sz)];
+                    let charge = softening.lift(*q);
                     for k in 0..2 {
                         pair(roots, &places[k], &source, [charge, softening], &mut sums[k]);
                     }
@@ -85,7 +85,7 @@ impl Kernel for Pairs<'_> {
             }
             for (sums, out) in sums.iter().zip(out.chunks_mut(S::F64_LANES)) {
                 for (c, sum) in sums.iter().enumerate() {
-                    for (out, lane) in out.iter_mut().zip(sum.store()) {
+                    for (out, lane) in out.iter_mut().zip(sum.numbers()) {
                         out[c] += lane;
                     }
                 }
@@ -99,16 +99,16 @@ fn pair<S: Simd, R: Roots<S>>(
     roots: R,
     place: &Vectors<S>,
     source: &Vectors<S>,
-    [charge, softening]: [Lanes<S>; 2],
-    sums: &mut [Lanes<S>; 4],
+    [charge, softening]: [Lane<S>; 2],
+    sums: &mut [Lane<S>; 4],
 ) {
     let d = [source[0] - place[0], source[1] - place[1], source[2] - place[2]];
-    let r2 = d[2].times_plus(d[2], d[1].times_plus(d[1], d[0].times_plus(d[0], softening)));
-    let inverse = roots.inverse_root(r2);
+    let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0].mul_add(d[0], softening)));
+    let inverse = roots.rsqrt(r2);
     let potential = charge * inverse;
     sums[0] = sums[0] + potential;
     let force = potential * (inverse * inverse);
     for k in 0..3 {
-        sums[k + 1] = force.times_plus(d[k], sums[k + 1]);
+        sums[k + 1] = force.mul_add(d[k], sums[k + 1]);
     }
 }

@@ -5,10 +5,8 @@ use super::tree::Cell;
 use crate::harmonics::{Gradient, Tables, count, regular};
 use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::{Arch, Simd, WithSimd};
+use rapunzel_lanes::LANES;
 use std::ops::Range;
-
-/// Most lanes of any register.
-const LANES: usize = 8;
 
 /// Scratch space for the harmonics of some points.
 pub(super) type Work = AVec<f64, ConstAlign<64>>;
@@ -55,7 +53,9 @@ impl WithSimd for Multipole<'_> {
         for first in range.clone().step_by(S::F64_LANES) {
             let end = range.end.min(first + S::F64_LANES);
             let x = places(simd, cell, &cloud.x, first..end);
-            let charge = simd.partial_load_f64s(&cloud.charge[first..end]);
+            let mut charges = [0.0; LANES];
+            charges[..end - first].copy_from_slice(&cloud.charge[first..end]);
+            let charge = S::as_simd_f64s(&charges).0[0];
             regular(simd, Tables::get(), order, x, values);
             for (total, value) in totals.iter_mut().zip(&*values) {
                 *total = simd.mul_add_e_f64s(charge, *value, *total);

@@ -5,16 +5,12 @@
 
 use super::near::Cloud;
 use super::tree::Cell;
-use crate::lanes::{LANES, Lanes};
-use crate::machine::{Kernel, Roots, dispatch};
 use pulp::Simd;
+use rapunzel_lanes::{Kernel, LANES_F32, Lane, Roots, dispatch};
 use std::ops::Range;
 
 /// Sources whose sum is made before it is added to that of all, so that few roundings add up.
 const TILE: usize = 64;
-
-/// Most targets in a register.
-const BLOCK: usize = 2 * LANES;
 
 /// As [`add_pairs`](super::near::add_pairs) without softening, for targets in `cell`, to some 1e-6 of
 /// each pair, if `fine`; else coordinates are rounded to single precision. Lengths are divided by the larger of the cell's radius and `least`, which keeps all
@@ -86,7 +82,7 @@ impl Kernel for Pairs<'_> {
         let lanes = S::F32_LANES;
         for (first, out) in cell.bodies.clone().step_by(lanes).zip(out.chunks_mut(lanes)) {
             // Lanes without a target are at the center.
-            let mut rows = [[0.0; BLOCK]; 6];
+            let mut rows = [[0.0; LANES_F32]; 6];
             for k in 0..out.len() {
                 let target = frame.point(places, 0.0, first + k);
                 for d in 0..3 {
@@ -111,19 +107,19 @@ impl Kernel for Pairs<'_> {
 
 /// The sums of `points` at a register of targets, without what the rounding of coordinates leaves unless
 /// `FINE`, in units of
-/// [`double_inverse_root`](Roots::double_inverse_root).
+/// [`double_rsqrt`](Roots::double_rsqrt).
 #[inline(always)]
 fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
     simd: S,
     roots: R,
     points: &[Point],
-    targets: &[[f32; BLOCK]; 6],
-) -> [Lanes<S, f32>; 4] {
-    let zero = Lanes::splat(simd, 0.0);
+    targets: &[[f32; LANES_F32]; 6],
+) -> [Lane<S, f32>; 4] {
+    let zero = Lane::splat(simd, 0.0);
     let (mut x, mut rest) = ([zero; 3], [zero; 3]);
     for d in 0..3 {
-        x[d] = Lanes::load(simd, &targets[d]);
-        rest[d] = Lanes::load(simd, &targets[3 + d]);
+        x[d] = Lane::load(simd, &targets[d], 0);
+        rest[d] = Lane::load(simd, &targets[3 + d], 0);
     }
     let mut totals = [zero; 4];
     for tile in points.chunks(TILE) {
@@ -131,18 +127,18 @@ fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
         for point in tile {
             let mut r = [zero; 3];
             for d in 0..3 {
-                r[d] = Lanes::all(simd, point.x[d]) - x[d];
+                r[d] = Lane::splat(simd, point.x[d]) - x[d];
                 if FINE {
-                    r[d] = r[d] + (Lanes::all(simd, point.rest[d]) - rest[d]);
+                    r[d] = r[d] + (Lane::splat(simd, point.rest[d]) - rest[d]);
                 }
             }
-            let r2 = r[2].times_plus(r[2], r[1].times_plus(r[1], r[0] * r[0]));
-            let inverse = roots.double_inverse_root(r2);
-            let potential = Lanes::all(simd, point.charge) * inverse;
+            let r2 = r[2].mul_add(r[2], r[1].mul_add(r[1], r[0] * r[0]));
+            let inverse = roots.double_rsqrt(r2);
+            let potential = Lane::splat(simd, point.charge) * inverse;
             sums[0] = sums[0] + potential;
             let force = potential * (inverse * inverse);
             for d in 0..3 {
-                sums[d + 1] = force.times_plus(r[d], sums[d + 1]);
+                sums[d + 1] = force.mul_add(r[d], sums[d + 1]);
             }
         }
         for c in 0..4 {

@@ -7,9 +7,8 @@ use super::single::add_pairs_single;
 use super::tree::{Cell, Tree};
 use crate::ElectrostaticsError;
 use crate::error::{check_charges, check_positions};
-use crate::harmonics::MAX_ORDER;
+use crate::harmonics::{Coefficient, MAX_ORDER};
 use crate::method::{Fields, Method, direct_sums, places};
-use crate::real::Real;
 use nalgebra::Point3;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -223,7 +222,7 @@ struct Sum<'a, E> {
     real: PhantomData<E>,
 }
 
-impl<E: Real> Sum<'_, E> {
+impl<E: Coefficient> Sum<'_, E> {
     fn run(&self) -> Result<(Vec<[f64; 4]>, Certificate), ElectrostaticsError> {
         let (n, m) = (self.cloud.len(), self.places[0].len());
         let direct = || {
@@ -325,7 +324,7 @@ impl<E: Real> Sum<'_, E> {
     }
 }
 
-impl<E: Real> Leaf for Sum<'_, E> {
+impl<E: Coefficient> Leaf for Sum<'_, E> {
     type Out = [f64; 4];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
@@ -337,7 +336,7 @@ impl<E: Real> Leaf for Sum<'_, E> {
 
 /// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
 /// order or more) and the error, with `start` as the first order that is tried.
-pub(crate) fn find_order<'a, E: Real>(
+pub(crate) fn find_order<'a, E: Coefficient>(
     start: usize,
     tolerance: f64,
     multipoles: impl Fn(usize) -> Multipoles<'a, E>,

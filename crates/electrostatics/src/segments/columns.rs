@@ -1,17 +1,14 @@
 //! Segments as sources, a register of them at a time.
 
 use super::lines::{Lines, Loads};
-use crate::real::Real;
+use rapunzel_lanes::{LANES_F32, Real};
 use std::ops::Range;
-
-/// Most lanes of any register.
-pub(super) const WIDEST: usize = 16;
 
 /// What fills a block: a segment far from all others, of unit length and without charge.
 const NOTHING: [f64; 9] = [1e9, 1e9, 1e9, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
 
 /// Rows of numbers of as many segments as the widest register has lanes.
-pub(super) type Block<E, const ROWS: usize> = [[E; WIDEST]; ROWS];
+pub(super) type Block<E, const ROWS: usize> = [[E; LANES_F32]; ROWS];
 
 /// Segments as sources, with places from a center.
 pub(super) struct Columns<E> {
@@ -29,16 +26,16 @@ impl<E: Real> Columns<E> {
     /// The segments `alone`, which act on the targets, and those that are `mutual`, which also feel them.
     pub(super) fn new(lines: &Lines, center: [f64; 3], parts: [&[Range<usize>]; 2]) -> Self {
         let blocks =
-            |part: &[Range<usize>]| part.iter().map(Range::len).sum::<usize>().div_ceil(WIDEST);
+            |part: &[Range<usize>]| part.iter().map(Range::len).sum::<usize>().div_ceil(LANES_F32);
         let [alone, mutual] = parts.map(blocks);
         let mut columns = Self {
             center,
-            blocks: vec![NOTHING.map(|x| [E::of(x); WIDEST]); alone + mutual],
-            indices: vec![usize::MAX; WIDEST * (alone + mutual)],
+            blocks: vec![NOTHING.map(|x| [E::from_f64(x); LANES_F32]); alone + mutual],
+            indices: vec![usize::MAX; LANES_F32 * (alone + mutual)],
             alone,
-            felt: vec![[[E::of(0.0); WIDEST]; 6]; mutual],
+            felt: vec![[[E::from_f64(0.0); LANES_F32]; 6]; mutual],
         };
-        for (part, first) in parts.into_iter().zip([0, WIDEST * alone]) {
+        for (part, first) in parts.into_iter().zip([0, LANES_F32 * alone]) {
             let mut place = first;
             for range in part {
                 columns.fill(lines, place, range.clone());
@@ -51,13 +48,13 @@ impl<E: Real> Columns<E> {
     /// Puts the segments `range` from `place` on.
     fn fill(&mut self, lines: &Lines, mut place: usize, mut range: Range<usize>) {
         while !range.is_empty() {
-            let lane = place % WIDEST;
-            let count = range.len().min(WIDEST - lane);
+            let lane = place % LANES_F32;
+            let count = range.len().min(LANES_F32 - lane);
             let now = range.start..range.start + count;
-            for (k, row) in self.blocks[place / WIDEST].iter_mut().enumerate() {
+            for (k, row) in self.blocks[place / LANES_F32].iter_mut().enumerate() {
                 let origin = self.center.get(k).copied().unwrap_or(0.0);
                 for (to, x) in row[lane..].iter_mut().zip(&lines.bars[k][now.clone()]) {
-                    *to = E::of(x - origin);
+                    *to = E::from_f64(x - origin);
                 }
             }
             self.indices[place..].iter_mut().zip(now).for_each(|(to, i)| *to = i);
@@ -69,7 +66,7 @@ impl<E: Real> Columns<E> {
     /// Those that are mutual, and their loads.
     pub(super) fn felt(&self) -> impl Iterator<Item = (usize, Loads)> {
         let loads = move |k: usize| {
-            let felt = |row: usize| 0.5 * self.felt[k / WIDEST][row][k % WIDEST].double();
+            let felt = |row: usize| 0.5 * self.felt[k / LANES_F32][row][k % LANES_F32].to_f64();
             let mut loads = [0.0; 7];
             for c in 0..3 {
                 loads[1 + c] = felt(3 + c) - felt(c);
@@ -77,7 +74,7 @@ impl<E: Real> Columns<E> {
             }
             loads
         };
-        let mutual = self.indices[WIDEST * self.alone..].iter().enumerate();
+        let mutual = self.indices[LANES_F32 * self.alone..].iter().enumerate();
         mutual.filter(|(_, i)| **i < usize::MAX).map(move |(k, i)| (*i, loads(k)))
     }
 }

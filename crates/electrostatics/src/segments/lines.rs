@@ -1,9 +1,9 @@
 //! Segments in the order of a tree.
 
 use super::skew::Line;
-use crate::lanes::{LANES, Lanes};
 use nalgebra::{Point3, Vector3};
 use pulp::Simd;
+use rapunzel_lanes::{LANES, Lane};
 use rayon::prelude::*;
 
 /// Length that no two segments are taken to be closer than, m: it keeps intersecting lines finite and
@@ -110,9 +110,9 @@ impl Lines {
                 values[k] = *value;
             }
         }
-        let mut lanes = [Lanes::splat(simd, 0.0); 7];
+        let mut lanes = [Lane::splat(simd, 0.0); 7];
         for (lanes, values) in lanes.iter_mut().zip(&values) {
-            *lanes = Lanes::load(simd, values);
+            *lanes = Lane::load(simd, values, 0);
         }
         let [x, y, z, tx, ty, tz, length] = lanes;
         Line { start: [x, y, z], tangent: [tx, ty, tz], length }

@@ -3,10 +3,9 @@
 use super::lines::{Lines, Loads};
 use super::parallel::Parallel;
 use super::skew::{Means, skew};
-use crate::lanes::{LANES, Lanes};
-use crate::machine::{Kernel, Machine, dispatch};
 use crate::multipole::engine::Task;
 use pulp::Simd;
+use rapunzel_lanes::{Kernel, LANES, Lane, Machine, dispatch};
 
 /// Adds to the loads of `task` those of the `pairs` of its bodies with others, those of one body after
 /// each other. Of a pair within a complete task, which stands in `pairs` once, it adds both.
@@ -42,23 +41,23 @@ impl Kernel for Close<'_> {
                 let list = if lines.sine2(i, j) < sine2 { &mut aligned } else { &mut askew };
                 list.push([i, j]);
             }
-            let mut loads = [Lanes::splat(simd, 0.0); 7];
+            let mut loads = [Lane::splat(simd, 0.0); 7];
             for pairs in askew.chunks(S::F64_LANES) {
                 let batch = Batch::new(lines, pairs, &task);
                 let second = lines.gather(simd, &batch.indices[1]);
-                let means = skew(machine, &first, &second, Lanes::load(simd, &batch.softening));
+                let means = skew(machine, &first, &second, Lane::load(simd, &batch.softening, 0));
                 for (sum, load) in loads.iter_mut().zip(batch.add(pairs, &means, &mut task)) {
                     *sum = *sum + load;
                 }
             }
             for (sum, load) in task.of_body(i).iter_mut().zip(loads) {
-                *sum += load.sum();
+                *sum += load.reduce_sum();
             }
         }
         for pairs in aligned.chunks(S::F64_LANES) {
             let batch = Batch::new(lines, pairs, &task);
             let [first, second] = batch.indices.map(|k| lines.gather(simd, &k));
-            let softening = Lanes::load(simd, &batch.softening);
+            let softening = Lane::load(simd, &batch.softening, 0);
             let means = parallel.means(machine, &first, &second, softening);
             let loads = batch.add(pairs, &means, &mut task);
             for (k, [i, _]) in pairs.iter().enumerate() {
@@ -99,17 +98,17 @@ impl Batch {
         pairs: &[[usize; 2]],
         means: &Means<S>,
         task: &mut Task<Loads>,
-    ) -> [Lanes<S>; 7] {
-        let charges = Lanes::load(means.energy.simd, &self.charges);
-        let mut loads = [means.energy * charges * Lanes::load(charges.simd, &self.shares); 7];
+    ) -> [Lane<S>; 7] {
+        let charges = Lane::load(means.energy.simd(), &self.charges, 0);
+        let mut loads = [means.energy * charges * Lane::load(charges.simd(), &self.shares, 0); 7];
         let mut felt = [[0.0; LANES]; 6];
         for c in 0..3 {
             let (force, end) = (means.force[c] * charges, means.first_end[c] * charges);
             let other_end = means.second_end[c] * charges;
             loads[1 + c] = force - end;
             loads[4 + c] = end;
-            felt[c] = (force - other_end).store();
-            felt[3 + c] = other_end.store();
+            (force - other_end).store(&mut felt[c], 0);
+            other_end.store(&mut felt[3 + c], 0);
         }
         for (k, &[_, j]) in pairs.iter().enumerate() {
             if task.both(j) {

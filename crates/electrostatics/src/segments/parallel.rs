@@ -8,10 +8,10 @@
 //! [`RATE`] to the power -2m, however close the lines are.
 
 use super::skew::{Line, Means, ROUNDINGS};
-use crate::lanes::{Lanes, Vectors, along, dot, ln, minus, scaled};
-use crate::machine::Roots;
 use crate::quadrature::gauss_legendre;
+use crate::vectors::{Vectors, along, dot, minus, scaled};
 use pulp::Simd;
+use rapunzel_lanes::{Lane, Roots, ln};
 
 /// Most that z grows in a panel.
 const GROWTH: f64 = 3.0;
@@ -65,20 +65,20 @@ impl Parallel {
         roots: R,
         first: &Line<S>,
         second: &Line<S>,
-        softening: Lanes<S>,
+        softening: Lane<S>,
     ) -> Means<S> {
         let pair = Pair::new(roots, *first, *second, softening);
         // Places on the first beside the ends of the second.
         let start = -dot(&pair.r, &first.tangent);
-        let end = second.length.times_plus(dot(&first.tangent, &second.tangent), start);
-        let low = within(start.below(end, start, end), first.length);
-        let high = within(start.below(end, end, start), first.length);
+        let end = second.length.mul_add(dot(&first.tangent, &second.tangent), start);
+        let low = within(start.less_than(end).select(start, end), first.length);
+        let high = within(start.less_than(end).select(end, start), first.length);
         let crossing = pair.crossing([low, high]);
-        let half = low.of(0.5);
+        let half = low.lift(0.5);
         let middles = [(low + crossing) * half, (crossing + high) * half];
-        let mut sums = [low.of(0.0); 10];
+        let mut sums = [low.lift(0.0); 10];
         for [from, to] in [
-            [low, low.of(0.0)],
+            [low, low.lift(0.0)],
             [low, middles[0]],
             [crossing, middles[0]],
             [crossing, middles[1]],
@@ -96,34 +96,34 @@ impl Parallel {
         &self,
         roots: R,
         pair: &Pair<S>,
-        [from, to]: [Lanes<S>; 2],
-        sums: &mut [Lanes<S>; 10],
+        [from, to]: [Lane<S>; 2],
+        sums: &mut [Lane<S>; 10],
     ) {
-        let (zero, one, half) = (from.of(0.0), from.of(1.0), from.of(0.5));
+        let (zero, one, half) = (from.lift(0.0), from.lift(1.0), from.lift(0.5));
         let span = to - from;
-        if !zero.any_below(span.abs()) {
+        if !zero.less_than(span.abs()).any() {
             return;
         }
         let unit = pair.pole(roots, from);
-        let steep = span.abs() * roots.reciprocal(unit);
-        let mut growth = steep + roots.root(steep.times_plus(steep, one));
+        let steep = span.abs() * roots.recip(unit);
+        let mut growth = steep + roots.sqrt(steep.mul_add(steep, one));
         let mut panels = 1;
-        while panels < PANELS && from.of(GROWTH).any_below(growth) {
-            growth = roots.root(growth);
+        while panels < PANELS && from.lift(GROWTH).less_than(growth).any() {
+            growth = roots.sqrt(growth);
             panels *= 2;
         }
-        let unit = span.below(zero, -unit, unit) * half;
-        let forward = span.below(zero, -one, one);
+        let unit = span.less_than(zero).select(-unit, unit) * half;
+        let forward = span.less_than(zero).select(-one, one);
         let mut least = one;
         for _ in 0..panels {
             let width = least * (growth - one) * half;
             let middle = least + width;
             for &[x, weight] in &self.rule {
-                let z = width.times_plus(from.of(x), middle);
-                let inverse = roots.reciprocal(z);
-                let place = unit.times_plus(z - inverse, from);
-                let share = unit * forward * inverse.times_plus(inverse, one) * width;
-                pair.add(roots, place, share * from.of(weight), sums);
+                let z = width.mul_add(from.lift(x), middle);
+                let inverse = roots.recip(z);
+                let place = unit.mul_add(z - inverse, from);
+                let share = unit * forward * inverse.mul_add(inverse, one) * width;
+                pair.add(roots, place, share * from.lift(weight), sums);
             }
             least = least * growth;
         }
@@ -132,71 +132,71 @@ impl Parallel {
 
 /// The nearest number from 0 to `most`.
 #[inline(always)]
-fn within<S: Simd>(x: Lanes<S>, most: Lanes<S>) -> Lanes<S> {
-    let x = x.below(x.of(0.0), x.of(0.0), x);
-    x.below(most, x, most)
+fn within<S: Simd>(x: Lane<S>, most: Lane<S>) -> Lane<S> {
+    let x = x.less_than(x.lift(0.0)).select(x.lift(0.0), x);
+    x.less_than(most).select(x, most)
 }
 
 struct Pair<S: Simd> {
     first: Line<S>,
     second: Line<S>,
-    softening: Lanes<S>,
+    softening: Lane<S>,
     /// From the start of the second to that of the first.
     r: Vectors<S>,
     /// What the tangent of the first has across the second, and the inverse of its square.
     lean: Vectors<S>,
-    steepness: Lanes<S>,
+    steepness: Lane<S>,
 }
 
 /// How a place on the first is seen from the second.
 struct Seen<S: Simd> {
     /// Its way beyond the start of the second, along that.
-    beyond: Lanes<S>,
+    beyond: Lane<S>,
     /// The way from the line of the second to it, and the square of that with the softening.
     across: Vectors<S>,
-    across2: Lanes<S>,
+    across2: Lane<S>,
     /// The squares of the distances from the start and the end of the second.
-    squares: [Lanes<S>; 2],
+    squares: [Lane<S>; 2],
 }
 
 impl<S: Simd> Pair<S> {
     #[inline(always)]
-    fn new<R: Roots<S>>(roots: R, first: Line<S>, second: Line<S>, softening: Lanes<S>) -> Self {
+    fn new<R: Roots<S>>(roots: R, first: Line<S>, second: Line<S>, softening: Lane<S>) -> Self {
         let lean = across(&first.tangent, &second.tangent);
-        let steepness = roots.reciprocal(dot(&lean, &lean) + softening.of(TINY));
+        let steepness = roots.recip(dot(&lean, &lean) + softening.lift(TINY));
         let r = minus(&first.start, &second.start);
         Self { first, second, softening, r, lean, steepness }
     }
 
     #[inline(always)]
-    fn seen(&self, place: Lanes<S>) -> Seen<S> {
+    fn seen(&self, place: Lane<S>) -> Seen<S> {
         let r = along(&self.r, &self.first.tangent, place);
         let beyond = dot(&r, &self.second.tangent);
         let across = along(&r, &self.second.tangent, -beyond);
         let across2 = dot(&across, &across) + self.softening;
         let rest = beyond - self.second.length;
-        let squares = [beyond.times_plus(beyond, across2), rest.times_plus(rest, across2)];
+        let squares = [beyond.mul_add(beyond, across2), rest.mul_add(rest, across2)];
         Seen { beyond, across, across2, squares }
     }
 
     /// The place of `low` to `high` nearest to where the lines cross, if that is heeded; else `low`.
     #[inline(always)]
-    fn crossing(&self, [low, high]: [Lanes<S>; 2]) -> Lanes<S> {
+    fn crossing(&self, [low, high]: [Lane<S>; 2]) -> Lane<S> {
         let place = -(dot(&self.lean, &self.r) * self.steepness);
-        let place = place.below(low, low, place);
-        let place = place.below(high, place, high);
-        let reach = self.first.length * low.of(HEEDED);
+        let place = place.less_than(low).select(low, place);
+        let place = place.less_than(high).select(place, high);
+        let reach = self.first.length * low.lift(HEEDED);
         let pole2 = self.seen(place).across2 * self.steepness;
-        pole2.below(reach * reach, place, low)
+        pole2.less_than(reach * reach).select(place, low)
     }
 
     /// How far from a `place` on the first the nearest pole is.
     #[inline(always)]
-    fn pole<R: Roots<S>>(&self, roots: R, place: Lanes<S>) -> Lanes<S> {
+    fn pole<R: Roots<S>>(&self, roots: R, place: Lane<S>) -> Lane<S> {
         let Seen { across2, squares: [a2, b2], .. } = self.seen(place);
         let crossing2 = across2 * self.steepness;
-        let end2 = a2.below(b2, a2, b2);
-        roots.root(end2.below(crossing2, end2, crossing2))
+        let end2 = a2.less_than(b2).select(a2, b2);
+        roots.sqrt(end2.less_than(crossing2).select(end2, crossing2))
     }
 
     /// Adds what the second makes at a `place` on the first: the potential, the means of `r/r^3`, those times
@@ -207,43 +207,37 @@ impl<S: Simd> Pair<S> {
     /// and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the second, those of `r/r^3` and
     /// `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
     #[inline(always)]
-    fn add<R: Roots<S>>(
-        &self,
-        roots: R,
-        place: Lanes<S>,
-        share: Lanes<S>,
-        sums: &mut [Lanes<S>; 10],
-    ) {
+    fn add<R: Roots<S>>(&self, roots: R, place: Lane<S>, share: Lane<S>, sums: &mut [Lane<S>; 10]) {
         let Seen { beyond, across, across2, squares } = self.seen(place);
         let length = self.second.length;
-        let inverses = [roots.inverse_root(squares[0]), roots.inverse_root(squares[1])];
+        let inverses = [roots.rsqrt(squares[0]), roots.rsqrt(squares[1])];
         let [a, b] = [squares[0] * inverses[0], squares[1] * inverses[1]];
         let (product, ways) = (a * b, beyond * (beyond - length));
         // Between the ends `A B` and the product of the ways cancel.
-        let between = (squares[0] + squares[1] - across2) * roots.reciprocal(product + ways.abs());
-        let beside = across2.times_plus(between, across2);
-        let sum = ways.below(place.of(0.0), beside, product + ways + across2);
-        let inverse = roots.reciprocal(sum);
+        let between = (squares[0] + squares[1] - across2) * roots.recip(product + ways.abs());
+        let beside = across2.mul_add(between, across2);
+        let sum = ways.less_than(place.lift(0.0)).select(beside, product + ways + across2);
+        let inverse = roots.recip(sum);
         let around = a + b + length;
-        let over = roots.reciprocal(length);
-        let potential = ln(roots, around * around * inverse * place.of(0.5)) * over;
+        let over = roots.recip(length);
+        let potential = ln(roots, around * around * inverse * place.lift(0.5)) * over;
         let end = inverses[1] * inverse;
-        let mean = inverses[0].times_plus(inverse, end);
+        let mean = inverses[0].mul_add(inverse, end);
         let tangent = scaled(&self.second.tangent, over * share);
         let force = along(&scaled(&across, mean * share), &tangent, inverses[1] - inverses[0]);
         let second_end = along(&scaled(&across, end * share), &tangent, inverses[1] - potential);
-        sums[0] = potential.times_plus(share, sums[0]);
+        sums[0] = potential.mul_add(share, sums[0]);
         for c in 0..3 {
             sums[1 + c] = sums[1 + c] + force[c];
-            sums[4 + c] = force[c].times_plus(place, sums[4 + c]);
+            sums[4 + c] = force[c].mul_add(place, sums[4 + c]);
             sums[7 + c] = sums[7 + c] + second_end[c];
         }
     }
 
     /// The means over both lines from the sums over all places.
     #[inline(always)]
-    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lanes<S>; 10]) -> Means<S> {
-        let over = roots.reciprocal(self.first.length);
+    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lane<S>; 10]) -> Means<S> {
+        let over = roots.recip(self.first.length);
         let [energy, a, b, c, d, e, f, g, h, i] = *sums;
         Means {
             energy: energy * over,
@@ -264,8 +258,8 @@ fn across<S: Simd>(vector: &Vectors<S>, axis: &Vectors<S>) -> Vectors<S> {
 mod tests {
     use super::super::skew::skew;
     use super::*;
-    use crate::machine::{Kernel, dispatch};
     use nalgebra::Vector3;
+    use rapunzel_lanes::{Kernel, dispatch};
 
     /// A line of `parallel.csv`: start and end of the second line, softening, and the means. Lines that lean
     /// far enough for the closed form are compared with that as well.
@@ -276,7 +270,7 @@ mod tests {
 
     impl Kernel for Check<'_> {
         fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
-            let of = |value: f64| Lanes::splat(simd, value);
+            let of = |value: f64| Lane::splat(simd, value);
             let line = |a: Vector3<f64>, b: Vector3<f64>| {
                 let lanes = |v: Vector3<f64>| [of(v.x), of(v.y), of(v.z)];
                 let tangent = lanes((b - a).normalize());
@@ -300,12 +294,12 @@ mod tests {
     impl Check<'_> {
         fn check<S: Simd>(&self, means: &Means<S>, most: f64) {
             let exact = &self.values[7..];
-            let error = (means.energy.store()[0] / exact[0] - 1.0).abs();
+            let error = (means.energy.numbers()[0] / exact[0] - 1.0).abs();
             assert!(error < most, "{:?}: {error:e}", self.values);
             let size = exact[1..].iter().map(|x| x.abs()).fold(0.0, f64::max);
             let vectors = [means.force, means.first_end, means.second_end].concat();
             for (k, found) in vectors.iter().enumerate() {
-                let error = (found.store()[0] - exact[1 + k]).abs() / size;
+                let error = (found.numbers()[0] - exact[1 + k]).abs() / size;
                 assert!(error < most, "{:?}: {k}: {error:e}", self.values);
             }
         }

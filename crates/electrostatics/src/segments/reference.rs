@@ -7,7 +7,7 @@ use super::parallel::Parallel;
 use super::rules::Rules;
 use crate::Accuracy;
 use crate::multipole::engine::Task;
-use crate::real::Real;
+use rapunzel_lanes::Ways;
 use rayon::prelude::*;
 
 /// Sources whose action on the samples is found at once.
@@ -33,7 +33,7 @@ pub(super) fn exact(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec
     }
 }
 
-fn exact_in<E: Real>(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec<Loads> {
+fn exact_in<E: Ways>(lines: &Lines, accuracy: Accuracy, samples: &[usize]) -> Vec<Loads> {
     let error = match accuracy {
         Accuracy::Tolerance(tolerance) => (SHARE * tolerance).max(STRICTEST),
         Accuracy::Order(_) => 1e-8,

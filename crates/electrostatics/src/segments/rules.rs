@@ -6,7 +6,7 @@
 //! theorem 19.3). So each rule is right from a place of the other on.
 
 use crate::quadrature::gauss_legendre;
-use crate::real::Real;
+use rapunzel_lanes::Real;
 
 /// Sum of half axes over half the length from which the rule of the fewest points is used.
 const FAR: f64 = 4.7;
@@ -76,13 +76,13 @@ impl<E: Real> Rules<E> {
     /// their middles from which it is used: a point of one is no closer to the middle of the other than
     /// that less half of its own length, and the sum of its distances from the ends of that is twice as much.
     pub(super) fn reach(&self) -> [E; 2] {
-        let axes = self.rules[0].least.double().sqrt();
-        [E::of(0.25 * (axes + 1.0)), E::of(0.25 * (axes - 1.0))]
+        let axes = self.rules[0].least.to_f64().sqrt();
+        [E::from_f64(0.25 * (axes + 1.0)), E::from_f64(0.25 * (axes - 1.0))]
     }
 
     /// Distance of two segments, over the longer of them, from which [`far`](Self::far) is used.
     pub(super) fn clearance(&self) -> f64 {
-        0.5 * (self.rules[0].least.double().sqrt() - 1.0)
+        0.5 * (self.rules[0].least.to_f64().sqrt() - 1.0)
     }
 }
 
@@ -100,10 +100,13 @@ fn rule<E: Real>(count: usize, error: f64) -> Rule<E> {
     // The derivative of a pole errs by the square of the number of points more.
     let excess = (count as f64 / 3.0).powi(2).max(1.0);
     let axes = (error / excess).powf(-0.5 / count as f64);
-    let node =
-        |[x, w]: [f64; 2]| Node { place: E::of(x), square: E::of(x * x), weight: E::of(0.5 * w) };
+    let node = |[x, w]: [f64; 2]| Node {
+        place: E::from_f64(x),
+        square: E::from_f64(x * x),
+        weight: E::from_f64(0.5 * w),
+    };
     let points = gauss_legendre(count).into_iter().map(node).collect();
-    Rule { points, least: E::of((0.5 * (axes + 1.0 / axes)).powi(2)) }
+    Rule { points, least: E::from_f64((0.5 * (axes + 1.0 / axes)).powi(2)) }
 }
 
 #[cfg(test)]

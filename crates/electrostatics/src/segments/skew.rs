@@ -1,8 +1,8 @@
 //! Two straight charged lines in closed form, a pair in each lane.
 
-use crate::lanes::{Lanes, Vectors, along, angle, cross, dot, log, minus, scaled};
-use crate::machine::Roots;
+use crate::vectors::{Vectors, along, cross, dot, log, minus, scaled};
 use pulp::Simd;
+use rapunzel_lanes::{Lane, Roots, angle};
 
 /// Roundings that [`skew`] errs by, times the cube of the sine.
 pub(super) const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
@@ -12,7 +12,7 @@ pub(super) const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
 pub(super) struct Line<S: Simd> {
     pub(super) start: Vectors<S>,
     pub(super) tangent: Vectors<S>,
-    pub(super) length: Lanes<S>,
+    pub(super) length: Lane<S>,
 }
 
 /// What two lines with a charge of 1 each do to each other, with the kernel
@@ -21,7 +21,7 @@ pub(super) struct Line<S: Simd> {
 #[derive(Clone, Copy)]
 pub(super) struct Means<S: Simd> {
     /// Of `1/r`: their energy.
-    pub(super) energy: Lanes<S>,
+    pub(super) energy: Lane<S>,
     /// Of `r/r^3`: the force on the first.
     pub(super) force: Vectors<S>,
     /// Of `u r/r^3`: the part of it that the end of the first takes.
@@ -32,13 +32,13 @@ pub(super) struct Means<S: Simd> {
 
 /// The product of complex numbers.
 #[inline(always)]
-fn product<S: Simd>(a: [Lanes<S>; 2], b: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
-    [a[1].times_from(b[1], a[0] * b[0]), a[0].times_plus(b[1], a[1] * b[0])]
+fn product<S: Simd>(a: [Lane<S>; 2], b: [Lane<S>; 2]) -> [Lane<S>; 2] {
+    [a[1].negate_mul_add(b[1], a[0] * b[0]), a[0].mul_add(b[1], a[1] * b[0])]
 }
 
 /// `n a + s y + t z`.
 #[inline(always)]
-fn combined<S: Simd>(axes: &[Vectors<S>; 3], [a, y, z]: [Lanes<S>; 3]) -> Vectors<S> {
+fn combined<S: Simd>(axes: &[Vectors<S>; 3], [a, y, z]: [Lane<S>; 3]) -> Vectors<S> {
     along(&along(&scaled(&axes[0], a), &axes[1], y), &axes[2], z)
 }
 
@@ -56,63 +56,65 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
     roots: R,
     first: &Line<S>,
     second: &Line<S>,
-    softening: Lanes<S>,
+    softening: Lane<S>,
 ) -> Means<S> {
     let s = first.tangent;
-    let t = scaled(&second.tangent, softening.of(-1.0));
+    let t = scaled(&second.tangent, softening.lift(-1.0));
     let r = minus(&first.start, &second.start);
     let (c, normal) = (dot(&s, &t), cross(&s, &t));
     let q2 = dot(&normal, &normal);
-    let inverse = roots.reciprocal(q2);
+    let inverse = roots.recip(q2);
     let (rs, rt) = (dot(&r, &s), dot(&r, &t));
-    let y0 = c.times_from(rt, rs) * inverse;
-    let z0 = c.times_from(rs, rt) * inverse;
+    let y0 = c.negate_mul_add(rt, rs) * inverse;
+    let z0 = c.negate_mul_add(rs, rt) * inverse;
     // Times q, the distance of the lines.
     let height = dot(&r, &normal);
-    let d2 = (height * height).times_plus(inverse, softening);
+    let d2 = (height * height).mul_add(inverse, softening);
     let (y, z) = ([y0, y0 + first.length], [z0, z0 + second.length]);
-    let dq = roots.root(d2 * q2);
+    let dq = roots.sqrt(d2 * q2);
 
     let mut radius = [[y0; 2]; 2];
     // The cosine and sine of the four angles, not normalized; their product has the sum of them.
-    let mut turn = [y0.of(1.0), y0.of(0.0)];
+    let mut turn = [y0.lift(1.0), y0.lift(0.0)];
     let cd2 = c * d2;
     for i in 0..2 {
         for j in 0..2 {
-            let square = y[i].times_plus(y[i], z[j].times_plus(z[j], d2));
-            radius[i][j] = roots.root((c * y[i]).times_plus(z[j] + z[j], square));
-            let sine = (y[i] * z[j]).times_plus(q2, -cd2);
+            let square = y[i].mul_add(y[i], z[j].mul_add(z[j], d2));
+            radius[i][j] = roots.sqrt((c * y[i]).mul_add(z[j] + z[j], square));
+            let sine = (y[i] * z[j]).mul_add(q2, -cd2);
             turn = product(turn, [dq * radius[i][j], if i == j { sine } else { -sine }]);
         }
     }
-    let a = angle(roots, turn[0], turn[1]) * roots.reciprocal(dq);
+    let a = angle(roots, turn[0], turn[1]) * roots.recip(dq);
     let (mut m, mut n) = ([y0; 2], [y0; 2]);
     for k in 0..2 {
-        let w = [c.times_plus(y[k], z[0]), c.times_plus(y[k], z[1])];
+        let w = [c.mul_add(y[k], z[0]), c.mul_add(y[k], z[1])];
         m[k] = log(roots, w, radius[k]);
-        let w = [c.times_plus(z[k], y[0]), c.times_plus(z[k], y[1])];
+        let w = [c.mul_add(z[k], y[0]), c.mul_add(z[k], y[1])];
         n[k] = log(roots, w, [radius[0][k], radius[1][k]]);
     }
 
     let (dm, dn) = (m[1] - m[0], n[1] - n[0]);
-    let ym = y[1].times_plus(m[1], -(y0 * m[0]));
-    let zn = z[1].times_plus(n[1], -(z0 * n[0]));
+    let ym = y[1].mul_add(m[1], -(y0 * m[0]));
+    let zn = z[1].mul_add(n[1], -(z0 * n[0]));
     let dr = (radius[1][1] - radius[0][1]) - (radius[1][0] - radius[0][0]);
-    let energy = d2.times_from(a, ym + zn);
-    let iy = c.times_from(dn, dm) * -inverse;
-    let iz = c.times_from(dm, dn) * -inverse;
+    let energy = d2.negate_mul_add(a, ym + zn);
+    let iy = c.negate_mul_add(dn, dm) * -inverse;
+    let iz = c.negate_mul_add(dm, dn) * -inverse;
     let (ey, ez) = (energy - ym, energy - zn);
-    let (gy, gz) = (c.times_from(ym, dr), c.times_from(zn, dr));
-    let yy = c.times_plus(gz, ey) * inverse;
-    let zz = c.times_plus(gy, ez) * inverse;
-    let yz = c.times_plus(ey, gz) * -inverse;
+    let (gy, gz) = (c.negate_mul_add(ym, dr), c.negate_mul_add(zn, dr));
+    let yy = c.mul_add(gz, ey) * inverse;
+    let zz = c.mul_add(gy, ez) * inverse;
+    let yz = c.mul_add(ey, gz) * -inverse;
 
-    let over = roots.reciprocal(first.length * second.length);
+    let over = roots.recip(first.length * second.length);
     let over_first = second.length * over * over;
     let over_second = first.length * over * over;
     let axes = [scaled(&normal, height * inverse), s, t];
-    let first_end = [y0.times_from(a, iy), y0.times_from(iy, yy), y0.times_from(iz, yz)];
-    let second_end = [z0.times_from(a, iz), z0.times_from(iy, yz), z0.times_from(iz, zz)];
+    let first_end =
+        [y0.negate_mul_add(a, iy), y0.negate_mul_add(iy, yy), y0.negate_mul_add(iz, yz)];
+    let second_end =
+        [z0.negate_mul_add(a, iz), z0.negate_mul_add(iy, yz), z0.negate_mul_add(iz, zz)];
     Means {
         energy: energy * over,
         force: scaled(&combined(&axes, [a, iy, iz]), over),
@@ -124,9 +126,9 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Kernel, dispatch};
     use crate::quadrature::gauss_legendre;
     use nalgebra::Vector3;
+    use rapunzel_lanes::{Kernel, dispatch};
 
     type Ends = [Vector3<f64>; 2];
 
@@ -138,7 +140,7 @@ mod tests {
 
     impl Kernel for Check {
         fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
-            let of = |value: f64| Lanes::splat(simd, value);
+            let of = |value: f64| Lane::splat(simd, value);
             let line = |[a, b]: Ends| {
                 let tangent = (b - a).normalize();
                 let lanes = |v: Vector3<f64>| [of(v.x), of(v.y), of(v.z)];
@@ -149,9 +151,9 @@ mod tests {
             let vectors = [means.force, means.first_end, means.second_end].concat();
             let exact = self.quadrature();
             let size = exact[1..].iter().map(|x| x.abs()).fold(0.0, f64::max);
-            assert!((means.energy.store()[0] - exact[0]).abs() < self.tolerance * exact[0]);
+            assert!((means.energy.numbers()[0] - exact[0]).abs() < self.tolerance * exact[0]);
             for (k, found) in vectors.iter().enumerate() {
-                let error = (found.store()[0] - exact[1 + k]).abs() / size;
+                let error = (found.numbers()[0] - exact[1 + k]).abs() / size;
                 assert!(error < self.tolerance, "{:?}: {k}: {error:e}", self.lines);
             }
         }

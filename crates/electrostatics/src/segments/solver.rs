@@ -6,14 +6,13 @@ use super::near::add_close;
 use super::parallel::Parallel;
 use super::reference::{STRICTEST, exact};
 use super::rules::{Node, Rules};
-use crate::harmonics::MAX_ORDER;
+use crate::harmonics::{Coefficient, MAX_ORDER};
 use crate::head::outside::Outside;
 use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, nothing, scaled};
 use crate::multipole::near::Cloud;
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{SINGLE, find_order, guess, thinning};
 use crate::multipole::tree::{Cell, Tree};
-use crate::real::Real;
 use crate::{Accuracy, Certificate, Condition, ConductingSurface, ElectrostaticsError};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -100,7 +99,7 @@ struct Sum<'a, E> {
     accuracy: Accuracy,
 }
 
-impl<'a, E: Real> Sum<'a, E> {
+impl<'a, E: Coefficient> Sum<'a, E> {
     fn new(
         tree: &'a Tree,
         lines: &'a Lines,
@@ -116,8 +115,8 @@ impl<'a, E: Real> Sum<'a, E> {
         };
         let [x, y, z, a, b, c, .., charge] = &lines.bars;
         let place =
-            |x: &Vec<f64>, half: &Vec<f64>| each(&|i, node| x[i] + node.place.double() * half[i]);
-        let charge = each(&|i, node| charge[i] * node.weight.double());
+            |x: &Vec<f64>, half: &Vec<f64>| each(&|i, node| x[i] + node.place.to_f64() * half[i]);
+        let charge = each(&|i, node| charge[i] * node.weight.to_f64());
         let cloud = Cloud::new([place(x, a), place(y, b), place(z, c)], charge);
         let longest = (0..lines.count()).map(|i| lines.length(i)).fold(0.0, f64::max);
         let clearance = 0.5 * rules.clearance() * longest;
@@ -219,7 +218,7 @@ impl<'a, E: Real> Sum<'a, E> {
         let rule = self.rules.far();
         let charges = &self.cloud.charge[i * rule.len()..];
         for ((node, charge), [potential, gradient @ ..]) in rule.iter().zip(charges).zip(sums) {
-            let x = node.place.double();
+            let x = node.place.to_f64();
             out[0] += 0.5 * charge * potential;
             for c in 0..3 {
                 let force = -charge * gradient[c];
@@ -230,7 +229,7 @@ impl<'a, E: Real> Sum<'a, E> {
     }
 }
 
-impl<E: Real> Leaf for Sum<'_, E> {
+impl<E: Coefficient> Leaf for Sum<'_, E> {
     type Out = Loads;
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<Loads>) {

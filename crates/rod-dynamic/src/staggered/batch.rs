@@ -9,6 +9,7 @@ use crate::{
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
+use rapunzel_lanes::LANES;
 
 /// How often a step may be halved.
 const MAX_HALVINGS: usize = 12;
@@ -37,16 +38,16 @@ pub struct StaggeredBatch {
     /// Whether accelerations are carried from step to step.
     memory: bool,
     /// Whether a fibre's initial acceleration is still to be found.
-    pub(super) fresh: [bool; 8],
+    pub(super) fresh: [bool; LANES],
     /// The same before the step that has been predicted.
-    pub(super) fresh_before: [bool; 8],
+    pub(super) fresh_before: [bool; LANES],
     /// Of the last step, if they are kept.
-    ledgers: Option<[Ledger; 8]>,
+    ledgers: Option<[Ledger; LANES]>,
 }
 
 impl StaggeredBatch {
     /// Most fibres in a batch.
-    pub const MAX_FIBERS: usize = 8;
+    pub const MAX_FIBERS: usize = LANES;
     /// The default spectral radius at infinite frequency.
     pub const DEFAULT_RHO_INF: f64 = 0.3;
 
@@ -88,7 +89,7 @@ impl StaggeredBatch {
         rods.iter().try_for_each(check_laws)?;
         let engine = build(&rods, scheme);
         let memory = scheme.has_memory();
-        let (fresh, fresh_before) = ([true; 8], [true; 8]);
+        let (fresh, fresh_before) = ([true; LANES], [true; LANES]);
         let mut batch = Self {
             engine,
             rods,
@@ -242,8 +243,8 @@ impl StaggeredBatch {
         let fresh = self.fresh;
         let wanted = self.begin(dt, conditions, reports)?;
         let count = self.rods.len();
-        let mut out = [Outcome::NONE; 8];
-        let mut lengths = [dt; 8];
+        let mut out = [Outcome::NONE; LANES];
+        let mut lengths = [dt; LANES];
         self.engine.attempt(&lengths, &wanted, Problem::Step, &mut out);
         let mut whole = wanted;
         // The numbers of those that go on in parts, as they set out.
@@ -286,25 +287,25 @@ impl StaggeredBatch {
         dt: f64,
         conditions: &[&dyn Conditions],
         reports: &[StepReport],
-    ) -> Result<[bool; 8], StepError> {
+    ) -> Result<[bool; LANES], StepError> {
         let count = self.rods.len();
         assert!(conditions.len() >= count && reports.len() >= count, "one for each fibre");
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(StepError::TimeStep(dt));
         }
-        let mut ends = [None; 8];
+        let mut ends = [None; LANES];
         for fiber in 0..count {
             ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
         }
         self.open_ledgers(conditions)?;
         self.engine.remember();
-        self.engine.set_out(&[true; 8]);
+        self.engine.set_out(&[true; LANES]);
         let fresh = self.fresh;
         if let Err(error) = self.start(dt, conditions) {
             self.take_back(fresh);
             return Err(error);
         }
-        let mut used = [false; 8];
+        let mut used = [false; LANES];
         for (fiber, now) in ends.iter().enumerate() {
             if let Some(now) = now {
                 self.engine.set_conditions(fiber, now);
@@ -327,7 +328,7 @@ impl StaggeredBatch {
     }
 
     /// Makes the last attempt the state of some fibres, and books it.
-    pub(super) fn commit(&mut self, lengths: &[f64; 8], done: &[bool; 8]) {
+    pub(super) fn commit(&mut self, lengths: &[f64; LANES], done: &[bool; LANES]) {
         if let Some(ledgers) = &mut self.ledgers {
             let booked = self.engine.account(lengths, done);
             for fiber in (0..self.rods.len()).filter(|&fiber| done[fiber]) {
@@ -338,14 +339,14 @@ impl StaggeredBatch {
     }
 
     /// Takes back all that a failed step has changed.
-    pub(super) fn take_back(&mut self, fresh: [bool; 8]) {
+    pub(super) fn take_back(&mut self, fresh: [bool; LANES]) {
         self.engine.undo_all(&fresh);
         self.fresh = fresh;
     }
 
     /// Lets all fibres set out without an acceleration.
     pub(super) fn skip_start(&mut self) {
-        self.fresh = [false; 8];
+        self.fresh = [false; LANES];
     }
 
     pub(super) fn advance_time(&mut self, dt: f64) {
@@ -358,12 +359,12 @@ impl StaggeredBatch {
         fiber: usize,
         dt: f64,
         conditions: &dyn Conditions,
-        lengths: &mut [f64; 8],
+        lengths: &mut [f64; LANES],
         failed: &Outcome,
     ) -> Result<StepReport, StepError> {
-        let mut out = [Outcome::NONE; 8];
+        let mut out = [Outcome::NONE; LANES];
         out[fiber] = *failed;
-        let mut only = [false; 8];
+        let mut only = [false; LANES];
         only[fiber] = true;
         // Progress is counted in parts of the finest length, so that the last part ends exactly.
         let total = 1_u32 << MAX_HALVINGS;
@@ -406,7 +407,7 @@ impl StaggeredBatch {
     fn start(&mut self, dt: f64, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
         let count = self.rods.len();
         let delta = START * dt;
-        let mut wanted = [false; 8];
+        let mut wanted = [false; LANES];
         if self.fresh[..count].contains(&true) {
             for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
                 let now = self.conditions(fiber, self.time, conditions[fiber])?;
@@ -415,7 +416,7 @@ impl StaggeredBatch {
             self.engine.measure(&self.fresh);
         }
         if !self.memory {
-            self.fresh = [false; 8];
+            self.fresh = [false; LANES];
         }
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
             let at =
@@ -426,8 +427,8 @@ impl StaggeredBatch {
             self.engine.set_conditions(fiber, &now);
         }
         if wanted.contains(&true) {
-            let mut out = [Outcome::NONE; 8];
-            let lengths = [delta; 8];
+            let mut out = [Outcome::NONE; LANES];
+            let lengths = [delta; LANES];
             self.engine.attempt(&lengths, &wanted, Problem::Start, &mut out);
             let mut done = wanted;
             for fiber in 0..count {
@@ -438,7 +439,7 @@ impl StaggeredBatch {
                 self.engine.undo(fiber);
             }
         }
-        self.fresh = [false; 8];
+        self.fresh = [false; LANES];
         Ok(())
     }
 

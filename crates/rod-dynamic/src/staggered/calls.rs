@@ -5,12 +5,12 @@
 
 use super::chain::{get, keep_directors, store};
 use super::ends::Held;
-use super::lanes::Lane;
 use super::pack::Pack;
 use super::response::Inertia;
 use super::scheme::Problem;
 use super::search::Search;
 use pulp::{NullaryFnOnce, Simd};
+use rapunzel_lanes::{LANES, Lane};
 
 /// Longer increments of rods in contact are shortened to this, rad.
 const LONGEST_TURN: f64 = 1.0;
@@ -24,33 +24,33 @@ impl<S: Simd> Pack<S> {
             #[inline(always)]
             fn call(self) {
                 let stage = self.0.stage(&self.0.last_dt, Problem::Step);
-                self.0.look_ahead(&stage, &[true; 8]);
+                self.0.look_ahead(&stage, &[true; LANES]);
                 self.0.prepare(&stage);
                 self.0.begin_laws();
                 self.0.chain.shape();
             }
         }
-        self.last_dt = [dt; 8];
+        self.last_dt = [dt; LANES];
         self.chain.simd.vectorize(LookAhead(self));
     }
 
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the largest
     /// increment, rad.
-    pub(super) fn linearize(&mut self) -> [f64; 8] {
+    pub(super) fn linearize(&mut self) -> [f64; LANES] {
         struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
-            type Output = [f64; 8];
+            type Output = [f64; LANES];
             #[inline(always)]
-            fn call(self) -> [f64; 8] {
+            fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 pack.resume();
-                let mut search = [Search::new(false, Held::CLAMPED, false); 8];
+                let mut search = [Search::new(false, Held::CLAMPED, false); LANES];
                 for lane in 0..S::F64_LANES {
                     search[lane] = Search::new(true, pack.held[lane], false);
                 }
                 let (turn, gap) = pack.chain.increments(&mut search);
                 store(&mut pack.chain.kept.gap, 0, gap);
-                let mut turns = [0.0; 8];
+                let mut turns = [0.0; LANES];
                 for lane in 0..S::F64_LANES {
                     turns[lane] = get(turn, lane);
                 }
@@ -62,12 +62,12 @@ impl<S: Simd> Pack<S> {
 
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the room causes. Returns the largest increment, rad.
-    pub(super) fn advance(&mut self) -> [f64; 8] {
+    pub(super) fn advance(&mut self) -> [f64; LANES] {
         struct Advance<'a, S: Simd>(&'a mut Pack<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
-            type Output = [f64; 8];
+            type Output = [f64; LANES];
             #[inline(always)]
-            fn call(self) -> [f64; 8] {
+            fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, Problem::Step);
                 pack.solve_response(&stage, Inertia::Own, 0);
@@ -77,7 +77,7 @@ impl<S: Simd> Pack<S> {
                     store(&mut pack.chain.kept.step, i, sum);
                 }
                 let turn = pack.chain.largest_turn();
-                let (mut turns, mut scale) = ([0.0; 8], [0.0; 8]);
+                let (mut turns, mut scale) = ([0.0; LANES], [0.0; LANES]);
                 for lane in 0..S::F64_LANES {
                     turns[lane] = get(turn, lane);
                     scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);

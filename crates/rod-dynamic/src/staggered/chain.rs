@@ -13,14 +13,15 @@
 //! constraints and the momentum balance to rounding. Newton's matrix, in `(dn_e, dtheta_e)`, is
 //! symmetric quasi-definite and block tridiagonal; see [`super::factor`].
 
+use super::array::{Array, zeros};
 use super::ends::{Ends, Held};
 use super::factor::{Block, Right, close};
-use super::lanes::{Array, Lane, M3, Quat, Sym, V3, zeros};
 use super::laws::{Laws, Turns};
 use super::model::Model;
 use super::room::{Kept, Room};
 use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
 use pulp::Simd;
+use rapunzel_lanes::{LANES, Lane, M3, Quat, Sym, V3};
 use std::sync::Arc;
 
 /// The unknown rotations of one pack of fibres and everything that determines them.
@@ -90,14 +91,14 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     pub(super) fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
         let [x, y, z] = self.vec(&load[1], 0).0;
-        frame[0].fma(x, frame[1].fma(y, frame[2].fma(z, self.vec(&load[0], 0))))
+        frame[0].mul_add(x, frame[1].mul_add(y, frame[2].mul_add(z, self.vec(&load[0], 0))))
     }
 
     /// Turns segment `e` by the rotation vector `u`, world components.
     #[inline(always)]
     pub(super) fn turn(&mut self, e: usize, u: V3<S>, wanted: Lane<S>) {
         let here = self.quat(&self.q[4 * e..4 * e + 4]);
-        let to = here.turned_by(u).positive_or(wanted, here);
+        let to = wanted.positive().select(here.turned_by(u), here);
         store_quat(&mut self.q, e, to);
     }
 
@@ -126,7 +127,7 @@ impl<S: Simd> Chain<S> {
                 if a > 0 {
                     chord = self
                         .vec(&self.room.d, 3 * a - 1)
-                        .fma(self.one(&self.model.h, a - 1), chord);
+                        .mul_add(self.one(&self.model.h, a - 1), chord);
                 }
                 let mu = self.one(&self.room.mu, a);
                 sum +=
@@ -134,11 +135,12 @@ impl<S: Simd> Chain<S> {
                 mass = mass + mu;
             }
             let free = sum.scale(mass.recip());
-            position = free.positive_or(root_free, position);
+            position = root_free.positive().select(free, position);
         }
         store(&mut self.kept.r, 0, position);
         for e in 0..n {
-            position = self.vec(&self.room.d, 3 * e + 2).fma(self.one(&self.model.h, e), position);
+            position =
+                self.vec(&self.room.d, 3 * e + 2).mul_add(self.one(&self.model.h, e), position);
             store(&mut self.kept.r, e + 1, position);
         }
         let gap =
@@ -149,7 +151,7 @@ impl<S: Simd> Chain<S> {
         let held = self.vec(&ends.tip_reaction, 0);
         let tip_held = Lane::new(simd, ends.tip_held);
         potential = potential - tip_force.dot(u);
-        let mut force = held.positive_or(tip_held, free);
+        let mut force = tip_held.positive().select(held, free);
         store(&mut self.force, n - 1, force);
         for a in (1..n).rev() {
             let (node, energy) = self.node_potential(a);
@@ -233,7 +235,10 @@ impl<S: Simd> Chain<S> {
                     let wanted = Lane::new(simd, ends.circulatory);
                     let (follow, spin) = (force.scale(-w1), moment.scale(-half));
                     let [force, turn] = close(block, hat(follow), hat(spin));
-                    rhs = [force.positive_or(wanted, rhs[0]), turn.positive_or(wanted, rhs[1])];
+                    rhs = [
+                        wanted.positive().select(force, rhs[0]),
+                        wanted.positive().select(turn, rhs[1]),
+                    ];
                 }
                 store(&mut self.room.rhs, 2 * e, rhs[0]);
                 store(&mut self.room.rhs, 2 * e + 1, rhs[1]);
@@ -275,12 +280,24 @@ impl<S: Simd> Chain<S> {
         let moment = moment(phi, m, c, d);
         // Rows of J^-1 R^T, J^-1 = E + hat(phi)/2 + c (phi phi^T - a^2 E).
         let [x, y, z] = phi.0;
-        let s = c.nma(angle2, one);
+        let s = c.negate_mul_add(angle2, one);
         let cp = phi.scale(c);
         let inverse = M3([
-            V3([cp.0[0].fma(x, s), half.nma(z, cp.0[0] * y), half.fma(y, cp.0[0] * z)]),
-            V3([half.fma(z, cp.0[1] * x), cp.0[1].fma(y, s), half.nma(x, cp.0[1] * z)]),
-            V3([half.nma(y, cp.0[2] * x), half.fma(x, cp.0[2] * y), cp.0[2].fma(z, s)]),
+            V3([
+                cp.0[0].mul_add(x, s),
+                half.negate_mul_add(z, cp.0[0] * y),
+                half.mul_add(y, cp.0[0] * z),
+            ]),
+            V3([
+                half.mul_add(z, cp.0[1] * x),
+                cp.0[1].mul_add(y, s),
+                half.negate_mul_add(x, cp.0[1] * z),
+            ]),
+            V3([
+                half.negate_mul_add(y, cp.0[2] * x),
+                half.mul_add(x, cp.0[2] * y),
+                cp.0[2].mul_add(z, s),
+            ]),
         ]);
         let j = M3(d).transposed().times(inverse.transposed()).transposed();
         let kj = match tangent {
@@ -309,14 +326,14 @@ impl<S: Simd> Chain<S> {
     #[inline(always)]
     pub(super) fn newton(
         &mut self,
-        wanted: &[bool; 8],
-        held: &[Held; 8],
+        wanted: &[bool; LANES],
+        held: &[Held; LANES],
         far: bool,
-        out: &mut [Outcome; 8],
+        out: &mut [Outcome; LANES],
     ) {
         let simd = self.simd;
         let lanes = S::F64_LANES;
-        let mut search = [Search::new(false, Held::CLAMPED, far); 8];
+        let mut search = [Search::new(false, Held::CLAMPED, far); LANES];
         for lane in 0..lanes {
             search[lane] = Search::new(wanted[lane], held[lane], far);
             if wanted[lane] {
@@ -328,7 +345,7 @@ impl<S: Simd> Chain<S> {
             let (joints, turn) = self.solve(gap, &mut search);
             let energy = nodes + joints;
             let open = gap.max_abs();
-            let (mut fresh, mut scale) = ([0.0; 8], [0.0; 8]);
+            let (mut fresh, mut scale) = ([0.0; LANES], [0.0; LANES]);
             for lane in 0..lanes {
                 if search[lane].active {
                     let h = get(self.one(&self.model.h, 0), lane);
@@ -341,7 +358,7 @@ impl<S: Simd> Chain<S> {
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
             }
-            let lift = |x: &[f64; 8]| Lane::load(simd, x, 0);
+            let lift = |x: &[f64; LANES]| Lane::load(simd, x, 0);
             self.advance(lift(&fresh), lift(&scale));
             if !search[..lanes].iter().any(|s| s.active) {
                 break;
@@ -363,7 +380,7 @@ impl<S: Simd> Chain<S> {
     /// The increments of Newton's method at the present rotations, without taking them: the largest
     /// turn, rad, and the gap that a held tip leaves.
     #[inline(always)]
-    pub(super) fn increments(&mut self, search: &mut [Search; 8]) -> (Lane<S>, V3<S>) {
+    pub(super) fn increments(&mut self, search: &mut [Search; LANES]) -> (Lane<S>, V3<S>) {
         let (_, gap) = self.shape();
         let (_, turn) = self.solve(gap, search);
         (turn, gap)
@@ -382,7 +399,7 @@ impl<S: Simd> Chain<S> {
     /// definite part. Returns the potential energy of joints and directors and the largest
     /// increment.
     #[inline(always)]
-    fn solve(&mut self, gap: V3<S>, search: &mut [Search; 8]) -> (Lane<S>, Lane<S>) {
+    fn solve(&mut self, gap: V3<S>, search: &mut [Search; LANES]) -> (Lane<S>, Lane<S>) {
         let (simd, lanes) = (self.simd, S::F64_LANES);
         if self.laws.as_ref().is_some_and(|laws| laws.bends()) {
             self.measure_joints();
@@ -391,7 +408,7 @@ impl<S: Simd> Chain<S> {
             laws.iter_mut().for_each(|laws| laws.renew(turns));
         }
         loop {
-            let mut definite = [0.0; 8];
+            let mut definite = [0.0; LANES];
             for lane in 0..lanes {
                 definite[lane] = search[lane].definite_part();
             }
@@ -418,16 +435,16 @@ impl<S: Simd> Chain<S> {
                 (self.vec(&self.kept.step, 2 * e + 1), self.vec(&self.room.direction, e));
             let (here, origin) =
                 (self.quat(&self.q[4 * e..]), self.quat(&self.room.origin[4 * e..]));
-            let turn = new.positive_or(fresh, old);
-            let from = here.positive_or(fresh, origin);
+            let turn = fresh.positive().select(new, old);
+            let from = fresh.positive().select(here, origin);
             store(&mut self.room.direction, e, turn);
             store_quat(&mut self.room.origin, e, from);
             let to = from.turned_by(turn.scale(scale));
-            store_quat(&mut self.q, e, to.positive_or(scale, here));
+            store_quat(&mut self.q, e, scale.positive().select(to, here));
         }
         let reaction = self.vec(&self.kept.step, 2 * (self.n - 1));
         let held = self.vec(&self.ends.tip_reaction, 0);
-        let moved = reaction.fma(scale, held).positive_or(fresh, held);
+        let moved = fresh.positive().select(reaction.mul_add(scale, held), held);
         store(&mut self.ends.tip_reaction, 0, moved);
     }
 }
@@ -441,7 +458,7 @@ pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wa
         let d = Quat::load(simd, q, e).directors();
         for k in 0..3 {
             let old = V3::load(simd, d_start, 3 * e + k);
-            store(d_start, 3 * e + k, d[k].positive_or(wanted, old));
+            store(d_start, 3 * e + k, wanted.positive().select(d[k], old));
         }
     }
 }
@@ -468,7 +485,7 @@ impl<S: Simd> Joint<S> {
 /// error of the quotient is great, but only products of `c` with squares of the vector are used.
 #[inline(always)]
 pub(super) fn slope_of_log<S: Simd>(angle2: Lane<S>, fw: Lane<S>) -> Lane<S> {
-    fw.lift(0.5).nma(fw, fw.lift(1.0)) * (angle2 + fw.lift(1e-200)).recip()
+    fw.lift(0.5).negate_mul_add(fw, fw.lift(1.0)) * (angle2 + fw.lift(1e-200)).recip()
 }
 
 /// Moment on the segment before a joint, world components: `J^-T m`, `m` the derivative of the
@@ -476,7 +493,7 @@ pub(super) fn slope_of_log<S: Simd>(angle2: Lane<S>, fw: Lane<S>) -> Lane<S> {
 #[inline(always)]
 pub(super) fn moment<S: Simd>(phi: V3<S>, m: V3<S>, c: Lane<S>, d: [V3<S>; 3]) -> V3<S> {
     let turned = phi.cross(m);
-    combine(d, phi.cross(turned).fma(c, m) - turned.scale(c.lift(0.5)))
+    combine(d, phi.cross(turned).mul_add(c, m) - turned.scale(c.lift(0.5)))
 }
 
 /// What the second derivative of the logarithm adds to the Hessian of a joint with rotation vector
@@ -490,9 +507,9 @@ fn log_hessian<S: Simd>(phi: V3<S>, m: V3<S>, x: Lane<S>) -> Sym<S> {
     let (mut c, mut slope) = (x.lift(LOG_SERIES[5]), x.lift(5.0 * LOG_SERIES[5]));
     for k in (0..5_u8).rev() {
         let term = LOG_SERIES[usize::from(k)];
-        c = c.fma(x, x.lift(term));
+        c = c.mul_add(x, x.lift(term));
         if k > 0 {
-            slope = slope.fma(x, x.lift(f64::from(k) * term));
+            slope = slope.mul_add(x, x.lift(f64::from(k) * term));
         }
     }
     let quarter = x.lift(0.25);
@@ -518,7 +535,7 @@ const LOG_SERIES: [f64; 6] = [
 /// `d1 x + d2 y + d3 z`.
 #[inline(always)]
 fn combine<S: Simd>(d: [V3<S>; 3], v: V3<S>) -> V3<S> {
-    d[0].fma(v.0[0], d[1].fma(v.0[1], d[2].scale(v.0[2])))
+    d[0].mul_add(v.0[0], d[1].mul_add(v.0[1], d[2].scale(v.0[2])))
 }
 
 #[inline(always)]

@@ -6,6 +6,7 @@ use super::scheme::Problem;
 use super::search::Outcome;
 use crate::{Conditions, ImpulseResponse, Point, PointResponses, RodError, StepError, StepReport};
 use nalgebra::{Matrix3, Vector3};
+use rapunzel_lanes::LANES;
 
 const NOT_UNDER_WAY: &str = "none is under way: predict one, or set out on one";
 
@@ -136,7 +137,7 @@ impl StaggeredBatch {
     }
 
     /// The largest of one number for each fibre.
-    fn largest(&self, turns: &[f64; 8]) -> Result<f64, StepError> {
+    fn largest(&self, turns: &[f64; LANES]) -> Result<f64, StepError> {
         let turns = &turns[..self.rods.len()];
         if let Some(fiber) = turns.iter().position(|turn| !turn.is_finite()) {
             let (time, dt, residuals) = (self.time(), self.predicted, vec![turns[fiber]]);
@@ -149,11 +150,11 @@ impl StaggeredBatch {
     pub fn accept(&mut self) {
         let dt = std::mem::take(&mut self.predicted);
         if dt > 0.0 {
-            let mut all = [false; 8];
+            let mut all = [false; LANES];
             all[..self.rods().len()].fill(true);
             self.working(|batch| {
                 batch.engine.arrive();
-                batch.commit(&[dt; 8], &all);
+                batch.commit(&[dt; LANES], &all);
             });
             self.advance_time(dt);
         }
@@ -243,7 +244,7 @@ impl StaggeredBatch {
         let saddle = self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
             let saddle = batch.solve(dt, Problem::Rest, reports)?;
-            batch.engine.commit(&[dt; 8], &[true; 8], Problem::Rest);
+            batch.engine.commit(&[dt; LANES], &[true; LANES], Problem::Rest);
             Ok(saddle)
         })?;
         for fiber in 0..self.rods().len() {
@@ -291,10 +292,10 @@ impl StaggeredBatch {
         reports: &mut [StepReport],
     ) -> Result<bool, StepError> {
         let count = self.rods().len();
-        let mut out = [Outcome::NONE; 8];
-        let mut wanted = [false; 8];
+        let mut out = [Outcome::NONE; LANES];
+        let mut wanted = [false; LANES];
         wanted[..count].fill(true);
-        self.engine.attempt(&[dt; 8], &wanted, problem, &mut out);
+        self.engine.attempt(&[dt; LANES], &wanted, problem, &mut out);
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
             if !out[fiber].converged {

@@ -1,8 +1,8 @@
 //! A pack with its register width hidden, and the choice of that width.
 
+use super::array::zeros;
 use super::chain::Chain;
 use super::ends::Kind;
-use super::lanes::zeros;
 use super::pack::{Pack, at, lanes, set};
 use super::response::Inertia;
 use super::room;
@@ -13,6 +13,7 @@ use crate::{Energy, Instant, Ledger, Momentum, Point, PointResponses, Rod, RodSt
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
+use rapunzel_lanes::LANES;
 use std::ops::RangeInclusive;
 
 /// What a batch needs of a [`Pack`], whatever its register width.
@@ -27,19 +28,19 @@ pub(super) trait Engine: Send + Sync {
     fn arrive(&mut self);
     fn attempt(
         &mut self,
-        dt: &[f64; 8],
-        wanted: &[bool; 8],
+        dt: &[f64; LANES],
+        wanted: &[bool; LANES],
         problem: Problem,
-        out: &mut [Outcome; 8],
+        out: &mut [Outcome; LANES],
     );
-    fn set_out(&mut self, wanted: &[bool; 8]);
-    fn measure(&mut self, wanted: &[bool; 8]);
-    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem);
+    fn set_out(&mut self, wanted: &[bool; LANES]);
+    fn measure(&mut self, wanted: &[bool; LANES]);
+    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem);
     /// Notes how the ends of a lane are before a step whose ledger is wanted; `known` tells whether
     /// their reactions are those now.
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
     /// Ledgers of an attempt that is about to be committed in the lanes that are `done`.
-    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8];
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     /// Takes over the laws of the rod, which remember as much as those before.
@@ -61,7 +62,7 @@ pub(super) trait Engine: Send + Sync {
     fn remember(&mut self);
     /// Takes all lanes back to what was remembered, as long as no step has been committed, and those that
     /// were `fresh` to having no acceleration.
-    fn undo_all(&mut self, fresh: &[bool; 8]);
+    fn undo_all(&mut self, fresh: &[bool; LANES]);
     /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
@@ -82,11 +83,11 @@ pub(super) trait Engine: Send + Sync {
     /// Sets out on a step of length `dt`, to where the motion leads.
     fn look(&mut self, dt: f64);
     /// Solves Newton's equations where the rods are; returns the largest increments, rad.
-    fn linearize(&mut self) -> [f64; 8];
+    fn linearize(&mut self) -> [f64; LANES];
     /// How far a node moves in the step, with what the last linearisation would add.
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
     /// Takes the increments, with other impulses than those of the linearisation.
-    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8];
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES];
     /// Takes all motion of one lane away.
     fn stop(&mut self, lane: usize);
     /// How many numbers the state of a lane has.
@@ -119,26 +120,26 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn attempt(
         &mut self,
-        dt: &[f64; 8],
-        wanted: &[bool; 8],
+        dt: &[f64; LANES],
+        wanted: &[bool; LANES],
         problem: Problem,
-        out: &mut [Outcome; 8],
+        out: &mut [Outcome; LANES],
     ) {
         Self::attempt(self, dt, wanted, problem, out);
     }
-    fn measure(&mut self, wanted: &[bool; 8]) {
+    fn measure(&mut self, wanted: &[bool; LANES]) {
         Self::measure(self, wanted);
     }
-    fn set_out(&mut self, wanted: &[bool; 8]) {
+    fn set_out(&mut self, wanted: &[bool; LANES]) {
         Self::set_out(self, wanted);
     }
-    fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
+    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem) {
         Self::commit(self, dt, done, problem);
     }
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
         Self::open_ledger(self, lane, now, known);
     }
-    fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8] {
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
         Self::account(self, dt, done)
     }
     fn set_conditions(&mut self, lane: usize, now: &Instant) {
@@ -187,7 +188,7 @@ impl<S: Simd> Engine for Pack<S> {
         }
         self.chain.laws.iter_mut().fold(numbers, |numbers, laws| laws.restore(lane, numbers))
     }
-    fn undo_all(&mut self, fresh: &[bool; 8]) {
+    fn undo_all(&mut self, fresh: &[bool; LANES]) {
         self.chain.q.copy_from_slice(&self.before.q);
         self.chain.force.copy_from_slice(&self.before.force);
         self.chain.ends.put_back(&self.before.ends);
@@ -301,7 +302,7 @@ impl<S: Simd> Engine for Pack<S> {
     fn look(&mut self, dt: f64) {
         Self::look(self, dt);
     }
-    fn linearize(&mut self) -> [f64; 8] {
+    fn linearize(&mut self) -> [f64; LANES] {
         Self::linearize(self)
     }
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
@@ -317,7 +318,7 @@ impl<S: Simd> Engine for Pack<S> {
         }
         Engine::displacement(self, lane, node) + added
     }
-    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; 8] {
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES] {
         let nodes = self.chain.n + 1;
         self.chain.room.values.fill(S::f64s::zeroed());
         for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {

@@ -8,10 +8,11 @@
 //! blocks they need not be, as in a rod under thrust that only both its ends together hold.
 //! Some 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
 
+use super::array::{Array, zeros};
 use super::chain::store;
-use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::room::fit;
 use pulp::Simd;
+use rapunzel_lanes::{Lane, M3, Sym, V3};
 use std::ops::Sub;
 
 /// One diagonal block and its right-hand side.

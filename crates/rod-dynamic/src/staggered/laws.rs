@@ -5,9 +5,9 @@
 //! is asked once in a step, others at every trial. Lanes without laws have linear joints in the same
 //! form, with the same bits.
 
+use super::array::{Array, zeros};
 use super::chain::store;
 use super::ends::Ends;
-use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{at, set};
 use crate::joint::Joint;
 use crate::{Rod, SectionLaws};
@@ -15,6 +15,7 @@ use nalgebra::Vector3;
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
 use rapunzel_fiber::{SectionLaw, SectionResponse};
+use rapunzel_lanes::{LANES, Lane, M3, Sym, V3};
 use std::ops::Range;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -22,12 +23,12 @@ use std::sync::Arc;
 /// The laws of a pack, what its joints remember, and the models of a step.
 pub(super) struct Laws<S: Simd> {
     /// In each lane the joints in order, those with the same law together; none if they are linear.
-    runs: [Vec<Run>; 8],
+    runs: [Vec<Run>; LANES],
     /// 1 in lanes with laws.
     has: S::f64s,
     /// What the joints remember, run by run, and what they did before the step.
-    memory: [Vec<Vector3<f64>>; 8],
-    backup: [Vec<Vector3<f64>>; 8],
+    memory: [Vec<Vector3<f64>>; LANES],
+    backup: [Vec<Vector3<f64>>; LANES],
     /// Lengths of the joints.
     lengths: Array<S>,
     /// The models: the turn at which a law was asked (3), moment (3), tangent (6) and potential there.
@@ -36,7 +37,7 @@ pub(super) struct Laws<S: Simd> {
     tangent: Array<S>,
     potential: Array<S>,
     /// Lengths of the step.
-    dt: [f64; 8],
+    dt: [f64; LANES],
     /// Energies of the joints before and after a step, and what it dissipates (3), for the ledger.
     books: Array<S>,
     strains: Vec<Vector3<f64>>,
@@ -118,7 +119,7 @@ impl<S: Simd> Laws<S> {
         if rods.iter().all(|rod| rod.laws == SectionLaws::Linear) {
             return None;
         }
-        let mut of_lanes: [Vec<Run>; 8] = Default::default();
+        let mut of_lanes: [Vec<Run>; LANES] = Default::default();
         let mut lengths = zeros::<S>(n + 1);
         let mut has = S::f64s::zeroed();
         for (lane, rod) in rods.iter().enumerate() {
@@ -132,7 +133,7 @@ impl<S: Simd> Laws<S> {
             let size = of_lanes[lane].last().map_or(0, |run: &Run| run.memory.end);
             vec![Vector3::zeros(); size]
         };
-        let memory: [Vec<_>; 8] = std::array::from_fn(blank);
+        let memory: [Vec<_>; LANES] = std::array::from_fn(blank);
         Some(Box::new(Self {
             runs: of_lanes,
             has,
@@ -143,7 +144,7 @@ impl<S: Simd> Laws<S> {
             moment: zeros::<S>(3 * (n + 1)),
             tangent: zeros::<S>(6 * (n + 1)),
             potential: zeros::<S>(n + 1),
-            dt: [1.0; 8],
+            dt: [1.0; LANES],
             books: zeros::<S>(3 * (n + 1)),
             strains: Vec::with_capacity(n + 1),
             responses: Vec::with_capacity(n + 1),
@@ -168,7 +169,7 @@ impl<S: Simd> Laws<S> {
         let zero = Lane::splat(simd, 0.0);
         let put = |array: &mut [S::f64s], i: usize, new: V3<S>| {
             let kept = V3::load(simd, array, i);
-            store(array, i, kept.positive_or(has, new));
+            store(array, i, has.positive().select(kept, new));
         };
         put(&mut self.turn, j, rest);
         put(&mut self.moment, j, V3([zero; 3]));
@@ -189,7 +190,7 @@ impl<S: Simd> Laws<S> {
     }
 
     /// Asks all laws at the given turns, for a step of length `dt[lane]`.
-    pub(super) fn begin(&mut self, dt: &[f64; 8], turns: Turns<'_, S>) {
+    pub(super) fn begin(&mut self, dt: &[f64; LANES], turns: Turns<'_, S>) {
         self.dt = *dt;
         self.ask(turns, |_| true);
     }
@@ -238,7 +239,7 @@ impl<S: Simd> Laws<S> {
     }
 
     /// Takes the step to the given turns in the lanes that are `done`.
-    pub(super) fn commit(&mut self, done: &[bool; 8], turns: Turns<'_, S>) {
+    pub(super) fn commit(&mut self, done: &[bool; LANES], turns: Turns<'_, S>) {
         for lane in (0..S::F64_LANES).filter(|&lane| done[lane]) {
             self.commit_lane(lane, self.dt[lane], turns);
         }

@@ -18,13 +18,13 @@
 
 use super::chain::{Chain, get, moment, slope_of_log};
 use super::ends;
-use super::lanes::{Lane, V3};
 use super::laws::Turns;
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Rates, Stage};
 use crate::{End, Instant, Ledger};
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
+use rapunzel_lanes::{LANES, Lane, V3};
 
 /// The ends when the step set out: first the root, then the tip.
 pub(super) struct Outset<S: Simd> {
@@ -104,12 +104,12 @@ impl<S: Simd> Pack<S> {
 
     /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In lanes
     /// that are `done` what follows sets out from its end.
-    pub(super) fn account(&mut self, dt: &[f64; 8], done: &[bool; 8]) -> [Ledger; 8] {
-        struct Account<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8]);
+    pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
+        struct Account<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
-            type Output = [Ledger; 8];
+            type Output = [Ledger; LANES];
             #[inline(always)]
-            fn call(self) -> [Ledger; 8] {
+            fn call(self) -> [Ledger; LANES] {
                 let Self(pack, dt, done) = self;
                 let stage = pack.stage(dt, Problem::Step);
                 pack.book_laws();
@@ -128,7 +128,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn lines(&mut self, stage: &Stage<S>, done: &[bool; 8]) -> Lines<S> {
+    fn lines(&mut self, stage: &Stage<S>, done: &[bool; LANES]) -> Lines<S> {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let mut lines = Lines::zero(simd);
         for a in 0..=n {
@@ -182,11 +182,11 @@ impl<S: Simd> Pack<S> {
 
     /// Lets what follows set out from the end of the step.
     #[inline(always)]
-    fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; 8]) {
+    fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; LANES]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let done = self.flags(done);
         let keep = |new: S::f64s, old: &mut S::f64s| {
-            *old = done.positive_or(Lane::new(simd, new), Lane::new(simd, *old)).value;
+            *old = done.positive().select(Lane::new(simd, new), Lane::new(simd, *old)).value;
         };
         let (ends, out) = (&self.chain.ends, &mut self.outset);
         for (k, (frame, segment)) in
@@ -222,8 +222,8 @@ impl<S: Simd> Pack<S> {
         let rates = self.nodes.rates(chain, a);
         let jump = self.jump(a);
         let motion = self.motion(stage, rates, jump, way);
-        lines.kinetic = mass.fma(motion.gain, lines.kinetic);
-        lines.integrator = mass.nma(motion.loss, lines.integrator);
+        lines.kinetic = mass.mul_add(motion.gain, lines.kinetic);
+        lines.integrator = mass.negate_mul_add(motion.loss, lines.integrator);
         lines.contacts = lines.contacts + chain.vec_or_zero(&self.impulses, a).dot(motion.mean);
         let (length, tangent) = self.reach(&chain.room.d_start, a);
         let (_, tangent_after) = self.reach(&chain.room.d, a);
@@ -288,9 +288,9 @@ impl<S: Simd> Pack<S> {
             let inertia = Lane::new(simd, self.chain.model.inertia[2 * e + k]);
             let rates = self.directors.rates(chain, 2 * e + k);
             let motion = self.motion(stage, rates, zero, ways[k]);
-            lines.kinetic = inertia.fma(motion.gain, lines.kinetic);
+            lines.kinetic = inertia.mul_add(motion.gain, lines.kinetic);
             let kept = motion.acceleration.dot(chord(k)) - motion.loss;
-            lines.integrator = inertia.fma(kept, lines.integrator);
+            lines.integrator = inertia.mul_add(kept, lines.integrator);
             torque -= after[k].cross(motion.acceleration).scale(inertia);
         }
         [turn, torque]
@@ -325,19 +325,20 @@ impl<S: Simd> Pack<S> {
         let damping = Lane::new(simd, self.damping);
         let rates = self.joints.rates(chain, j);
         let (_, known) = self.scheme.predict(stage, rates);
-        let rate = bend.fma(stage.cv, known);
+        let rate = bend.mul_add(stage.cv, known);
         let lost = -(damping * resisted.dot(rate));
         let mut mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
-        let mut m = stiffness.times(rate.fma(damping, strain));
+        let mut m = stiffness.times(rate.mul_add(damping, strain));
         let energy = |strain: V3<S>| half * stiffness.times(strain).dot(strain);
         let mut stored = [energy(strain_before), energy(strain)];
         let has = chain.laws.as_ref().map(|laws| laws.has(simd));
         if let (Some(laws), Some(has)) = (&chain.laws, has) {
             let [before, after, dissipated] = laws.booked(simd, j);
-            stored = [has.positive_or(before, stored[0]), has.positive_or(after, stored[1])];
-            gain = has.positive_or(after - before, gain);
-            mean_lost = has.positive_or(-dissipated, mean_lost);
-            m = laws.model(simd, j, phi).0.positive_or(has, m);
+            stored =
+                [has.positive().select(before, stored[0]), has.positive().select(after, stored[1])];
+            gain = has.positive().select(after - before, gain);
+            mean_lost = has.positive().select(-dissipated, mean_lost);
+            m = has.positive().select(laws.model(simd, j, phi).0, m);
         }
         lines.elastic = lines.elastic + gain;
         lines.damping = lines.damping + mean_lost;
@@ -346,13 +347,13 @@ impl<S: Simd> Pack<S> {
         let at_end = moment(phi, m, slope, frames[1]);
         let chord = at_end.dot(apart) - m.dot(bend);
         let mut late = (lost - mean_lost) - half * resisted.dot(bend);
-        let m_before = stiffness.times(rates.v.fma(damping, strain_before));
+        let m_before = stiffness.times(rates.v.mul_add(damping, strain_before));
         // Of the moment before the step only its mean with that after it is used, for which the
         // slope of the logarithm after the step will do.
         let mut at_start = moment(phi_before, m_before, slope, frames[0]);
         if let Some(has) = has {
-            late = has.positive_or(gain - mean_lost - m.dot(bend), late);
-            at_start = at_end.positive_or(has, at_start);
+            late = has.positive().select(gain - mean_lost - m.dot(bend), late);
+            at_start = has.positive().select(at_end, at_start);
         }
         lines.integrator = lines.integrator - chord + late;
         Bend { moments: [at_start, at_end], stored }
@@ -362,11 +363,11 @@ impl<S: Simd> Pack<S> {
     fn motion(&self, stage: &Stage<S>, rates: Rates<S>, jump: V3<S>, way: V3<S>) -> Motion<S> {
         let (du, vc) = self.scheme.predict(stage, Rates { v: rates.v + jump, ..rates });
         let acceleration = (way - du).scale(stage.c1);
-        let end = way.fma(stage.cv, vc);
+        let end = way.mul_add(stage.cv, vc);
         let mean = way.scale(stage.dt.recip());
         let change = end - rates.v;
         let middle = (end + rates.v).scale(stage.dt.lift(0.5));
-        let lag = acceleration.fma(stage.dt, jump - change);
+        let lag = acceleration.mul_add(stage.dt, jump - change);
         let loss = lag.dot(mean) + change.dot(mean - middle);
         Motion { end, mean, acceleration, gain: change.dot(middle), loss }
     }
@@ -397,8 +398,8 @@ impl<S: Simd> Lines<S> {
         }
     }
 
-    fn ledgers(&self) -> [Ledger; 8] {
-        let mut ledgers = [Ledger::default(); 8];
+    fn ledgers(&self) -> [Ledger; LANES] {
+        let mut ledgers = [Ledger::default(); LANES];
         for (lane, ledger) in ledgers.iter_mut().enumerate().take(S::F64_LANES) {
             let of = |line: Lane<S>| get(line, lane);
             *ledger = Ledger {

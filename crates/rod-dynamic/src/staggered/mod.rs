@@ -14,6 +14,7 @@
 //! [`StaggeredBatch`] moves up to eight fibres in SIMD lanes; [`Staggered`] is a batch of one
 //! behind [`crate::RodIntegrator`]. A fibre moves bit for bit alike in any company.
 
+mod array;
 mod batch;
 mod calls;
 mod chain;
@@ -24,7 +25,6 @@ mod engine;
 mod equilibrium;
 mod explicit;
 mod factor;
-mod lanes;
 mod laws;
 mod ledger;
 mod model;

@@ -2,7 +2,7 @@
 //!
 //! Most hair of a bundle is alike: packs that are made one after another and are alike share it.
 
-use super::lanes::{Array, zeros};
+use super::array::{Array, zeros};
 use super::pack::{at, set};
 use crate::Rod;
 use crate::joint::Joint;

@@ -1,8 +1,8 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
+use super::array::{Array, zeros};
 use super::chain::{Chain, keep_directors, store};
 use super::ends::{Ends, Held, Kind};
-use super::lanes::{Array, Lane, V3, zeros};
 use super::laws::{Laws, Turns};
 use super::ledger::Outset;
 use super::model::Model;
@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_fiber::so3;
+use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Model and state of up to eight fibres with equally many segments.
 pub(super) struct Pack<S: Simd> {
@@ -39,12 +40,12 @@ pub(super) struct Pack<S: Simd> {
     /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
     /// along.
     pub(super) fields: [S::f64s; 11],
-    pub(super) held: [Held; 8],
+    pub(super) held: [Held; LANES],
     pub(super) any_damping: bool,
     /// What an attempt changes, as it was when the step set out.
     pub(super) before: Before<S>,
     /// Lengths of the last attempt, for what follows from its factors.
-    pub(super) last_dt: [f64; 8],
+    pub(super) last_dt: [f64; LANES],
     /// With masses added at points, if that has been asked for.
     pub(super) weighted: Option<Weighted<S>>,
     /// What the chain has in place of the room that it has borrowed.
@@ -84,14 +85,14 @@ impl<S: Simd> Pack<S> {
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
             fields: [S::f64s::zeroed(); 11],
-            held: [Held::CLAMPED; 8],
+            held: [Held::CLAMPED; LANES],
             before: Before {
                 q: zeros::<S>(4 * n),
                 force: zeros::<S>(3 * n),
                 phi: zeros::<S>(0),
                 ends: Ends::new(),
             },
-            last_dt: [1.0; 8],
+            last_dt: [1.0; LANES],
             weighted: None,
             borrowed: None,
             keeps: false,
@@ -110,17 +111,17 @@ impl<S: Simd> Pack<S> {
     /// committing it.
     pub(super) fn attempt(
         &mut self,
-        dt: &[f64; 8],
-        wanted: &[bool; 8],
+        dt: &[f64; LANES],
+        wanted: &[bool; LANES],
         problem: Problem,
-        out: &mut [Outcome; 8],
+        out: &mut [Outcome; LANES],
     ) {
         struct Attempt<'a, S: Simd>(
             &'a mut Pack<S>,
-            &'a [f64; 8],
-            &'a [bool; 8],
+            &'a [f64; LANES],
+            &'a [bool; LANES],
             Problem,
-            &'a mut [Outcome; 8],
+            &'a mut [Outcome; LANES],
         );
         impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
             type Output = ();
@@ -144,8 +145,8 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Makes the present rotations the start of a step, in the lanes that are wanted.
-    pub(super) fn set_out(&mut self, wanted: &[bool; 8]) {
-        struct SetOut<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; 8]);
+    pub(super) fn set_out(&mut self, wanted: &[bool; LANES]) {
+        struct SetOut<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for SetOut<'_, S> {
             type Output = ();
             #[inline(always)]
@@ -160,8 +161,8 @@ impl<S: Simd> Pack<S> {
 
     /// Takes the rotation vectors of the joints from the present rotations, in the lanes that are
     /// wanted: the damping of the first step starts from them.
-    pub(super) fn measure(&mut self, wanted: &[bool; 8]) {
-        struct Measure<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; 8]);
+    pub(super) fn measure(&mut self, wanted: &[bool; LANES]) {
+        struct Measure<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Measure<'_, S> {
             type Output = ();
             #[inline(always)]
@@ -173,7 +174,7 @@ impl<S: Simd> Pack<S> {
                 for j in 0..=pack.chain.n {
                     let (new, old) =
                         (pack.chain.vec(&pack.chain.room.phi, j), pack.chain.vec(&pack.phi, j));
-                    store(&mut pack.phi, j, new.positive_or(wanted, old));
+                    store(&mut pack.phi, j, wanted.positive().select(new, old));
                 }
                 for lane in (0..S::F64_LANES).filter(|&lane| lanes[lane]) {
                     pack.strain_laws_at_once(lane);
@@ -191,14 +192,14 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    pub(super) fn flags(&self, flags: &[bool; 8]) -> Lane<S> {
+    pub(super) fn flags(&self, flags: &[bool; LANES]) -> Lane<S> {
         let numbers = flags.map(f64::from);
         Lane::load(self.chain.simd, &numbers, 0)
     }
 
     /// Makes the last attempt the state, in the lanes that are `done`.
-    pub(super) fn commit(&mut self, dt: &[f64; 8], done: &[bool; 8], problem: Problem) {
-        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; 8], &'a [bool; 8], Problem);
+    pub(super) fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem) {
+        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; LANES], &'a [bool; LANES], Problem);
         impl<S: Simd> NullaryFnOnce for Commit<'_, S> {
             type Output = ();
             #[inline(always)]
@@ -212,7 +213,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    pub(super) fn stage(&self, dt: &[f64; 8], problem: Problem) -> Stage<S> {
+    pub(super) fn stage(&self, dt: &[f64; LANES], problem: Problem) -> Stage<S> {
         let dt = Lane::load(self.chain.simd, dt, 0);
         self.scheme.stage(dt, problem)
     }
@@ -238,7 +239,7 @@ impl<S: Simd> Pack<S> {
             let (length, tangent) = self.reach(&self.chain.room.d_start, a);
             let drag = across * length;
             let inertial = mass * stage.c1;
-            let mu = drag.fma(stage.cv, inertial);
+            let mu = drag.mul_add(stage.cv, inertial);
             // Drag along the fibre is smaller than across it: the difference is taken from the
             // velocity at the start of the step, where it is stable for being the smaller part:
             // before all impulses, which also bear what else would move the fibre.
@@ -255,7 +256,7 @@ impl<S: Simd> Pack<S> {
                 _ => zero,
             };
             self.chain.room.mu[a] = if stage.problem == Problem::Rest { zero } else { mu }.value;
-            self.chain.kept.w[a] = held.positive_or(zero, mu.recip()).value;
+            self.chain.kept.w[a] = held.positive().select(zero, mu.recip()).value;
             store(&mut self.chain.room.b, a, b);
         }
         self.chain.room.start.copy_from_slice(&self.r);
@@ -268,7 +269,7 @@ impl<S: Simd> Pack<S> {
             store(&mut self.chain.room.p, i, p.scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
-        let factor = damping.fma(stage.cv, one);
+        let factor = damping.mul_add(stage.cv, one);
         for j in 0..=n {
             let mut stiffness = self.chain.vec(&self.chain.model.stiffness, j);
             let mut target = self.chain.vec(&self.chain.model.rest, j);
@@ -276,7 +277,7 @@ impl<S: Simd> Pack<S> {
                 let (_, vc) = self.scheme.predict(stage, self.joints.rates(&self.chain, j));
                 let phi = self.chain.vec(&self.phi, j);
                 let rate = phi.scale(stage.cv) - vc;
-                target = rate.fma(damping, target).scale(factor.recip());
+                target = rate.mul_add(damping, target).scale(factor.recip());
                 stiffness = stiffness.scale(factor);
             }
             if j == 0 {
@@ -308,8 +309,8 @@ impl<S: Simd> Pack<S> {
         for e in [a.wrapping_sub(1), a] {
             if e < self.chain.n {
                 let h = self.chain.one(&self.chain.model.h, e);
-                length = h.fma(half, length);
-                tangent = self.chain.vec(directors, 3 * e + 2).fma(h * half, tangent);
+                length = h.mul_add(half, length);
+                tangent = self.chain.vec(directors, 3 * e + 2).mul_add(h * half, tangent);
             }
         }
         (length, tangent)
@@ -325,7 +326,7 @@ impl<S: Simd> Pack<S> {
     /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
     /// method from which the forces are already of the right size.
     #[inline(always)]
-    pub(super) fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
+    pub(super) fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let wanted = self.flags(wanted);
         let half = Lane::splat(self.chain.simd, 0.5);
         for e in 0..self.chain.n {
@@ -342,18 +343,18 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; 8]) {
+    fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let n = self.chain.n;
         let done = self.flags(wanted);
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.kept.r, a);
             let old = self.chain.vec(&self.r, a);
             let v = self.chain.vec(&self.nodes.v, a);
-            let after = (v + self.jump(a)).positive_or(done, v);
+            let after = done.positive().select(v + self.jump(a), v);
             store(&mut self.nodes.v, a, after);
             self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
             if stage.problem != Problem::Start {
-                store(&mut self.r, a, new.positive_or(done, old));
+                store(&mut self.r, a, done.positive().select(new, old));
             }
         }
         for i in 0..2 * n {
@@ -379,7 +380,7 @@ impl<S: Simd> Pack<S> {
                 self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);
             }
             if stage.problem != Problem::Start {
-                store(&mut self.phi, j, new.positive_or(done, old));
+                store(&mut self.phi, j, done.positive().select(new, old));
             }
         }
     }

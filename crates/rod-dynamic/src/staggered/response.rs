@@ -5,14 +5,15 @@
 //! `c1 dt P`, and the answer is the change of the mean velocity, displacement over `dt`. Both maps
 //! are the same up to transposition, so the response is symmetric.
 
+use super::array::{Array, zeros};
 use super::chain::{Chain, hat, store};
 use super::factor::{Block, Factor, Right};
-use super::lanes::{Array, Lane, M3, Sym, V3, zeros};
 use super::pack::{Pack, at, set};
 use super::scheme::{Problem, Stage};
 use crate::Point;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
+use rapunzel_lanes::{Lane, M3, Sym, V3};
 
 /// The inverse masses of the nodes and the factors that masses added at points make.
 pub(super) struct Weighted<S: Simd> {
@@ -212,8 +213,8 @@ impl<S: Simd> Pack<S> {
         }
         for a in 0..=n {
             let free = Lane::new(simd, kept.w[a]);
-            let mu = stage.c1.fma(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
-            weighted.w[a] = free.positive_or(mu.recip(), free).value;
+            let mu = stage.c1.mul_add(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
+            weighted.w[a] = free.positive().select(mu.recip(), free).value;
         }
         let mut carry = Block::zero(simd);
         let zero = V3::splat(simd, 0.0);

@@ -4,8 +4,8 @@
 //! after the call that wrote them, so that each thread has room for one pack, and a pack in which
 //! nothing is being solved holds none.
 
+use super::array::{Array, zeros};
 use super::factor::{Factor, Right};
-use super::lanes::{Array, zeros};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 use std::any::Any;

@@ -10,8 +10,8 @@
 //! the acceleration `c1 (u - du)`. Backward Euler is the same without memory of accelerations: its
 //! velocity is the mean one over the step, which is what laws of contact speak of.
 
-use super::lanes::{Lane, V3};
 use pulp::Simd;
+use rapunzel_lanes::{Lane, V3};
 
 /// Coefficients of the method for one spectral radius at infinite frequency.
 #[derive(Debug, Clone, Copy)]
@@ -91,13 +91,13 @@ impl Scheme {
     #[inline(always)]
     pub(super) fn predict<S: Simd>(self, s: &Stage<S>, h: Rates<S>) -> (V3<S>, V3<S>) {
         let dt2 = s.dt * s.dt;
-        let base = h.a.fma(dt2 * dt2.lift(0.5 - self.beta), h.v.scale(s.dt));
+        let base = h.a.mul_add(dt2 * dt2.lift(0.5 - self.beta), h.v.scale(s.dt));
         let memory = self.beta / (1.0 - self.alpha_m);
-        let du = h.acceleration.fma(
+        let du = h.acceleration.mul_add(
             dt2 * dt2.lift(memory * self.alpha_f),
-            h.a.fma(dt2 * dt2.lift(-memory * self.alpha_m), base),
+            h.a.mul_add(dt2 * dt2.lift(-memory * self.alpha_m), base),
         );
-        let vc = base.fma(-s.cv, h.a.fma(s.dt * dt2.lift(1.0 - self.gamma), h.v));
+        let vc = base.mul_add(-s.cv, h.a.mul_add(s.dt * dt2.lift(1.0 - self.gamma), h.v));
         (du, vc)
     }
 
@@ -114,8 +114,8 @@ impl Scheme {
         let dt = s.dt;
         let old = h
             .acceleration
-            .fma(dt.lift(self.alpha_f * scale), h.a.scale(dt.lift(-self.alpha_m * scale)));
-        let a = acceleration.fma(dt.lift((1.0 - self.alpha_f) * scale), old);
+            .mul_add(dt.lift(self.alpha_f * scale), h.a.scale(dt.lift(-self.alpha_m * scale)));
+        let a = acceleration.mul_add(dt.lift((1.0 - self.alpha_f) * scale), old);
         let kept = |x: V3<S>| x.scale(dt.lift(self.memory));
         Rates { v, a: kept(a), acceleration: kept(acceleration) }
     }

@@ -1,10 +1,11 @@
 //! The motion of one class of vector coordinates of a pack: nodes, directors, or joints.
 
+use super::array::{Array, zeros};
 use super::chain::{Chain, store};
-use super::lanes::{Array, Lane, V3, zeros};
 use super::pack::set;
 use super::scheme::{Problem, Rates, Scheme, Stage};
 use pulp::Simd;
+use rapunzel_lanes::{Lane, V3};
 
 /// Rates of vector coordinates. What is always zero takes no room: accelerations of a method without
 /// memory of them, and all rates where nobody asks for any.
@@ -48,14 +49,18 @@ impl<S: Simd> Track<S> {
         let new = if stage.problem == Problem::Start {
             Rates { v: old.v, a: acceleration, acceleration }
         } else {
-            scheme.finish(stage, old, u.fma(stage.cv, vc), acceleration)
+            scheme.finish(stage, old, u.mul_add(stage.cv, vc), acceleration)
         };
-        store(&mut self.v, i, new.v.positive_or(done, old.v));
+        store(&mut self.v, i, done.positive().select(new.v, old.v));
         if self.a.is_empty() {
             return;
         }
-        store(&mut self.a, i, new.a.positive_or(done, old.a));
-        store(&mut self.acceleration, i, new.acceleration.positive_or(done, old.acceleration));
+        store(&mut self.a, i, done.positive().select(new.a, old.a));
+        store(
+            &mut self.acceleration,
+            i,
+            done.positive().select(new.acceleration, old.acceleration),
+        );
     }
 
     /// Takes the accelerations of one lane away.

@@ -1,22 +1,18 @@
 //! Rows of numbers to columns.
 
-use crate::machine::Portable;
-use crate::real::Real;
+use crate::{LANES_F32, Portable, Real};
 use pulp::Simd;
 
-/// Most rows: the most lanes of any register.
-pub(crate) const ROWS: usize = 16;
-
 /// The exchange of rows and columns as the machine makes it best.
-pub(crate) trait Transpose<S: Simd, E: Real>: Copy {
-    /// Number `k` of row `i` becomes lane `i` of register `c` of `columns[k]`; there are as many rows and
-    /// columns as lanes, and at least as many numbers in each row.
+pub trait Transpose<S: Simd, E: Real>: Copy {
+    /// Number `k` of row `i` becomes lane `i` of register `c` of `columns[k]`; there are as many
+    /// rows and columns as lanes, and at least as many numbers in each row.
     fn transpose<const C: usize>(
         self,
         simd: S,
-        rows: &[&[E]; ROWS],
+        rows: &[&[E]; LANES_F32],
         c: usize,
-        columns: &mut [[E::Lanes<S>; C]],
+        columns: &mut [[E::Register<S>; C]],
     );
 }
 
@@ -25,9 +21,9 @@ impl<S: Simd, E: Real> Transpose<S, E> for Portable {
     fn transpose<const C: usize>(
         self,
         _: S,
-        rows: &[&[E]; ROWS],
+        rows: &[&[E]; LANES_F32],
         c: usize,
-        columns: &mut [[E::Lanes<S>; C]],
+        columns: &mut [[E::Register<S>; C]],
     ) {
         for (k, column) in columns.iter_mut().enumerate() {
             let lanes: &mut [E] =
@@ -41,9 +37,9 @@ impl<S: Simd, E: Real> Transpose<S, E> for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod widest {
-    use super::{ROWS, Transpose};
-    use crate::machine::Estimate;
-    use crate::real::Real;
+    use super::Transpose;
+    use crate::roots::Estimate;
+    use crate::{LANES_F32, Real};
     use pulp::cast;
     use pulp::x86::V4;
     use std::arch::x86_64::__m512d;
@@ -71,7 +67,7 @@ mod widest {
         fn transpose<const C: usize>(
             self,
             simd: V4,
-            rows: &[&[f64]; ROWS],
+            rows: &[&[f64]; LANES_F32],
             c: usize,
             columns: &mut [[pulp::f64x8; C]],
         ) {
@@ -97,7 +93,7 @@ mod widest {
         fn transpose<const C: usize>(
             self,
             simd: V4,
-            rows: &[&[f32]; ROWS],
+            rows: &[&[f32]; LANES_F32],
             c: usize,
             columns: &mut [[pulp::f32x16; C]],
         ) {
@@ -125,41 +121,5 @@ mod widest {
                 }
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::machine::{Kernel, Machine, Usual, dispatch};
-
-    struct Check;
-
-    impl Kernel for Check {
-        fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
-            check::<S, f32, M>(simd, machine);
-            check::<S, f64, M>(simd, machine);
-        }
-    }
-
-    fn check<S: Simd, E: Real, M: Machine<S>>(simd: S, machine: M) {
-        let lanes = E::lanes::<S>();
-        let numbers: Vec<_> = (0..ROWS * ROWS).map(|k| E::of(k as f64)).collect();
-        let rows = std::array::from_fn(|i| &numbers[ROWS * i..][..ROWS]);
-        let mut columns = vec![[E::splat(simd, E::of(0.0)); 2]; lanes];
-        E::transpose(simd, machine, &rows, 1, &mut columns);
-        let found: &[E] = pulp::bytemuck::cast_slice(columns.as_flattened());
-        for k in 0..lanes {
-            for i in 0..lanes {
-                assert!(found[2 * lanes * k + i].double() == 0.0);
-                assert!(found[2 * lanes * k + lanes + i] == numbers[ROWS * i + k], "{i}, {k}");
-            }
-        }
-    }
-
-    #[test]
-    fn rows_become_columns() {
-        dispatch(Check);
-        pulp::Arch::new().dispatch(Usual(Check));
     }
 }

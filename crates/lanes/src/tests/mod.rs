@@ -1,0 +1,3 @@
+mod composites;
+mod operations;
+mod widths;
