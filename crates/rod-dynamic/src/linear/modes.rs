@@ -27,7 +27,8 @@ impl Linearization {
     ///
     /// # Errors
     /// [`RodError::Invalid`] where the stiffness is not symmetric, see
-    /// [`Linearization::characteristic_exponents`]; [`RodError::Vibration`] for a rod without inertia.
+    /// [`Linearization::characteristic_exponents`]; [`RodError::Vibration`] for a rod without
+    /// inertia.
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RodError> {
         if !self.symmetric {
             return Err(RodError::Invalid {

@@ -61,7 +61,8 @@ proptest! {
         let gram = found.shapes.transpose() * &m * &found.shapes;
         let spread = found.squares.last().expect("one") / found.squares[0];
         let wrong = (gram - DMatrix::identity(n, n)).amax();
-        prop_assert!(wrong < rounding(n, m.norm() * norm) * norm * spread.abs().max(1.0), "{wrong}");
+        let allowed = rounding(n, m.norm() * norm) * norm * spread.abs().max(1.0);
+        prop_assert!(wrong < allowed, "{wrong}");
         // The same by another way.
         let lower = m.clone().cholesky().expect("definite").unpack();
         let half = lower.solve_lower_triangular(&k).expect("regular");
