@@ -1,4 +1,5 @@
 use rapunzel_collision::CollisionError;
+#[cfg(feature = "modes")]
 use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
@@ -143,6 +144,7 @@ pub enum SpringError {
     #[error("contacts: {0}")]
     Collision(#[from] CollisionError),
     /// Eigenvalues that were not found.
+    #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
     Vibration(#[from] VibrationError),
 }

@@ -15,6 +15,7 @@ mod gradients;
 mod implicit;
 mod lattice;
 mod leapfrog;
+#[cfg(feature = "modes")]
 mod linear;
 mod newton;
 mod obstacle;
@@ -23,6 +24,7 @@ mod plastic;
 mod rope;
 mod runge_kutta;
 mod spring;
+mod stability;
 mod supports;
 mod system;
 mod tangent;
@@ -41,12 +43,15 @@ pub use error::SpringError;
 pub use implicit::ImplicitEuler;
 pub use lattice::{Cells, Lattice};
 pub use leapfrog::Leapfrog;
-pub use linear::{Linearized, StepTooLong};
+#[cfg(feature = "modes")]
+pub use linear::Linearized;
 pub use obstacle::Obstacle;
 pub use place::PlaceMatrix;
+#[cfg(feature = "modes")]
 pub use rapunzel_vibration::Modes;
 pub use rope::Rope;
 pub use runge_kutta::runge_kutta;
 pub use spring::Spring;
+pub use stability::StepTooLong;
 pub use system::System;
 pub use wind::WindField;

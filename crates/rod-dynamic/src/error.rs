@@ -1,3 +1,4 @@
+#[cfg(feature = "modes")]
 use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
@@ -24,6 +25,7 @@ pub enum RodError {
         found: usize,
     },
     /// Eigenvalues of a stiffness and a mass that were not found.
+    #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
     Vibration(#[from] VibrationError),
 }

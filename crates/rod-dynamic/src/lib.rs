@@ -6,6 +6,7 @@ mod conditions;
 mod error;
 mod joint;
 mod ledger;
+#[cfg(feature = "modes")]
 mod linear;
 mod response;
 mod rod;
@@ -16,6 +17,7 @@ pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
 pub use conditions::{Air, Conditions, Drag, End, Instant, Load, Steady};
 pub use error::{RodError, StepError};
 pub use ledger::Ledger;
+#[cfg(feature = "modes")]
 pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, SectionLaws, StepReport};

@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 
+#[cfg(feature = "dense")]
 mod dense;
 mod error;
 mod lanczos;
 
+#[cfg(feature = "dense")]
 pub use dense::{Modes, characteristic_exponents, eigen, modes, smallest_eigenvalue};
 pub use error::VibrationError;
 pub use lanczos::largest_eigenvalue;
