@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Most evaluations of the potentials, and changes of charge that their iteration remembers.
 const MOST: usize = 80;
-const DEPTH: usize = 40;
+const FLOW_DEPTH: usize = 40;
 
 /// Lets charge flow for `dt` seconds while the fibres lie still. False if the charges after the step were
 /// not found.
@@ -34,7 +34,7 @@ pub(super) fn flow(
     let one = ChargeFlow { resistance, capacity: flow.capacity, head };
     let (start, places) = (fibers.charges(), fibers.positions());
     let mut now = start.clone();
-    let mut anderson = AndersonAcceleration::new(DEPTH);
+    let mut anderson = AndersonAcceleration::new(FLOW_DEPTH);
     let tolerance = electric.charging.tolerance;
     let mut found = false;
     for _ in 0..MOST {

@@ -7,7 +7,7 @@ use crate::fibers::RestingFibers;
 use nalgebra::Vector3;
 
 /// Changes that the iteration remembers.
-const DEPTH: usize = 12;
+const SETTLE_DEPTH: usize = 12;
 /// By how much a step is shortened that raises the energy.
 const SHORTER: f64 = 0.25;
 /// The shortest part of a step.
@@ -50,7 +50,7 @@ pub(super) fn settle(
     let (tolerance, most) = (electric.charging.tolerance, electric.charging.evaluations);
     let start = flat(&evaluate(fibers, electric, 1.0)?.forces);
     let mut now = trial(fibers, electric, start, 1.0)?;
-    let mut anderson = AndersonAcceleration::new(DEPTH);
+    let mut anderson = AndersonAcceleration::new(SETTLE_DEPTH);
     let (mut evaluations, mut retreats) = (2, 0);
     loop {
         let size = dot(&now.residual, &now.residual).sqrt();

@@ -73,7 +73,7 @@ impl RodBatch for StaggeredBatch {
     }
 
     fn step(&mut self, dt: f64, lanes: &[&dyn Conditions]) -> Result<StepReport, StepError> {
-        let mut reports = [rod::StepReport::default(); Self::MAX_FIBERS];
+        let mut reports = [rod::RodStepReport::default(); Self::MAX_FIBERS];
         self.step(dt, lanes, &mut reports)?;
         let mut sum = StepReport::default();
         for one in &reports[..lanes.len()] {

@@ -180,7 +180,7 @@ impl ContactPoint {
 
 /// Places that are nearer to each other along both sides, in segments, are one: named by two segments that
 /// share a node, or two nodes that face each other where fibres were laid side by side.
-const SAME: f64 = 1e-4;
+const SAME_PLACE: f64 = 1e-4;
 
 /// From this number on, sides are objects.
 const OBJECTS: u32 = 1 << 31;
@@ -214,7 +214,7 @@ impl ContactKey {
 
 /// Whether two are the same place of a pair, in the bits of segments along both.
 pub(crate) fn same_place(a: [u64; 2], b: [u64; 2]) -> bool {
-    let near = |i: usize| (f64::from_bits(a[i]) - f64::from_bits(b[i])).abs() < SAME;
+    let near = |i: usize| (f64::from_bits(a[i]) - f64::from_bits(b[i])).abs() < SAME_PLACE;
     near(0) && near(1)
 }
 

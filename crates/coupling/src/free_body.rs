@@ -13,7 +13,7 @@ use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_rod_dynamic::{Energy, Ledger};
 
 /// Numbers of a saved body.
-const NUMBERS: usize = 13;
+const BODY_NUMBERS: usize = 13;
 
 /// A free body, between steps and within one.
 #[derive(Debug)]
@@ -99,7 +99,7 @@ impl FreeBody {
     /// Goes back to saved numbers and returns what is left of them; `None` if there are too few.
     pub(crate) fn restore<'a>(&mut self, numbers: &'a [f64]) -> Option<&'a [f64]> {
         let (&[x, y, z, i, j, k, w, u, v, n, l, m, o], rest) =
-            numbers.split_first_chunk::<NUMBERS>()?;
+            numbers.split_first_chunk::<BODY_NUMBERS>()?;
         // Not normalized again: the same bits must come back.
         let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
         self.state.pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);

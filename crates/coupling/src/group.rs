@@ -85,7 +85,7 @@ impl FiberGroup<StaggeredBatch> {
         let middle = self.load(time, dt)?;
         let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
         let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
-        let mut reports = [rod::StepReport::default(); StaggeredBatch::MAX_FIBERS];
+        let mut reports = [rod::RodStepReport::default(); StaggeredBatch::MAX_FIBERS];
         let done = self.batch.set_out(dt, &lanes, impulses, &mut reports);
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }

@@ -17,7 +17,7 @@ const SPACING: f64 = 0.1;
 const TOLERANCE: f64 = 2e-3;
 /// Places of a pair that are nearer to each other than this, in the smaller of the two, are one: a
 /// corner is the end of three edges.
-const SAME: f64 = 1e-6;
+const SAME_CORNER: f64 = 1e-6;
 /// Cosine of the angle up to which two normals at one place are the same.
 const PARALLEL: f64 = 0.99;
 
@@ -162,7 +162,7 @@ impl PairStep<'_> {
                 found.extend(touches.filter(|(touch, _)| touch.gap <= self.margin));
             }
         }
-        (distinct(found, SAME * objects[0].size.min(objects[1].size)), inside)
+        (distinct(found, SAME_CORNER * objects[0].size.min(objects[1].size)), inside)
     }
 
     /// The touch that a contact of capsule number `bone` of one of the two is, and its place.

@@ -7,7 +7,7 @@ use rapunzel_keratin::law::{MaxwellElement, Relaxation, Viscoelastic};
 use rapunzel_keratin::surface::{Direction, Wetness, friction};
 use rapunzel_keratin::{Climate, Hair, HairType};
 use rapunzel_rod_dynamic::{
-    Conditions, Instant, Rod, SectionLaws, StaggeredBatch, Steady, StepReport,
+    Conditions, Instant, Rod, RodStepReport, SectionLaws, StaggeredBatch, Steady,
 };
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
@@ -58,7 +58,7 @@ fn rods(c: &mut Criterion) {
     let hold = Steady(Instant::clamped(pose, Vector3::new(0.0, 0.0, -9.81)));
     for (name, rod) in [("elastic", elastic), ("viscoelastic", viscoelastic)] {
         let conditions: [&dyn Conditions; 8] = [&hold; 8];
-        let mut reports = [StepReport::default(); 8];
+        let mut reports = [RodStepReport::default(); 8];
         let fresh = || StaggeredBatch::new(vec![rod.clone(); 8], 0.3).expect("rods");
         let mut batch = fresh();
         group.bench_function(format!("{name} rod of 8"), |b| {

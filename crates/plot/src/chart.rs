@@ -18,9 +18,9 @@ const COLORS: [RGBColor; 7] = [
 ];
 /// Room for the title, below and to the left of the axes for labels, and around all, pixels.
 const TITLE: f64 = 40.0;
-const BELOW: f64 = 60.0;
+const CHART_BELOW: f64 = 60.0;
 const LEFT: f64 = 80.0;
-const GAP: f64 = 12.0;
+const CHART_GAP: f64 = 12.0;
 /// Room for the legend: the least, beside its names, and for a letter of them, pixels.
 const RIGHT: f64 = 250.0;
 const LEGEND: f64 = 50.0;
@@ -82,7 +82,7 @@ impl Chart {
     }
 
     pub(crate) fn height(&self) -> f64 {
-        TITLE + GAP + self.axes_height() + BELOW
+        TITLE + CHART_GAP + self.axes_height() + CHART_BELOW
     }
 
     fn axes_height(&self) -> f64 {
@@ -123,7 +123,7 @@ impl Chart {
         let (left, legend) = rest.split_horizontally(pixels(WIDTH - self.legend_width()));
         self.draw_axes(&left)?;
         for (i, curve) in self.curves.iter().enumerate() {
-            let y = GAP + 12.0 + LINE * i as f64;
+            let y = CHART_GAP + 12.0 + LINE * i as f64;
             let color = COLORS[i % COLORS.len()];
             let ends = if i < COLORS.len() {
                 vec![[14.0, 36.0]]
@@ -141,11 +141,11 @@ impl Chart {
     fn draw_axes(&self, page: &Page<'_>) -> Result<(), PlotError> {
         let [xs, ys] = self.ranges();
         let mut chart = ChartBuilder::on(page)
-            .margin_top(pixels(GAP))
-            .margin_left(pixels(GAP))
-            .margin_bottom(pixels(GAP))
-            .x_label_area_size(pixels(BELOW - GAP))
-            .y_label_area_size(pixels(LEFT - GAP))
+            .margin_top(pixels(CHART_GAP))
+            .margin_left(pixels(CHART_GAP))
+            .margin_bottom(pixels(CHART_GAP))
+            .x_label_area_size(pixels(CHART_BELOW - CHART_GAP))
+            .y_label_area_size(pixels(LEFT - CHART_GAP))
             .build_cartesian_2d(
                 PlotAxis::new(xs, 8.0, false),
                 PlotAxis::new(ys, 8.0, self.log_from.is_some()),

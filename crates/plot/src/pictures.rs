@@ -8,12 +8,12 @@ use std::fmt::Write;
 const FIBER: RGBColor = RGBColor(0x6b, 0x44, 0x23);
 /// Room for the title and for what is below, pixels.
 const TITLE: f64 = 40.0;
-const BELOW: f64 = 56.0;
+const PICTURE_BELOW: f64 = 56.0;
 const MARGIN: f64 = 20.0;
 /// Room for the caption of a picture, and within and between frames, pixels.
 const CAPTION: f64 = 32.0;
 const INSET: f64 = 12.0;
-const GAP: f64 = 4.0;
+const PICTURE_GAP: f64 = 4.0;
 /// Height of the fibers in a picture at most, so that a row fits on a screen, pixels.
 const TALLEST: f64 = 280.0;
 
@@ -84,7 +84,7 @@ impl Pictures {
 
     pub(crate) fn height(&self) -> Result<f64, PlotError> {
         let rows = self.pictures.len().div_ceil(self.columns.max(1)) as f64;
-        Ok(TITLE + rows * self.layout()?.cell[1] + BELOW)
+        Ok(TITLE + rows * self.layout()?.cell[1] + PICTURE_BELOW)
     }
 
     pub(crate) fn draw(&self, page: &Page<'_>) -> Result<(), PlotError> {
@@ -99,7 +99,7 @@ impl Pictures {
                 let [x, y] = self.seen(p);
                 [left + scale * (x - xs[0]), top + scale * (ys[1] - y)]
             };
-            frame(page, corner, cell.map(|length| length - GAP))?;
+            frame(page, corner, cell.map(|length| length - PICTURE_GAP))?;
             write(page, [corner[0] + 8.0, corner[1] + 14.0], 12.0, &picture.caption)?;
             let style = line(FIBER, if picture.fibers.len() > 1 { 0.4 } else { 1.5 });
             let finite = |p: &&Point3<f64>| p.iter().all(|x| x.is_finite());

@@ -5,8 +5,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Rod, RodIntegrator, Staggered, StaggeredBatch, Steady,
-    StepReport, equilibrium,
+    Conditions, ImpulseResponse, Instant, Rod, RodIntegrator, RodStepReport, Staggered,
+    StaggeredBatch, Steady, equilibrium,
 };
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
@@ -54,7 +54,7 @@ fn steps(c: &mut Criterion) {
             for (company, fibers) in [("alone", 1), ("of 64", 8)] {
                 // Sixty-four fibres are eight batches; one after the other they cost eight times one.
                 let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
-                let mut reports = vec![StepReport::default(); fibers];
+                let mut reports = vec![RodStepReport::default(); fibers];
                 let mut batch = released(fibers, curly);
                 group.bench_function(format!("{shape} {label} {company}"), |b| {
                     b.iter_custom(|count| {
@@ -82,7 +82,7 @@ fn response(c: &mut Criterion) {
     for (company, fibers) in [("alone", 1), ("of 8", 8)] {
         let mut batch = released(fibers, true);
         let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
-        let mut reports = vec![StepReport::default(); fibers];
+        let mut reports = vec![RodStepReport::default(); fibers];
         for _ in 0..100 {
             batch.step(1e-3, &conditions, &mut reports).expect("a step");
         }

@@ -6,7 +6,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, Instant, Rod, RodIntegrator, Staggered, StaggeredBatch, Steady, StepReport,
+    Conditions, Instant, Rod, RodIntegrator, RodStepReport, Staggered, StaggeredBatch, Steady,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         batch.set_state(fiber, &straight)?;
     }
     let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
-    let mut reports = vec![StepReport::default(); fibers];
+    let mut reports = vec![RodStepReport::default(); fibers];
     let unit = rod.fiber.mass() * 9.81 * length;
     let start = batch.energy(0, &gravity).total();
     let steps = (duration / dt).round() as usize;

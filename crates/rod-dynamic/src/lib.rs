@@ -20,5 +20,5 @@ pub use ledger::Ledger;
 #[cfg(feature = "modes")]
 pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point, PointResponses};
-pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, SectionLaws, StepReport};
+pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};

@@ -141,7 +141,7 @@ impl AddAssign for Momentum {
 
 /// What a step cost.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StepReport {
+pub struct RodStepReport {
     /// Newton iterations, over all sub-steps.
     pub iterations: usize,
     /// How often the step was halved because Newton's method failed.
@@ -184,7 +184,7 @@ pub trait RodIntegrator: Send {
     ///
     /// # Errors
     /// [`StepError`]; the rod is then as before.
-    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<StepReport, StepError>;
+    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<RodStepReport, StepError>;
 
     /// Appends all numbers that determine what follows, so that [`RodIntegrator::restore`]
     /// continues bit for bit.

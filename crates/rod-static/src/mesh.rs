@@ -13,7 +13,7 @@ const RESOLVED: f64 = 1.0;
 /// Error of a step by its estimate, in lengths and radians: that of a way near a saddle grows.
 const FINE: f64 = 1e-14;
 /// Most elements.
-const MOST: f64 = 5e4;
+const MOST_ELEMENTS: f64 = 5e4;
 /// The sharpest bend, in parts of the length, that arc lengths can resolve.
 const SHARPEST: f64 = 1e8;
 /// How the elements grow with the distance from what holds or loads the rod.
@@ -110,7 +110,7 @@ impl Scaled {
         for (index, (piece, (slow, soft))) in self.pieces.iter().zip(rates).enumerate() {
             let (length, fast) = (piece.length() / self.length, (carried / soft).sqrt());
             // In this form what is no number is refused too.
-            let resolved = slow * length < COARSE * MOST && fast < SHARPEST;
+            let resolved = slow * length < COARSE * MOST_ELEMENTS && fast < SHARPEST;
             if !resolved {
                 let radius = self.length / slow.max(fast);
                 return Err(StaticError::TooFine { radius, length: self.length });
@@ -173,7 +173,7 @@ impl Scaled {
             }
         }
         more.extend(nodes.last());
-        let split = finer.len() > elements.len() && (finer.len() as f64) < MOST;
+        let split = finer.len() > elements.len() && (finer.len() as f64) < MOST_ELEMENTS;
         split.then_some((finer, more))
     }
 

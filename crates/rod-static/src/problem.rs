@@ -16,10 +16,10 @@ use std::f64::consts::TAU;
 /// First step of a continuation, in parts of the way; shortest one, in parts of what is behind, and
 /// the least that counts for that: loads grow by their logarithm.
 const FIRST: f64 = 0.25;
-const SHORTEST: f64 = 1e-3;
+const SHORTEST_LOAD_STEP: f64 = 1e-3;
 const SMALLEST: f64 = 1e-6;
 /// A way short enough to be tried in one step, in lengths, radians and stiffness by length.
-const NEAR: f64 = 0.1;
+const NEAR_SOLUTION: f64 = 0.1;
 /// How often the elements are split before the solution counts as not resolved.
 const REFINEMENTS: usize = 4;
 /// Moments that bend the shapes to start from, in units of stiffness by length.
@@ -343,7 +343,7 @@ impl Problem {
     ) -> Option<Vec<ShootingNode>> {
         let tip = start.nodes.last()?;
         let mut nodes = start.nodes.clone();
-        let near = start.factor >= loads && self.goal.missed(tip)?.0.norm() < NEAR;
+        let near = start.factor >= loads && self.goal.missed(tip)?.0.norm() < NEAR_SOLUTION;
         let (mut at, mut step) = (0.0_f64, if near { 1.0 } else { FIRST });
         while at < 1.0 {
             let next = (at + step).min(1.0);
@@ -354,7 +354,7 @@ impl Problem {
                 (nodes, at, step) = (trial, next, 2.0 * step);
             } else {
                 step *= 0.5;
-                if step < SHORTEST * at.max(SMALLEST) {
+                if step < SHORTEST_LOAD_STEP * at.max(SMALLEST) {
                     return None;
                 }
             }

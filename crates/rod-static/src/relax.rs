@@ -11,13 +11,13 @@ use rapunzel_fiber::so3::hat;
 use rayon::prelude::*;
 
 /// Newton steps before an attempt is given up.
-const MOST: usize = 300;
+const MOST_RELAXATIONS: usize = 300;
 /// Newton steps before held nodes are led to their places by springs.
 const AT_ONCE: usize = 20;
 /// Stiffnesses of those springs, in units of the rod's.
 const SPRINGS: [f64; 4] = [3.0, 30.0, 300.0, 3000.0];
 /// A step, rad, after which nothing is left to do: the next one is its square.
-const SMALL: f64 = 1e-8;
+const SMALL_CHANGE: f64 = 1e-8;
 /// A step in the range of Newton's method, whose merit need not be tested.
 const LOCAL: f64 = 1e-3;
 /// A step of a shifted matrix so small that the way down may be one of negative curvature; with
@@ -29,20 +29,20 @@ const LARGEST: f64 = 1.5;
 /// Part of the decrease that the slope promises which a step must bring (Armijo 1966).
 const ENOUGH: f64 = 1e-4;
 /// What rounding makes of an energy, relative to it.
-const ROUNDING: f64 = 1e-13;
+const RELAX_ROUNDING: f64 = 1e-13;
 /// Shortest part of a step.
-const SHORTEST: f64 = 1e-6;
+const SHORTEST_LINE_STEP: f64 = 1e-6;
 /// Steps that are taken on trial where the first of them raises the merit.
 const AHEAD: usize = 4;
 /// Steps along a direction of negative curvature, rad.
 const FALLS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.0];
 /// One that is taken on trial, rad.
-const FAR: f64 = 0.3;
+const FAR_STEP: f64 = 0.3;
 /// First and shortest part of the following forces in which they are applied, and the Newton steps
 /// for each.
 const FIRST: f64 = 0.25;
 const LEAST: f64 = 1e-3;
-const FEW: usize = 12;
+const FEW_STEPS: usize = 12;
 
 /// An equilibrium of a [`Chain`]: a minimum of the energy, if no following forces act.
 #[derive(Debug, Clone)]
@@ -131,7 +131,7 @@ impl Chain {
     fn minimize(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
         let free = vec![Vector3::zeros(); self.targets.len()];
         if !self.targets.iter().any(Target::is_held) {
-            return self.descend(frames, free, MOST);
+            return self.descend(frames, free, MOST_RELAXATIONS);
         }
         if let Ok(rest) = self.descend(frames.clone(), free, AT_ONCE) {
             return Ok(rest);
@@ -146,11 +146,11 @@ impl Chain {
             }
             let free = vec![Vector3::zeros(); self.targets.len()];
             let before = rest.iterations;
-            rest = soft.descend(rest.shape.frames, free, MOST)?;
+            rest = soft.descend(rest.shape.frames, free, MOST_RELAXATIONS)?;
             rest.iterations += before;
         }
         let before = rest.iterations;
-        let held = self.descend(rest.shape.frames, rest.pulls, MOST)?;
+        let held = self.descend(rest.shape.frames, rest.pulls, MOST_RELAXATIONS)?;
         Ok(Rest { iterations: held.iterations + before, ..held })
     }
 
@@ -185,7 +185,7 @@ impl Chain {
                 break;
             };
             size = newton.size();
-            if newton.shift == 0.0 && size < SMALL {
+            if newton.shift == 0.0 && size < SMALL_CHANGE {
                 now = now.moved(self, &dead, &newton.step, 1.0);
                 update(&mut pulls, &newton.pulls, 1.0);
                 return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
@@ -197,12 +197,13 @@ impl Chain {
             let before = merit(&now);
             if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
                 let lowest = self.lowest(&now, &dead, falling, merit);
-                let deeper = |trial: &TrialShape| merit(trial) < before - ROUNDING * before.abs();
+                let deeper =
+                    |trial: &TrialShape| merit(trial) < before - RELAX_ROUNDING * before.abs();
                 if let Some(lowest) = lowest.filter(deeper) {
                     now = lowest;
                     continue;
                 }
-                if size < SMALL && !held {
+                if size < SMALL_CHANGE && !held {
                     // As a round rod that has buckled may do so in any plane: rounding alone makes this
                     // a way down.
                     return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
@@ -218,7 +219,7 @@ impl Chain {
                 if self.targets.is_empty() && next.energy > low(part) {
                     next = self.ahead(&next, &dead, low(part)).unwrap_or(next);
                 }
-                while merit(&next) > low(part) && part >= SHORTEST {
+                while merit(&next) > low(part) && part >= SHORTEST_LINE_STEP {
                     part *= 0.5;
                     next = now.moved(self, &dead, &newton.step, part);
                 }
@@ -245,7 +246,7 @@ impl Chain {
             return Some(lowest);
         }
         let low = merit(&lowest).min(merit(now));
-        let far = both(FAR).into_iter().filter_map(|trial| self.ahead(&trial, dead, low));
+        let far = both(FAR_STEP).into_iter().filter_map(|trial| self.ahead(&trial, dead, low));
         far.min_by(deeper).or(Some(lowest))
     }
 
@@ -301,7 +302,7 @@ impl Chain {
         loop {
             let (mut trial, mut held) = (frames.clone(), pulls.clone());
             let size = self.balance(&mut trial, &mut held, next, &mut iterations);
-            if size < SMALL {
+            if size < SMALL_CHANGE {
                 (frames, pulls) = (trial, held);
                 if next >= 1.0 {
                     return Ok(Rest { shape: self.shape(frames), pulls, iterations });
@@ -332,7 +333,7 @@ impl Chain {
         iterations: &mut usize,
     ) -> f64 {
         let mut size = f64::INFINITY;
-        for _ in 0..FEW {
+        for _ in 0..FEW_STEPS {
             *iterations += 1;
             let carried = self.carried(frames, factor, pulls);
             let now = TrialShape::new(self, std::mem::take(frames), &carried);
@@ -348,7 +349,7 @@ impl Chain {
             size = newton.size();
             *frames = now.moved(self, &carried, &newton.step, (LARGEST / size).min(1.0)).frames;
             update(pulls, &newton.pulls, 1.0);
-            if size < SMALL || !size.is_finite() {
+            if size < SMALL_CHANGE || !size.is_finite() {
                 break;
             }
         }

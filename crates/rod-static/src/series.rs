@@ -1,11 +1,11 @@
 //! Entire functions of the squared angle that the geometry of a segment is made of, by their power
 //! series: no sine, no square root, and no special case at zero.
 
-/// Terms that are enough for squared angles up to [`SMALL`], and for those of half a turn.
-const FEW: usize = 10;
+/// Terms that are enough for squared angles up to [`SMALL_ARGUMENT`], and for those of half a turn.
+const FEW_TERMS: usize = 10;
 const MANY: usize = 20;
 /// A squared angle for which few terms are enough: the next one is `1 / 22!` of the first.
-const SMALL: f64 = 1.0;
+const SMALL_ARGUMENT: f64 = 1.0;
 
 /// `(1 - cos a) / a^2`.
 const C2: [f64; MANY] = coefficients(2);
@@ -57,20 +57,20 @@ fn jet(terms: &[f64]) -> impl Fn(f64) -> Jet {
 
 /// `c2 = (1 - cos a) / a^2` and `c3 = (a - sin a) / a^3` of the squared angle `x = a^2`.
 pub(crate) fn curve(x: f64) -> [Jet; 2] {
-    let count = if x < SMALL { FEW } else { MANY };
+    let count = if x < SMALL_ARGUMENT { FEW_TERMS } else { MANY };
     [jet(&C2[..count])(x), jet(&C3[..count])(x)]
 }
 
 /// The values of [`curve`] alone.
 pub(crate) fn curve_values(x: f64) -> [f64; 2] {
-    let count = if x < SMALL { FEW } else { MANY };
+    let count = if x < SMALL_ARGUMENT { FEW_TERMS } else { MANY };
     let value = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| sum * x + term);
     [value(&C2[..count]), value(&C3[..count])]
 }
 
 /// `d = (1 - (a / 2) cot(a / 2)) / a^2` and its derivative by `x = a^2`, from the jet of `c2`.
 pub(crate) fn logarithm(x: f64, c2: &Jet) -> [f64; 2] {
-    let count = if x < SMALL { FEW } else { MANY };
+    let count = if x < SMALL_ARGUMENT { FEW_TERMS } else { MANY };
     let e = jet(&E[..count])(x);
     let d = 0.5 * e[0] / c2[0];
     [d, (0.5 * e[1] - d * c2[1]) / c2[0]]

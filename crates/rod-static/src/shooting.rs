@@ -5,15 +5,15 @@ use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use std::cell::Cell;
 
 /// Newton steps before an attempt is given up.
-const MOST: usize = 12;
+const MOST_SHOTS: usize = 12;
 /// A correction after which nothing is left to correct: the next one is its square.
 const SMALL: f64 = 1e-8;
 /// A correction in radians and lengths that is no longer one.
-const FAR: f64 = 3.0;
+const FAR_SHOT: f64 = 3.0;
 /// Most iterations for singular values, of which six take some ten.
 const MOST_ROTATIONS: usize = 300;
 /// Part of the largest singular value below which one is that of a neutral way.
-const NEUTRAL: f64 = 1e-10;
+const NEUTRAL_SHOT: f64 = 1e-10;
 /// Part of what is missed that such ways may leave over.
 const CONSISTENT: f64 = 1e-8;
 
@@ -53,7 +53,7 @@ pub(crate) fn newton(
     effort: &Effort,
 ) -> Option<()> {
     let mut before = f64::INFINITY;
-    for iteration in 0..MOST {
+    for iteration in 0..MOST_SHOTS {
         effort.spend(elements.len())?;
         let corrections = corrections(rod, elements, nodes, goal, factor)?;
         let mut size = 0.0_f64;
@@ -61,7 +61,7 @@ pub(crate) fn newton(
             size = size.max(relative(node, correction));
         }
         let diverges = iteration > 1 && size > 0.7 * before && size > SMALL;
-        if !size.is_finite() || size > FAR || diverges {
+        if !size.is_finite() || size > FAR_SHOT || diverges {
             return None;
         }
         for (node, correction) in nodes.iter_mut().zip(&corrections) {
@@ -161,7 +161,7 @@ fn corrections(
     // A closed ring may turn about its tangent: where a way is neutral it is not gone. Of what has
     // overflowed on the way singular values are sought without end unless that is bounded.
     let onto = (by * basis).try_svd(true, true, 5.0 * f64::EPSILON, MOST_ROTATIONS)?;
-    let neutral = NEUTRAL * onto.singular_values.max();
+    let neutral = NEUTRAL_SHOT * onto.singular_values.max();
     let wanted = -(missed + by * rest);
     let mut p = onto.solve(&wanted, neutral).ok()?;
     // In this form what is no number is not consistent.

@@ -9,8 +9,8 @@ const RIGID: f64 = 1e9;
 
 /// Part of the largest eigenvalue below which one counts as zero: of rounding, and of what Newton's
 /// method leaves of a neutral way.
-const ROUNDING: f64 = 1e-10;
-const NEUTRAL: f64 = 1e-7;
+const STABILITY_ROUNDING: f64 = 1e-10;
+const NEUTRAL_MODE: f64 = 1e-7;
 
 /// Number of independent variations that lower the energy: the number of points conjugate to the
 /// end, counted with their multiplicity. `None` if a derivative is singular.
@@ -44,7 +44,7 @@ pub(crate) fn index(
         };
         let [r, rotation, m] = [0, 1, 2].map(|row| [1, 2, 3].map(|column| block(row, column)));
         let pivot = m[1] - stiffness * rotation[1];
-        count += negative(&(pivot * rotation[1].try_inverse()?), ROUNDING);
+        count += negative(&(pivot * rotation[1].try_inverse()?), STABILITY_ROUNDING);
         let inverse = pivot.try_inverse()?;
         let (before, beyond) = (
             inverse * (stiffness * rotation[0] - m[0]),
@@ -56,8 +56,11 @@ pub(crate) fn index(
         arm = r[0] + r[1] * before + arm * turned;
         (stiffness, coupling) = (before, beyond);
     }
-    let held =
-        if matches!(goal, Goal::Free { .. }) { 0 } else { 3 - negative(&-compliance, NEUTRAL) };
+    let held = if matches!(goal, Goal::Free { .. }) {
+        0
+    } else {
+        3 - negative(&-compliance, NEUTRAL_MODE)
+    };
     Some(count.saturating_sub(held))
 }
 

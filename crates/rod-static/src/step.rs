@@ -35,11 +35,11 @@ pub(crate) struct Reached {
 }
 
 /// Newton steps for the stages.
-const MOST: usize = 20;
+const MOST_STAGE_ITERATIONS: usize = 20;
 /// A correction after which the same derivatives serve again, and one after which only rounding is
 /// left.
-const NEAR: f64 = 1e-2;
-const SMALL: f64 = 1e-12;
+const NEAR_STAGE: f64 = 1e-2;
+const SMALL_STAGE: f64 = 1e-12;
 
 /// The quaternions of all stages.
 const UNKNOWNS: usize = 4 * STAGES;
@@ -141,9 +141,9 @@ impl GaussStep {
         let mut stages = Self::stages(node, h, &q, &p);
         let (_, mut solver) = Self::derivatives(h, &stages);
         let mut size = f64::INFINITY;
-        for iteration in 0..MOST {
+        for iteration in 0..MOST_STAGE_ITERATIONS {
             // Near the solution the derivatives serve again: the error falls by their own.
-            if iteration > 0 && size > NEAR {
+            if iteration > 0 && size > NEAR_STAGE {
                 (_, solver) = Self::derivatives(h, &stages);
             }
             let mut missed = SVector::<f64, UNKNOWNS>::zeros();
@@ -158,11 +158,11 @@ impl GaussStep {
             }
             stages = Self::stages(node, h, &q, &p);
             size = missed.amax();
-            if size < SMALL {
+            if size < SMALL_STAGE {
                 break;
             }
         }
-        Self { h, stages, converged: size < SMALL }
+        Self { h, stages, converged: size < SMALL_STAGE }
     }
 
     /// The stages with these quaternions: forces follow from the loads, moments from both.

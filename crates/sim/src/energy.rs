@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 const UNEXPLAINED: f64 = 0.1;
 /// What rounding may leave, as a part of the energy that bends all fibres by a radian, and of that in
 /// gravity.
-const ROUNDING: f64 = 1e-9;
+const ENERGY_ROUNDING: f64 = 1e-9;
 
 /// Where the energy of a run came from, as far as that is known.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ impl EnergyBudget {
     /// radian, J.
     pub(crate) fn new(start: &Energy, bending: f64) -> Self {
         let (rounding, height) =
-            (ROUNDING * (bending + start.gravitational.abs()), start.gravitational);
+            (ENERGY_ROUNDING * (bending + start.gravitational.abs()), start.gravitational);
         Self { start: stored(start), height, rounding, most: [0.0; 5] }
     }
 

@@ -18,7 +18,7 @@ use std::collections::binary_heap::PeekMut;
 const MAX_EVALUATIONS: usize = 8192;
 
 /// Coordinates are computed to within this many times the largest of them.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const ADVANCE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A cut pays when the halves may advance this many times as far.
 const CREEP: f64 = 4.0;
@@ -69,7 +69,7 @@ pub(super) fn first_impact<const N: usize>(
     reach: f64,
     tolerance: f64,
 ) -> Option<Impact<N>> {
-    let tolerance = tolerance.max(ROUNDING * (scale + reach));
+    let tolerance = tolerance.max(ADVANCE_ROUNDING * (scale + reach));
     // Half of the tolerance bounds every step from below, and covers the rounding.
     let keep = reach + 0.5 * tolerance;
     let mut waiting = BinaryHeap::new();

@@ -6,7 +6,7 @@ use crate::{Capsules, CollisionError, Pair};
 use rayon::prelude::*;
 
 /// Pairs that one thread looks at a time.
-const CHUNK: usize = 1024;
+const IMPACT_CHUNK: usize = 1024;
 
 /// The impacts of all `pairs` whose gap falls to `margin`, m, within the step from `start` to
 /// `end`, in the order of the pairs; `impacts` is emptied first.
@@ -39,7 +39,7 @@ pub fn impacts(
         let reach = start.radii()[i] + start.radii()[j] + margin;
         a.impact(&b, reach, tolerance).map(|impact| (pair, impact))
     };
-    let chunks = pairs.par_chunks(CHUNK);
+    let chunks = pairs.par_chunks(IMPACT_CHUNK);
     let found: Vec<Vec<_>> =
         chunks.map(|pairs| pairs.iter().filter_map(impact).collect()).collect();
     impacts.clear();

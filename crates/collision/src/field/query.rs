@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Points per chunk.
-const CHUNK: usize = 64;
+const QUERY_CHUNK: usize = 64;
 
 /// Adding this to a double rounds it to an integer, found in its low bits.
 const INTEGER: f64 = 6_755_399_441_055_744.0;
@@ -103,10 +103,10 @@ impl WithSimd for QueryBatch<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { grid, points, samples } = self;
         let mut chunk = Chunk {
-            fractions: [[0.0; CHUNK]; 3],
-            addresses: [[0; CHUNK]; 2],
-            corners: [[0.0; CHUNK]; 8],
-            results: [[0.0; CHUNK]; 4],
+            fractions: [[0.0; QUERY_CHUNK]; 3],
+            addresses: [[0; QUERY_CHUNK]; 2],
+            corners: [[0.0; QUERY_CHUNK]; 8],
+            results: [[0.0; QUERY_CHUNK]; 4],
         };
         let (full, rest) = points.as_chunks();
         let (full_samples, rest_samples) = samples.as_chunks_mut();
@@ -114,9 +114,10 @@ impl WithSimd for QueryBatch<'_> {
             chunk.query(grid, points, samples);
         }
         if !rest.is_empty() {
-            let mut padded = [rest[0]; CHUNK];
+            let mut padded = [rest[0]; QUERY_CHUNK];
             padded[..rest.len()].copy_from_slice(rest);
-            let mut padded_samples = [Sample { value: 0.0, gradient: Vector3::zeros() }; CHUNK];
+            let mut padded_samples =
+                [Sample { value: 0.0, gradient: Vector3::zeros() }; QUERY_CHUNK];
             chunk.query(grid, &padded, &mut padded_samples);
             rest_samples.copy_from_slice(&padded_samples[..rest.len()]);
         }
@@ -125,15 +126,20 @@ impl WithSimd for QueryBatch<'_> {
 
 /// What is known of the points of a chunk, each quantity in an array.
 struct Chunk {
-    fractions: [[f32; CHUNK]; 3],
-    addresses: [[u32; CHUNK]; 2],
-    corners: [[f32; CHUNK]; 8],
-    results: [[f32; CHUNK]; 4],
+    fractions: [[f32; QUERY_CHUNK]; 3],
+    addresses: [[u32; QUERY_CHUNK]; 2],
+    corners: [[f32; QUERY_CHUNK]; 8],
+    results: [[f32; QUERY_CHUNK]; 4],
 }
 
 impl Chunk {
     #[inline(always)]
-    fn query(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK], samples: &mut [Sample; CHUNK]) {
+    fn query(
+        &mut self,
+        grid: &Grid,
+        points: &[Point3<f64>; QUERY_CHUNK],
+        samples: &mut [Sample; QUERY_CHUNK],
+    ) {
         let outside = self.locate(grid, points);
         self.fetch(grid);
         self.interpolate();
@@ -147,10 +153,10 @@ impl Chunk {
 
     /// Finds the cells, and whether any point is outside of the box.
     #[inline(always)]
-    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; CHUNK]) -> bool {
+    fn locate(&mut self, grid: &Grid, points: &[Point3<f64>; QUERY_CHUNK]) -> bool {
         let frame = grid.frame;
         let mut outside = false;
-        for lane in 0..CHUNK {
+        for lane in 0..QUERY_CHUNK {
             let (GridPlace { address: [block, node], fractions: [x, y, z] }, inside) =
                 locate(&frame, &points[lane]);
             outside |= !inside;
@@ -164,7 +170,7 @@ impl Chunk {
     /// Brings in the corners.
     #[inline(always)]
     fn fetch(&mut self, grid: &Grid) {
-        for lane in 0..CHUNK {
+        for lane in 0..QUERY_CHUNK {
             let corners = grid.corners([self.addresses[0][lane], self.addresses[1][lane]]);
             for k in 0..8 {
                 self.corners[k][lane] = corners[k];
@@ -177,16 +183,16 @@ impl Chunk {
         let [c0, c1, c2, c3, c4, c5, c6, c7] = &self.corners;
         let [x, y, z] = &self.fractions;
         let [value, dx, dy, dz] = &mut self.results;
-        for i in 0..CHUNK {
+        for i in 0..QUERY_CHUNK {
             let corners = [c0[i], c1[i], c2[i], c3[i], c4[i], c5[i], c6[i], c7[i]];
             [value[i], dx[i], dy[i], dz[i]] = interpolate(corners, [x[i], y[i], z[i]]);
         }
     }
 
     #[inline(always)]
-    fn write(&self, inverse: f64, samples: &mut [Sample; CHUNK]) {
+    fn write(&self, inverse: f64, samples: &mut [Sample; QUERY_CHUNK]) {
         let [value, x, y, z] = &self.results;
-        for lane in 0..CHUNK {
+        for lane in 0..QUERY_CHUNK {
             samples[lane] = sample([value[lane], x[lane], y[lane], z[lane]], inverse);
         }
     }

@@ -10,7 +10,7 @@ use nalgebra::{Point3, Vector3};
 use std::array;
 
 /// Regions are widened by this part of the spacing.
-const SLACK: f64 = 1e-10;
+const SCAN_SLACK: f64 = 1e-10;
 
 impl Grid {
     /// Distances of a mesh at the nodes closer than `band`, m, on the smallest box that holds them.
@@ -130,8 +130,8 @@ fn nodes(frame: &GridFrame, feature: &Feature) -> [[usize; 3]; 2] {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let at = |x: f64, k: usize| x.clamp(0.0, (frame.blocks[k] * CELLS) as f64) as usize;
     [
-        array::from_fn(|k| at((index(low, k) - SLACK).ceil(), k)),
-        array::from_fn(|k| at((index(high, k) + SLACK).floor(), k)),
+        array::from_fn(|k| at((index(low, k) - SCAN_SLACK).ceil(), k)),
+        array::from_fn(|k| at((index(high, k) + SCAN_SLACK).floor(), k)),
     ]
 }
 
@@ -162,7 +162,7 @@ impl Scan<'_> {
                     let known = &mut distances[(k * SIDE + j) * SIDE + i];
                     let limit = if known.is_nan() { self.band } else { known.abs() };
                     if let Some(distance) =
-                        feature.distance(&node, limit, SLACK * self.frame.spacing)
+                        feature.distance(&node, limit, SCAN_SLACK * self.frame.spacing)
                     {
                         *known = distance;
                         found = true;

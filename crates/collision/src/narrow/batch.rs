@@ -5,7 +5,7 @@ use crate::{Capsules, Pair};
 /// Pairs whose ends are gathered at a time: few enough to stay close to the processor.
 pub(super) const BATCH: usize = 64;
 /// Axes that enclose less than this angle count as nearly parallel; its squared sine.
-const PARALLEL: f64 = 1e-6;
+const PARALLEL_AXES: f64 = 1e-6;
 /// Axes that enclose less than 15 degrees may touch in several points; the squared sine of that.
 const SIDE_BY_SIDE: f64 = 0.067;
 /// Squared lengths below this are those of points, m²: their products stay normal numbers.
@@ -105,7 +105,7 @@ impl PairBatch {
             let Axes { a, b, c, e, f, .. } = pair;
             // One division for all three fractions.
             let determinant = a * e - b * b;
-            let parallel = PARALLEL * a * e;
+            let parallel = PARALLEL_AXES * a * e;
             let safe = if determinant > parallel { determinant } else { parallel };
             let inverse = 1.0 / (a * e * safe);
             let per_a = inverse * e * safe;
@@ -116,7 +116,7 @@ impl PairBatch {
             self.closest.set(k, [s, t], pair.squared([s, t]));
             let sine = determinant * inverse * safe;
             self.sines[k] = sine;
-            oblique &= sine >= PARALLEL;
+            oblique &= sine >= PARALLEL_AXES;
         }
         oblique
     }
@@ -143,7 +143,7 @@ impl PairBatch {
                 best = if squared < least { other } else { best };
                 least = if squared < least { squared } else { least };
             }
-            let oblique = self.sines[k] >= PARALLEL;
+            let oblique = self.sines[k] >= PARALLEL_AXES;
             let [s, t] =
                 [0, 1].map(|i| if oblique { self.closest.fractions[i][k] } else { best[i] });
             self.closest.set(k, [s, t], if oblique { self.closest.squared[k] } else { least });

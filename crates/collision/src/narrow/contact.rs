@@ -10,9 +10,9 @@ use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// Pairs that one thread looks at a time.
-const CHUNK: usize = 4096;
+const CONTACT_CHUNK: usize = 4096;
 /// Pairs whose contacts are looked at while they are at hand.
-const FEW: usize = 4 * BATCH;
+const FEW_PAIRS: usize = 4 * BATCH;
 
 /// Two capsules that touch, or come close, at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +77,7 @@ pub fn contacts(
         Arch::new().dispatch(Find { capsules, pairs, reach, found: &mut found });
         found
     };
-    join(pairs.par_chunks(CHUNK).map(chunk).collect(), contacts);
+    join(pairs.par_chunks(CONTACT_CHUNK).map(chunk).collect(), contacts);
     Ok(())
 }
 
@@ -100,7 +100,7 @@ pub fn contacts_of_groups(
     length("reach", reach)?;
     let part = |pairs: &[Pair]| {
         let (mut found, mut stay) = (Vec::new(), Vec::new());
-        for pairs in whole_groups(pairs, FEW, &same) {
+        for pairs in whole_groups(pairs, FEW_PAIRS, &same) {
             found.clear();
             Arch::new().dispatch(Find { capsules, pairs, reach, found: &mut found });
             let groups = found.chunk_by(|a, b| same(&a.pair, &b.pair));
@@ -108,7 +108,7 @@ pub fn contacts_of_groups(
         }
         stay
     };
-    let parts: Vec<_> = whole_groups(pairs, CHUNK, &same).collect();
+    let parts: Vec<_> = whole_groups(pairs, CONTACT_CHUNK, &same).collect();
     join(parts.into_par_iter().map(part).collect(), contacts);
     Ok(())
 }
@@ -249,7 +249,7 @@ mod tests {
         let across = |x: f64| [point![x, -1.0, 0.15], point![x, 1.0, 0.15]];
         let points = [[z(-1.0, 0.0), z(1.0, 0.0)], across(0.5), across(-0.5)].concat();
         let capsules = Capsules::new(&layout, &points, &[RADIUS; 3]).expect("valid");
-        let sizes = [3 * CHUNK / 2, 1, 2 * CHUNK];
+        let sizes = [3 * CONTACT_CHUNK / 2, 1, 2 * CONTACT_CHUNK];
         let pairs: Vec<Pair> = [[0, 1], [0, 2], [0, 1]]
             .into_iter()
             .zip(sizes)

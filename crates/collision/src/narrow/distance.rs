@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Batches that one thread takes at a time.
-const CHUNK: usize = 32 * BATCH;
+const DISTANCE_CHUNK: usize = 32 * BATCH;
 
 /// Squared distances of the axes of all `pairs`, m², as [`crate::Capsule::closest`] finds them.
 ///
@@ -17,7 +17,7 @@ const CHUNK: usize = 32 * BATCH;
 /// If a pair names a segment that does not exist, as indexing does.
 pub fn squared_distances(capsules: &Capsules, pairs: &[Pair], distances: &mut Vec<f64>) {
     distances.resize(pairs.len(), 0.0);
-    let chunks = pairs.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK));
+    let chunks = pairs.par_chunks(DISTANCE_CHUNK).zip(distances.par_chunks_mut(DISTANCE_CHUNK));
     chunks.for_each(|(pairs, distances)| {
         Arch::new().dispatch(DistanceQuery { capsules, pairs, distances });
     });

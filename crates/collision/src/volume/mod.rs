@@ -86,11 +86,11 @@ pub struct Axis {
 }
 
 /// Relative enlargement of volumes.
-const ROUNDING: f64 = 32.0 * f64::EPSILON;
+const VOLUME_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// What lengths near `point` may be wrong by, m.
 fn rounding(point: &Point3<f64>, length: f64) -> f64 {
-    ROUNDING * (point.coords.amax() + length)
+    VOLUME_ROUNDING * (point.coords.amax() + length)
 }
 
 /// Radius of `capsule` with what makes volumes conservative, m.

@@ -158,7 +158,7 @@ impl BoundingVolume for Obb {
     /// products of edges that are nearly parallel.
     fn overlaps(&self, other: &Self) -> bool {
         let relative = self.axes.transpose() * other.axes;
-        let reach = relative.abs().add_scalar(super::ROUNDING);
+        let reach = relative.abs().add_scalar(super::VOLUME_ROUNDING);
         let t = self.axes.transpose() * (other.center - self.center);
         let (a, b) = (&self.half, &other.half);
         for i in 0..3 {

@@ -54,9 +54,9 @@ pub(super) trait Compare: Copy {
 
 /// Comparison that compilers turn into what the machine has.
 #[derive(Clone, Copy)]
-pub(super) struct Portable;
+pub(super) struct PortableCompare;
 
-impl Compare for Portable {
+impl Compare for PortableCompare {
     #[inline(always)]
     fn meet<const D: usize>(self, block: &Block<D>, bounds: &Bounds<D>) -> u16 {
         let mut meet = [true; LANES_F32];
@@ -145,8 +145,8 @@ mod tests {
             for (lane, other) in nodes.iter().enumerate() {
                 adjacent |= u16::from(other.abs_diff(node) <= 1) << lane;
             }
-            prop_assert_eq!(Portable.meet(&block, &bounds), meet);
-            prop_assert_eq!(Portable.adjacent(&nodes, node), adjacent);
+            prop_assert_eq!(PortableCompare.meet(&block, &bounds), meet);
+            prop_assert_eq!(PortableCompare.adjacent(&nodes, node), adjacent);
             if let Some(simd) = pulp::x86::V4::try_new() {
                 prop_assert_eq!(Masks(simd).meet(&block, &bounds), meet);
                 prop_assert_eq!(Masks(simd).adjacent(&nodes, node), adjacent);

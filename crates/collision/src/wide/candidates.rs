@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// A tree that has grown this much costlier than it was when new is built anew.
 const WORN: f64 = 1.5;
 /// Part of the margin by which ends of motions may be apart to have the same pairs.
-const SLACK: f64 = 0.5;
+const LIST_SLACK: f64 = 0.5;
 /// Pairs a segment above which a list is too long, and its margin is halved; where there are not even a
 /// quarter of them, it is doubled.
 const CROWD: usize = 8;
@@ -232,7 +232,7 @@ impl List {
         let both = start.positions().par_iter().zip(end.positions());
         let is_short = both.all(|(a, b)| SHORT * (b - a).norm() <= self.margin);
         let try_again = is_short || self.wide.is_multiple_of(PATIENCE);
-        let slack = |list: &Self| SLACK * list.margin;
+        let slack = |list: &Self| LIST_SLACK * list.margin;
         let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
         let mut complete = try_again && kept(self)?;
         if try_again && !complete && self.positions != start.positions() {

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 /// Pairs that are gathered at a time.
 const BATCH: usize = 64;
 /// Axes that enclose less than this angle are compared as parallels; its squared sine. Where it is
-/// larger, a distance of axes is off by less than the part [`ROUNDING`] of their lengths.
-const PARALLEL: f32 = 1e-3;
-const ROUNDING: f64 = 1e-4;
+/// larger, a distance of axes is off by less than the part [`LINE_ROUNDING`] of their lengths.
+const PARALLEL_WAYS: f32 = 1e-3;
+const LINE_ROUNDING: f64 = 1e-4;
 /// What may be left of the squared sine of parallels.
 const CANCELLED: f32 = 4e-6;
 /// Numbers are off by less than this part.
@@ -41,7 +41,7 @@ pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<MovingL
         let ways = nodes.map(|node| end.positions()[node] - start.positions()[node]);
         let (axis, way) = (q - p, 0.5 * (ways[0] + ways[1]));
         let own = 0.5 * (ways[0] - ways[1]).norm() + start.radii()[segment] + 0.5 * reach;
-        let roundings = ROUNDING * axis.norm() + 4.0 * NUMBER * (p.coords.amax() + way.amax());
+        let roundings = LINE_ROUNDING * axis.norm() + 4.0 * NUMBER * (p.coords.amax() + way.amax());
         MovingLine {
             start: single(&p.coords),
             axis: single(&axis),
@@ -144,7 +144,7 @@ impl LineBatch {
             let (a, b, c, e, f) = (dot(&u, &u), dot(&u, &v), dot(&u, &r), dot(&v, &v), dot(&v, &r));
             let (per_a, per_e) = (self.inverse[0][k], self.inverse[1][k]);
             let determinant = a * e - b * b;
-            let oblique = determinant > PARALLEL * a * e;
+            let oblique = determinant > PARALLEL_WAYS * a * e;
             let at = clamped((c * e - b * f) / determinant);
             let t = clamped((at * b - f) * per_e);
             let at = clamped((c + t * b) * per_a);

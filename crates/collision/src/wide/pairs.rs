@@ -1,6 +1,6 @@
 //! All pairs of boxes that meet.
 
-use super::block::{Compare, Portable};
+use super::block::{Compare, PortableCompare};
 use super::bounds::Bounds;
 use super::{Diagonals, NONE, Tree, TreeLevel};
 use crate::Pair;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Blocks of the second level whose pairs one thread finds at a time.
-const CHUNK: usize = 16;
+const TRAVERSAL_CHUNK: usize = 16;
 
 impl Tree {
     /// All pairs of segments, not adjacent, whose boxes meet; `pairs` is emptied first.
@@ -58,11 +58,11 @@ impl Tree {
         let (levels, diagonals) = (&self.levels, self.diagonals.as_ref());
         let last = levels[1].blocks.len();
         let part = |pairs: &mut Vec<Pair>, chunk: usize| {
-            let firsts = chunk * CHUNK..last.min((chunk + 1) * CHUNK);
+            let firsts = chunk * TRAVERSAL_CHUNK..last.min((chunk + 1) * TRAVERSAL_CHUNK);
             search(Query { levels, diagonals, nodes: &self.nodes, firsts, marked }, pairs);
             sift(pairs)
         };
-        let chunks = (0..last.div_ceil(CHUNK)).into_par_iter();
+        let chunks = (0..last.div_ceil(TRAVERSAL_CHUNK)).into_par_iter();
         join(chunks.map_init(Vec::new, part).collect(), all);
     }
 }
@@ -93,7 +93,7 @@ impl Tree {
         let mut partners = Vec::new();
         (0..self.levels[1].hulls.len()).all(|first| {
             partners.clear();
-            partners_of(Portable, &self.levels, first, &mut partners);
+            partners_of(PortableCompare, &self.levels, first, &mut partners);
             partners.iter().all(|&second| good([first, second as usize]))
         })
     }
@@ -127,7 +127,7 @@ fn search(query: Query, pairs: &mut Vec<Pair>) {
     if let Some(simd) = pulp::x86::V4::try_new() {
         return simd.vectorize(PairTraversal { query, compare: super::block::Masks(simd), pairs });
     }
-    Arch::new().dispatch(PairTraversal { query, compare: Portable, pairs });
+    Arch::new().dispatch(PairTraversal { query, compare: PortableCompare, pairs });
 }
 
 struct PairTraversal<'a, C> {

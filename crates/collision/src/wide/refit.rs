@@ -9,7 +9,7 @@ use rapunzel_lanes::LANES_F32;
 use rayon::prelude::*;
 
 /// Blocks that one thread fits at a time.
-const CHUNK: usize = 64;
+const REFIT_CHUNK: usize = 64;
 
 impl TreeLevel {
     /// Fits the boxes of the lowest level to the segments of all `frames`, grown by `margin`, m;
@@ -21,15 +21,16 @@ impl TreeLevel {
         frames: [&Capsules; N],
         margin: f64,
     ) {
-        let boxes = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
-        let lanes = self.children.par_chunks(CHUNK).zip(nodes.par_chunks(CHUNK));
+        let boxes =
+            self.blocks.par_chunks_mut(REFIT_CHUNK).zip(self.hulls.par_chunks_mut(REFIT_CHUNK));
+        let lanes = self.children.par_chunks(REFIT_CHUNK).zip(nodes.par_chunks(REFIT_CHUNK));
         let Some(Diagonals { blocks, hulls }) = diagonals else {
             return boxes.zip(lanes).for_each(|(along, (segments, nodes))| {
                 let oblique = None;
                 Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
             });
         };
-        let oblique = blocks.par_chunks_mut(CHUNK).zip(hulls.par_chunks_mut(CHUNK));
+        let oblique = blocks.par_chunks_mut(REFIT_CHUNK).zip(hulls.par_chunks_mut(REFIT_CHUNK));
         boxes.zip(oblique).zip(lanes).for_each(|((along, oblique), (segments, nodes))| {
             let oblique = Some(oblique);
             Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
@@ -38,16 +39,21 @@ impl TreeLevel {
 
     /// Fits the boxes of a higher level to the hulls of the blocks below.
     pub(super) fn fit_hulls(&mut self, below: &[Bounds]) {
-        let blocks = self.blocks.par_chunks_mut(CHUNK).zip(self.hulls.par_chunks_mut(CHUNK));
-        blocks.zip(self.children.par_chunks(CHUNK)).for_each(|((blocks, hulls), children)| {
-            for ((block, hull), children) in blocks.iter_mut().zip(hulls).zip(children) {
-                *hull = Bounds::EMPTY;
-                for (lane, &child) in children.iter().enumerate().take_while(|(_, c)| **c != NONE) {
-                    block.set(lane, &below[child as usize]);
-                    hull.hold(&below[child as usize]);
+        let blocks =
+            self.blocks.par_chunks_mut(REFIT_CHUNK).zip(self.hulls.par_chunks_mut(REFIT_CHUNK));
+        blocks.zip(self.children.par_chunks(REFIT_CHUNK)).for_each(
+            |((blocks, hulls), children)| {
+                for ((block, hull), children) in blocks.iter_mut().zip(hulls).zip(children) {
+                    *hull = Bounds::EMPTY;
+                    for (lane, &child) in
+                        children.iter().enumerate().take_while(|(_, c)| **c != NONE)
+                    {
+                        block.set(lane, &below[child as usize]);
+                        hull.hold(&below[child as usize]);
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 }
 

@@ -9,10 +9,10 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
-const CHUNK: usize = 4096;
+const WAY_CHUNK: usize = 4096;
 
 /// Where at least one of so many ends is astray, a search for all is hardly more.
-const FEW: usize = 8;
+const FEW_WAYS: usize = 8;
 
 /// Pairs of motions from one start, and how far they were apart there.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +44,7 @@ impl Way {
         [reach, slack]: [f64; 2],
     ) {
         let chunk = sieve(start, ways, reach + slack);
-        join(pairs.par_chunks(CHUNK).map(chunk).collect(), &mut self.all);
+        join(pairs.par_chunks(WAY_CHUNK).map(chunk).collect(), &mut self.all);
         self.start.clear();
         self.start.extend_from_slice(start.positions());
         self.end.clear();
@@ -119,7 +119,7 @@ impl Way {
             (*b - *a - shift).norm() > self.aside
         };
         let nodes: Vec<_> = ends().enumerate().filter(far).map(|(node, _)| node).collect();
-        (FEW * nodes.len() <= self.end.len()).then_some(Astray { nodes, shift })
+        (FEW_WAYS * nodes.len() <= self.end.len()).then_some(Astray { nodes, shift })
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
@@ -131,7 +131,7 @@ impl Way {
             found
         };
         let mut found = Vec::new();
-        join(self.all.par_chunks(CHUNK).map(chunk).collect(), &mut found);
+        join(self.all.par_chunks(WAY_CHUNK).map(chunk).collect(), &mut found);
         found
     }
 }

@@ -10,7 +10,7 @@ const PIECES: usize = 256;
 /// How far neighbours along a pair are apart at most, in segments: each segment between has a touch.
 const NEIGHBORS: f64 = 2.0;
 /// Largest gap that a liquid may reach across, in radii.
-const MOST: f64 = 10.0;
+const MOST_REACH: f64 = 10.0;
 /// Gauss's rule with three points: places and weights.
 const RULE: [(f64, f64); 3] = [
     (0.112_701_665_379_258_3, 5.0 / 18.0),
@@ -40,7 +40,7 @@ impl AdhesiveFilm {
             Adhesion::Capillary { surface_tension, area, volume } => {
                 let pair = Cylinders::new(radius, surface_tension)?;
                 let range = pair.reach(area);
-                if range > MOST * radius {
+                if range > MOST_REACH * radius {
                     return Err(ContactError::Invalid {
                         what: "the area of the liquid between two fibres",
                         value: area,

@@ -14,7 +14,7 @@ use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
-const CHUNK: usize = 2048;
+const DETECTION_CHUNK: usize = 2048;
 
 /// Fibres that one task looks for at objects.
 const FIBERS: usize = 8;
@@ -232,7 +232,7 @@ fn of_overlapping(
         }
         (chosen, deepest)
     };
-    let parts: Vec<_> = near.par_chunks(CHUNK).map(overlaps).collect();
+    let parts: Vec<_> = near.par_chunks(DETECTION_CHUNK).map(overlaps).collect();
     let deepest = parts.iter().map(|(_, deepest)| *deepest).fold(0.0, f64::max);
     let mut chosen: Vec<_> = parts.into_iter().flat_map(|(chosen, _)| chosen).collect();
     chosen.extend(on_the_way.iter().map(|contact| fibers(&contact.pair)));
@@ -266,7 +266,7 @@ pub(crate) fn gaps(
         }
     };
     let mut gaps = vec![f64::INFINITY; touches.len()];
-    touches.par_chunks(CHUNK).zip(gaps.par_chunks_mut(CHUNK)).for_each(chunk);
+    touches.par_chunks(DETECTION_CHUNK).zip(gaps.par_chunks_mut(DETECTION_CHUNK)).for_each(chunk);
     Ok(gaps)
 }
 
@@ -328,7 +328,7 @@ fn sort(
         }
         (near, fast)
     };
-    let (near, fast): (Vec<_>, Vec<_>) = pairs.par_chunks(CHUNK).map(chunk).unzip();
+    let (near, fast): (Vec<_>, Vec<_>) = pairs.par_chunks(DETECTION_CHUNK).map(chunk).unzip();
     (near.concat(), fast.concat())
 }
 

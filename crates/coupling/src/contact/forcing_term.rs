@@ -10,7 +10,7 @@ const FIRST: f64 = 40.0;
 /// The largest where contacts are polished: then most of them have errors as large as they may be.
 const POLISHED: f64 = 3.0;
 /// Iterations, at most, of a solve that is not the last.
-const MOST: usize = 120;
+const MOST_ROUGH_ITERATIONS: usize = 120;
 /// How much deeper than they may be fibres are left by a list that is not solved exactly the next time
 /// either, and what that leaves of it, in tolerances.
 const OFF: f64 = 2.0;
@@ -29,7 +29,7 @@ pub(super) struct ForcingTerm {
 impl ForcingTerm {
     /// Forcing term of the first solve of a step: as long as the rods are far from where they go, exact
     /// answers are wasted.
-    const FIRST: Self = Self { slack: FIRST, most: MOST / 2 };
+    const FIRST: Self = Self { slack: FIRST, most: MOST_ROUGH_ITERATIONS / 2 };
     /// Forcing term of the last solve of a step.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
 
@@ -43,13 +43,21 @@ impl ForcingTerm {
     /// constant, however well it is solved.
     pub(super) fn after(error: f64) -> Self {
         let slack = SQUARE * error * error;
-        if slack > TIGHT { Self { slack: slack.min(LOOSE), most: MOST } } else { Self::LAST }
+        if slack > TIGHT {
+            Self { slack: slack.min(LOOSE), most: MOST_ROUGH_ITERATIONS }
+        } else {
+            Self::LAST
+        }
     }
 
     /// With contacts that are new where fibres were left so many times deeper in each other than they may
     /// be. Where hardly any are, loose answers lead away.
     pub(super) fn where_off(times: f64) -> Self {
-        if times > OFF { Self { slack: LOOSE.min(PART * times), most: MOST } } else { Self::LAST }
+        if times > OFF {
+            Self { slack: LOOSE.min(PART * times), most: MOST_ROUGH_ITERATIONS }
+        } else {
+            Self::LAST
+        }
     }
 
     /// After a solve that did not come so far: one that need not, with so many times its iterations.

@@ -159,7 +159,7 @@ mod tests {
     use super::*;
     use nalgebra::Isometry3;
     use rapunzel_fiber::{Fiber, Material, Section};
-    use rapunzel_rod_dynamic::{Conditions, Instant, Rod, Steady, StepReport};
+    use rapunzel_rod_dynamic::{Conditions, Instant, Rod, RodStepReport, Steady};
 
     const SEGMENTS: usize = 25;
 
@@ -171,7 +171,7 @@ mod tests {
         let mut batch = StaggeredBatch::new(rods, 0.3).expect("a batch");
         let hold = Steady(Instant::clamped(Isometry3::identity(), Vector3::new(0.0, 2.0, -9.81)));
         let conditions: Vec<&dyn Conditions> = vec![&hold; count];
-        let mut reports = vec![StepReport::default(); count];
+        let mut reports = vec![RodStepReport::default(); count];
         let impulses = vec![Vector3::zeros(); count * (SEGMENTS + 1)];
         batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
         batch.linearize().expect("sound");

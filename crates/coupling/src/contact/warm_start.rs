@@ -54,12 +54,12 @@ impl WarmStart {
 }
 
 /// Numbers of a saved contact.
-const NUMBERS: usize = 18;
+const CACHED_NUMBERS: usize = 18;
 /// Contacts in a list of saved numbers, at most.
 const LISTED: usize = 4096;
 
 impl CachedImpulse {
-    fn numbers(&self) -> [f64; NUMBERS] {
+    fn numbers(&self) -> [f64; CACHED_NUMBERS] {
         let ContactImpulse { sides, segments, fractions, levers: [a, b], impulse } = self.push;
         let [(p, i), (q, j)] = sides.map(|side| match side {
             BodyRef::Fiber(fiber) => (0.0, f64::from(fiber)),
@@ -71,7 +71,7 @@ impl CachedImpulse {
         [p, i, q, j, s, t, u, v, a.x, a.y, a.z, b.x, b.y, b.z, x.x, x.y, x.z, bonded]
     }
 
-    fn from_numbers(numbers: &[f64; NUMBERS]) -> Self {
+    fn from_numbers(numbers: &[f64; CACHED_NUMBERS]) -> Self {
         let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, bonded] = *numbers;
         #[expect(
             clippy::cast_possible_truncation,
@@ -113,7 +113,7 @@ impl WarmStart {
         let (work, dt) = whole.split_first_chunk()?;
         let mut bearing = Vec::new();
         for list in lists {
-            let (contacts, rest) = list.as_chunks::<NUMBERS>();
+            let (contacts, rest) = list.as_chunks::<CACHED_NUMBERS>();
             bearing.extend(contacts.iter().map(CachedImpulse::from_numbers));
             if !rest.is_empty() {
                 return None;

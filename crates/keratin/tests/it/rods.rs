@@ -8,8 +8,8 @@ use rapunzel_keratin::lab::pendulum::{self, Bob};
 use rapunzel_keratin::law::{Creep, MaxwellElement, MaxwellModel, Relaxation, Viscoelastic};
 use rapunzel_keratin::{Climate, Hair};
 use rapunzel_rod_dynamic::{
-    Conditions, End, Instant, Load, Rod, RodIntegrator, RodState, SectionLaws, Staggered,
-    StaggeredBatch, Steady, StepReport, equilibrium,
+    Conditions, End, Instant, Load, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws,
+    Staggered, StaggeredBatch, Steady, equilibrium,
 };
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -65,7 +65,7 @@ fn run<T>(
     batch.set_state(0, start).expect("its state");
     let mut readings = vec![(0.0, read(start))];
     while (readings.len() as f64) <= steps {
-        let mut reports = [StepReport::default()];
+        let mut reports = [RodStepReport::default()];
         batch.step(dt, &[conditions], &mut reports).expect("a step");
         readings.push((batch.time(), read(&batch.state(0))));
     }
@@ -294,7 +294,7 @@ proptest! {
         let first = batch.energy(0, &Vector3::zeros()).total();
         let mut last = first;
         for decade in steps {
-            let mut reports = [StepReport::default()];
+            let mut reports = [RodStepReport::default()];
             batch.step(10_f64.powf(decade), &[&free], &mut reports).expect("a step");
             let energy = batch.energy(0, &Vector3::zeros()).total();
             let ledger = batch.ledger(0).expect("kept");

@@ -6,7 +6,8 @@ use super::span::Span;
 use super::stage::{NodeLaw, RootFrame, Scales, Segment, StageEquations};
 use super::state::BoxState;
 use crate::{
-    Conditions, Energy, Rod, RodError, RodIntegrator, RodState, SectionLaws, StepError, StepReport,
+    Conditions, Energy, Rod, RodError, RodIntegrator, RodState, RodStepReport, SectionLaws,
+    StepError,
 };
 use nalgebra::Vector3;
 
@@ -120,7 +121,7 @@ impl BoxIntegrator {
         end: f64,
         halvings: usize,
         conditions: &dyn Conditions,
-        report: &mut StepReport,
+        report: &mut RodStepReport,
     ) -> Result<(), StepError> {
         let (start, dt) = (self.state.time, end - self.state.time);
         if self.attempt(end, conditions, report)? {
@@ -140,7 +141,7 @@ impl BoxIntegrator {
         &mut self,
         end: f64,
         conditions: &dyn Conditions,
-        report: &mut StepReport,
+        report: &mut RodStepReport,
     ) -> Result<bool, StepError> {
         // Without derivatives to start from, the first step is one that needs none.
         let memory = self.options.coefficients.memory() != 0.0;
@@ -206,13 +207,13 @@ impl RodIntegrator for BoxIntegrator {
         self.state.energy(&self.rod, gravity)
     }
 
-    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<StepReport, StepError> {
+    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<RodStepReport, StepError> {
         let end = self.state.time + dt;
         if !(dt > 0.0 && end.is_finite() && end > self.state.time) {
             return Err(StepError::TimeStep(dt));
         }
         self.backup.copy_from(&self.state);
-        let mut report = StepReport::default();
+        let mut report = RodStepReport::default();
         let result = self.advance(end, 0, conditions, &mut report);
         if let Err(error) = result {
             self.state.copy_from(&self.backup);

@@ -6,7 +6,7 @@ const BACKTRACKS: usize = 6;
 /// Required share of the predicted decrease of the merit, thesis (3.172).
 const ARMIJO: f64 = 1e-4;
 /// Where rounding stops the descent, a residual of this many tolerances is good enough.
-const ROUNDING: f64 = 1e3;
+const NEWTON_ROUNDING: f64 = 1e3;
 
 /// Newton's method with the exact Jacobian and a line search. Works in place, without allocation
 /// once the residual history has grown.
@@ -53,7 +53,7 @@ impl Newton {
                 return (iteration, false);
             }
             if !self.advance(stage) {
-                return (iteration + 1, residual <= ROUNDING * tolerance);
+                return (iteration + 1, residual <= NEWTON_ROUNDING * tolerance);
             }
         }
         (max_iterations, false)

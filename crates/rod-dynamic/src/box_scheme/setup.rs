@@ -14,7 +14,7 @@ use rapunzel_fiber::so3;
 /// the correction is damped at every `rho_infinity`.
 const DRIFT_GAIN: f64 = 0.5;
 /// Rounding errors of a sum of a few terms, relative to the largest.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const SETUP_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Where nothing at all acts, residuals are measured by this, in units of the solver.
 const LEAST_LOAD: f64 = 1e-12;
 
@@ -151,7 +151,7 @@ impl<'a> Setup<'a> {
         let moment = largest(laws().map(|(law, s)| law.moment(&(u.length * s.kappa))));
         let terms = largest(laws().map(|(law, s)| law.stiffness.component_mul(&s.kappa)));
         let finest = stage.segments.iter().map(|s| s.h).fold(f64::INFINITY, f64::min);
-        let rounding = ROUNDING / self.tolerance;
+        let rounding = SETUP_ROUNDING / self.tolerance;
         // A support that moves otherwise than the end did accelerates the rod.
         let jolt = |end: &StageEnd, x: &NodeState, frame: Rotation3<f64>| match end {
             StageEnd::Held { velocity, .. } | StageEnd::Pinned { velocity, .. } => {

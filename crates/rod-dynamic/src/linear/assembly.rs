@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::{Fiber, so3};
 
 /// A chain in equilibrium and what acts on it.
-pub(super) struct Assembly<'a> {
+pub(super) struct LinearAssembly<'a> {
     fiber: &'a Fiber,
     conditions: &'a Instant,
     frames: &'a [Rotation3<f64>],
@@ -19,7 +19,7 @@ pub(super) struct Assembly<'a> {
     first: usize,
 }
 
-impl<'a> Assembly<'a> {
+impl<'a> LinearAssembly<'a> {
     pub(super) fn new(fiber: &'a Fiber, conditions: &'a Instant, state: &'a RodState) -> Self {
         let (n, frames) = (fiber.segments(), &state.frames);
         let pose = |end: &End| match end {

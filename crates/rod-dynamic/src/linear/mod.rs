@@ -16,7 +16,7 @@ mod modes;
 pub use modes::Mode;
 
 use crate::{End, Instant, Load, Rod, RodError, RodState};
-use assembly::Assembly;
+use assembly::LinearAssembly;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Torques of a state that is an equilibrium, as a part of the stiffness per rad.
@@ -69,7 +69,7 @@ pub fn linearize(
     if root_free && tip_held {
         return invalid("root", "a free root with a held tip: reverse the rod");
     }
-    let chain = Assembly::new(&rod.fiber, conditions, state);
+    let chain = LinearAssembly::new(&rod.fiber, conditions, state);
     let stiffness = chain.stiffness();
     if !stiffness.iter().all(|x| x.is_finite()) {
         return invalid("state or conditions", "all numbers must be finite");

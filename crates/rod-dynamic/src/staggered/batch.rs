@@ -1,11 +1,11 @@
 use super::check::{check_conditions, check_laws, check_state};
-use super::engine::{Engine, build};
-use super::scheme::{Problem, Scheme};
-use super::search::Outcome;
+use super::erased_batch::{ErasedBatch, build};
+use super::scheme::{Scheme, StepProblem};
+use super::search::SearchOutcome;
 use crate::joint::Joint;
 use crate::{
-    Conditions, End, Energy, Instant, Ledger, Momentum, Rod, RodError, RodState, SectionLaws,
-    StepError, StepReport,
+    Conditions, End, Energy, Instant, Ledger, Momentum, Rod, RodError, RodState, RodStepReport,
+    SectionLaws, StepError,
 };
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
@@ -30,7 +30,7 @@ const START: f64 = 1.0;
 /// of the constraints oscillate ever more, as for any such method (Arnold and Bruls 2007), and a
 /// long run ends.
 pub struct StaggeredBatch {
-    pub(super) engine: Box<dyn Engine>,
+    pub(super) engine: Box<dyn ErasedBatch>,
     pub(super) rods: Vec<Rod>,
     time: f64,
     /// Length of the step that is under way from call to call, s; zero if none is.
@@ -221,7 +221,7 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.working(|batch| batch.step_whole(dt, conditions, reports))
     }
@@ -238,14 +238,14 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         let fresh = self.fresh;
         let wanted = self.begin(dt, conditions, reports)?;
         let count = self.rods.len();
-        let mut out = [Outcome::NONE; LANES];
+        let mut out = [SearchOutcome::NONE; LANES];
         let mut lengths = [dt; LANES];
-        self.engine.attempt(&lengths, &wanted, Problem::Step, &mut out);
+        self.engine.attempt(&lengths, &wanted, StepProblem::Step, &mut out);
         let mut whole = wanted;
         // The numbers of those that go on in parts, as they set out.
         let mut before = Vec::new();
@@ -286,7 +286,7 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
-        reports: &[StepReport],
+        reports: &[RodStepReport],
     ) -> Result<[bool; LANES], StepError> {
         let count = self.rods.len();
         assert!(conditions.len() >= count && reports.len() >= count, "one for each fibre");
@@ -335,7 +335,7 @@ impl StaggeredBatch {
                 ledgers[fiber] += booked[fiber];
             }
         }
-        self.engine.commit(lengths, done, Problem::Step);
+        self.engine.commit(lengths, done, StepProblem::Step);
     }
 
     /// Takes back all that a failed step has changed.
@@ -360,16 +360,16 @@ impl StaggeredBatch {
         dt: f64,
         conditions: &dyn Conditions,
         lengths: &mut [f64; LANES],
-        failed: &Outcome,
-    ) -> Result<StepReport, StepError> {
-        let mut out = [Outcome::NONE; LANES];
+        failed: &SearchOutcome,
+    ) -> Result<RodStepReport, StepError> {
+        let mut out = [SearchOutcome::NONE; LANES];
         out[fiber] = *failed;
         let mut only = [false; LANES];
         only[fiber] = true;
         // Progress is counted in parts of the finest length, so that the last part ends exactly.
         let total = 1_u32 << MAX_HALVINGS;
         let (mut done, mut part) = (0_u32, total);
-        let mut report = StepReport::default();
+        let mut report = RodStepReport::default();
         while done < total {
             if !out[fiber].converged {
                 if part == 1 {
@@ -390,7 +390,7 @@ impl StaggeredBatch {
             let mut before = Vec::new();
             self.engine.save(fiber, &mut before);
             self.engine.set_out(&only);
-            self.engine.attempt(lengths, &only, Problem::Step, &mut out);
+            self.engine.attempt(lengths, &only, StepProblem::Step, &mut out);
             report.iterations += out[fiber].iterations;
             if out[fiber].converged {
                 self.commit(lengths, &only);
@@ -427,14 +427,14 @@ impl StaggeredBatch {
             self.engine.set_conditions(fiber, &now);
         }
         if wanted.contains(&true) {
-            let mut out = [Outcome::NONE; LANES];
+            let mut out = [SearchOutcome::NONE; LANES];
             let lengths = [delta; LANES];
-            self.engine.attempt(&lengths, &wanted, Problem::Start, &mut out);
+            self.engine.attempt(&lengths, &wanted, StepProblem::Start, &mut out);
             let mut done = wanted;
             for fiber in 0..count {
                 done[fiber] &= out[fiber].converged;
             }
-            self.engine.commit(&lengths, &done, Problem::Start);
+            self.engine.commit(&lengths, &done, StepProblem::Start);
             for fiber in (0..count).filter(|&fiber| wanted[fiber]) {
                 self.engine.undo(fiber);
             }

@@ -15,11 +15,11 @@
 
 use super::array::{Array, zeros};
 use super::ends::{Ends, Held};
-use super::factor::{Block, Right, close};
+use super::factor::{DiagonalBlock, Right, close};
 use super::laws::{Laws, Turns};
-use super::model::Model;
-use super::room::{Kept, Room};
-use super::search::{MAX_ITERATIONS, Outcome, Search, Solve};
+use super::model::BatchModel;
+use super::search::{MAX_ITERATIONS, Search, SearchOutcome, Solve};
+use super::workspace::{BatchWorkspace, Kept};
 use pulp::Simd;
 use rapunzel_lanes::{LANES, Lane, M3, Quat, Sym, V3};
 use std::sync::Arc;
@@ -27,10 +27,10 @@ use std::sync::Arc;
 /// The unknown rotations of one pack of fibres and everything that determines them.
 ///
 /// Arrays hold `components * count` registers; `n` segments, `n + 1` nodes and joints.
-pub(super) struct Chain<S: Simd> {
+pub(super) struct RotationChain<S: Simd> {
     pub(super) simd: S,
     pub(super) n: usize,
-    pub(super) model: Arc<Model<S>>,
+    pub(super) model: Arc<BatchModel<S>>,
     pub(super) ends: Ends<S>,
     /// In place of the stiffness and turns at rest in the room, if any lane has them.
     pub(super) laws: Option<Box<Laws<S>>>,
@@ -40,12 +40,12 @@ pub(super) struct Chain<S: Simd> {
     /// How much of the definite part of the Hessian the last solve used.
     pub(super) definite: S::f64s,
     /// The problem of the step and the last solve, while there is room for them.
-    pub(super) room: Room<S>,
+    pub(super) room: BatchWorkspace<S>,
     pub(super) kept: Kept<S>,
 }
 
-impl<S: Simd> Chain<S> {
-    pub(super) fn new(simd: S, model: Arc<Model<S>>) -> Self {
+impl<S: Simd> RotationChain<S> {
+    pub(super) fn new(simd: S, model: Arc<BatchModel<S>>) -> Self {
         let n = model.h.len();
         Self {
             simd,
@@ -56,7 +56,7 @@ impl<S: Simd> Chain<S> {
             q: zeros::<S>(4 * n),
             force: zeros::<S>(3 * n),
             definite: simd.splat_f64s(0.0),
-            room: Room::empty(),
+            room: BatchWorkspace::empty(),
             kept: Kept::empty(),
         }
     }
@@ -187,8 +187,8 @@ impl<S: Simd> Chain<S> {
         let mut signature = Lane::splat(simd, 0.0);
         let mut before = self.quat(&ends.root_frame);
         let mut directors = [zero; 3];
-        let mut left = Joint::none(simd);
-        let mut carry = Block::zero(simd);
+        let mut left = JointEffect::none(simd);
+        let mut carry = DiagonalBlock::zero(simd);
         // Joint j comes after segment j - 1, which is complete with it.
         for j in 0..=n {
             let after = self.quat(if j < n { &self.q[4 * j..4 * j + 4] } else { &ends.tip_frame });
@@ -219,7 +219,7 @@ impl<S: Simd> Chain<S> {
                     self.room.hessian[6 * e + i] = hessian.0[i].value;
                 }
                 let (w0, w1) = (self.one(&self.kept.w, e), self.one(&self.kept.w, j));
-                let block = Block {
+                let block = DiagonalBlock {
                     compliance: Sym::diagonal(-(w0 + w1)),
                     lever: hat(d[2].scale(h)),
                     stiffness: hessian,
@@ -259,7 +259,14 @@ impl<S: Simd> Chain<S> {
 
     /// Moment, energy and Hessian of the joint between rotations `a` and `b`; `d` belongs to `b`.
     #[inline(always)]
-    fn joint(&self, j: usize, a: Quat<S>, b: Quat<S>, d: [V3<S>; 3], exact: Lane<S>) -> Joint<S> {
+    fn joint(
+        &self,
+        j: usize,
+        a: Quat<S>,
+        b: Quat<S>,
+        d: [V3<S>; 3],
+        exact: Lane<S>,
+    ) -> JointEffect<S> {
         let (phi, fw) = a.inverse_times(b).log();
         let one = fw.lift(1.0);
         let half = fw.lift(0.5);
@@ -307,7 +314,7 @@ impl<S: Simd> Chain<S> {
         let coupling = Sym::transposed_product(j, kj);
         let (phi_world, m_world) = (combine(d, phi), combine(d, m));
         let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
-        Joint { moment, energy, hessian }
+        JointEffect { moment, energy, hessian }
     }
 
     /// Rotation vector of joint `j`, with what [`Quat::log`] gives beside it.
@@ -329,7 +336,7 @@ impl<S: Simd> Chain<S> {
         wanted: &[bool; LANES],
         held: &[Held; LANES],
         far: bool,
-        out: &mut [Outcome; LANES],
+        out: &mut [SearchOutcome; LANES],
     ) {
         let simd = self.simd;
         let lanes = S::F64_LANES;
@@ -337,7 +344,7 @@ impl<S: Simd> Chain<S> {
         for lane in 0..lanes {
             search[lane] = Search::new(wanted[lane], held[lane], far);
             if wanted[lane] {
-                out[lane] = Outcome::NONE;
+                out[lane] = SearchOutcome::NONE;
             }
         }
         for iteration in 0..MAX_ITERATIONS {
@@ -464,14 +471,14 @@ pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wa
 }
 
 /// What a joint does to its two segments.
-struct Joint<S: Simd> {
+struct JointEffect<S: Simd> {
     /// Moment on the segment before, world components.
     moment: V3<S>,
     energy: Lane<S>,
     hessian: Sym<S>,
 }
 
-impl<S: Simd> Joint<S> {
+impl<S: Simd> JointEffect<S> {
     #[inline(always)]
     fn none(simd: S) -> Self {
         let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));

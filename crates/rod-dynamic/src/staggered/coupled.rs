@@ -2,9 +2,11 @@
 
 use super::batch::StaggeredBatch;
 use super::response::Inertia;
-use super::scheme::Problem;
-use super::search::Outcome;
-use crate::{Conditions, ImpulseResponse, Point, PointResponses, RodError, StepError, StepReport};
+use super::scheme::StepProblem;
+use super::search::SearchOutcome;
+use crate::{
+    Conditions, ImpulseResponse, Point, PointResponses, RodError, RodStepReport, StepError,
+};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_lanes::LANES;
 
@@ -26,14 +28,14 @@ impl StaggeredBatch {
         dt: f64,
         conditions: &[&dyn Conditions],
         impulses: &[Vector3<f64>],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
         self.engine.keep();
         self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
             let solved = if impulses.is_empty() { Ok(()) } else { batch.set_impulses(impulses) };
-            let solved = solved.and_then(|()| batch.solve(dt, Problem::Step, reports));
+            let solved = solved.and_then(|()| batch.solve(dt, StepProblem::Step, reports));
             batch.under_way(dt, solved.map(|_| ()))
         })
     }
@@ -46,12 +48,12 @@ impl StaggeredBatch {
     pub fn correct(
         &mut self,
         impulses: &[Vector3<f64>],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.check_under_way()?;
         let dt = self.predicted;
         let solved = match self.set_impulses(impulses) {
-            Ok(()) => self.working(|batch| batch.solve(dt, Problem::Again, reports)),
+            Ok(()) => self.working(|batch| batch.solve(dt, StepProblem::Again, reports)),
             Err(error) => Err(error),
         };
         self.under_way(dt, solved.map(|_| ()))
@@ -71,7 +73,7 @@ impl StaggeredBatch {
         dt: f64,
         conditions: &[&dyn Conditions],
         impulses: &[Vector3<f64>],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
         self.engine.keep();
@@ -238,13 +240,13 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
-        reports: &mut [StepReport],
+        reports: &mut [RodStepReport],
     ) -> Result<bool, StepError> {
         self.skip_start();
         let saddle = self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
-            let saddle = batch.solve(dt, Problem::Rest, reports)?;
-            batch.engine.commit(&[dt; LANES], &[true; LANES], Problem::Rest);
+            let saddle = batch.solve(dt, StepProblem::Rest, reports)?;
+            batch.engine.commit(&[dt; LANES], &[true; LANES], StepProblem::Rest);
             Ok(saddle)
         })?;
         for fiber in 0..self.rods().len() {
@@ -288,11 +290,11 @@ impl StaggeredBatch {
     fn solve(
         &mut self,
         dt: f64,
-        problem: Problem,
-        reports: &mut [StepReport],
+        problem: StepProblem,
+        reports: &mut [RodStepReport],
     ) -> Result<bool, StepError> {
         let count = self.rods().len();
-        let mut out = [Outcome::NONE; LANES];
+        let mut out = [SearchOutcome::NONE; LANES];
         let mut wanted = [false; LANES];
         wanted[..count].fill(true);
         self.engine.attempt(&[dt; LANES], &wanted, problem, &mut out);

@@ -1,6 +1,6 @@
 //! What holds or loads the two ends of each fibre of a pack.
 
-use super::pack::{at, set};
+use super::simd_batch::{at, set};
 use crate::{End, Instant, Load};
 use nalgebra::Vector3;
 use pulp::Simd;
@@ -36,7 +36,7 @@ pub(super) struct Ends<S: Simd> {
 
 /// The kind of an [`End`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum EndKind {
     Held,
     Pinned,
     Loaded,
@@ -45,8 +45,8 @@ pub(super) enum Kind {
 /// How the two ends of one lane are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Held {
-    pub(super) root: Kind,
-    pub(super) tip: Kind,
+    pub(super) root: EndKind,
+    pub(super) tip: EndKind,
     /// Whether all loads have a potential; moments and follower forces have none.
     pub(super) conservative: bool,
 }
@@ -54,13 +54,13 @@ pub(super) struct Held {
 impl Held {
     /// A clamped root and a free tip: what lanes that are not in use stand as.
     pub(super) const CLAMPED: Self =
-        Self { root: Kind::Held, tip: Kind::Loaded, conservative: true };
+        Self { root: EndKind::Held, tip: EndKind::Loaded, conservative: true };
 
     /// Whether the step minimises the potential freely; a held tip makes it a problem of saddle
     /// points, where the energy of an iterate that leaves a gap says nothing.
     #[inline(always)]
     pub(super) fn minimizes(&self) -> bool {
-        self.conservative && self.tip == Kind::Loaded
+        self.conservative && self.tip == EndKind::Loaded
     }
 }
 
@@ -111,29 +111,37 @@ impl<S: Simd> Ends<S> {
     /// Sets one lane. A tip that was free until now starts from the force `reaction`.
     pub(super) fn set(&mut self, lane: usize, now: &Instant, reaction: [f64; 3]) -> Held {
         let was_held = at(std::slice::from_ref(&self.tip_held), 0, lane) > 0.0;
-        let root = Part::of(&now.root);
+        let root = EndPart::of(&now.root);
         put(
             std::slice::from_mut(&mut self.root_free),
             lane,
-            &[f64::from(root.kind == Kind::Loaded)],
+            &[f64::from(root.kind == EndKind::Loaded)],
         );
         put(
             std::slice::from_mut(&mut self.root_joint),
             lane,
-            &[f64::from(root.kind == Kind::Held)],
+            &[f64::from(root.kind == EndKind::Held)],
         );
         put(&mut self.root_position, lane, root.position.as_slice());
         put(&mut self.root_frame, lane, &root.frame);
         put_load(&mut self.root_force, lane, &root.force);
         put_load(&mut self.root_moment, lane, &root.moment);
-        let tip = Part::of(&now.tip);
-        put(std::slice::from_mut(&mut self.tip_held), lane, &[f64::from(tip.kind != Kind::Loaded)]);
-        put(std::slice::from_mut(&mut self.tip_joint), lane, &[f64::from(tip.kind == Kind::Held)]);
+        let tip = EndPart::of(&now.tip);
+        put(
+            std::slice::from_mut(&mut self.tip_held),
+            lane,
+            &[f64::from(tip.kind != EndKind::Loaded)],
+        );
+        put(
+            std::slice::from_mut(&mut self.tip_joint),
+            lane,
+            &[f64::from(tip.kind == EndKind::Held)],
+        );
         put(&mut self.tip_position, lane, tip.position.as_slice());
         put(&mut self.tip_frame, lane, &tip.frame);
         put_load(&mut self.tip_force, lane, &tip.force);
         put_load(&mut self.tip_moment, lane, &tip.moment);
-        if !was_held && tip.kind != Kind::Loaded {
+        if !was_held && tip.kind != EndKind::Loaded {
             put(&mut self.tip_reaction, lane, &reaction);
         }
         let conservative = root.conservative() && tip.conservative();
@@ -144,19 +152,19 @@ impl<S: Simd> Ends<S> {
 
 /// The frame in which an end is clamped, as a quaternion; that of the world where it is not.
 pub(super) fn frame(end: &End) -> [f64; 4] {
-    Part::of(end).frame
+    EndPart::of(end).frame
 }
 
 /// One end, with zeros for what it does not have.
-struct Part {
-    kind: Kind,
+struct EndPart {
+    kind: EndKind,
     position: Vector3<f64>,
     frame: [f64; 4],
     force: Load,
     moment: Load,
 }
 
-impl Part {
+impl EndPart {
     fn conservative(&self) -> bool {
         let none = |load: &Load| *load.components() == Vector3::zeros();
         none(&self.moment) && (matches!(self.force, Load::World(_)) || none(&self.force))
@@ -164,7 +172,7 @@ impl Part {
 
     fn of(end: &End) -> Self {
         let none = Self {
-            kind: Kind::Pinned,
+            kind: EndKind::Pinned,
             position: Vector3::zeros(),
             frame: [0.0, 0.0, 0.0, 1.0],
             force: Load::ZERO,
@@ -172,13 +180,13 @@ impl Part {
         };
         match *end {
             End::Held(pose) => Self {
-                kind: Kind::Held,
+                kind: EndKind::Held,
                 position: pose.translation.vector,
                 frame: pose.rotation.coords.into(),
                 ..none
             },
             End::Pinned { position, moment } => Self { position: position.coords, moment, ..none },
-            End::Loaded { force, moment } => Self { kind: Kind::Loaded, force, moment, ..none },
+            End::Loaded { force, moment } => Self { kind: EndKind::Loaded, force, moment, ..none },
         }
     }
 }

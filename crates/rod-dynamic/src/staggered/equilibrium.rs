@@ -2,7 +2,7 @@
 
 use super::batch::StaggeredBatch;
 use crate::{
-    End, Instant, Load, Rod, RodError, RodState, SectionLaws, Steady, StepError, StepReport,
+    End, Instant, Load, Rod, RodError, RodState, RodStepReport, SectionLaws, Steady, StepError,
 };
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
@@ -54,7 +54,7 @@ pub fn equilibrium(
     rod: &Rod,
     conditions: &Instant,
     start: &RodState,
-) -> Result<(RodState, StepReport), EquilibriumError> {
+) -> Result<(RodState, RodStepReport), EquilibriumError> {
     let mut undamped = rod.clone();
     undamped.damping_time = 0.0;
     undamped.laws = SectionLaws::Linear;
@@ -68,10 +68,10 @@ pub fn equilibrium(
     }
     let softest = rod.fiber.nodes().iter().map(|n| n.stiffness.min()).fold(f64::MAX, f64::min);
     let bending_time = (rod.fiber.mass() * rod.fiber.length().powi(3) / softest).sqrt();
-    let mut total = StepReport::default();
+    let mut total = RodStepReport::default();
     for kicks in 0..=MAX_KICKS {
         batch.set_state(0, &state)?;
-        let mut reports = [StepReport::default()];
+        let mut reports = [RodStepReport::default()];
         let settled = batch.settle(LONG * bending_time, &[&Steady(conditions)], &mut reports);
         total.iterations += reports[0].iterations;
         total.residual = reports[0].residual;

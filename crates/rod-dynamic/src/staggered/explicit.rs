@@ -1,13 +1,13 @@
 //! The answers of a few points, written out.
 
-use super::pack::{Pack, at, set};
-use super::response::Columns;
+use super::response::ImpulseColumns;
+use super::simd_batch::{SimdBatch, at, set};
 use crate::{Point, PointResponses};
 use nalgebra::DMatrix;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// How the points of every fibre answer impulses on each other; of all fibres the first points
     /// at once, then the second ones.
     pub(super) fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses> {
@@ -25,7 +25,7 @@ impl<S: Simd> Pack<S> {
                 PointResponses { points, matrix }
             })
             .collect();
-        let mut columns = Columns::<S>::new(self.chain.n);
+        let mut columns = ImpulseColumns::<S>::new(self.chain.n);
         let most = all.iter().map(|one| one.points.len()).max().unwrap_or(0);
         for turn in 0..most {
             let now = || all.iter().filter_map(|one| one.points.get(turn));

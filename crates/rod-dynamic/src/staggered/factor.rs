@@ -10,14 +10,14 @@
 
 use super::array::{Array, zeros};
 use super::chain::store;
-use super::room::fit;
+use super::workspace::fit;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 use std::ops::Sub;
 
 /// One diagonal block and its right-hand side.
 #[derive(Clone, Copy)]
-pub(super) struct Block<S: Simd> {
+pub(super) struct DiagonalBlock<S: Simd> {
     pub(super) compliance: Sym<S>,
     pub(super) lever: M3<S>,
     pub(super) stiffness: Sym<S>,
@@ -25,7 +25,7 @@ pub(super) struct Block<S: Simd> {
     pub(super) torque: V3<S>,
 }
 
-impl<S: Simd> Block<S> {
+impl<S: Simd> DiagonalBlock<S> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
@@ -39,7 +39,7 @@ impl<S: Simd> Block<S> {
     }
 }
 
-impl<S: Simd> Sub for Block<S> {
+impl<S: Simd> Sub for DiagonalBlock<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
@@ -91,10 +91,10 @@ impl<S: Simd> Factor<S> {
     pub(super) fn eliminate(
         &mut self,
         e: usize,
-        block: Block<S>,
+        block: DiagonalBlock<S>,
         w: Lane<S>,
         b: M3<S>,
-    ) -> (Block<S>, [V3<S>; 2], Lane<S>) {
+    ) -> (DiagonalBlock<S>, [V3<S>; 2], Lane<S>) {
         let (p, of_forces) = block.compliance.inverse();
         let v = p.times(block.lever);
         let (sigma, of_turns) =
@@ -105,7 +105,7 @@ impl<S: Simd> Factor<S> {
         let y = p + Sym::product_transposed(x, v);
         let z = sigma.times(b);
         let vz = v.times(z);
-        let next = Block {
+        let next = DiagonalBlock {
             compliance: y.scale(w * w),
             lever: vz.scale(-w),
             stiffness: Sym::transposed_product(b, z),
@@ -232,7 +232,7 @@ fn matrix<S: Simd>(simd: S, a: &[S::f64s]) -> M3<S> {
 /// unsymmetric: `follow` is added to the lever above the diagonal, `spin` is the skew part of its
 /// stiffness. The factors stay those of the symmetric block.
 #[inline(always)]
-pub(super) fn close<S: Simd>(block: Block<S>, follow: M3<S>, spin: M3<S>) -> [V3<S>; 2] {
+pub(super) fn close<S: Simd>(block: DiagonalBlock<S>, follow: M3<S>, spin: M3<S>) -> [V3<S>; 2] {
     let (p, _) = block.compliance.inverse();
     let below = p.times(block.lever);
     let above = p.times(block.lever + follow);

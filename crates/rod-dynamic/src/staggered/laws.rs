@@ -8,7 +8,7 @@
 use super::array::{Array, zeros};
 use super::chain::store;
 use super::ends::Ends;
-use super::pack::{at, set};
+use super::simd_batch::{at, set};
 use crate::joint::Joint;
 use crate::{Rod, SectionLaws};
 use nalgebra::Vector3;

@@ -16,11 +16,11 @@
 //! where Newton's method left a torque on a segment, its product with `c` is the solver's. A joint with
 //! a law stores and dissipates what the law says; its moment before the step counts as that after it.
 
-use super::chain::{Chain, get, moment, slope_of_log};
+use super::chain::{RotationChain, get, moment, slope_of_log};
 use super::ends;
 use super::laws::Turns;
-use super::pack::{Pack, at, set};
-use super::scheme::{Problem, Rates, Stage};
+use super::scheme::{Rates, Stage, StepProblem};
+use super::simd_batch::{SimdBatch, at, set};
 use crate::{End, Instant, Ledger};
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
@@ -46,7 +46,7 @@ impl<S: Simd> Outset<S> {
 
 /// A [`Ledger`] for each lane.
 #[derive(Clone, Copy)]
-struct Lines<S: Simd> {
+struct LedgerLanes<S: Simd> {
     kinetic: Lane<S>,
     elastic: Lane<S>,
     gravity: Lane<S>,
@@ -60,7 +60,7 @@ struct Lines<S: Simd> {
 }
 
 /// How a coordinate of mass 1 moves in a step.
-struct Motion<S: Simd> {
+struct CoordinateMotion<S: Simd> {
     /// Velocity at the end, mean velocity, acceleration at the end.
     end: V3<S>,
     mean: V3<S>,
@@ -78,7 +78,7 @@ struct Bend<S: Simd> {
     stored: [Lane<S>; 2],
 }
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// Notes in one lane how the ends are when a step sets out, at which time they are led as `now`
     /// says. Reactions that are not `known` count as those after the step.
     pub(super) fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
@@ -105,13 +105,13 @@ impl<S: Simd> Pack<S> {
     /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In lanes
     /// that are `done` what follows sets out from its end.
     pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
-        struct Account<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; LANES], &'a [bool; LANES]);
+        struct Account<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
             type Output = [Ledger; LANES];
             #[inline(always)]
             fn call(self) -> [Ledger; LANES] {
                 let Self(pack, dt, done) = self;
-                let stage = pack.stage(dt, Problem::Step);
+                let stage = pack.stage(dt, StepProblem::Step);
                 pack.book_laws();
                 pack.lines(&stage, done).ledgers()
             }
@@ -121,16 +121,16 @@ impl<S: Simd> Pack<S> {
 
     /// Asks the laws what the step stores and dissipates.
     fn book_laws(&mut self) {
-        let Chain { model, laws, room, ends, .. } = &mut self.chain;
+        let RotationChain { model, laws, room, ends, .. } = &mut self.chain;
         let before = Turns { phi: &self.phi, rest: &model.rest, ends };
         let after = Turns { phi: &room.phi, ..before };
         laws.iter_mut().for_each(|laws| laws.book(before, after));
     }
 
     #[inline(always)]
-    fn lines(&mut self, stage: &Stage<S>, done: &[bool; LANES]) -> Lines<S> {
+    fn lines(&mut self, stage: &Stage<S>, done: &[bool; LANES]) -> LedgerLanes<S> {
         let (simd, n) = (self.chain.simd, self.chain.n);
-        let mut lines = Lines::zero(simd);
+        let mut lines = LedgerLanes::zero(simd);
         for a in 0..=n {
             self.book_node(stage, a, &mut lines);
         }
@@ -204,7 +204,7 @@ impl<S: Simd> Pack<S> {
 
     /// Books the work of reactions before and after the step along a way.
     #[inline(always)]
-    fn support(&self, reactions: [V3<S>; 2], way: V3<S>, lines: &mut Lines<S>) {
+    fn support(&self, reactions: [V3<S>; 2], way: V3<S>, lines: &mut LedgerLanes<S>) {
         let share = Lane::new(self.chain.simd, self.outset.share);
         let change = (reactions[0] - reactions[1]).scale(share.lift(1.0) - share).dot(way);
         lines.supports = lines.supports + reactions[1].dot(way) + change;
@@ -212,7 +212,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn book_node(&self, stage: &Stage<S>, a: usize, lines: &mut Lines<S>) {
+    fn book_node(&self, stage: &Stage<S>, a: usize, lines: &mut LedgerLanes<S>) {
         let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
         let field = |i: usize| V3::load(simd, &self.fields, i);
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
@@ -250,7 +250,14 @@ impl<S: Simd> Pack<S> {
     /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start of
     /// the step beside that of its segment.
     #[inline(always)]
-    fn book_end(&self, a: usize, before: V3<S>, way: V3<S>, mean: V3<S>, lines: &mut Lines<S>) {
+    fn book_end(
+        &self,
+        a: usize,
+        before: V3<S>,
+        way: V3<S>,
+        mean: V3<S>,
+        lines: &mut LedgerLanes<S>,
+    ) {
         let (simd, n, chain, ends) = (self.chain.simd, self.chain.n, &self.chain, &self.chain.ends);
         let k = usize::from(a == n);
         let one = Lane::splat(simd, 1.0);
@@ -274,7 +281,7 @@ impl<S: Simd> Pack<S> {
     /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and the
     /// torque on it but for that of its joints.
     #[inline(always)]
-    fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut Lines<S>) -> [V3<S>; 2] {
+    fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut LedgerLanes<S>) -> [V3<S>; 2] {
         let (simd, chain) = (self.chain.simd, &self.chain);
         let (before, after) = (chain.directors_before(e), chain.directors(e));
         let turn = turn(before, after);
@@ -305,7 +312,7 @@ impl<S: Simd> Pack<S> {
         j: usize,
         apart: V3<S>,
         frames: [[V3<S>; 3]; 2],
-        lines: &mut Lines<S>,
+        lines: &mut LedgerLanes<S>,
     ) -> Bend<S> {
         let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
         let mut stiffness = chain.vec(&self.chain.model.stiffness, j);
@@ -360,7 +367,13 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn motion(&self, stage: &Stage<S>, rates: Rates<S>, jump: V3<S>, way: V3<S>) -> Motion<S> {
+    fn motion(
+        &self,
+        stage: &Stage<S>,
+        rates: Rates<S>,
+        jump: V3<S>,
+        way: V3<S>,
+    ) -> CoordinateMotion<S> {
         let (du, vc) = self.scheme.predict(stage, Rates { v: rates.v + jump, ..rates });
         let acceleration = (way - du).scale(stage.c1);
         let end = way.mul_add(stage.cv, vc);
@@ -369,7 +382,7 @@ impl<S: Simd> Pack<S> {
         let middle = (end + rates.v).scale(stage.dt.lift(0.5));
         let lag = acceleration.mul_add(stage.dt, jump - change);
         let loss = lag.dot(mean) + change.dot(mean - middle);
-        Motion { end, mean, acceleration, gain: change.dot(middle), loss }
+        CoordinateMotion { end, mean, acceleration, gain: change.dot(middle), loss }
     }
 }
 
@@ -381,7 +394,7 @@ fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
     sum.scale(sum.0[0].lift(0.5))
 }
 
-impl<S: Simd> Lines<S> {
+impl<S: Simd> LedgerLanes<S> {
     fn zero(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
         Self {

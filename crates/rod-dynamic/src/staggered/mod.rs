@@ -16,26 +16,26 @@
 
 mod array;
 mod batch;
-mod calls;
 mod chain;
 mod check;
 mod coupled;
+mod coupled_step;
 mod ends;
-mod engine;
 mod equilibrium;
+mod erased_batch;
 mod explicit;
 mod factor;
+mod history;
 mod laws;
 mod ledger;
 mod model;
-mod pack;
 mod readout;
 mod response;
-mod room;
 mod scheme;
 mod search;
+mod simd_batch;
 mod single;
-mod track;
+mod workspace;
 
 pub use batch::StaggeredBatch;
 pub use equilibrium::{EquilibriumError, equilibrium};

@@ -3,7 +3,7 @@
 //! Most hair of a bundle is alike: packs that are made one after another and are alike share it.
 
 use super::array::{Array, zeros};
-use super::pack::{at, set};
+use super::simd_batch::{at, set};
 use crate::Rod;
 use crate::joint::Joint;
 use pulp::Simd;
@@ -13,7 +13,7 @@ use std::cell::RefCell;
 use std::sync::{Arc, Weak};
 
 /// Numbers of up to eight fibres with equally many segments that their motion does not change.
-pub(super) struct Model<S: Simd> {
+pub(super) struct BatchModel<S: Simd> {
     /// Segment lengths.
     pub(super) h: Array<S>,
     /// Masses of the nodes.
@@ -25,7 +25,7 @@ pub(super) struct Model<S: Simd> {
     pub(super) rest: Array<S>,
 }
 
-impl<S: Simd> Model<S> {
+impl<S: Simd> BatchModel<S> {
     /// Of at least one rod; spare lanes repeat the last one. Masses are lumped.
     pub(super) fn of(rods: &[Rod]) -> Arc<Self> {
         let n = rods[0].fiber.segments();

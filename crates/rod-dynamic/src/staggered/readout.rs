@@ -1,13 +1,13 @@
 //! Reading one lane of a pack, and setting it.
 
-use super::pack::{Pack, at, set};
+use super::simd_batch::{SimdBatch, at, set};
 use crate::joint::Joint;
 use crate::{Energy, Momentum, Rod, RodState};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     pub(super) fn vector(&self, a: &[S::f64s], i: usize, lane: usize) -> Vector3<f64> {
         Vector3::from_fn(|k, _| at(a, 3 * i + k, lane))
     }

@@ -6,10 +6,10 @@
 //! are the same up to transposition, so the response is symmetric.
 
 use super::array::{Array, zeros};
-use super::chain::{Chain, hat, store};
-use super::factor::{Block, Factor, Right};
-use super::pack::{Pack, at, set};
-use super::scheme::{Problem, Stage};
+use super::chain::{RotationChain, hat, store};
+use super::factor::{DiagonalBlock, Factor, Right};
+use super::scheme::{Stage, StepProblem};
+use super::simd_batch::{SimdBatch, at, set};
 use crate::Point;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
@@ -41,20 +41,20 @@ pub(super) enum Inertia {
 /// What is asked of the factorised step.
 enum Question<'a, S: Simd> {
     Respond(Inertia, usize),
-    RespondThrice(usize, &'a mut Columns<S>),
+    RespondThrice(usize, &'a mut ImpulseColumns<S>),
     Blocks,
     Weigh(&'a [Point], &'a [f64]),
 }
 
 /// Three sets of impulses on all nodes, to be replaced by mean velocities: `3 a + k` is the vector
 /// of node `a` in set `k`.
-pub(super) struct Columns<S: Simd> {
+pub(super) struct ImpulseColumns<S: Simd> {
     pub(super) values: Array<S>,
     loads: Array<S>,
     solution: Array<S>,
 }
 
-impl<S: Simd> Columns<S> {
+impl<S: Simd> ImpulseColumns<S> {
     pub(super) fn new(n: usize) -> Self {
         let (values, loads) = (zeros::<S>(9 * (n + 1)), zeros::<S>(9 * n));
         Self { values, loads, solution: zeros::<S>(18 * n) }
@@ -99,7 +99,7 @@ fn answer<S: Simd, const K: usize>(
     }
 }
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// Replaces the impulses in the workspace by mean velocities, of node `from` and those behind
     /// it. No node before it may have an impulse; what is theirs in the workspace is left alone.
     pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
@@ -107,7 +107,7 @@ impl<S: Simd> Pack<S> {
     }
 
     /// The same for three sets of impulses at once, in columns of their own.
-    pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut Columns<S>) {
+    pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {
         self.ask(Question::RespondThrice(from, columns));
     }
 
@@ -122,18 +122,18 @@ impl<S: Simd> Pack<S> {
     }
 
     fn ask(&mut self, question: Question<'_, S>) {
-        struct Ask<'a, 'b, S: Simd>(&'a mut Pack<S>, Question<'b, S>);
+        struct Ask<'a, 'b, S: Simd>(&'a mut SimdBatch<S>, Question<'b, S>);
         impl<S: Simd> NullaryFnOnce for Ask<'_, '_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
+                let stage = self.0.stage(&self.0.last_dt, StepProblem::Step);
                 match self.1 {
                     Question::Respond(inertia, from) => {
                         self.0.solve_response(&stage, inertia, from);
                     }
                     Question::RespondThrice(from, columns) => {
-                        let Columns { values, loads, solution } = columns;
+                        let ImpulseColumns { values, loads, solution } = columns;
                         let kept = &self.0.chain.kept;
                         let right = kept.right(&kept.w);
                         let columns = [&mut values[..], &mut loads[..], &mut solution[..]];
@@ -151,7 +151,7 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
-        let Chain { kept, room, .. } = &mut self.chain;
+        let RotationChain { kept, room, .. } = &mut self.chain;
         let (w, factor) = match (inertia, &self.weighted) {
             (Inertia::Weighted, Some(weighted)) => (&weighted.w, &weighted.factor),
             _ => (&kept.w, &kept.factor),
@@ -163,7 +163,7 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     fn solve_blocks(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
-        let Chain { kept, room, .. } = &mut self.chain;
+        let RotationChain { kept, room, .. } = &mut self.chain;
         let right = kept.right(&kept.w);
         kept.factor.inverse_blocks(simd, &right, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
@@ -195,7 +195,7 @@ impl<S: Simd> Pack<S> {
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         self.reassemble();
-        let Chain { model, kept, room, .. } = &mut self.chain;
+        let RotationChain { model, kept, room, .. } = &mut self.chain;
         let weighted = self.weighted.get_or_insert_with(|| Weighted::new(n));
         weighted.used = true;
         room.mass.fill(S::f64s::zeroed());
@@ -216,7 +216,7 @@ impl<S: Simd> Pack<S> {
             let mu = stage.c1.mul_add(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
             weighted.w[a] = free.positive().select(mu.recip(), free).value;
         }
-        let mut carry = Block::zero(simd);
+        let mut carry = DiagonalBlock::zero(simd);
         let zero = V3::splat(simd, 0.0);
         for e in 0..n {
             let h = Lane::new(simd, model.h[e]);
@@ -225,7 +225,7 @@ impl<S: Simd> Pack<S> {
             let hessian = Sym::load(simd, &room.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
             let (w0, w1) = (Lane::new(simd, weighted.w[e]), Lane::new(simd, weighted.w[e + 1]));
-            let block = Block {
+            let block = DiagonalBlock {
                 compliance: Sym::diagonal(-(w0 + w1)),
                 lever: hat(d.scale(h)),
                 stiffness: hessian + across,

@@ -26,7 +26,7 @@ pub(super) struct Scheme {
 
 /// What is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Problem {
+pub(super) enum StepProblem {
     /// The acceleration at the start of a motion.
     Start,
     /// A step, from where the motion leads.
@@ -43,7 +43,7 @@ pub(super) struct Stage<S: Simd> {
     pub(super) c1: Lane<S>,
     pub(super) cv: Lane<S>,
     pub(super) dt: Lane<S>,
-    pub(super) problem: Problem,
+    pub(super) problem: StepProblem,
 }
 
 /// Velocity, the method's own acceleration-like variable, and the true acceleration.
@@ -71,9 +71,9 @@ impl Scheme {
     }
 
     #[inline(always)]
-    pub(super) fn stage<S: Simd>(self, dt: Lane<S>, problem: Problem) -> Stage<S> {
+    pub(super) fn stage<S: Simd>(self, dt: Lane<S>, problem: StepProblem) -> Stage<S> {
         let rate = dt.recip();
-        if problem == Problem::Start {
+        if problem == StepProblem::Start {
             // Its acceleration is that at its start: `u = dt v + dt^2 a / 2`.
             let two = dt.lift(2.0);
             return Stage { c1: rate * rate * two, cv: rate * two, dt, problem };

@@ -1,7 +1,7 @@
 //! Globalisation of Newton's method in one lane: step lengths, the merit test, and when to stop.
 
 use super::ends::Held;
-use crate::StepReport;
+use crate::RodStepReport;
 
 /// Largest number of Newton iterations of one solve.
 pub(super) const MAX_ITERATIONS: usize = 40;
@@ -25,7 +25,7 @@ const MAX_HALVINGS: u8 = 12;
 
 /// How Newton's method went.
 #[derive(Clone, Copy)]
-pub(super) struct Outcome {
+pub(super) struct SearchOutcome {
     pub(super) converged: bool,
     pub(super) iterations: usize,
     /// Whether it ended where the Hessian is not positive definite.
@@ -34,13 +34,13 @@ pub(super) struct Outcome {
     pub(super) residuals: [f64; MAX_ITERATIONS],
 }
 
-impl Outcome {
+impl SearchOutcome {
     pub(super) const NONE: Self =
         Self { converged: false, iterations: 0, saddle: false, residuals: [0.0; MAX_ITERATIONS] };
 
-    pub(super) fn report(&self) -> StepReport {
+    pub(super) fn report(&self) -> RodStepReport {
         let residual = self.residuals[self.iterations.saturating_sub(1)];
-        StepReport { iterations: self.iterations, halvings: 0, residual }
+        RodStepReport { iterations: self.iterations, halvings: 0, residual }
     }
 }
 
@@ -94,7 +94,7 @@ impl Search {
 
     /// Decides what follows from a solve at the present point: `(fresh, scale)`, where `fresh` is
     /// 1 to set out along the new direction and 0 to go back and try less of the old one.
-    pub(super) fn next(&mut self, out: &mut Outcome, solve: &Solve) -> (f64, f64) {
+    pub(super) fn next(&mut self, out: &mut SearchOutcome, solve: &Solve) -> (f64, f64) {
         let (iteration, turn) = (solve.iteration, solve.turn);
         out.iterations = iteration + 1;
         out.residuals[iteration] = turn;

@@ -1,5 +1,5 @@
 use super::batch::StaggeredBatch;
-use crate::{Conditions, Energy, Rod, RodError, RodIntegrator, RodState, StepError, StepReport};
+use crate::{Conditions, Energy, Rod, RodError, RodIntegrator, RodState, RodStepReport, StepError};
 use nalgebra::Vector3;
 
 /// One fibre as a staggered chain: a [`StaggeredBatch`] of one.
@@ -42,8 +42,8 @@ impl RodIntegrator for Staggered {
     fn energy(&self, gravity: &Vector3<f64>) -> Energy {
         self.0.energy(0, gravity)
     }
-    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<StepReport, StepError> {
-        let mut report = [StepReport::default()];
+    fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<RodStepReport, StepError> {
+        let mut report = [RodStepReport::default()];
         self.0.step(dt, &[conditions], &mut report)?;
         Ok(report[0])
     }

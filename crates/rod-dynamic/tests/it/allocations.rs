@@ -4,7 +4,7 @@ use crate::common::{GRAVITY, hair};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_rod_dynamic::{
     BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Instant, Point, Rod, RodIntegrator,
-    StaggeredBatch, Steady, StepReport,
+    RodStepReport, StaggeredBatch, Steady,
 };
 
 /// Allocations of the second of two runs of `step`.
@@ -29,7 +29,7 @@ fn warm_steps_do_not_allocate() {
     for fibers in [1, 8] {
         let mut batch = StaggeredBatch::new(vec![rod.clone(); fibers], 0.3).expect("a batch");
         let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
-        let mut reports = vec![StepReport::default(); fibers];
+        let mut reports = vec![RodStepReport::default(); fibers];
         let count = allocations(|| {
             for _ in 0..20 {
                 batch.step(1e-3, &conditions, &mut reports).expect("a step");
@@ -64,7 +64,7 @@ fn batches_hold_what_their_motion_needs() {
     let rod = Rod::new(hair(segments));
     let hold = Steady(Instant::clamped(*rod.fiber.root(), GRAVITY));
     let conditions: Vec<&dyn Conditions> = vec![&hold; 8];
-    let mut reports = vec![StepReport::default(); 8];
+    let mut reports = vec![RodStepReport::default(); 8];
     let mut held = |euler: bool| {
         let mut batch = None;
         let made = allocation_counter::measure(|| {

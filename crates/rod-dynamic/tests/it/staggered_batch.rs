@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Air, Conditions, Drag, End, Instant, Load, Rod, RodIntegrator, Staggered, StaggeredBatch,
-    StepError, StepReport,
+    Air, Conditions, Drag, End, Instant, Load, Rod, RodIntegrator, RodStepReport, Staggered,
+    StaggeredBatch, StepError,
 };
 
 const DT: f64 = 1.0 / 60.0;
@@ -53,10 +53,10 @@ fn numbers(batch: &StaggeredBatch) -> Vec<u64> {
     numbers.into_iter().map(f64::to_bits).collect()
 }
 
-fn step(batch: &mut StaggeredBatch, members: &[usize], dt: f64) -> Vec<StepReport> {
+fn step(batch: &mut StaggeredBatch, members: &[usize], dt: f64) -> Vec<RodStepReport> {
     let conditions: Vec<_> = members.iter().map(|&i| conditions(i)).collect();
     let conditions: Vec<&dyn Conditions> = conditions.iter().map(|c| c as _).collect();
-    let mut reports = vec![StepReport::default(); members.len()];
+    let mut reports = vec![RodStepReport::default(); members.len()];
     batch.step(dt, &conditions, &mut reports).expect("converges");
     reports
 }
@@ -140,7 +140,7 @@ fn failed_steps_leave_batches_untouched() {
                 })
                 .collect();
             let conditions: Vec<&dyn Conditions> = conditions.iter().map(|c| c as _).collect();
-            let mut reports = [StepReport::default(); 4];
+            let mut reports = [RodStepReport::default(); 4];
             let error = batch.step(DT, &conditions, &mut reports).expect_err("must fail");
             match error {
                 StepError::Conditions { fiber, .. } => {

@@ -4,8 +4,8 @@
 use nalgebra::{Matrix3, Translation3, Vector3};
 use rapunzel_fiber::{Fiber, LinearLaw, Material, Section, SectionLaw, SectionResponse};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Conditions, End, Instant, Load, Rod, RodError, SectionLaws,
-    StaggeredBatch, Steady, StepReport,
+    BoxIntegrator, BoxOptions, Conditions, End, Instant, Load, Rod, RodError, RodStepReport,
+    SectionLaws, StaggeredBatch, Steady,
 };
 use std::sync::Arc;
 
@@ -113,7 +113,7 @@ fn shaken(t: f64) -> Instant {
 
 fn run(batch: &mut StaggeredBatch, steps: usize, conditions: &dyn Conditions) {
     let conditions = vec![conditions; batch.rods().len()];
-    let mut reports = vec![StepReport::default(); conditions.len()];
+    let mut reports = vec![RodStepReport::default(); conditions.len()];
     for _ in 0..steps {
         batch.step(0.01, &conditions, &mut reports).expect("a step");
     }
@@ -145,7 +145,7 @@ fn a_rod_that_stiffens_bends_as_its_law_says() {
         End::Loaded { force: Load::ZERO, moment: Load::Follower(moment * Vector3::x()) };
     let rod = with_law(straight, Stiffening { stiffness, factor });
     let mut batch = StaggeredBatch::backward_euler(vec![rod]).expect("valid");
-    let mut reports = [StepReport::default()];
+    let mut reports = [RodStepReport::default()];
     for _ in 0..3 {
         // Long steps: only the equilibrium is left.
         batch.step(10.0, &[&Steady(conditions)], &mut reports).expect("a step");

@@ -6,8 +6,8 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Air, Conditions, Drag, End, Instant, Ledger, Load, Rod, RodState, StaggeredBatch, Steady,
-    StepError, StepReport,
+    Air, Conditions, Drag, End, Instant, Ledger, Load, Rod, RodState, RodStepReport,
+    StaggeredBatch, Steady, StepError,
 };
 
 /// The error of a ledger in parts of the work of its step: rounding of the inertia of places, over the
@@ -72,7 +72,7 @@ impl Books {
         impulses: &[Vector3<f64>],
     ) -> Result<Ledger, StepError> {
         let before = self.energies();
-        let mut reports = [StepReport::default()];
+        let mut reports = [RodStepReport::default()];
         if impulses.is_empty() {
             self.batch.step(dt, &[conditions], &mut reports)?;
         } else {
@@ -235,7 +235,7 @@ fn ledgers_of_halved_steps_close() {
             [energy.kinetic + energy.elastic, energy.gravitational]
         };
         let before = [0, 1, 2].map(|fiber| held(&batch, fiber));
-        let mut reports = [StepReport::default(); 3];
+        let mut reports = [RodStepReport::default(); 3];
         batch.step(1.0 / 30.0, &[&hold, &hold, &hold], &mut reports).expect("a step");
         for (fiber, before) in before.iter().enumerate() {
             let after = held(&batch, fiber);

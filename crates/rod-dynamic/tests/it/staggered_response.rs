@@ -5,8 +5,8 @@ use nalgebra::{
 };
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Point, PointResponses, Rod, StaggeredBatch, Steady,
-    StepReport,
+    Conditions, ImpulseResponse, Instant, Point, PointResponses, Rod, RodStepReport,
+    StaggeredBatch, Steady,
 };
 
 const SEGMENTS: usize = 40;
@@ -35,7 +35,7 @@ fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
         })
         .collect();
     let mut batch = StaggeredBatch::new(rods, 0.3).expect("valid batch");
-    let (hold, mut reports) = (hold(), vec![StepReport::default(); fibers]);
+    let (hold, mut reports) = (hold(), vec![RodStepReport::default(); fibers]);
     let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
     let mut steps = 0;
     while batch.time() < 0.15 && steps < 400 {
@@ -110,7 +110,7 @@ fn diagonal_blocks_are_those_of_the_columns() {
 fn response_is_the_derivative_of_a_step() {
     for dt in [1.0 / 30.0, 1e-2, 1e-3] {
         let (mut batch, start) = falling(1, dt);
-        let (hold, mut reports) = (hold(), [StepReport::default()]);
+        let (hold, mut reports) = (hold(), [RodStepReport::default()]);
         let push = [(5, Vector3::x()), (20, Vector3::y()), (40, Vector3::new(0.6, 0.0, 0.8))];
         for (node, direction) in push {
             let mut impulses = vec![Vector3::zeros(); NODES];
@@ -145,7 +145,7 @@ fn response_is_the_derivative_of_a_step() {
 fn predicting_and_finishing_is_a_step() {
     let dt = 1e-3;
     let (mut batch, start) = falling(1, dt);
-    let (hold, mut reports) = (hold(), [StepReport::default()]);
+    let (hold, mut reports) = (hold(), [RodStepReport::default()]);
     let mut mean = vec![Vector3::zeros(); NODES];
     batch.mean_velocities(&mut mean).expect("lengths");
     batch.correct(&vec![Vector3::zeros(); NODES], &mut reports).expect("a step");
@@ -259,7 +259,7 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     let (mut batch, start) = falling(3, 1e-3);
     let hold = hold();
     let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
-    let mut reports = [StepReport::default(); 3];
+    let mut reports = [RodStepReport::default(); 3];
     let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
     let impulses: Vec<_> =
         (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
@@ -298,7 +298,7 @@ fn impulses_may_change_before_anything_moves() {
     let (mut batch, _) = falling(3, 1e-3);
     let hold = hold();
     let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
-    let mut reports = [StepReport::default(); 3];
+    let mut reports = [RodStepReport::default(); 3];
     let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
     let change: Vec<_> =
         (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();

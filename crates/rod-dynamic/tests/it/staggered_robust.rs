@@ -6,7 +6,7 @@ use crate::common::GRAVITY;
 use nalgebra::{Translation3, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    End, Instant, Rod, RodIntegrator, Staggered, StaggeredBatch, Steady, StepError, StepReport,
+    End, Instant, Rod, RodIntegrator, RodStepReport, Staggered, StaggeredBatch, Steady, StepError,
 };
 
 /// What a run cost, and the largest energy above that of its start in parts of the weight times
@@ -133,7 +133,7 @@ fn a_taut_rod_is_refused() {
             let root = *rod.fiber.root();
             let tip = root * Translation3::new(0.0, 0.0, rod.fiber.length() * (1.0 - slack));
             let taut = Instant { tip: End::Held(tip), ..Instant::clamped(root, GRAVITY) };
-            let mut reports = [StepReport::default()];
+            let mut reports = [RodStepReport::default()];
             let error = batch.step(1e-3, &[&Steady(taut)], &mut reports).expect_err("it is taut");
             assert!(matches!(error, StepError::Conditions { what: "tip", .. }), "{error}");
         }

@@ -10,9 +10,9 @@ use rapunzel_rod_dynamic::{End, Instant, Load, Rod, equilibrium};
 use rapunzel_rod_static::{EndCondition as StaticEnd, Piece, Problem, Properties};
 
 /// The wave that is measured: length of the hair, amplitude and wavelength, m, and segments.
-const LENGTH: f64 = 0.254;
+const WAVE_HAIR: f64 = 0.254;
 const WAVE: Sine = Sine { amplitude: 0.002, wavelength: 0.02 };
-const SEGMENTS: usize = 600;
+const WAVE_SEGMENTS: usize = 600;
 /// Mass that stretches it, kg.
 const GRAM: f64 = 1e-3;
 /// The curl: length of the hair, m, mandrel, and segments.
@@ -22,20 +22,20 @@ const CURL_SEGMENTS: usize = 60;
 
 /// Counts the waves of a hair of 254 mm, and stretches it with one gram.
 pub(super) fn waviness(sample: &LabSample) -> Result<Reading, SimError> {
-    let fiber = straight(sample.node()?, Vector3::z(), LENGTH, SEGMENTS)?;
+    let fiber = straight(sample.node()?, Vector3::z(), WAVE_HAIR, WAVE_SEGMENTS)?;
     let wavy = WAVE.bend(fiber).map_err(KeratinError::from)?;
     let (curve, _) = wavy.rest_shape();
-    let natural_length = (curve[SEGMENTS] - curve[0]).norm();
+    let natural_length = (curve[WAVE_SEGMENTS] - curve[0]).norm();
     let waves = curl::maxima(&curve, &Vector3::x());
     let mut loaded = Instant::clamped(*wavy.root(), Vector3::zeros());
     let force = Load::World(GRAM * GRAVITY * Vector3::z());
     loaded.tip = End::Loaded { force, moment: Load::ZERO };
     let rest = natural(&wavy)?;
     let (pulled, _) = equilibrium(&Rod::new(wavy), &loaded, &rest)?;
-    let stretched = (pulled.positions[SEGMENTS] - pulled.positions[0]).norm();
+    let stretched = (pulled.positions[WAVE_SEGMENTS] - pulled.positions[0]).norm();
     let numbers = vec![
         Number::new("waviness", "", curl::waviness(waves, stretched, natural_length)?)
-            .of(waves as f64 * LENGTH / natural_length),
+            .of(waves as f64 * WAVE_HAIR / natural_length),
         Number::new("waves", "", waves as f64),
         Number::new("stretched length", "m", stretched),
         Number::new("natural length", "m", natural_length),

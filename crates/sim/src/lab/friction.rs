@@ -12,14 +12,14 @@ use std::f64::consts::PI;
 const RADIUS: f64 = 5e-3;
 /// Segments over the cylinder, and of each leg.
 const ARC: usize = 40;
-const LEG: usize = 12;
+const CAPSTAN_LEG: usize = 12;
 /// Weight at the end of the hair, N: its tension bends the hair sharply.
-const WEIGHT: f64 = 0.05;
+const CAPSTAN_WEIGHT: f64 = 0.05;
 /// Velocity with which the other end is drawn, m/s, far above what counts as slip.
 const VELOCITY: f64 = 0.01;
 /// Length of a step, s, and steps; the first half is not read.
 const DT: f64 = 1e-3;
-const STEPS: usize = 100;
+const CAPSTAN_STEPS: usize = 100;
 
 /// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of its
 /// ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
@@ -31,7 +31,7 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let turn = PI / ARC as f64;
     let axis = (RADIUS + section.equivalent_radius()) * (1.0 + turn * turn / 12.0);
     let segment = axis * turn;
-    let leg = LEG as f64 * segment;
+    let leg = CAPSTAN_LEG as f64 * segment;
     let wet = if wetness == Wetness::Wet { "Wet" } else { "Dry" };
     let mut scene = Scene::from_ron(&format!(
         "(
@@ -46,11 +46,11 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
             contact: (friction: Keratin(on: Nylon, wetness: {wet})),
         )",
         2.0 * leg + PI * axis,
-        ARC + 2 * LEG,
+        ARC + 2 * CAPSTAN_LEG,
         -axis,
         0.5 * segment - leg,
         -VELOCITY,
-        -WEIGHT,
+        -CAPSTAN_WEIGHT,
     ))?;
     sample.put_into(&mut scene);
     let mut world = World::build(&scene)?;
@@ -62,14 +62,14 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let start = super::sample::natural(&over.map_err(KeratinError::from)?)?;
     world.set_state(0, &start)?;
     let mut points = Vec::new();
-    for _ in 0..STEPS {
+    for _ in 0..CAPSTAN_STEPS {
         world.step(DT)?;
         points.push([world.time(), world.state(0).forces[0].norm()]);
     }
-    let read = &points[STEPS / 2..];
+    let read = &points[CAPSTAN_STEPS / 2..];
     let tension = read.iter().map(|p| p[1]).sum::<f64>() / read.len() as f64;
     let numbers = vec![
-        Number::new("coefficient of friction", "", (tension / WEIGHT).ln() / PI)
+        Number::new("coefficient of friction", "", (tension / CAPSTAN_WEIGHT).ln() / PI)
             .of(on.friction(wetness)?),
         Number::new("tension of the end that is drawn", "N", tension),
     ];

@@ -11,8 +11,8 @@ use rapunzel_rod_dynamic::{Instant, Rod, RodState, Steady};
 use std::f64::consts::TAU;
 
 /// Length of the hair, m, and its segments.
-const LENGTH: f64 = 0.05;
-const SEGMENTS: usize = 10;
+const PENDULUM_LENGTH: f64 = 0.05;
+const PENDULUM_SEGMENTS: usize = 10;
 /// Mass of the bob, kg; its inertia is such that the hair swings with 1 rad/s, where the moduli of one that
 /// fades are those of the tables.
 const MASS: f64 = 1e-4;
@@ -28,26 +28,27 @@ pub(super) fn pendulum(sample: &LabSample) -> Result<Reading, SimError> {
     let fading = Keratin { law: Law::Viscoelastic, ..sample.keratin };
     let (node, laws) = fading.rod(&hair, climate)?;
     let decrement = hair.log_decrement(climate)?.value;
-    let inertia = node.stiffness.z / LENGTH * (PERIOD / TAU).powi(2);
-    let fiber = pendulum::fiber(node, LENGTH, SEGMENTS, Bob { mass: MASS, inertia })?;
+    let inertia = node.stiffness.z / PENDULUM_LENGTH * (PERIOD / TAU).powi(2);
+    let fiber =
+        pendulum::fiber(node, PENDULUM_LENGTH, PENDULUM_SEGMENTS, Bob { mass: MASS, inertia })?;
     let fiber = fiber.with_root(root(-Vector3::z())?);
     let mut start = natural(&fiber)?;
-    let untwisted = start.frames[SEGMENTS];
+    let untwisted = start.frames[PENDULUM_SEGMENTS];
     let arcs = fiber.arc_lengths();
     for (i, frame) in start.frames.iter_mut().enumerate() {
-        let middle = 0.5 * (arcs[i] + arcs[i + 1]) / LENGTH;
+        let middle = 0.5 * (arcs[i] + arcs[i + 1]) / PENDULUM_LENGTH;
         *frame *= so3::exp(&(TWIST * middle * Vector3::z()));
     }
     let rod = Rod { laws, ..Rod::new(fiber) };
     let hold = Steady(Instant::clamped(*rod.fiber.root(), -GRAVITY * Vector3::z()));
     let angle = |state: &RodState| {
-        let turn: Rotation3<f64> = untwisted.inverse() * state.frames[SEGMENTS];
+        let turn: Rotation3<f64> = untwisted.inverse() * state.frames[PENDULUM_SEGMENTS];
         so3::log(&turn).z
     };
     let readings = record(rod, &start, &hold, TIMES, angle)?;
     let found = Oscillation::of(&readings, 0.0)?;
     let section = hair.section(climate);
-    let rigidity = pendulum::rigidity(inertia, LENGTH, found.period)?;
+    let rigidity = pendulum::rigidity(inertia, PENDULUM_LENGTH, found.period)?;
     let modulus = pendulum::shear_modulus(rigidity, section.area())?;
     // The formulas take a circle, an elastic hair, and its period. Of a hair that fades with a power of
     // time the modulus is that of 1 rad/s.

@@ -7,9 +7,9 @@ use rapunzel_scene::{LoadFrame, Pose};
 use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
 
 /// Segments of a chain between two stations, at least: its error falls with their square.
-const SEGMENTS: usize = 400;
+const CHAIN_SEGMENTS: usize = 400;
 /// Part of the largest number of its kind along the rod below which one is only rounding.
-const ROUNDING: f64 = 1e-12;
+const STATION_ROUNDING: f64 = 1e-12;
 
 /// The equilibria of the case at its own length.
 pub(super) fn equilibria(case: &Case) -> Result<Vec<CaseEquilibrium>, SimError> {
@@ -63,7 +63,7 @@ fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
 
 /// The rod as a chain whose nodes are the stations and more between them.
 fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
-    let finer = SEGMENTS.div_ceil(case.parts);
+    let finer = CHAIN_SEGMENTS.div_ceil(case.parts);
     let count = case.parts * finer;
     let mut whole = case.clone();
     (whole.masses, whole.forces) = (Vec::new(), Vec::new());
@@ -166,7 +166,7 @@ fn equilibrium(
         end_moment: last.moment,
         place_forces,
         sharpest,
-        sag: if sag < ROUNDING * far { 0.0 } else { sag },
+        sag: if sag < STATION_ROUNDING * far { 0.0 } else { sag },
         stations,
     }
 }
@@ -221,5 +221,5 @@ fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
 
 /// The vector without components that are only what rounding leaves of numbers of size `largest`.
 fn rounded(v: impl Into<[f64; 3]>, largest: f64) -> [f64; 3] {
-    v.into().map(|x| if x.abs() < ROUNDING * largest { 0.0 } else { x })
+    v.into().map(|x| if x.abs() < STATION_ROUNDING * largest { 0.0 } else { x })
 }

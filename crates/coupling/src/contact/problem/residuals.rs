@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::ops::AddAssign;
 
 /// Contacts that one task takes.
-const CHUNK: usize = 1024;
+const RESIDUAL_CHUNK: usize = 1024;
 
 /// The part of the kinetic energy that contacts may give in a step, for want of shorter ones.
 const MUCH: f64 = 0.1;
@@ -113,7 +113,7 @@ impl ContactProblem {
             sum
         };
         let part = |part: &[usize]| part.iter().map(|&i| of_one(i)).fold(T::default(), sum);
-        let parts: Vec<T> = self.working.par_chunks(CHUNK).map(part).collect();
+        let parts: Vec<T> = self.working.par_chunks(RESIDUAL_CHUNK).map(part).collect();
         parts.into_iter().fold(T::default(), sum)
     }
 

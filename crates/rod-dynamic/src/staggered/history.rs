@@ -1,21 +1,21 @@
 //! The motion of one class of vector coordinates of a pack: nodes, directors, or joints.
 
 use super::array::{Array, zeros};
-use super::chain::{Chain, store};
-use super::pack::set;
-use super::scheme::{Problem, Rates, Scheme, Stage};
+use super::chain::{RotationChain, store};
+use super::scheme::{Rates, Scheme, Stage, StepProblem};
+use super::simd_batch::set;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
 
 /// Rates of vector coordinates. What is always zero takes no room: accelerations of a method without
 /// memory of them, and all rates where nobody asks for any.
-pub(super) struct Track<S: Simd> {
+pub(super) struct KinematicHistory<S: Simd> {
     pub(super) v: Array<S>,
     pub(super) a: Array<S>,
     pub(super) acceleration: Array<S>,
 }
 
-impl<S: Simd> Track<S> {
+impl<S: Simd> KinematicHistory<S> {
     pub(super) fn new(count: usize, memory: bool) -> Self {
         let remembered = if memory { count } else { 0 };
         let track = |count: usize| zeros::<S>(3 * count);
@@ -23,7 +23,7 @@ impl<S: Simd> Track<S> {
     }
 
     #[inline(always)]
-    pub(super) fn rates(&self, chain: &Chain<S>, i: usize) -> Rates<S> {
+    pub(super) fn rates(&self, chain: &RotationChain<S>, i: usize) -> Rates<S> {
         Rates {
             v: chain.vec_or_zero(&self.v, i),
             a: chain.vec_or_zero(&self.a, i),
@@ -36,7 +36,7 @@ impl<S: Simd> Track<S> {
     #[inline(always)]
     pub(super) fn commit(
         &mut self,
-        chain: &Chain<S>,
+        chain: &RotationChain<S>,
         scheme: Scheme,
         stage: &Stage<S>,
         i: usize,
@@ -46,7 +46,7 @@ impl<S: Simd> Track<S> {
         let old = self.rates(chain, i);
         let (du, vc) = scheme.predict(stage, old);
         let acceleration = (u - du).scale(stage.c1);
-        let new = if stage.problem == Problem::Start {
+        let new = if stage.problem == StepProblem::Start {
             Rates { v: old.v, a: acceleration, acceleration }
         } else {
             scheme.finish(stage, old, u.mul_add(stage.cv, vc), acceleration)

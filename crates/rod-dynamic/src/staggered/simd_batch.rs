@@ -1,16 +1,16 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
 use super::array::{Array, zeros};
-use super::chain::{Chain, keep_directors, store};
-use super::ends::{Ends, Held, Kind};
+use super::chain::{RotationChain, keep_directors, store};
+use super::ends::{EndKind, Ends, Held};
+use super::history::KinematicHistory;
 use super::laws::{Laws, Turns};
 use super::ledger::Outset;
-use super::model::Model;
+use super::model::BatchModel;
 use super::response::Weighted;
-use super::room::Room;
-use super::scheme::{Problem, Scheme, Stage};
-use super::search::Outcome;
-use super::track::Track;
+use super::scheme::{Scheme, Stage, StepProblem};
+use super::search::SearchOutcome;
+use super::workspace::BatchWorkspace;
 use crate::{End, Instant, Load, Rod};
 use nalgebra::Vector3;
 use pulp::bytemuck::{self, Pod, Zeroable};
@@ -19,8 +19,8 @@ use rapunzel_fiber::so3;
 use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Model and state of up to eight fibres with equally many segments.
-pub(super) struct Pack<S: Simd> {
-    pub(super) chain: Chain<S>,
+pub(super) struct SimdBatch<S: Simd> {
+    pub(super) chain: RotationChain<S>,
     pub(super) scheme: Scheme,
     /// Kelvin-Voigt time.
     pub(super) damping: S::f64s,
@@ -28,9 +28,9 @@ pub(super) struct Pack<S: Simd> {
     /// the chain.
     pub(super) r: Array<S>,
     pub(super) phi: Array<S>,
-    pub(super) nodes: Track<S>,
-    pub(super) directors: Track<S>,
-    pub(super) joints: Track<S>,
+    pub(super) nodes: KinematicHistory<S>,
+    pub(super) directors: KinematicHistory<S>,
+    pub(super) joints: KinematicHistory<S>,
     /// Impulses on the nodes at the start of the step (3), if any have been set.
     pub(super) impulses: Array<S>,
     /// Those on the root and the tip that what holds them takes up.
@@ -49,7 +49,7 @@ pub(super) struct Pack<S: Simd> {
     /// With masses added at points, if that has been asked for.
     pub(super) weighted: Option<Weighted<S>>,
     /// What the chain has in place of the room that it has borrowed.
-    pub(super) borrowed: Option<Box<Room<S>>>,
+    pub(super) borrowed: Option<Box<BatchWorkspace<S>>>,
     /// Whether the chain keeps what a step needs from call to call.
     pub(super) keeps: bool,
     /// For the ledger of a step.
@@ -66,21 +66,24 @@ pub(super) struct Before<S: Simd> {
     pub(super) ends: Ends<S>,
 }
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// At least one rod, all with the same number of segments. Spare lanes repeat the last rod.
     pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
         let n = rods[0].fiber.segments();
         let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
         let memory = scheme.has_memory();
         let mut pack = Self {
-            chain: Chain::new(simd, Model::of(rods)),
+            chain: RotationChain::new(simd, BatchModel::of(rods)),
             scheme,
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
             phi: zeros::<S>(3 * (n + 1)),
-            nodes: Track::new(n + 1, memory),
-            directors: Track::new(2 * n, memory),
-            joints: Track::new(if any_damping { n + 1 } else { 0 }, memory && any_damping),
+            nodes: KinematicHistory::new(n + 1, memory),
+            directors: KinematicHistory::new(2 * n, memory),
+            joints: KinematicHistory::new(
+                if any_damping { n + 1 } else { 0 },
+                memory && any_damping,
+            ),
             impulses: zeros::<S>(0),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
@@ -113,15 +116,15 @@ impl<S: Simd> Pack<S> {
         &mut self,
         dt: &[f64; LANES],
         wanted: &[bool; LANES],
-        problem: Problem,
-        out: &mut [Outcome; LANES],
+        problem: StepProblem,
+        out: &mut [SearchOutcome; LANES],
     ) {
         struct Attempt<'a, S: Simd>(
-            &'a mut Pack<S>,
+            &'a mut SimdBatch<S>,
             &'a [f64; LANES],
             &'a [bool; LANES],
-            Problem,
-            &'a mut [Outcome; LANES],
+            StepProblem,
+            &'a mut [SearchOutcome; LANES],
         );
         impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
             type Output = ();
@@ -129,15 +132,15 @@ impl<S: Simd> Pack<S> {
             fn call(self) {
                 let Self(pack, dt, wanted, problem, out) = self;
                 let stage = pack.stage(dt, problem);
-                if problem == Problem::Again {
+                if problem == StepProblem::Again {
                     pack.recall_directors();
                 }
-                if problem == Problem::Step {
+                if problem == StepProblem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
                 pack.prepare(&stage);
                 pack.begin_laws();
-                pack.chain.newton(wanted, &pack.held, problem == Problem::Rest, out);
+                pack.chain.newton(wanted, &pack.held, problem == StepProblem::Rest, out);
             }
         }
         self.last_dt = *dt;
@@ -146,13 +149,13 @@ impl<S: Simd> Pack<S> {
 
     /// Makes the present rotations the start of a step, in the lanes that are wanted.
     pub(super) fn set_out(&mut self, wanted: &[bool; LANES]) {
-        struct SetOut<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; LANES]);
+        struct SetOut<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for SetOut<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
                 let wanted = self.0.flags(self.1);
-                let Chain { room, q, .. } = &mut self.0.chain;
+                let RotationChain { room, q, .. } = &mut self.0.chain;
                 keep_directors(&mut room.d_start, q, wanted);
             }
         }
@@ -162,7 +165,7 @@ impl<S: Simd> Pack<S> {
     /// Takes the rotation vectors of the joints from the present rotations, in the lanes that are
     /// wanted: the damping of the first step starts from them.
     pub(super) fn measure(&mut self, wanted: &[bool; LANES]) {
-        struct Measure<'a, S: Simd>(&'a mut Pack<S>, &'a [bool; LANES]);
+        struct Measure<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Measure<'_, S> {
             type Output = ();
             #[inline(always)]
@@ -186,7 +189,7 @@ impl<S: Simd> Pack<S> {
 
     /// Lets the laws of one lane set out from the natural state, and at once to the present turns.
     pub(super) fn strain_laws_at_once(&mut self, lane: usize) {
-        let Chain { model, laws, ends, .. } = &mut self.chain;
+        let RotationChain { model, laws, ends, .. } = &mut self.chain;
         let turns = Turns { phi: &self.phi, rest: &model.rest, ends };
         laws.iter_mut().for_each(|laws| laws.strain_at_once(lane, turns));
     }
@@ -198,8 +201,13 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Makes the last attempt the state, in the lanes that are `done`.
-    pub(super) fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem) {
-        struct Commit<'a, S: Simd>(&'a mut Pack<S>, &'a [f64; LANES], &'a [bool; LANES], Problem);
+    pub(super) fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: StepProblem) {
+        struct Commit<'a, S: Simd>(
+            &'a mut SimdBatch<S>,
+            &'a [f64; LANES],
+            &'a [bool; LANES],
+            StepProblem,
+        );
         impl<S: Simd> NullaryFnOnce for Commit<'_, S> {
             type Output = ();
             #[inline(always)]
@@ -213,7 +221,7 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    pub(super) fn stage(&self, dt: &[f64; LANES], problem: Problem) -> Stage<S> {
+    pub(super) fn stage(&self, dt: &[f64; LANES], problem: StepProblem) -> Stage<S> {
         let dt = Lane::load(self.chain.simd, dt, 0);
         self.scheme.stage(dt, problem)
     }
@@ -255,7 +263,8 @@ impl<S: Simd> Pack<S> {
                 a if a == n => Lane::new(simd, self.chain.ends.tip_held),
                 _ => zero,
             };
-            self.chain.room.mu[a] = if stage.problem == Problem::Rest { zero } else { mu }.value;
+            self.chain.room.mu[a] =
+                if stage.problem == StepProblem::Rest { zero } else { mu }.value;
             self.chain.kept.w[a] = held.positive().select(zero, mu.recip()).value;
             store(&mut self.chain.room.b, a, b);
         }
@@ -265,7 +274,7 @@ impl<S: Simd> Pack<S> {
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
-            let p = if stage.problem == Problem::Rest { V3::splat(simd, 0.0) } else { d + du };
+            let p = if stage.problem == StepProblem::Rest { V3::splat(simd, 0.0) } else { d + du };
             store(&mut self.chain.room.p, i, p.scale(inertia));
         }
         let damping = Lane::new(simd, self.damping);
@@ -295,7 +304,7 @@ impl<S: Simd> Pack<S> {
 
     /// Asks the laws for the step of the last length, about the turns from which it sets out.
     pub(super) fn begin_laws(&mut self) {
-        let Chain { laws, room, ends, .. } = &mut self.chain;
+        let RotationChain { laws, room, ends, .. } = &mut self.chain;
         let turns = Turns { phi: &self.phi, rest: &room.target, ends };
         laws.iter_mut().for_each(|laws| laws.begin(&self.last_dt, turns));
     }
@@ -330,7 +339,7 @@ impl<S: Simd> Pack<S> {
         let wanted = self.flags(wanted);
         let half = Lane::splat(self.chain.simd, 0.5);
         for e in 0..self.chain.n {
-            let ahead = |track: &Track<S>, i: usize| {
+            let ahead = |track: &KinematicHistory<S>, i: usize| {
                 self.scheme.predict(stage, track.rates(&self.chain, i)).0
             };
             let chord = ahead(&self.nodes, e + 1) - ahead(&self.nodes, e);
@@ -353,7 +362,7 @@ impl<S: Simd> Pack<S> {
             let after = done.positive().select(v + self.jump(a), v);
             store(&mut self.nodes.v, a, after);
             self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
-            if stage.problem != Problem::Start {
+            if stage.problem != StepProblem::Start {
                 store(&mut self.r, a, done.positive().select(new, old));
             }
         }
@@ -364,7 +373,7 @@ impl<S: Simd> Pack<S> {
             self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
         }
         if let Some(laws) = &mut self.chain.laws
-            && stage.problem != Problem::Start
+            && stage.problem != StepProblem::Start
         {
             let turns = Turns {
                 phi: &self.chain.room.phi,
@@ -379,7 +388,7 @@ impl<S: Simd> Pack<S> {
             if self.any_damping {
                 self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);
             }
-            if stage.problem != Problem::Start {
+            if stage.problem != StepProblem::Start {
                 store(&mut self.phi, j, done.positive().select(new, old));
             }
         }
@@ -401,8 +410,8 @@ impl<S: Simd> Pack<S> {
         now.tip = ahead(&now.tip, &self.vector(&self.chain.model.rest, n, lane));
         let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
         self.held[lane] = self.chain.ends.set(lane, &now, reaction);
-        self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == Kind::Loaded);
-        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == Kind::Held);
+        self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == EndKind::Loaded);
+        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == EndKind::Held);
         self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
@@ -411,7 +420,7 @@ impl<S: Simd> Pack<S> {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
         let [g, h, i] = self.joints.arrays();
-        let Chain { q, force, ends, .. } = &self.chain;
+        let RotationChain { q, force, ends, .. } = &self.chain;
         let flags = [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint];
         let [j, k, l, m] = flags.map(std::slice::from_ref);
         [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
@@ -422,7 +431,7 @@ impl<S: Simd> Pack<S> {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
         let [g, h, i] = self.joints.arrays_mut();
-        let Chain { q, force, ends, .. } = &mut self.chain;
+        let RotationChain { q, force, ends, .. } = &mut self.chain;
         let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, .. } = ends;
         let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
         let (r, phi) = (&mut self.r, &mut self.phi);

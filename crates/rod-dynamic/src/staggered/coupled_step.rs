@@ -1,29 +1,29 @@
 //! A step that is taken in several calls, with a solver of contacts between them.
 //!
-//! Between calls the room is given away: what the step needs again is in [`super::room::Kept`], and the
+//! Between calls the room is given away: what the step needs again is in [`super::workspace::Kept`], and the
 //! problem is written anew from the state and the impulses, which costs less than to keep it.
 
 use super::chain::{get, keep_directors, store};
 use super::ends::Held;
-use super::pack::Pack;
 use super::response::Inertia;
-use super::scheme::Problem;
+use super::scheme::StepProblem;
 use super::search::Search;
+use super::simd_batch::SimdBatch;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane};
 
 /// Longer increments of rods in contact are shortened to this, rad.
 const LONGEST_TURN: f64 = 1.0;
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// Prepares a step of length `dt` and sets out to where the motion leads, without solving it.
     pub(super) fn look(&mut self, dt: f64) {
-        struct LookAhead<'a, S: Simd>(&'a mut Pack<S>);
+        struct LookAhead<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, Problem::Step);
+                let stage = self.0.stage(&self.0.last_dt, StepProblem::Step);
                 self.0.look_ahead(&stage, &[true; LANES]);
                 self.0.prepare(&stage);
                 self.0.begin_laws();
@@ -37,7 +37,7 @@ impl<S: Simd> Pack<S> {
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the largest
     /// increment, rad.
     pub(super) fn linearize(&mut self) -> [f64; LANES] {
-        struct Linearize<'a, S: Simd>(&'a mut Pack<S>);
+        struct Linearize<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
             type Output = [f64; LANES];
             #[inline(always)]
@@ -63,13 +63,13 @@ impl<S: Simd> Pack<S> {
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the room causes. Returns the largest increment, rad.
     pub(super) fn advance(&mut self) -> [f64; LANES] {
-        struct Advance<'a, S: Simd>(&'a mut Pack<S>);
+        struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
             type Output = [f64; LANES];
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
-                let stage = pack.stage(&pack.last_dt, Problem::Step);
+                let stage = pack.stage(&pack.last_dt, StepProblem::Step);
                 pack.solve_response(&stage, Inertia::Own, 0);
                 for i in 0..2 * pack.chain.n {
                     let sum = pack.chain.vec(&pack.chain.kept.step, i)
@@ -97,7 +97,7 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     fn resume(&mut self) {
         self.recall_directors();
-        let stage = self.stage(&self.last_dt, Problem::Step);
+        let stage = self.stage(&self.last_dt, StepProblem::Step);
         self.prepare(&stage);
     }
 
@@ -121,7 +121,7 @@ impl<S: Simd> Pack<S> {
 
     /// Brings back where the last call of a step has led, for the step to be taken.
     pub(super) fn arrive(&mut self) {
-        struct Arrive<'a, S: Simd>(&'a mut Pack<S>);
+        struct Arrive<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {
             type Output = ();
             #[inline(always)]

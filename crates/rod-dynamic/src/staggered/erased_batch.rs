@@ -1,14 +1,14 @@
 //! A pack with its register width hidden, and the choice of that width.
 
 use super::array::zeros;
-use super::chain::Chain;
-use super::ends::Kind;
-use super::pack::{Pack, at, lanes, set};
+use super::chain::RotationChain;
+use super::ends::EndKind;
+use super::history::KinematicHistory;
 use super::response::Inertia;
-use super::room;
-use super::scheme::{Problem, Scheme};
-use super::search::Outcome;
-use super::track::Track;
+use super::scheme::{Scheme, StepProblem};
+use super::search::SearchOutcome;
+use super::simd_batch::{SimdBatch, at, lanes, set};
+use super::workspace;
 use crate::{Energy, Instant, Ledger, Momentum, Point, PointResponses, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
@@ -16,8 +16,8 @@ use pulp::bytemuck::{self, Zeroable};
 use rapunzel_lanes::LANES;
 use std::ops::RangeInclusive;
 
-/// What a batch needs of a [`Pack`], whatever its register width.
-pub(super) trait Engine: Send + Sync {
+/// What a batch needs of a [`SimdBatch`], whatever its register width.
+pub(super) trait ErasedBatch: Send + Sync {
     /// Borrows room to work in, without which nothing but the state can be read and set.
     fn enter(&mut self);
     /// Gives it back.
@@ -30,12 +30,12 @@ pub(super) trait Engine: Send + Sync {
         &mut self,
         dt: &[f64; LANES],
         wanted: &[bool; LANES],
-        problem: Problem,
-        out: &mut [Outcome; LANES],
+        problem: StepProblem,
+        out: &mut [SearchOutcome; LANES],
     );
     fn set_out(&mut self, wanted: &[bool; LANES]);
     fn measure(&mut self, wanted: &[bool; LANES]);
-    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem);
+    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: StepProblem);
     /// Notes how the ends of a lane are before a step whose ledger is wanted; `known` tells whether
     /// their reactions are those now.
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
@@ -58,7 +58,7 @@ pub(super) trait Engine: Send + Sync {
     fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64];
     /// Takes back the rotations and the reaction of one lane only, which an attempt changes.
     fn undo(&mut self, lane: usize);
-    /// Remembers what attempts change, for [`Engine::undo`] and [`Engine::undo_all`].
+    /// Remembers what attempts change, for [`ErasedBatch::undo`] and [`ErasedBatch::undo_all`].
     fn remember(&mut self);
     /// Takes all lanes back to what was remembered, as long as no step has been committed, and those that
     /// were `fresh` to having no acceleration.
@@ -94,10 +94,10 @@ pub(super) trait Engine: Send + Sync {
     fn numbers(&self, lane: usize) -> usize;
 }
 
-impl<S: Simd> Engine for Pack<S> {
+impl<S: Simd> ErasedBatch for SimdBatch<S> {
     fn enter(&mut self) {
         if self.borrowed.is_none() {
-            let mut room = room::borrow(self.chain.n);
+            let mut room = workspace::borrow(self.chain.n);
             std::mem::swap(&mut self.chain.room, &mut room);
             self.exchange_kept();
             self.borrowed = Some(room);
@@ -107,13 +107,13 @@ impl<S: Simd> Engine for Pack<S> {
         if let Some(mut room) = self.borrowed.take() {
             self.exchange_kept();
             std::mem::swap(&mut self.chain.room, &mut room);
-            room::give_back(room);
+            workspace::give_back(room);
         }
     }
     fn keep(&mut self) {
         self.keeps = true;
         self.chain.kept.fit(self.chain.n);
-        room::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
+        workspace::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
     }
     fn arrive(&mut self) {
         Self::arrive(self);
@@ -122,8 +122,8 @@ impl<S: Simd> Engine for Pack<S> {
         &mut self,
         dt: &[f64; LANES],
         wanted: &[bool; LANES],
-        problem: Problem,
-        out: &mut [Outcome; LANES],
+        problem: StepProblem,
+        out: &mut [SearchOutcome; LANES],
     ) {
         Self::attempt(self, dt, wanted, problem, out);
     }
@@ -133,7 +133,7 @@ impl<S: Simd> Engine for Pack<S> {
     fn set_out(&mut self, wanted: &[bool; LANES]) {
         Self::set_out(self, wanted);
     }
-    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: Problem) {
+    fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: StepProblem) {
         Self::commit(self, dt, done, problem);
     }
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
@@ -152,7 +152,7 @@ impl<S: Simd> Engine for Pack<S> {
         self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
     }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
-        room::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
+        workspace::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
         for i in 0..3 {
             set(&mut self.node_forces, 3 * node + i, lane, force[i]);
         }
@@ -288,8 +288,8 @@ impl<S: Simd> Engine for Pack<S> {
         let held = self.held[lane];
         let (last, free) = (impulses.len() - 1, Vector3::zeros());
         for (a, impulse) in impulses.iter().enumerate() {
-            let is_held =
-                (a == 0 && held.root != Kind::Loaded) || (a == last && held.tip != Kind::Loaded);
+            let is_held = (a == 0 && held.root != EndKind::Loaded)
+                || (a == last && held.tip != EndKind::Loaded);
             let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };
             for i in 0..3 {
                 set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
@@ -316,7 +316,7 @@ impl<S: Simd> Engine for Pack<S> {
         if node == n {
             added += self.vector(&kept.gap, 0, lane);
         }
-        Engine::displacement(self, lane, node) + added
+        ErasedBatch::displacement(self, lane, node) + added
     }
     fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES] {
         let nodes = self.chain.n + 1;
@@ -334,7 +334,7 @@ impl<S: Simd> Engine for Pack<S> {
     }
     fn stop(&mut self, lane: usize) {
         let tracks = [&mut self.nodes, &mut self.directors, &mut self.joints];
-        for array in tracks.into_iter().flat_map(Track::arrays_mut) {
+        for array in tracks.into_iter().flat_map(KinematicHistory::arrays_mut) {
             for i in 0..array.len() {
                 set(array, i, lane, 0.0);
             }
@@ -346,11 +346,11 @@ impl<S: Simd> Engine for Pack<S> {
     }
 }
 
-impl<S: Simd> Pack<S> {
+impl<S: Simd> SimdBatch<S> {
     /// Takes what a step needs from call to call out of the room, or puts it back, unless it is kept.
     fn exchange_kept(&mut self) {
         if !self.keeps {
-            let Chain { room, kept, .. } = &mut self.chain;
+            let RotationChain { room, kept, .. } = &mut self.chain;
             std::mem::swap(kept, &mut room.kept);
         }
     }
@@ -364,25 +364,25 @@ fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
 
 /// Builds the engine for at most eight rods: two lanes for one or two, else eight. All variants
 /// compute the same numbers where the machine has fused multiply-add.
-pub(super) fn build(rods: &[Rod], scheme: Scheme) -> Box<dyn Engine> {
+pub(super) fn build(rods: &[Rod], scheme: Scheme) -> Box<dyn ErasedBatch> {
     let wide = rods.len() > 2;
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V4::try_new()
         && wide
     {
-        return Box::new(Pack::new(simd, rods, scheme));
+        return Box::new(SimdBatch::new(simd, rods, scheme));
     }
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
         return if wide {
-            Box::new(Pack::new(pulp::x86::V3_512b(simd), rods, scheme))
+            Box::new(SimdBatch::new(pulp::x86::V3_512b(simd), rods, scheme))
         } else {
-            Box::new(Pack::new(pulp::x86::V3_128b(simd), rods, scheme))
+            Box::new(SimdBatch::new(pulp::x86::V3_128b(simd), rods, scheme))
         };
     }
     if wide {
-        Box::new(Pack::new(pulp::Scalar512b, rods, scheme))
+        Box::new(SimdBatch::new(pulp::Scalar512b, rods, scheme))
     } else {
-        Box::new(Pack::new(pulp::Scalar128b, rods, scheme))
+        Box::new(SimdBatch::new(pulp::Scalar128b, rods, scheme))
     }
 }

@@ -12,7 +12,7 @@ use std::any::Any;
 use std::cell::RefCell;
 
 /// What a call writes before it reads it, and nobody reads after it.
-pub(super) struct Room<S: Simd> {
+pub(super) struct BatchWorkspace<S: Simd> {
     /// Stiffness of the joints (3), with the damping of the step in it.
     pub(super) k: Array<S>,
     /// Rotation vectors at which the joints are at rest (3).
@@ -66,7 +66,7 @@ pub(super) struct Kept<S: Simd> {
     pub(super) gap: [S::f64s; 3],
 }
 
-impl<S: Simd> Room<S> {
+impl<S: Simd> BatchWorkspace<S> {
     pub(super) fn empty() -> Self {
         let none = || zeros::<S>(0);
         Self {
@@ -165,17 +165,17 @@ thread_local! {
 }
 
 /// Room of this thread for rods of `n` segments.
-pub(super) fn borrow<S: Simd>(n: usize) -> Box<Room<S>> {
+pub(super) fn borrow<S: Simd>(n: usize) -> Box<BatchWorkspace<S>> {
     let found = FREE.with_borrow_mut(|free| {
-        let at = free.iter().position(|room| room.is::<Room<S>>())?;
+        let at = free.iter().position(|room| room.is::<BatchWorkspace<S>>())?;
         free.swap_remove(at).downcast().ok()
     });
-    let mut room = found.unwrap_or_else(|| Box::new(Room::empty()));
+    let mut room = found.unwrap_or_else(|| Box::new(BatchWorkspace::empty()));
     room.fit(n);
     room
 }
 
 /// Leaves room to the next.
-pub(super) fn give_back<S: Simd>(room: Box<Room<S>>) {
+pub(super) fn give_back<S: Simd>(room: Box<BatchWorkspace<S>>) {
     FREE.with_borrow_mut(|free| free.push(room));
 }
