@@ -3,8 +3,9 @@
 //! Between calls the room is given away: what the step needs again is in [`super::workspace::Kept`], and the
 //! problem is written anew from the state and the impulses, which costs less than to keep it.
 
-use super::chain::{get, keep_directors, store};
+use super::array::{get, store};
 use super::ends::Held;
+use super::joint_geometry::keep_directors;
 use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::Search;

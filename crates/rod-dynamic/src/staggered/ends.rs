@@ -1,6 +1,6 @@
 //! What holds or loads the two ends of each fibre of a pack.
 
-use super::simd_batch::{at, set};
+use super::array::{at, set};
 use crate::{End, Instant, Load};
 use nalgebra::Vector3;
 use pulp::Simd;

@@ -1,14 +1,14 @@
 //! A pack with its register width hidden, and the choice of that width.
 
-use super::array::zeros;
+use super::array::{at, lanes, set, zeros};
 use super::chain::RotationChain;
 use super::ends::EndKind;
 use super::history::KinematicHistory;
 use super::response::Inertia;
 use super::scheme::{Scheme, StepProblem};
 use super::search::SearchOutcome;
-use super::simd_batch::{SimdBatch, at, lanes, set};
-use super::workspace;
+use super::simd_batch::SimdBatch;
+use super::{array, workspace};
 use crate::{Energy, Instant, Ledger, Momentum, Point, PointResponses, Rod, RodState};
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::Simd;
@@ -113,7 +113,7 @@ impl<S: Simd> ErasedBatch for SimdBatch<S> {
     fn keep(&mut self) {
         self.keeps = true;
         self.chain.kept.fit(self.chain.n);
-        workspace::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
+        array::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
     }
     fn arrive(&mut self) {
         Self::arrive(self);
@@ -152,7 +152,7 @@ impl<S: Simd> ErasedBatch for SimdBatch<S> {
         self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
     }
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
-        workspace::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
+        array::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
         for i in 0..3 {
             set(&mut self.node_forces, 3 * node + i, lane, force[i]);
         }

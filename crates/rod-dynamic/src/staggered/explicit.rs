@@ -1,7 +1,8 @@
 //! The answers of a few points, written out.
 
+use super::array::{at, set};
 use super::response::ImpulseColumns;
-use super::simd_batch::{SimdBatch, at, set};
+use super::simd_batch::SimdBatch;
 use crate::{Point, PointResponses};
 use nalgebra::DMatrix;
 use pulp::Simd;

@@ -8,9 +8,7 @@
 //! blocks they need not be, as in a rod under thrust that only both its ends together hold.
 //! Some 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
 
-use super::array::{Array, zeros};
-use super::chain::store;
-use super::workspace::fit;
+use super::array::{Array, fit, store, zeros};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 use std::ops::Sub;
@@ -301,5 +299,19 @@ impl<S: Simd> Row<S> {
             tt: *tt + Sym::symmetric_part(t_tf.times(ft_w) + t_tt.times(side_tt)),
         };
         (here, t_ff)
+    }
+}
+
+/// The inverse masses of the nodes and the factors that masses added at points make.
+pub(super) struct WeightedFactor<S: Simd> {
+    pub(super) w: Array<S>,
+    pub(super) factor: Factor<S>,
+    /// Whether they have been made anew since the step set out.
+    pub(super) used: bool,
+}
+
+impl<S: Simd> WeightedFactor<S> {
+    pub(super) fn new(n: usize) -> Self {
+        Self { w: zeros::<S>(n + 1), factor: Factor::new(n), used: true }
     }
 }

@@ -1,9 +1,8 @@
 //! The motion of one class of vector coordinates of a pack: nodes, directors, or joints.
 
-use super::array::{Array, zeros};
-use super::chain::{RotationChain, store};
+use super::array::{Array, set, store, zeros};
+use super::chain::RotationChain;
 use super::scheme::{Rates, Scheme, Stage, StepProblem};
-use super::simd_batch::set;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
 

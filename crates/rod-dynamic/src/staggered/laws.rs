@@ -5,10 +5,8 @@
 //! is asked once in a step, others at every trial. Lanes without laws have linear joints in the same
 //! form, with the same bits.
 
-use super::array::{Array, zeros};
-use super::chain::store;
+use super::array::{Array, at, set, store, zeros};
 use super::ends::Ends;
-use super::simd_batch::{at, set};
 use crate::joint::Joint;
 use crate::{Rod, SectionLaws};
 use nalgebra::Vector3;

@@ -16,33 +16,16 @@
 //! where Newton's method left a torque on a segment, its product with `c` is the solver's. A joint with
 //! a law stores and dissipates what the law says; its moment before the step counts as that after it.
 
-use super::chain::{RotationChain, get, moment, slope_of_log};
+use super::array::{at, get, set};
+use super::chain::RotationChain;
 use super::ends;
+use super::joint_geometry::{moment, slope_of_log};
 use super::laws::Turns;
 use super::scheme::{Rates, Stage, StepProblem};
-use super::simd_batch::{SimdBatch, at, set};
+use super::simd_batch::SimdBatch;
 use crate::{End, Instant, Ledger};
-use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane, V3};
-
-/// The ends when the step set out: first the root, then the tip.
-pub(super) struct Outset<S: Simd> {
-    frames: [[S::f64s; 4]; 2],
-    /// Forces in the segments beside them.
-    forces: [[S::f64s; 3]; 2],
-    /// Elastic energies of their joints, zero where there is none.
-    stored: [S::f64s; 2],
-    /// The share of the reactions after the step in their mean; the rest is that of those before.
-    share: S::f64s,
-}
-
-impl<S: Simd> Outset<S> {
-    pub(super) fn new() -> Self {
-        let zero = S::f64s::zeroed();
-        Self { frames: [[zero; 4]; 2], forces: [[zero; 3]; 2], stored: [zero; 2], share: zero }
-    }
-}
 
 /// A [`Ledger`] for each lane.
 #[derive(Clone, Copy)]

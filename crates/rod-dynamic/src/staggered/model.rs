@@ -2,8 +2,7 @@
 //!
 //! Most hair of a bundle is alike: packs that are made one after another and are alike share it.
 
-use super::array::{Array, zeros};
-use super::simd_batch::{at, set};
+use super::array::{Array, at, set, zeros};
 use crate::Rod;
 use crate::joint::Joint;
 use pulp::Simd;

@@ -1,6 +1,7 @@
 //! Reading one lane of a pack, and setting it.
 
-use super::simd_batch::{SimdBatch, at, set};
+use super::array::{at, set};
+use super::simd_batch::SimdBatch;
 use crate::joint::Joint;
 use crate::{Energy, Momentum, Rod, RodState};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};

@@ -5,29 +5,16 @@
 //! `c1 dt P`, and the answer is the change of the mean velocity, displacement over `dt`. Both maps
 //! are the same up to transposition, so the response is symmetric.
 
-use super::array::{Array, zeros};
-use super::chain::{RotationChain, hat, store};
-use super::factor::{DiagonalBlock, Factor, Right};
+use super::array::{Array, at, set, store, zeros};
+use super::chain::RotationChain;
+use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
+use super::joint_geometry::hat;
 use super::scheme::{Stage, StepProblem};
-use super::simd_batch::{SimdBatch, at, set};
+use super::simd_batch::SimdBatch;
 use crate::Point;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{Lane, M3, Sym, V3};
-
-/// The inverse masses of the nodes and the factors that masses added at points make.
-pub(super) struct Weighted<S: Simd> {
-    w: Array<S>,
-    factor: Factor<S>,
-    /// Whether they have been made anew since the step set out.
-    pub(super) used: bool,
-}
-
-impl<S: Simd> Weighted<S> {
-    fn new(n: usize) -> Self {
-        Self { w: zeros::<S>(n + 1), factor: Factor::new(n), used: true }
-    }
-}
 
 /// Which inertia answers an impulse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,7 +183,7 @@ impl<S: Simd> SimdBatch<S> {
         let (simd, n) = (self.chain.simd, self.chain.n);
         self.reassemble();
         let RotationChain { model, kept, room, .. } = &mut self.chain;
-        let weighted = self.weighted.get_or_insert_with(|| Weighted::new(n));
+        let weighted = self.weighted.get_or_insert_with(|| WeightedFactor::new(n));
         weighted.used = true;
         room.mass.fill(S::f64s::zeroed());
         room.inertia.fill(S::f64s::zeroed());

@@ -1,19 +1,20 @@
 //! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
 
-use super::array::{Array, zeros};
-use super::chain::{RotationChain, keep_directors, store};
+use super::array::{Array, at, set, store, zeros};
+use super::chain::RotationChain;
 use super::ends::{EndKind, Ends, Held};
+use super::factor::WeightedFactor;
 use super::history::KinematicHistory;
+use super::joint_geometry::keep_directors;
 use super::laws::{Laws, Turns};
-use super::ledger::Outset;
 use super::model::BatchModel;
-use super::response::Weighted;
+use super::outset::Outset;
 use super::scheme::{Scheme, Stage, StepProblem};
 use super::search::SearchOutcome;
 use super::workspace::BatchWorkspace;
 use crate::{End, Instant, Load, Rod};
 use nalgebra::Vector3;
-use pulp::bytemuck::{self, Pod, Zeroable};
+use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_fiber::so3;
 use rapunzel_lanes::{LANES, Lane, V3};
@@ -47,7 +48,7 @@ pub(super) struct SimdBatch<S: Simd> {
     /// Lengths of the last attempt, for what follows from its factors.
     pub(super) last_dt: [f64; LANES],
     /// With masses added at points, if that has been asked for.
-    pub(super) weighted: Option<Weighted<S>>,
+    pub(super) weighted: Option<WeightedFactor<S>>,
     /// What the chain has in place of the room that it has borrowed.
     pub(super) borrowed: Option<Box<BatchWorkspace<S>>>,
     /// Whether the chain keeps what a step needs from call to call.
@@ -450,22 +451,4 @@ fn ahead(end: &End, turn: &Vector3<f64>) -> End {
         End::Loaded { force, moment } => End::Loaded { force: moved(force), moment: moved(moment) },
         _ => *end,
     }
-}
-
-/// Writes number `i` of one lane.
-pub(super) fn set<T: Pod>(a: &mut [T], i: usize, lane: usize, x: f64) {
-    let lanes = size_of::<T>() / size_of::<f64>();
-    bytemuck::cast_slice_mut::<T, f64>(a)[i * lanes + lane] = x;
-}
-
-/// Reads number `i` of one lane.
-pub(super) fn at<T: Pod>(a: &[T], i: usize, lane: usize) -> f64 {
-    let lanes = size_of::<T>() / size_of::<f64>();
-    bytemuck::cast_slice::<T, f64>(a)[i * lanes + lane]
-}
-
-/// The numbers of each vector of all lanes, component by component.
-pub(super) fn lanes<T: Pod>(a: &mut [T]) -> impl Iterator<Item = &mut [f64]> {
-    let lanes = size_of::<T>() / size_of::<f64>();
-    bytemuck::cast_slice_mut::<T, f64>(a).chunks_exact_mut(3 * lanes)
 }

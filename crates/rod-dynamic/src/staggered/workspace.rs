@@ -4,7 +4,7 @@
 //! after the call that wrote them, so that each thread has room for one pack, and a pack in which
 //! nothing is being solved holds none.
 
-use super::array::{Array, zeros};
+use super::array::{Array, fit, zeros};
 use super::factor::{Factor, Right};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
@@ -148,14 +148,6 @@ impl<S: Simd> Kept<S> {
         fit::<S>(&mut self.step, 6 * n);
         self.factor.fit(n);
     }
-}
-
-/// Gives an array `count` registers.
-pub(super) fn fit<S: Simd>(array: &mut Array<S>, count: usize) {
-    if array.capacity() < count {
-        *array = zeros::<S>(count);
-    }
-    array.resize(count, S::f64s::zeroed());
 }
 
 thread_local! {
