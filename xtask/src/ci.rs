@@ -10,8 +10,8 @@ const REFERENCE: &str = "reference::";
 pub(crate) fn run() -> Result<()> {
     let sh = Shell::new()?;
     sh.change_dir(root()?);
-    // Nothing is built twice: one set of features (that of the workspace), one profile, and no state
-    // for a next build.
+    // Nothing is built twice: one set of features (that of the workspace), one profile, and no
+    // state for a next build.
     sh.set_var("CARGO_INCREMENTAL", "0");
     let workspace = ["--locked", "--workspace"];
     let mut parts = Parts::default();

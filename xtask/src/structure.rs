@@ -1,6 +1,6 @@
-//! Rules about names and modules, which take a look into the sources: a type has one definition in the
-//! workspace, a numeric constant one value in a crate, and the files of a folder depend on each other
-//! in one direction.
+//! Rules about names and modules, which take a look into the sources: a type has one definition in
+//! the workspace, a numeric constant one value in a crate, and the files of a folder depend on each
+//! other in one direction.
 
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,7 +131,8 @@ fn components<'a>(edges: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Vec<Vec<&'a s
     found.into_iter().collect()
 }
 
-/// The file in which the thing at a path is defined, as seen from a module; `None` if that is elsewhere.
+/// The file in which the thing at a path is defined, as seen from a module; `None` if that is
+/// elsewhere.
 fn resolved<'a>(
     known: &BTreeMap<&[String], &'a Module>,
     from: &Module,

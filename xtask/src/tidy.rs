@@ -139,8 +139,8 @@ fn lints_missing(name: &str, manifest: &str) -> Option<String> {
     (!has).then(|| format!("{name}: write [lints] workspace = true into its Cargo.toml"))
 }
 
-/// A file that is too long, a library that looks at a clock, a module of another crate, and absolute
-/// paths.
+/// A file that is too long, a library that looks at a clock, a module of another crate, and
+/// absolute paths.
 fn broken_lines(file: &str, text: &str) -> Vec<String> {
     let mut broken = Vec::new();
     let lines = text.lines().count();

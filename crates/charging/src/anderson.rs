@@ -1,5 +1,5 @@
-//! Anderson's acceleration of a fixed-point iteration (1965), which for linear equations is the method of
-//! generalized minimal residuals.
+//! Anderson's acceleration of a fixed-point iteration (1965), which for linear equations is the
+//! method of generalized minimal residuals.
 
 use std::collections::VecDeque;
 
@@ -12,8 +12,8 @@ pub(crate) struct AndersonAcceleration {
     /// Most changes that are kept.
     depth: usize,
     last: Option<[Vec<f64>; 2]>,
-    /// Changes of the residual, oldest first, made orthonormal, with the changes of the iterate that go
-    /// with them.
+    /// Changes of the residual, oldest first, made orthonormal, with the changes of the iterate
+    /// that go with them.
     changes: VecDeque<[Vec<f64>; 2]>,
 }
 
@@ -27,8 +27,8 @@ impl AndersonAcceleration {
         self.changes.clear();
     }
 
-    /// The step from the iterate `x` with the residual `r` to the next: to where, as far as the last
-    /// changes tell, the residual is least, and by that residual from there.
+    /// The step from the iterate `x` with the residual `r` to the next: to where, as far as the
+    /// last changes tell, the residual is least, and by that residual from there.
     pub(crate) fn step(&mut self, x: &[f64], r: &[f64]) -> Vec<f64> {
         if let Some([mut dx, mut dr]) = self.last.take() {
             for (change, now) in [(&mut dx, x), (&mut dr, r)] {
@@ -81,8 +81,8 @@ pub(crate) fn add(to: &mut [f64], factor: f64, what: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Linear equations are solved in as many steps as they have unknowns, also where the plain iteration
-    /// diverges.
+    /// Linear equations are solved in as many steps as they have unknowns, also where the plain
+    /// iteration diverges.
     #[test]
     fn linear_equations_are_solved_like_by_minimal_residuals() {
         let n = 8;

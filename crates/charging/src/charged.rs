@@ -13,8 +13,8 @@ use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, RodState};
 use rapunzel_scene::{Charging, Dealing, Scene};
 
-/// Two ends are the same equilibrium if no node is farther apart than this times the tolerance and the
-/// length of the longest fibre.
+/// Two ends are the same equilibrium if no node is farther apart than this times the tolerance and
+/// the length of the longest fibre.
 const SAME: f64 = 10.0;
 
 /// Fibres that get a portion of charge in each step, and come to rest with it.
@@ -35,8 +35,8 @@ pub struct ChargedRods {
 }
 
 impl ChargedRods {
-    /// The fibres of a scene with charge, at rest under their weight; nothing is dealt yet. `head` is
-    /// the object of the scene that is the head, if it has one.
+    /// The fibres of a scene with charge, at rest under their weight; nothing is dealt yet. `head`
+    /// is the object of the scene that is the head, if it has one.
     ///
     /// # Errors
     /// [`ChargingError::Rest`] for fibres without an equilibrium, [`ChargingError::Head`] and
@@ -105,18 +105,19 @@ impl ChargedRods {
         self.electric.report
     }
 
-    /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being points
-    /// on their axes and conductors without a field inside. Cost: a call of the multipole method.
+    /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being
+    /// points on their axes and conductors without a field inside. Cost: a call of the multipole
+    /// method.
     ///
     /// # Errors
-    /// [`ChargingError::Electrostatics`] for targets that are nowhere, [`ChargingError::InHead`] for fibres
-    /// there.
+    /// [`ChargingError::Electrostatics`] for targets that are nowhere, [`ChargingError::InHead`]
+    /// for fibres there.
     pub fn fields(&self, targets: &[Point3<f64>]) -> Result<Fields, ChargingError> {
         self.electric.fields(&self.fibers, targets)
     }
 
-    /// Deals a portion of charge, lets it flow for `dt` seconds, and brings the fibres to rest at the
-    /// time `end`, s.
+    /// Deals a portion of charge, lets it flow for `dt` seconds, and brings the fibres to rest at
+    /// the time `end`, s.
     ///
     /// # Errors
     /// [`ChargingError`]; [restore](Self::restore) what was saved before going on.
@@ -156,7 +157,8 @@ impl ChargedRods {
         self.shares[..portions].iter().sum()
     }
 
-    /// Deals the whole charge in the other ways too, and tells how many equilibria all have come to.
+    /// Deals the whole charge in the other ways too, and tells how many equilibria all have come
+    /// to.
     fn compare(&self, report: &mut ChargeReport) -> Result<(), ChargingError> {
         let Some(start) = &self.start else { return Ok(()) };
         let mut ends = vec![self.fibers.positions()];

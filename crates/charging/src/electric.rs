@@ -15,8 +15,8 @@ use rapunzel_scene::Charging;
 const FINEST: f64 = 0.1;
 /// By how much more it may be off where that is out of reach.
 const LOOSER: f64 = 3.0;
-/// Part of the last residual that forces may be off by on the way to the equilibrium: the next residual is
-/// some ten times that.
+/// Part of the last residual that forces may be off by on the way to the equilibrium: the next
+/// residual is some ten times that.
 const ON_THE_WAY: f64 = 0.03;
 /// Smallest tolerance of forces that is asked for.
 const LEAST: f64 = 1e-9;
@@ -56,7 +56,8 @@ impl Electric {
         }
     }
 
-    /// What `solve` finds with the first accuracy that is within reach, from this part of the tolerance on.
+    /// What `solve` finds with the first accuracy that is within reach, from this part of the
+    /// tolerance on.
     fn within_reach<T>(
         &self,
         mut part: f64,
@@ -72,8 +73,8 @@ impl Electric {
         }
     }
 
-    /// Energy and forces of the `charges` of all segments (C) with the nodes at `positions` (world, m), as
-    /// exact as an iteration needs them whose last relative residual was this.
+    /// Energy and forces of the `charges` of all segments (C) with the nodes at `positions` (world,
+    /// m), as exact as an iteration needs them whose last relative residual was this.
     ///
     /// # Errors
     /// [`ChargingError::InHead`] for charges in the head, and [`ChargingError::Electrostatics`].
@@ -119,8 +120,8 @@ impl Electric {
         Ok(Forces { energy, forces })
     }
 
-    /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are points on
-    /// their axes. In a conductor it has its potential and no field.
+    /// Potentials (V) and fields (V/m, world) of everything at `targets` (world, m); fibres are
+    /// points on their axes. In a conductor it has its potential and no field.
     ///
     /// # Errors
     /// [`ChargingError::InHead`] for charges in the head, and [`ChargingError::Electrostatics`].
@@ -134,8 +135,8 @@ impl Electric {
         self.fields_of(fibers, &points, &halves, targets)
     }
 
-    /// Potentials (V) and fields (V/m, world) at `targets` (world, m) of given `charges` (C) at `points`
-    /// (world, m) and of everything else.
+    /// Potentials (V) and fields (V/m, world) at `targets` (world, m) of given `charges` (C) at
+    /// `points` (world, m) and of everything else.
     pub(crate) fn fields_of(
         &self,
         fibers: &RestingFibers,
@@ -233,8 +234,8 @@ mod tests {
         HeadGeometry { field, pose, surface }
     }
 
-    /// Forces are the gradient of the energy for every kind of head: over a step of 0.2 mm the central
-    /// difference is off by some squares of that over the gap of 1 cm.
+    /// Forces are the gradient of the energy for every kind of head: over a step of 0.2 mm the
+    /// central difference is off by some squares of that over the gap of 1 cm.
     #[test]
     fn forces_are_the_gradient_of_the_energy() {
         for (kind, shape, tolerance) in [

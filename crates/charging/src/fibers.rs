@@ -28,8 +28,8 @@ impl RestingFibers {
         Ok(Self { assembly, rods, time: 0.0, gravity: Vector3::zeros() })
     }
 
-    /// Puts the loads and the gravity of a scene at time `t` (s) on the fibres, and makes them of their
-    /// matter in the climate then, if that changes. They keep their shapes until they settle.
+    /// Puts the loads and the gravity of a scene at time `t` (s) on the fibres, and makes them of
+    /// their matter in the climate then, if that changes. They keep their shapes until they settle.
     pub(crate) fn load_at(&mut self, scene: &Scene, t: f64) -> Result<(), ChargingError> {
         (self.time, self.gravity) = (t, scene.environment.gravity_at(t));
         let mut rods = self.rods.iter_mut().zip(self.assembly.fibers()).enumerate();

@@ -13,11 +13,11 @@ use rayon::prelude::*;
 const MOST: usize = 80;
 const FLOW_DEPTH: usize = 40;
 
-/// Lets charge flow for `dt` seconds while the fibres lie still. False if the charges after the step were
-/// not found.
+/// Lets charge flow for `dt` seconds while the fibres lie still. False if the charges after the
+/// step were not found.
 ///
-/// Implicit Euler for all fibres at once: sought are charges that flow to themselves in the potentials
-/// that they make, so that any step is stable.
+/// Implicit Euler for all fibres at once: sought are charges that flow to themselves in the
+/// potentials that they make, so that any step is stable.
 pub(super) fn flow(
     fibers: &mut RestingFibers,
     electric: &Electric,

@@ -76,7 +76,8 @@ pub(crate) struct ConductorResponse<'a> {
     pub(crate) induced: Induced<'a>,
     /// Potential of the conductor, V.
     pub(crate) potential: f64,
-    /// Energy of the conductor with the other charges, J, less half of theirs in the potential that it makes.
+    /// Energy of the conductor with the other charges, J, less half of theirs in the potential that
+    /// it makes.
     energy: f64,
 }
 
@@ -104,8 +105,8 @@ impl HeadModel {
     /// The head of a scene among its objects, of which `geometry` is the head, if it has one.
     ///
     /// # Errors
-    /// [`ChargingError::Head`] for a surface that bounds nothing, [`ChargingError::Electrostatics`] for one
-    /// whose charges are not found.
+    /// [`ChargingError::Head`] for a surface that bounds nothing, [`ChargingError::Electrostatics`]
+    /// for one whose charges are not found.
     pub(crate) fn new(
         head: &scene::Head,
         objects: &[scene::Object],
@@ -141,8 +142,8 @@ impl HeadModel {
         }
     }
 
-    /// The conductor beside `charges` (C) at `points` (world, m) when this share of its own charge or
-    /// potential is dealt.
+    /// The conductor beside `charges` (C) at `points` (world, m) when this share of its own charge
+    /// or potential is dealt.
     pub(crate) fn response(
         &self,
         points: &[Point3<f64>],
@@ -150,8 +151,8 @@ impl HeadModel {
         share: f64,
         accuracy: Accuracy,
     ) -> Result<ConductorResponse<'_>, ElectrostaticsError> {
-        // By Green's reciprocity the charge that is induced at zero potential is that of the potential of
-        // the conductor at 1 V, at the charges.
+        // By Green's reciprocity the charge that is induced at zero potential is that of the
+        // potential of the conductor at 1 V, at the charges.
         let (held, capacity, grounded) = match self {
             Self::None | Self::Thesis { .. } => {
                 return Ok(ConductorResponse {
@@ -198,8 +199,8 @@ impl HeadModel {
         Ok(ConductorResponse { induced, potential, energy: 0.5 * own * drawn })
     }
 
-    /// What `fibers` with the nodes at `positions` (world, m) do to each other, beside a surface when
-    /// this share of its own charge or potential is dealt.
+    /// What `fibers` with the nodes at `positions` (world, m) do to each other, beside a surface
+    /// when this share of its own charge or potential is dealt.
     pub(crate) fn beside(
         &self,
         fibers: &ChargedFibers,
@@ -214,8 +215,8 @@ impl HeadModel {
         }
     }
 
-    /// What any other head does to `charges` (C) at `points` (world, m) when this share of its own charge
-    /// or potential is dealt.
+    /// What any other head does to `charges` (C) at `points` (world, m) when this share of its own
+    /// charge or potential is dealt.
     pub(crate) fn act(
         &self,
         points: &[Point3<f64>],

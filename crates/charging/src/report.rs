@@ -9,8 +9,8 @@ pub struct ChargeReport {
     pub retreats: usize,
     /// Steps that did not come to rest within their evaluations: what they left is no equilibrium.
     pub unsettled: usize,
-    /// Difference of the electric forces on the nodes and those that hold the fibres where they are, over
-    /// the former (roots of sums of squares).
+    /// Difference of the electric forces on the nodes and those that hold the fibres where they
+    /// are, over the former (roots of sums of squares).
     pub residual: f64,
     /// Charge of all fibres, C.
     pub charge: f64,
@@ -22,8 +22,8 @@ pub struct ChargeReport {
     pub mean_field: f64,
     /// The largest ratio of the electric force on a fibre to its weight.
     pub lift: f64,
-    /// Different equilibria that the ways of dealing that are compared have come to, with that of the run;
-    /// zero as long as none are compared.
+    /// Different equilibria that the ways of dealing that are compared have come to, with that of
+    /// the run; zero as long as none are compared.
     pub equilibria: usize,
     /// The largest distance of a node from where it is in another of them, m.
     pub apart: f64,

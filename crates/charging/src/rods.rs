@@ -54,8 +54,8 @@ impl RestingRod {
         Ok(())
     }
 
-    /// Comes to rest from the shape it has under gravity (m/s^2), its loads and its electric forces.
-    /// Returns the iterations.
+    /// Comes to rest from the shape it has under gravity (m/s^2), its loads and its electric
+    /// forces. Returns the iterations.
     pub(crate) fn settle(&mut self, gravity: &Vector3<f64>) -> Result<usize, StaticError> {
         let other = self.loads.iter().zip(&self.electric);
         let forces = self.masses.iter().zip(other).map(|(mass, (f, e))| *mass * gravity + f + e);
@@ -122,7 +122,8 @@ impl RestingRod {
         }
     }
 
-    /// Energy of the fibre but for the electric one, J: the energy of bending and torsion, of gravity and of the loads.
+    /// Energy of the fibre but for the electric one, J: the energy of bending and torsion, of
+    /// gravity and of the loads.
     pub(crate) fn mechanical_energy(&self, gravity: &Vector3<f64>) -> f64 {
         let Energy { elastic, gravitational, .. } = self.energy(gravity);
         let loads = self.loads.iter().zip(self.positions());

@@ -36,13 +36,15 @@ struct TrialEquilibrium {
     energy: f64,
 }
 
-/// Lets all fibres come to rest under gravity, their loads and the electric forces of their charges.
+/// Lets all fibres come to rest under gravity, their loads and the electric forces of their
+/// charges.
 ///
 /// The unknowns are the electric forces on the nodes. Under any given ones each fibre has its own
-/// equilibrium, by Newton's method; sought are those that the charges make where that puts them. That
-/// iteration, accelerated, goes down: its steps are shortened until they do not raise the energy of all
-/// by more than the tolerance of it, so that it does not end where the energy is stationary but not least,
-/// unless it begins there. The fibres are left in the equilibrium under the forces found.
+/// equilibrium, by Newton's method; sought are those that the charges make where that puts them.
+/// That iteration, accelerated, goes down: its steps are shortened until they do not raise the
+/// energy of all by more than the tolerance of it, so that it does not end where the energy is
+/// stationary but not least, unless it begins there. The fibres are left in the equilibrium under
+/// the forces found.
 pub(super) fn settle(
     fibers: &mut RestingFibers,
     electric: &Electric,
@@ -100,7 +102,8 @@ pub(super) fn settle(
     }
 }
 
-/// Lays the fibres at rest under `held` forces, from where they lie; `residual` is the last relative one.
+/// Lays the fibres at rest under `held` forces, from where they lie; `residual` is the last
+/// relative one.
 fn trial(
     fibers: &mut RestingFibers,
     electric: &Electric,

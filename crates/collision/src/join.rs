@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-/// Joins parts to one list, in place of what it held. All threads copy: long lists take as long to copy as
-/// to make.
+/// Joins parts to one list, in place of what it held. All threads copy: long lists take as long to
+/// copy as to make.
 pub(crate) fn join<T: Copy + Send + Sync>(parts: Vec<Vec<T>>, all: &mut Vec<T>) {
     let Some(&any) = parts.iter().flatten().next() else { return all.clear() };
     let total = parts.iter().map(Vec::len).sum();

@@ -29,8 +29,8 @@ impl fmt::Display for BodyRef {
     }
 }
 
-/// Cosine of the angle from which on two normals of fibres face each other: about a bend both of two at right
-/// angles may be needed. A corner of an object has but one at a time.
+/// Cosine of the angle from which on two normals of fibres face each other: about a bend both of
+/// two at right angles may be needed. A corner of an object has but one at a time.
 const FACING: f64 = -0.5;
 
 /// A place where two things touch, or nearly do, at the end of a step.
@@ -39,17 +39,17 @@ pub(crate) struct ContactPoint {
     /// The first is a fibre or an object that moves freely, the second may be anything: a pair is
     /// always named in the same order.
     pub(crate) sides: [BodyRef; 2],
-    /// Segments within the fibres; 0 of an object that a fibre touches, and between objects the edge
-    /// of the one and 0 of the other.
+    /// Segments within the fibres; 0 of an object that a fibre touches, and between objects the
+    /// edge of the one and 0 of the other.
     pub(crate) segments: [u32; 2],
     /// Fractions along the segments or edges.
     pub(crate) fractions: [f64; 2],
     /// Unit normal from the second side to the first, world.
     pub(crate) normal: Vector3<f64>,
-    /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit length.
-    /// Of an object that moves freely it is the lever from its center of mass to where the impulse acts, m: on the
-    /// axis of a fibre, in the middle of the gap between objects. Of one that is led the mean velocity of its
-    /// surface over the step, m/s.
+    /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit
+    /// length. Of an object that moves freely it is the lever from its center of mass to where the
+    /// impulse acts, m: on the axis of a fibre, in the middle of the gap between objects. Of one
+    /// that is led the mean velocity of its surface over the step, m/s.
     pub(crate) arms: [Vector3<f64>; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
@@ -70,7 +70,8 @@ pub(crate) struct ContactImpulse {
     pub(crate) sides: [BodyRef; 2],
     pub(crate) segments: [u32; 2],
     pub(crate) fractions: [f64; 2],
-    /// Levers, m, from the centers of mass of free objects to where the impulse acts; zero for other sides.
+    /// Levers, m, from the centers of mass of free objects to where the impulse acts; zero for
+    /// other sides.
     pub(crate) levers: [Vector3<f64>; 2],
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
@@ -111,8 +112,8 @@ impl ContactPoint {
         if self.sides[side].is_object() { Vector3::zeros() } else { self.arms[side] }
     }
 
-    /// From the center of mass of a side that is an object which moves freely to where the impulse acts, m;
-    /// else zero.
+    /// From the center of mass of a side that is an object which moves freely to where the impulse
+    /// acts, m; else zero.
     pub(crate) fn lever(&self, side: usize) -> Vector3<f64> {
         if self.is_free(side) { self.arms[side] } else { Vector3::zeros() }
     }
@@ -144,14 +145,15 @@ impl ContactPoint {
         other.dot(&self.normal.cross(&axis)).atan2(other.dot(&axis))
     }
 
-    /// Normal, along the first side from root to tip, across it; without an axis any two directions across the
-    /// normal.
+    /// Normal, along the first side from root to tip, across it; without an axis any two directions
+    /// across the normal.
     pub(crate) fn frame(&self) -> Matrix3<f64> {
         let (normal, axis) = (&self.normal, self.axis(0));
         let along = axis - normal * normal.dot(&axis);
         let end_on = || {
             let aside = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
-            // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to one.
+            // A straight fibre pressed exactly end-on buckles to a side only if it is pushed to
+            // one.
             let tilt = if axis == Vector3::zeros() { 0.0 } else { TILT };
             ((normal + tilt * aside).normalize(), aside)
         };
@@ -178,15 +180,16 @@ impl ContactPoint {
     }
 }
 
-/// Places that are nearer to each other along both sides, in segments, are one: named by two segments that
-/// share a node, or two nodes that face each other where fibres were laid side by side.
+/// Places that are nearer to each other along both sides, in segments, are one: named by two
+/// segments that share a node, or two nodes that face each other where fibres were laid side by
+/// side.
 const SAME_PLACE: f64 = 1e-4;
 
 /// From this number on, sides are objects.
 const OBJECTS: u32 = 1 << 31;
 
-/// By pair, then by place, then by segments: of two that name one node the same comes first whatever
-/// the order in which they were found.
+/// By pair, then by place, then by segments: of two that name one node the same comes first
+/// whatever the order in which they were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ContactKey {
     /// Fibres before objects.
@@ -218,8 +221,8 @@ pub(crate) fn same_place(a: [u64; 2], b: [u64; 2]) -> bool {
     near(0) && near(1)
 }
 
-/// Puts some things between those of a list, both in order, where `after` tells whether one of the list
-/// comes after one of the others. Costs no more than what has to move.
+/// Puts some things between those of a list, both in order, where `after` tells whether one of the
+/// list comes after one of the others. Costs no more than what has to move.
 pub(crate) fn merge<T: Copy>(
     list: &mut Vec<T>,
     mut others: Vec<T>,
@@ -250,8 +253,9 @@ pub(crate) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
 }
 
 /// The touches of a list together with those of another that are deeper than `depth`, in place of
-/// those that oppose them or are near them, unless there is nothing to `replace` any more: then only what is
-/// both goes, as fibres that cross at a small angle may need two with opposite normals. Both are sorted.
+/// those that oppose them or are near them, unless there is nothing to `replace` any more: then
+/// only what is both goes, as fibres that cross at a small angle may need two with opposite
+/// normals. Both are sorted.
 pub(crate) fn merged(
     mut list: Vec<ContactPoint>,
     other: &[ContactPoint],
@@ -301,8 +305,9 @@ mod tests {
         }
     }
 
-    /// Fibres that cross at a small angle touch on opposite sides: one takes the other's place at first, and
-    /// when both have turned up again and again, both stay. At one place there is but one.
+    /// Fibres that cross at a small angle touch on opposite sides: one takes the other's place at
+    /// first, and when both have turned up again and again, both stay. At one place there is but
+    /// one.
     #[test]
     fn opposite_touches_stay_both_in_the_end() {
         let places = |new: &ContactPoint, replace: bool| -> Vec<f64> {

@@ -29,8 +29,8 @@ pub enum CouplingError {
         /// How deep, m.
         depth: f64,
     },
-    /// An object moves so fast that fibres could not get out of its way, or that it could pass through
-    /// another.
+    /// An object moves so fast that fibres could not get out of its way, or that it could pass
+    /// through another.
     #[error(
         "objects[{object}] moves by {way:.2e} m in the step at t = {time} s, and at most {most:.2e} \
          m, its smallest side or a segment, or near other objects half a side or what a mesh tells of \

@@ -15,7 +15,8 @@ pub struct Fibers<B: RodBatch + ?Sized> {
 }
 
 impl<B: RodBatch + ?Sized> Fibers<B> {
-    /// Fibres of an assembly, in its groups and their order; with a ledger of their energy if asked for.
+    /// Fibres of an assembly, in its groups and their order; with a ledger of their energy if asked
+    /// for.
     #[must_use]
     pub fn new(assembly: Assembly, mut groups: Vec<FiberGroup<B>>, keeps_ledger: bool) -> Self {
         let mut lanes = vec![(0, 0); assembly.fibers().len()];
@@ -116,7 +117,8 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         self.ledger
     }
 
-    /// Records the step, or part of one, that all groups have taken, beside the works on free objects.
+    /// Records the step, or part of one, that all groups have taken, beside the works on free
+    /// objects.
     pub(crate) fn record(&mut self, objects: &Ledger) {
         let Some(ledger) = &mut self.ledger else { return };
         ledger.record(objects);

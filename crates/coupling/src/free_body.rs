@@ -5,8 +5,8 @@
 //! To a solver it is one more body, whose points are where something touches it.
 //!
 //! Fibres touch on their axes, and so they do here: the lever of an impulse ends on the axis, so
-//! that what the body gets of angular momentum is what the fibre loses. Between two bodies the levers
-//! of both end in the middle of the gap.
+//! that what the body gets of angular momentum is what the fibre loses. Between two bodies the
+//! levers of both end in the middle of the gap.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidBody};
@@ -66,9 +66,10 @@ impl FreeBody {
         }
     }
 
-    /// Works of gravity and of the integrator in the step as it has been solved. Contacts act on the velocity at its end
-    /// with the inertia at its start, as the solver has it: what is left is half the mass times the
-    /// squared change of velocity, the same of the rotation, and what turning the inertia changes.
+    /// Works of gravity and of the integrator in the step as it has been solved. Contacts act on
+    /// the velocity at its end with the inertia at its start, as the solver has it: what is left is
+    /// half the mass times the squared change of velocity, the same of the rotation, and what
+    /// turning the inertia changes.
     pub(crate) fn works(&self, gravity: &Vector3<f64>) -> Ledger {
         let (before, after) = (&self.state, &self.solved);
         let mass = after.mass();

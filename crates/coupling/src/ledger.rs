@@ -1,8 +1,8 @@
 use rapunzel_rod_dynamic::Ledger;
 use serde::{Deserialize, Serialize};
 
-/// All work done on fibres and free objects, J, but for [the work of contacts](crate::ContactWork). Both
-/// together are what the kinetic and elastic energy have gained.
+/// All work done on fibres and free objects, J, but for [the work of contacts](crate::ContactWork).
+/// Both together are what the kinetic and elastic energy have gained.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyLedger {
     /// Work of gravity, J.
@@ -46,7 +46,8 @@ impl EnergyLedger {
         [gravity, loads, drag, damping, supports, integrator, solver]
     }
 
-    /// The ledger with these works, J, in the order of the fields; `None` for another number of them.
+    /// The ledger with these works, J, in the order of the fields; `None` for another number of
+    /// them.
     pub(crate) fn from_numbers(numbers: &[f64]) -> Option<Self> {
         let &[gravity, loads, drag, damping, supports, integrator, solver] = numbers else {
             return None;

@@ -84,8 +84,8 @@ fn is_even(
         && even(0.5, field.value(&capsule.at(0.5)) - capsule.radius)
 }
 
-/// The contacts at both ends of a segment, with these gaps. Where it lies flat, which end is deeper is a matter of
-/// roundings: a place that jumps would lose what it bears.
+/// The contacts at both ends of a segment, with these gaps. Where it lies flat, which end is deeper
+/// is a matter of roundings: a place that jumps would lose what it bears.
 fn at_ends(
     gaps: [f64; 2],
     field: &impl DistanceField,
@@ -134,7 +134,8 @@ impl CollisionObject {
         &self.geometry.surface
     }
 
-    /// The pose at the time `t` (s) of an object with a given motion, or between steps of a free one.
+    /// The pose at the time `t` (s) of an object with a given motion, or between steps of a free
+    /// one.
     #[must_use]
     pub fn pose(&self, t: f64) -> Isometry3<f64> {
         match &self.motion {
@@ -190,8 +191,8 @@ impl CollisionObject {
         }
     }
 
-    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s, if nothing is
-    /// in its way.
+    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s, if
+    /// nothing is in its way.
     pub(crate) fn free_poses(
         &self,
         [time, dt]: [f64; 2],
@@ -208,8 +209,8 @@ impl CollisionObject {
         longest_way(&self.corners, poses)
     }
 
-    /// The longest way, m, of a point of the edge capsules from one pose to another: a round shape turns in
-    /// itself.
+    /// The longest way, m, of a point of the edge capsules from one pose to another: a round shape
+    /// turns in itself.
     pub(crate) fn way_of_skeleton(&self, poses: &[Isometry3<f64>; 2]) -> f64 {
         match self.geometry.edge_capsules[..] {
             [Capsule { start, end, .. }] => longest_way(&[start, end], poses),
@@ -217,7 +218,8 @@ impl CollisionObject {
         }
     }
 
-    /// Center and radius, m, of a ball around it at a pose; the radius is infinite for what has no end.
+    /// Center and radius, m, of a ball around it at a pose; the radius is infinite for what has no
+    /// end.
     pub(crate) fn ball(&self, pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
         let [low, high] = [&self.corners[0], &self.corners[7]];
         let radius = if self.size.is_finite() { 0.5 * (high - low).norm() } else { f64::INFINITY };
@@ -322,8 +324,8 @@ impl CollisionObject {
     }
 
     /// Whether all points between two, in the object's frame, are seen to be more than a `distance`
-    /// outside. Motions that begin and end so far from what they could reach in half their way never
-    /// meet the surface; few samples show that, where the search for an impact takes many.
+    /// outside. Motions that begin and end so far from what they could reach in half their way
+    /// never meet the surface; few samples show that, where the search for an impact takes many.
     fn clears(&self, a: &Point3<f64>, b: &Point3<f64>, distance: f64) -> bool {
         let middle = nalgebra::center(a, b);
         let (value, change) = (

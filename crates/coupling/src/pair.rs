@@ -21,7 +21,8 @@ const SAME_CORNER: f64 = 1e-6;
 /// Cosine of the angle up to which two normals at one place are the same.
 const PARALLEL: f64 = 0.99;
 
-/// Pairs of which at least one moves freely: that one first, of two the one with the smaller number.
+/// Pairs of which at least one moves freely: that one first, of two the one with the smaller
+/// number.
 pub(crate) fn pairs(objects: &[CollisionObject]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (a, one) in (0..).zip(objects) {
@@ -36,8 +37,8 @@ pub(crate) fn pairs(objects: &[CollisionObject]) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`, m,
-/// at its end.
+/// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`,
+/// m, at its end.
 pub(crate) fn touches(
     objects: &[CollisionObject],
     span: [f64; 2],
@@ -61,8 +62,8 @@ impl<'a> ObjectPair<'a> {
         Self(numbers.map(|i| &objects[i as usize]))
     }
 
-    /// The longest way, m, of a place of one where it may touch, as seen from the other: such places
-    /// belong to both, so that the one that moves less bounds it.
+    /// The longest way, m, of a place of one where it may touch, as seen from the other: such
+    /// places belong to both, so that the one that moves less bounds it.
     pub(crate) fn way(&self, poses: &Poses) -> f64 {
         let seen = |i: usize| {
             let [before, after] = [0, 1].map(|k| poses[1 - i][k].inverse() * poses[i][k]);
@@ -75,8 +76,8 @@ impl<'a> ObjectPair<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The longest way, m, after which a place of contact and its normal are still told by how far the
-    /// one is in the other.
+    /// The longest way, m, after which a place of contact and its normal are still told by how far
+    /// the one is in the other.
     pub(crate) fn most_way(&self) -> f64 {
         let [a, b] = self.0;
         (0.5 * a.size.min(b.size)).min(a.geometry.field.band()).min(b.geometry.field.band())
@@ -88,8 +89,8 @@ impl<'a> ObjectPair<'a> {
         (b - a).norm() > r + q + reach
     }
 
-    /// The touches at the end of a step. Where an axis has come into the other, inside of which faces
-    /// are told by chance, they are those of the start, as in a rebound that has been missed.
+    /// The touches at the end of a step. Where an axis has come into the other, inside of which
+    /// faces are told by chance, they are those of the start, as in a rebound that has been missed.
     fn touches(&self, sides: [BodyRef; 2], span: [f64; 2], margin: f64) -> Vec<ContactPoint> {
         let poses = self.0.map(|object| object.poses(span));
         let [start, end] =
@@ -124,7 +125,8 @@ struct PairStep<'a> {
 }
 
 impl PairStep<'_> {
-    /// The touches with gaps up to `reach`, m, where they are taken, and whether an axis is inside there.
+    /// The touches with gaps up to `reach`, m, where they are taken, and whether an axis is inside
+    /// there.
     fn touches(&self, reach: f64) -> (Vec<ContactPoint>, bool) {
         let (objects, poses) = (self.pair.0, self.poses.map(|of_one| of_one[self.when]));
         if self.pair.is_apart([&poses[0], &poses[1]], reach) {

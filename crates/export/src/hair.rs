@@ -1,5 +1,5 @@
-//! Cem Yuksel's binary hair format: little endian, single precision, a header of 128 bytes. It holds
-//! strands and nothing else: no objects, no velocities.
+//! Cem Yuksel's binary hair format: little endian, single precision, a header of 128 bytes. It
+//! holds strands and nothing else: no objects, no velocities.
 //!
 //! After the header come the segment counts (`u16`), the points (three `f32` each) and the
 //! thicknesses (`f32`), which are diameters. Lengths are in metres; readers that expect another

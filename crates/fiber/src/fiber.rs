@@ -87,7 +87,8 @@ impl NodeProperties {
 /// A fibre of `n` segments has `n + 1` nodes. The root pose maps the material frame at the root
 /// (columns d1, d2, d3, the tangent last) and the position of node 0 to the world.
 ///
-/// Copies share their segments and nodes, also with other roots: those of a bundle cost little memory.
+/// Copies share their segments and nodes, also with other roots: those of a bundle cost little
+/// memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fiber {
     root: Isometry3<f64>,

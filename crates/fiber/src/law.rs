@@ -3,24 +3,25 @@ use std::fmt::Debug;
 
 /// The constitutive law of a cross section: the moment that a history of strains causes.
 ///
-/// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. What a law
-/// remembers is a number of vectors for each section, which the caller keeps, zero in the natural
-/// state. An implicit scheme asks for responses at trial strains and commits the one that it takes.
+/// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. What a
+/// law remembers is a number of vectors for each section, which the caller keeps, zero in the
+/// natural state. An implicit scheme asks for responses at trial strains and commits the one that
+/// it takes.
 ///
-/// A passive law gives no work back that was not done on it: the moment at the end of a step times the
-/// rise of the strain is at least the rise of the stored energy.
+/// A passive law gives no work back that was not done on it: the moment at the end of a step times
+/// the rise of the strain is at least the rise of the stored energy.
 pub trait SectionLaw: Debug + Send + Sync {
     /// How many vectors a section remembers.
     fn memory(&self) -> usize;
 
-    /// Whether the moment is an affine function of the strain at the end of a step: one response then
-    /// tells those at all strains, and a scheme need not ask again.
+    /// Whether the moment is an affine function of the strain at the end of a step: one response
+    /// then tells those at all strains, and a scheme need not ask again.
     fn is_affine(&self) -> bool {
         false
     }
 
-    /// The answer after `dt > 0` seconds in which the strain ran straight from that at the last commit
-    /// to `strain`.
+    /// The answer after `dt > 0` seconds in which the strain ran straight from that at the last
+    /// commit to `strain`.
     ///
     /// # Panics
     /// If `memory` has another length than [`SectionLaw::memory`].
@@ -32,8 +33,8 @@ pub trait SectionLaw: Debug + Send + Sync {
     /// As [`SectionLaw::response`].
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
 
-    /// The energy per length that the step to `strain` dissipates before it is committed, J/m: the work
-    /// done on the way, less the rise of the stored energy.
+    /// The energy per length that the step to `strain` dissipates before it is committed, J/m: the
+    /// work done on the way, less the rise of the stored energy.
     ///
     /// # Panics
     /// As [`SectionLaw::response`].
@@ -45,8 +46,8 @@ pub trait SectionLaw: Debug + Send + Sync {
     /// As [`SectionLaw::response`].
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64;
 
-    /// The responses of many sections, whose memories lie one after the other. The same numbers as one
-    /// by one; a law may share work between them.
+    /// The responses of many sections, whose memories lie one after the other. The same numbers as
+    /// one by one; a law may share work between them.
     ///
     /// # Panics
     /// If there is not one memory and one response for each strain.
@@ -82,8 +83,8 @@ pub struct SectionResponse {
     pub moment: Vector3<f64>,
     /// Its derivative by the strain, N m^2: symmetric.
     pub tangent: Matrix3<f64>,
-    /// The energy per length, J/m, whose derivative by the strain is the moment, but for what is the
-    /// same for all strains of the step.
+    /// The energy per length, J/m, whose derivative by the strain is the moment, but for what is
+    /// the same for all strains of the step.
     pub potential: f64,
 }
 

@@ -40,8 +40,8 @@ fn lookup(c: &mut Criterion) {
     group.finish();
 }
 
-/// Steps of eight hairs of 100 segments that fall from the level, elastic and viscoelastic: the time a
-/// hair.
+/// Steps of eight hairs of 100 segments that fall from the level, elastic and viscoelastic: the
+/// time a hair.
 fn rods(c: &mut Criterion) {
     let mut group = c.benchmark_group("keratin");
     group.sample_size(10).measurement_time(Duration::from_secs(4));

@@ -136,8 +136,8 @@ names! {
 }
 
 impl Growth {
-    /// The kind of hair at an age in years, by table 2.1: which of the two that adults have, thinning
-    /// decides and not age.
+    /// The kind of hair at an age in years, by table 2.1: which of the two that adults have,
+    /// thinning decides and not age.
     ///
     /// # Errors
     /// [`KeratinError::Negative`] for an age that is.
@@ -182,8 +182,8 @@ pub fn follicle_density(
 
 /// A hair of given type, class and treatment.
 ///
-/// All that depends on the climate is asked for with one: [`Hair::section`], [`Hair::density`] here,
-/// moduli in [`crate::moduli`].
+/// All that depends on the climate is asked for with one: [`Hair::section`], [`Hair::density`]
+/// here, moduli in [`crate::moduli`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hair {
     /// Diameters at 65 % humidity, m.
@@ -238,8 +238,8 @@ impl Hair {
         Self { outside, ..self }
     }
 
-    /// Largest and smallest diameter, m. Those of table 2.2 are taken to hold at 65 % humidity, which
-    /// the thesis does not say; from there hair swells as [`water::swelling`] has it.
+    /// Largest and smallest diameter, m. Those of table 2.2 are taken to hold at 65 % humidity,
+    /// which the thesis does not say; from there hair swells as [`water::swelling`] has it.
     #[must_use]
     pub fn diameters(&self, climate: &Climate) -> [MeasuredValue; 2] {
         let standard = climate.humidity == Humidity::STANDARD;

@@ -9,8 +9,8 @@
 //! - below, `ln E` rises with falling `R` as fast as between 6 % and 53 % in table 2.5 (sound in
 //!   human hair), and `ln G` such that it reaches 1.70 GPa in dry air (line 610, a composite like
 //!   wool: assumed);
-//! - with temperature, `ln E` is constant from 20 to 25 C, reaches what line 468 says of wet hair at
-//!   40 C and at 90 C (the two values exchanged, see [`crate::inconsistencies`]) and is linear
+//! - with temperature, `ln E` is constant from 20 to 25 C, reaches what line 468 says of wet hair
+//!   at 40 C and at 90 C (the two values exchanged, see [`crate::inconsistencies`]) and is linear
 //!   between. For hair in air it is the same factor, refused or marked outside of 20 to 30 C; the
 //!   moduli in bending and torsion are assumed to have it too.
 
@@ -165,8 +165,8 @@ impl Hair {
         curve.at(self, climate)
     }
 
-    /// Young's modulus in bending, Pa; of a class of diameters, in the same ratio to that in tension
-    /// as for any hair.
+    /// Young's modulus in bending, Pa; of a class of diameters, in the same ratio to that in
+    /// tension as for any hair.
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
@@ -204,8 +204,9 @@ impl Hair {
         curve.at(self, climate)
     }
 
-    /// The logarithmic decrement of a torsion pendulum (2.14), table 2.10 at 65 % humidity. It rises
-    /// with humidity, line 829, but by how much is not said: marked values are the same everywhere.
+    /// The logarithmic decrement of a torsion pendulum (2.14), table 2.10 at 65 % humidity. It
+    /// rises with humidity, line 829, but by how much is not said: marked values are the same
+    /// everywhere.
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].

@@ -32,8 +32,8 @@ pub enum Wetness {
 /// Coefficients of friction, table 2.11.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionCoefficients {
-    /// At rest. For hair nobody measured it: it is then the least that is possible, the kinetic one,
-    /// and [`Standing::Assumed`].
+    /// At rest. For hair nobody measured it: it is then the least that is possible, the kinetic
+    /// one, and [`Standing::Assumed`].
     pub stick: MeasuredValue,
     /// In motion.
     pub slip: MeasuredValue,
@@ -100,8 +100,9 @@ const RESISTANCE_EXPONENT: f64 = 15.8;
 /// Electric resistance of hair, ohm.
 ///
 /// Measured is one humidity, 85 % (line 949, here the geometric mean of the range), and that ten
-/// degrees more divide it by five. The dependence on humidity is assumed: `M^-15.8` with the moisture
-/// content M, as Hearle found for wool; the temperature of the measurement is taken to be 23 C.
+/// degrees more divide it by five. The dependence on humidity is assumed: `M^-15.8` with the
+/// moisture content M, as Hearle found for wool; the temperature of the measurement is taken to be
+/// 23 C.
 ///
 /// # Errors
 /// [`KeratinError::Outside`] below 30 % humidity, where the power law has no hold, unless marked.
@@ -148,8 +149,8 @@ pub fn bond_strength(spray: Spray) -> [MeasuredValue; 2] {
 /// The waviness C of strands, table 2.3: hair as "oriental", treatment as "P" or "SAC, SLS, BL".
 ///
 /// # Errors
-/// [`KeratinError::Unknown`] with the nearest names, [`KeratinError::NotMeasured`] for wet hair where
-/// only dry is listed.
+/// [`KeratinError::Unknown`] with the nearest names, [`KeratinError::NotMeasured`] for wet hair
+/// where only dry is listed.
 pub fn waviness(
     hair: &str,
     treatment: &str,

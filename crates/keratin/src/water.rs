@@ -1,10 +1,10 @@
 //! How much water hair holds, and how it swells.
 //!
 //! The thesis gives two numbers of the isotherm, 30 % at saturation and 15 % at ordinary humidity,
-//! both read as regain (water by dry mass), and a figure (2.11) without values. The curve between is
-//! that of Guggenheim, Anderson and de Boer,
-//! `R(a) = m C k a / ((1 - k a)(1 - k a + C k a))`, with `C = 10` assumed, as for wool, and `m` and
-//! `k` such that `R(0.65) = 0.15` and `R(1) = 0.30`. "Ordinary humidity" is taken to be 65 %.
+//! both read as regain (water by dry mass), and a figure (2.11) without values. The curve between
+//! is that of Guggenheim, Anderson and de Boer, `R(a) = m C k a / ((1 - k a)(1 - k a + C k a))`,
+//! with `C = 10` assumed, as for wool, and `m` and `k` such that `R(0.65) = 0.15` and `R(1) =
+//! 0.30`. "Ordinary humidity" is taken to be 65 %.
 //!
 //! On the desorption branch hair holds more water. By how much is only drawn in the thesis; assumed
 //! is `0.02 * 4 a (1 - a)`, 2 % of the dry mass at most.

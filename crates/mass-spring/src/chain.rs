@@ -4,9 +4,9 @@ use nalgebra::SVector;
 
 /// The inextensible limit: all springs keep their rest length, whatever their stiffness.
 ///
-/// The first text has no way to it, because its forces would be infinite. Here they are the unknowns:
-/// the RATTLE scheme, symplectic, of second order and reversible, with one tridiagonal matrix for
-/// the tensions. The step is limited by what else acts, not by the springs.
+/// The first text has no way to it, because its forces would be infinite. Here they are the
+/// unknowns: the RATTLE scheme, symplectic, of second order and reversible, with one tridiagonal
+/// matrix for the tensions. The step is limited by what else acts, not by the springs.
 #[derive(Debug, Clone, Default)]
 pub struct RigidChain {
     /// Tensions by half of the squared step, in the last step.
@@ -49,10 +49,10 @@ impl RigidChain {
     /// 0 and 1, 1 and 2, ..., as in a [`Rope`](crate::Rope).
     ///
     /// # Errors
-    /// [`SpringError::Parameter`] for the step; [`SpringError::Count`] if the springs are no chain or
-    /// nodes are tied; [`SpringError::NotConverged`] where the ends are farther apart than the chain
-    /// is long; [`SpringError::BlownUp`]. After the last two the system is in the middle of a step:
-    /// go back to a copy.
+    /// [`SpringError::Parameter`] for the step; [`SpringError::Count`] if the springs are no chain
+    /// or nodes are tied; [`SpringError::NotConverged`] where the ends are farther apart than the
+    /// chain is long; [`SpringError::BlownUp`]. After the last two the system is in the middle of a
+    /// step: go back to a copy.
     pub fn advance<const D: usize>(
         &mut self,
         system: &mut System<D>,

@@ -68,8 +68,8 @@ impl Contacts {
     }
 
     /// Resolves all contacts of the present state, among nodes and then with one obstacle after the
-    /// other, and returns how many there were. Call it after every step; what a step carries through
-    /// an obstacle, from outside to outside, is not seen.
+    /// other, and returns how many there were. Call it after every step; what a step carries
+    /// through an obstacle, from outside to outside, is not seen.
     ///
     /// # Errors
     /// [`SpringError::Collision`] if positions are not finite; [`SpringError::Parameter`] if the

@@ -24,8 +24,8 @@ impl<const D: usize> Enclosure<D> {
     ///
     /// # Errors
     /// [`SpringError::MissingNode`]; [`SpringError::Parameter`] if `tau` is not between 0 and 1 or
-    /// the facets enclose nothing; [`SpringError::Count`] for missing springs, and in other than two
-    /// or three dimensions.
+    /// the facets enclose nothing; [`SpringError::Count`] for missing springs, and in other than
+    /// two or three dimensions.
     pub fn new(
         system: &System<D>,
         facets: Vec<[usize; D]>,
@@ -89,7 +89,8 @@ impl<const D: usize> Enclosure<D> {
     }
 
     /// Lets the controller change the radial springs once: once per frame in the text. It is stable
-    /// where the body's breathing decays faster than at the rate of `tau` per time between two calls.
+    /// where the body's breathing decays faster than at the rate of `tau` per time between two
+    /// calls.
     ///
     /// # Errors
     /// [`SpringError::Parameter`] if a rest length would vanish: the body is inflated or crushed

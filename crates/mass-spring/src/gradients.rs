@@ -82,8 +82,8 @@ fn turn_column(direction: &mut [f64], turn: f64, residual: &[f64], inverse: &[f6
     }
 }
 
-/// `x += along * direction`, `residual -= along * image`, and the sum of `inverse * residual^2`, in a
-/// fixed order.
+/// `x += along * direction`, `residual -= along * image`, and the sum of `inverse * residual^2`, in
+/// a fixed order.
 #[inline(always)]
 fn advance_column(
     along: f64,

@@ -11,8 +11,8 @@ pub enum Cells {
     /// One diagonal, toward the middle of the lattice, so that no corner can fold over: what that
     /// text recommends.
     Triangular,
-    /// Both diagonals, whose springs have `ratio` times the stiffness of the sides: its compressible
-    /// bodies.
+    /// Both diagonals, whose springs have `ratio` times the stiffness of the sides: its
+    /// compressible bodies.
     Braced {
         /// Stiffness of the diagonals by that of the sides.
         ratio: f64,
@@ -140,8 +140,8 @@ impl Lattice {
             && place.connected(row, column + 1, 1, 0)
     }
 
-    /// Whether that cell is whole and has the diagonal from its top left (`down`) or its bottom left
-    /// corner.
+    /// Whether that cell is whole and has the diagonal from its top left (`down`) or its bottom
+    /// left corner.
     fn has_diagonal(&self, row: usize, column: usize, down: bool) -> bool {
         let place = &self.place;
         // Which half of the lattice the middle of the cell lies in.

@@ -30,8 +30,8 @@ impl<const D: usize> Leapfrog<D> {
     /// has been seen; so the next steps can follow while the numbers are still in the cache.
     ///
     /// # Errors
-    /// [`SpringError::Parameter`] for the step; [`SpringError::BlownUp`], and then the system is not
-    /// finite: go back to a copy.
+    /// [`SpringError::Parameter`] for the step; [`SpringError::BlownUp`], and then the system is
+    /// not finite: go back to a copy.
     pub fn advance(
         &mut self,
         system: &mut System<D>,

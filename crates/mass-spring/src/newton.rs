@@ -90,8 +90,9 @@ impl<const D: usize> Energies<'_, D> {
         }
     }
 
-    /// The positions of least energy near `x`, by Newton's method with a line search, and the number
-    /// of its steps. Where the matrix is not positive definite, its convex part takes its place.
+    /// The positions of least energy near `x`, by Newton's method with a line search, and the
+    /// number of its steps. Where the matrix is not positive definite, its convex part takes its
+    /// place.
     pub(crate) fn least(
         &self,
         mut x: NodeVectors<D>,

@@ -30,8 +30,9 @@ impl PlaceMatrix {
     /// Reads the matrix, one string per row, from the top.
     ///
     /// # Errors
-    /// [`SpringError::PlaceShape`], [`SpringError::PlaceLetter`], and [`SpringError::PlaceNeighbor`]
-    /// for a letter whose neighbor is not there or does not pull back.
+    /// [`SpringError::PlaceShape`], [`SpringError::PlaceLetter`], and
+    /// [`SpringError::PlaceNeighbor`] for a letter whose neighbor is not there or does not pull
+    /// back.
     pub fn new(rows: &[&str]) -> Result<Self, SpringError> {
         let rows: Vec<Vec<char>> = rows.iter().map(|row| row.chars().collect()).collect();
         let expected = rows.first().map_or(0, Vec::len).max(2);

@@ -1,8 +1,9 @@
 use crate::supports::Guide;
 use crate::{NodeVectors, SpringError, StepTooLong, System};
 
-/// The limit of a step by that of the leapfrog, which reaches to 2 on both axes of the complex plane.
-/// The region of the classical method reaches to 2.785 on the real axis and 2.828 on the imaginary.
+/// The limit of a step by that of the leapfrog, which reaches to 2 on both axes of the complex
+/// plane. The region of the classical method reaches to 2.785 on the real axis and 2.828 on the
+/// imaginary.
 const REACH: f64 = 2.785 / 2.0;
 
 impl<const D: usize> System<D> {

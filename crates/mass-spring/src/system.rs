@@ -166,7 +166,8 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Goes back to saved positions (world), m, and velocities (world), m/s, also those of supports.
+    /// Goes back to saved positions (world), m, and velocities (world), m/s, also those of
+    /// supports.
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].

@@ -157,8 +157,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
         elastic + w * w.transpose()
     }
 
-    /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is not
-    /// positive, of its size.
+    /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is
+    /// not positive, of its size.
     pub(crate) fn inverse_diagonal(&self) -> NodeVectors<D> {
         let mut diagonal = NodeVectors::zeros(self.system.nodes());
         self.blocks(|row, column, block| {

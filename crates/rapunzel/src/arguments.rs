@@ -62,7 +62,8 @@ pub(crate) enum Command {
     /// Write a scene or a case to begin with.
     #[command(arg_required_else_help = true)]
     New(NewOptions),
-    /// Measure hair with an instrument of the laboratory, on simulated fibres, and plot what it reads.
+    /// Measure hair with an instrument of the laboratory, on simulated fibres, and plot what it
+    /// reads.
     #[command(arg_required_else_help = true)]
     Lab(LabOptions),
     /// Say how the run in a folder stands.
@@ -88,8 +89,8 @@ pub(crate) struct RunOptions {
     /// Threads, at most four for each core [default: all cores]. The results do not depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
-    /// Seconds of computing that a loss of power may cost: so often all is written through to the disk.
-    /// A kill costs no whole frame.
+    /// Seconds of computing that a loss of power may cost: so often all is written through to the
+    /// disk. A kill costs no whole frame.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
     pub(crate) sync_every: f64,
 }
@@ -111,11 +112,12 @@ pub(crate) struct SolveOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct LabOptions {
-    /// tensile, hysteresis, hook, pendulum, oscillation, capstan, waviness, curl-retention, tress-volume
-    /// or combing.
+    /// tensile, hysteresis, hook, pendulum, oscillation, capstan, waviness, curl-retention,
+    /// tress-volume or combing.
     #[arg(value_parser = Instrument::from_str)]
     pub(crate) instrument: Instrument,
-    /// The type of hair: West European, Chinese, Indian, African, Caucasian, Mongolian or Ethiopian.
+    /// The type of hair: West European, Chinese, Indian, African, Caucasian, Mongolian or
+    /// Ethiopian.
     #[arg(long = "type", value_name = "TYPE", value_parser = HairType::from_str)]
     pub(crate) kind: HairType,
     /// Relative humidity, a fraction; 1 is wet.
@@ -136,8 +138,8 @@ pub(crate) struct LabOptions {
     /// What to vary: humidity=0.3:0.9:7 (from, to, how many), temperature likewise, or treatment.
     #[arg(long, value_parser = Sweep::from_str)]
     pub(crate) sweep: Option<Sweep>,
-    /// The folder of table and plot, whose files are overwritten [default: runs/lab- and the name of the
-    /// instrument].
+    /// The folder of table and plot, whose files are overwritten [default: runs/lab- and the name
+    /// of the instrument].
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
 }

@@ -17,8 +17,8 @@ pub(crate) enum Failure {
     File(String),
 }
 
-/// The physics does not come out: a step could not be taken, energy came from nowhere, an equilibrium
-/// was not found.
+/// The physics does not come out: a step could not be taken, energy came from nowhere, an
+/// equilibrium was not found.
 const FAILED: u8 = 1;
 /// The scene is wrong.
 const SCENE: u8 = 3;
@@ -26,8 +26,8 @@ const SCENE: u8 = 3;
 const FILE: u8 = 4;
 /// Interrupted by the user: 128 and the number of the signal, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
-/// Complete, but contacts or charged fibres missed their tolerances in some steps, or no equilibrium
-/// that was found is stable.
+/// Complete, but contacts or charged fibres missed their tolerances in some steps, or no
+/// equilibrium that was found is stable.
 pub(crate) const UNRESOLVED: u8 = 5;
 
 impl Failure {

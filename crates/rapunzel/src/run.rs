@@ -176,16 +176,17 @@ fn start_log(path: &Path) -> Result<(), Failure> {
 /// How long an interrupt waits for the step at hand.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, and leaves
-/// at once if a step does not end soon; so does the second. The run then is as a kill leaves it, and
-/// goes on from its last frame.
+/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, and
+/// leaves at once if a step does not end soon; so does the second. The run then is as a kill leaves
+/// it, and goes on from its last frame.
 fn set_up(threads: Option<u16>) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (asked, most) = (threads.map_or(cores, usize::from), MOST_THREADS * cores);
     if asked > most {
         complain(&format!("{asked} threads would only slow {cores} cores; {most} are taken"));
     }
-    // This thread is one of them: beside them it would have memory of its own, which it hardly uses.
+    // This thread is one of them: beside them it would have memory of its own, which it hardly
+    // uses.
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
     pool.num_threads(asked.min(most))
         .build_global()

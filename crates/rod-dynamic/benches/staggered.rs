@@ -52,7 +52,8 @@ fn steps(c: &mut Criterion) {
         let hold = hold(curly);
         for (label, dt) in [("33 ms", 1.0 / 30.0), ("10 ms", 1e-2), ("1 ms", 1e-3)] {
             for (company, fibers) in [("alone", 1), ("of 64", 8)] {
-                // Sixty-four fibres are eight batches; one after the other they cost eight times one.
+                // Sixty-four fibres are eight batches; one after the other they cost eight times
+                // one.
                 let conditions: Vec<&dyn Conditions> = vec![&hold; fibers];
                 let mut reports = vec![RodStepReport::default(); fibers];
                 let mut batch = released(fibers, curly);

@@ -6,8 +6,8 @@ use std::ops::AddAssign;
 /// two lines are the sum of the others, to rounding: every line is computed by itself, from the
 /// equations that the step has solved.
 ///
-/// Gravity, loads and wind are those at the end of the step, as these equations have them. Where they
-/// are steady all lines but that of the integrator are of the order of the method.
+/// Gravity, loads and wind are those at the end of the step, as these equations have them. Where
+/// they are steady all lines but that of the integrator are of the order of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ledger {
     /// Change of the kinetic energy.
@@ -29,13 +29,13 @@ pub struct Ledger {
     /// Impulses on the nodes times their mean velocities.
     pub contacts: f64,
     /// Work of the method in time, for which the values at the end of a step stand for those over
-    /// it. Backward Euler only loses where the potential of its step is convex: half the mass times the
-    /// squared change of velocity, and the elastic energy of the change of curvature. Summed over a
-    /// time this vanishes as the step, that of the second-order method as its square; as the step too
-    /// where drag differs along and across the rod, whose difference is explicit.
+    /// it. Backward Euler only loses where the potential of its step is convex: half the mass times
+    /// the squared change of velocity, and the elastic energy of the change of curvature. Summed
+    /// over a time this vanishes as the step, that of the second-order method as its square; as the
+    /// step too where drag differs along and across the rod, whose difference is explicit.
     pub integrator: f64,
-    /// Work of what Newton's method left unbalanced: nearly rounding in steps that are solved at once,
-    /// more in those that a solver of contacts ends as soon as its own tolerance is met.
+    /// Work of what Newton's method left unbalanced: nearly rounding in steps that are solved at
+    /// once, more in those that a solver of contacts ends as soon as its own tolerance is met.
     pub solver: f64,
 }
 

@@ -37,8 +37,8 @@ pub trait ImpulseResponse {
     /// One forward and one backward pass over the fibres.
     ///
     /// # Errors
-    /// [`RodError::Length`] for arrays of the wrong length, [`RodError::Invalid`] if no step is under
-    /// way; so of all that follow.
+    /// [`RodError::Length`] for arrays of the wrong length, [`RodError::Invalid`] if no step is
+    /// under way; so of all that follow.
     fn respond(
         &mut self,
         impulses: &[Vector3<f64>],
@@ -68,9 +68,9 @@ pub trait ImpulseResponse {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
-    /// Writes out how points answer impulses on each other, for every fibre with any, in the order of
-    /// the fibres. One pass over the fibre a point, three columns at once: worth it for a few points
-    /// that are asked often.
+    /// Writes out how points answer impulses on each other, for every fibre with any, in the order
+    /// of the fibres. One pass over the fibre a point, three columns at once: worth it for a few
+    /// points that are asked often.
     ///
     /// # Errors
     /// [`RodError::Invalid`] for a point that is not on a fibre.
@@ -83,8 +83,8 @@ pub trait ImpulseResponse {
     fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
 
     /// Adds masses (kg, that is impulse per velocity) at points, in place of all added before, and
-    /// factorises again for [`ImpulseResponse::weighted_respond_at`]: its response is the inverse of
-    /// `W^-1 + H^T M H`, `H` the interpolation to the points. To be called after each solve.
+    /// factorises again for [`ImpulseResponse::weighted_respond_at`]: its response is the inverse
+    /// of `W^-1 + H^T M H`, `H` the interpolation to the points. To be called after each solve.
     ///
     /// # Errors
     /// [`RodError::Length`] unless there is a mass for each point, [`RodError::Invalid`] for a

@@ -127,8 +127,8 @@ impl BandFactor {
         parts
     }
 
-    /// A variation along which the energy falls to second order; of several that to which the moments
-    /// drive.
+    /// A variation along which the energy falls to second order; of several that to which the
+    /// moments drive.
     pub(crate) fn falling(&self, moments: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let (node, directions) = self.falling.as_ref()?;
         let along = |direction: &Vector3<f64>| {

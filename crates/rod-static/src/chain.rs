@@ -248,8 +248,8 @@ impl Chain {
         Ok(self.shape(frames))
     }
 
-    /// The shape with the given frames of all nodes, the clamp first: what [`Shape::frames`] of a shape
-    /// of this chain makes, to the last bit.
+    /// The shape with the given frames of all nodes, the clamp first: what [`Shape::frames`] of a
+    /// shape of this chain makes, to the last bit.
     ///
     /// # Errors
     /// Not one frame for each node, and numbers that are not finite.

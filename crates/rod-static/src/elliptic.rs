@@ -127,7 +127,8 @@ pub fn jacobi(u: f64, m: f64) -> Option<Jacobi> {
     Some(Modulus::from_complement(1.0 - m)?.jacobi(u))
 }
 
-/// `F(phi | m)`, the incomplete integral of the first kind. `None` where it is not real or infinite.
+/// `F(phi | m)`, the incomplete integral of the first kind. `None` where it is not real or
+/// infinite.
 #[must_use]
 pub fn first_kind(phi: f64, m: f64) -> Option<f64> {
     by_periods(phi, m, |s, c2, d2| s * rf(c2, d2, 1.0))

@@ -15,12 +15,12 @@ use rapunzel_fiber::so3;
 /// bent. The state at any arc length follows from that at zero at constant cost, about a
 /// microsecond, through elliptic functions.
 ///
-/// The thesis's Euler angles are singular where the tangent is along the force. Here they enter
-/// as the two complex numbers `cos(theta/2) exp(i (phi + psi)/2)` and
-/// `sin(theta/2) exp(i (phi - psi)/2)` of Cayley and Klein, which are smooth everywhere; each of
-/// the two phases is one integral of the third kind. So the helix, planar rods, the poles and the
-/// separatrix are no exceptions. Positions are closed too, and where the force is too weak to divide
-/// by they come from quadrature of the closed tangent.
+/// The thesis's Euler angles are singular where the tangent is along the force. Here they enter as
+/// the two complex numbers `cos(theta/2) exp(i (phi + psi)/2)` and `sin(theta/2) exp(i (phi -
+/// psi)/2)` of Cayley and Klein, which are smooth everywhere; each of the two phases is one
+/// integral of the third kind. So the helix, planar rods, the poles and the separatrix are no
+/// exceptions. Positions are closed too, and where the force is too weak to divide by they come
+/// from quadrature of the closed tangent.
 #[derive(Debug, Clone)]
 pub struct Lagrange {
     bending: f64,

@@ -69,11 +69,11 @@ impl Chain {
     ///
     /// Newton's method on the energy (3.130) and (3.135), corrected: the energy itself is
     /// minimized, not its square. The pivots of the Hessian tell whether it is definite; where it
-    /// is not, it is shifted, and at a saddle the way down is taken. So the equilibrium is stable, or
-    /// neutral where all turns of it about an axis are equilibria too.
-    /// Places that hold nodes enter by Lagrange's multipliers. Following forces, which have no
-    /// energy, are applied in parts. Cost: about half a microsecond for each segment and step;
-    /// less than ten steps from a natural shape, three from a shape nearby.
+    /// is not, it is shifted, and at a saddle the way down is taken. So the equilibrium is stable,
+    /// or neutral where all turns of it about an axis are equilibria too. Places that hold nodes
+    /// enter by Lagrange's multipliers. Following forces, which have no energy, are applied in
+    /// parts. Cost: about half a microsecond for each segment and step; less than ten steps from a
+    /// natural shape, three from a shape nearby.
     ///
     /// # Errors
     /// A shape of another number of nodes, and [`StaticError::NotConverged`].
@@ -204,8 +204,8 @@ impl Chain {
                     continue;
                 }
                 if size < SMALL_CHANGE && !held {
-                    // As a round rod that has buckled may do so in any plane: rounding alone makes this
-                    // a way down.
+                    // As a round rod that has buckled may do so in any plane: rounding alone makes
+                    // this a way down.
                     return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
                 }
             }
@@ -250,9 +250,9 @@ impl Chain {
         far.min_by(deeper).or(Some(lowest))
     }
 
-    /// Where a few whole steps lead from `start`, without targets, if the energy comes below `low` there:
-    /// along a valley that bends, as that of a round rod that may lean any way, the first step climbs its
-    /// side, and the next return.
+    /// Where a few whole steps lead from `start`, without targets, if the energy comes below `low`
+    /// there: along a valley that bends, as that of a round rod that may lean any way, the first
+    /// step climbs its side, and the next return.
     fn ahead(&self, start: &TrialShape, dead: &[Vector3<f64>], low: f64) -> Option<TrialShape> {
         let mut trial = start.clone();
         for _ in 0..AHEAD {

@@ -41,8 +41,9 @@ pub enum Arrangement {
         #[serde(default)]
         clumping: f64,
     },
-    /// Fibres that stand on a part of an ellipsoid about the root's position, with the axes of its frame,
-    /// along the outward normals. They are spread evenly over the unit sphere that is stretched to it.
+    /// Fibres that stand on a part of an ellipsoid about the root's position, with the axes of its
+    /// frame, along the outward normals. They are spread evenly over the unit sphere that is
+    /// stretched to it.
     Scalp {
         /// Semi-axes along d1, d2 and the tangent of the root, m.
         semi_axes: [f64; 3],
@@ -132,10 +133,11 @@ fn check_axes(check: &mut Check, semi_axes: &[f64]) {
     }
 }
 
-/// The poses of roots on an ellipsoid about the origin, each with its z axis along the outward normal.
+/// The poses of roots on an ellipsoid about the origin, each with its z axis along the outward
+/// normal.
 ///
-/// In height they are evenly spaced, which on a sphere is even in area, and each is turned on by the golden
-/// ratio of the way around.
+/// In height they are evenly spaced, which on a sphere is even in area, and each is turned on by
+/// the golden ratio of the way around.
 pub fn scalp(
     semi_axes: [f64; 3],
     count: usize,

@@ -21,8 +21,8 @@ const MEASURED: f64 = 0.01;
 pub struct Charge {
     /// How much.
     pub amount: Amount,
-    /// How it lies along each fibre: pairs of the arc length as a part of the whole, 0 at the root and 1
-    /// at the tip, and a weight, with straight lines between them; left out, evenly.
+    /// How it lies along each fibre: pairs of the arc length as a part of the whole, 0 at the root
+    /// and 1 at the tip, and a weight, with straight lines between them; left out, evenly.
     #[serde(default)]
     pub along: Vec<(f64, f64)>,
 }
@@ -50,30 +50,33 @@ impl Default for Amount {
 
 /// Charge comes onto fibres, which lie at rest after each portion of it (thesis, Algorithm 2).
 ///
-/// Every step deals a portion, as long as there are any, and lasts `stepper.dt`; in it charge flows, if it
-/// does. Each step gives a frame. Before the first the fibres lie at rest without charge. Nothing bears
-/// on anything: fibres and objects are kept apart by charge alone, or not at all.
+/// Every step deals a portion, as long as there are any, and lasts `stepper.dt`; in it charge
+/// flows, if it does. Each step gives a frame. Before the first the fibres lie at rest without
+/// charge. Nothing bears on anything: fibres and objects are kept apart by charge alone, or not at
+/// all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Charging {
     /// In which portions the charge is dealt, and with it the charge or the potential of the head.
     #[serde(default)]
     pub dealing: Dealing,
-    /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they come to
-    /// the same equilibrium is told. Not where charge flows or the humidity changes: they take other times.
+    /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they
+    /// come to the same equilibrium is told. Not where charge flows or the humidity changes: they
+    /// take other times.
     #[serde(default)]
     pub compared: Vec<Dealing>,
     /// The head.
     #[serde(default)]
     pub head: Head,
-    /// An electric field from afar, V/m, world; it is there from the first step and acts on fibres alone.
+    /// An electric field from afar, V/m, world; it is there from the first step and acts on fibres
+    /// alone.
     #[serde(default)]
     pub field: [f64; 3],
     /// How charge flows; left out, it is frozen, as on dry hair.
     #[serde(default)]
     pub flow: Option<Flow>,
-    /// A step has settled when the electric forces on the nodes where they are differ from those that
-    /// hold the fibres there by no more than this part of them (root of the sum of squares).
+    /// A step has settled when the electric forces on the nodes where they are differ from those
+    /// that hold the fibres there by no more than this part of them (root of the sum of squares).
     #[serde(default = "tolerance")]
     pub tolerance: f64,
     /// The most evaluations of the electric forces in a step.
@@ -120,8 +123,8 @@ pub enum Head {
         #[serde(default)]
         held: ConductorHold,
     },
-    /// The thesis's repulsion by the distance to an object (4.13), with Coulomb's constant and a signed
-    /// distance: for comparison only.
+    /// The thesis's repulsion by the distance to an object (4.13), with Coulomb's constant and a
+    /// signed distance: for comparison only.
     Thesis {
         /// Index of the object.
         object: usize,

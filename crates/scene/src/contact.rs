@@ -17,9 +17,9 @@ pub struct ContactSettings {
     /// What holds together what touches; left out, nothing does.
     #[serde(default)]
     pub adhesion: Option<Adhesion>,
-    /// How far two that touch give way, m per N of what presses them, and of friction before it slides; zero
-    /// is rigid. It is that of a spring, which backward Euler damps: a touch that bounces does not give way.
-    /// What is pressed in so does not count as `depth`.
+    /// How far two that touch give way, m per N of what presses them, and of friction before it
+    /// slides; zero is rigid. It is that of a spring, which backward Euler damps: a touch that
+    /// bounces does not give way. What is pressed in so does not count as `depth`.
     #[serde(default)]
     pub compliance: f64,
     /// Largest Coulomb residual of a step: how far impulses are from the law, relative to all
@@ -43,13 +43,15 @@ pub struct ContactSettings {
 /// How all contacts of a step are solved together. Both leave no more than the same tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ContactMethod {
-    /// All at once, body by body and contact by contact in turn: the method of multipliers, on all threads.
+    /// All at once, body by body and contact by contact in turn: the method of multipliers, on all
+    /// threads.
     #[default]
     Splitting,
-    /// So for ten iterations, and then one after the other, those alone that are wrong, each exactly:
-    /// Gauss-Seidel, on one thread. A third of the iterations where hair falls and lies, longer ones, so that it
-    /// takes somewhat more time. Where a fibre has too many contacts to write out how they answer each other,
-    /// where rigid bodies move freely, and for the rest of a step in which it led nowhere, as `Splitting`.
+    /// So for ten iterations, and then one after the other, those alone that are wrong, each
+    /// exactly: Gauss-Seidel, on one thread. A third of the iterations where hair falls and lies,
+    /// longer ones, so that it takes somewhat more time. Where a fibre has too many contacts to
+    /// write out how they answer each other, where rigid bodies move freely, and for the rest of a
+    /// step in which it led nowhere, as `Splitting`.
     Polished,
 }
 
@@ -67,8 +69,8 @@ fn iterations() -> usize {
 }
 
 /// What holds fibres to each other and to objects; of these only bonds hold objects to each other.
-/// Friction grows with it: a touch slides where the
-/// friction exceeds its coefficient times what presses it and what it could bear in tension together.
+/// Friction grows with it: a touch slides where the friction exceeds its coefficient times what
+/// presses it and what it could bear in tension together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Adhesion {
@@ -93,8 +95,8 @@ pub enum Adhesion {
         #[serde(default)]
         volume: f64,
     },
-    /// One rigid bond for every two things that touch at the start, where they are nearest, which once
-    /// broken is gone. It holds a place, about which they may turn.
+    /// One rigid bond for every two things that touch at the start, where they are nearest, which
+    /// once broken is gone. It holds a place, about which they may turn.
     Bonds {
         /// Tensile force under which it breaks, N.
         strength: f64,
@@ -142,7 +144,8 @@ pub enum FrictionLaw {
         /// Across the fibre.
         across: f64,
     },
-    /// As table 2.11 of the thesis has it for hair, untreated, in motion: the same in all directions.
+    /// As table 2.11 of the thesis has it for hair, untreated, in motion: the same in all
+    /// directions.
     Keratin {
         /// What hair slides on.
         on: FrictionSurface,

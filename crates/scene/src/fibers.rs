@@ -18,8 +18,8 @@ pub struct Bundle {
     pub length: f64,
     /// Number of segments.
     pub segments: usize,
-    /// Cross section, m; to be left out where the material has one of its own. That of keratin is at
-    /// 65 % humidity, from where it swells.
+    /// Cross section, m; to be left out where the material has one of its own. That of keratin is
+    /// at 65 % humidity, from where it swells.
     #[serde(default)]
     pub section: Option<Section>,
     /// What the fibres are made of.
@@ -105,8 +105,8 @@ pub enum Initial {
     /// Straight and untwisted along the direction of the root, so that a curved fibre is
     /// prestressed.
     Straight,
-    /// Wound to a helix whose axis is along the direction of the root: prestressed where the shape is
-    /// another.
+    /// Wound to a helix whose axis is along the direction of the root: prestressed where the shape
+    /// is another.
     Helix {
         /// Radius of the cylinder, m.
         radius: f64,
@@ -116,8 +116,8 @@ pub enum Initial {
         #[serde(default = "right")]
         handedness: Handedness,
     },
-    /// Untwisted with an overhand knot in the middle, the ends along the direction of the root on one
-    /// line; the loop stands out along d1. Prestressed.
+    /// Untwisted with an overhand knot in the middle, the ends along the direction of the root on
+    /// one line; the loop stands out along d1. Prestressed.
     Overhand {
         /// Radius of the loop, m.
         radius: f64,
@@ -125,8 +125,9 @@ pub enum Initial {
         /// at most a tenth of the radius.
         spacing: f64,
     },
-    /// Untwisted along a closed curve that is cut where it is farthest from its middle: the ends pass each
-    /// other there and go on along the direction of the root; the knot stands out along d1. Prestressed.
+    /// Untwisted along a closed curve that is cut where it is farthest from its middle: the ends
+    /// pass each other there and go on along the direction of the root; the knot stands out along
+    /// d1. Prestressed.
     Knot {
         /// The curve.
         curve: ClosedCurve,
@@ -143,9 +144,9 @@ pub enum Initial {
 pub enum ClosedCurve {
     /// A figure-eight knot, of radius 1.
     FigureEight,
-    /// Through the points in a file, as seen from the folder of the scene, whose corners are rounded: an
-    /// `.obj` with points and lines in one ring, or a `.txt` with the three coordinates of a point in
-    /// every line, in their order.
+    /// Through the points in a file, as seen from the folder of the scene, whose corners are
+    /// rounded: an `.obj` with points and lines in one ring, or a `.txt` with the three coordinates
+    /// of a point in every line, in their order.
     File(PathBuf),
 }
 
@@ -199,7 +200,8 @@ pub struct PointForce {
 }
 
 impl Bundle {
-    /// The forces on all nodes of each of its fibres at time `t` (s), N, world; `None` if it has none.
+    /// The forces on all nodes of each of its fibres at time `t` (s), N, world; `None` if it has
+    /// none.
     #[must_use]
     pub fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
         if self.point_forces.is_empty() {

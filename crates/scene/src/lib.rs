@@ -247,8 +247,8 @@ impl Scene {
         meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
-    /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No motion
-    /// of it may gain any.
+    /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No
+    /// motion of it may gain any.
     pub fn is_closed(&self) -> bool {
         let still = |bundle: &Bundle| {
             bundle.motion == Motion::Fixed

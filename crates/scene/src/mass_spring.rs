@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 
 /// A mass-spring system, in place of fibres: one model and what acts on it.
 ///
-/// Models in the plane lie in that of x and z. Probes see one fibre, number 0, whose nodes are those
-/// of the model. Of the environment, gravity acts; drag and wind are given here.
+/// Models in the plane lie in that of x and z. Probes see one fibre, number 0, whose nodes are
+/// those of the model. Of the environment, gravity acts; drag and wind are given here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MassSpring {
     /// What it is.
     pub model: Model,
-    /// Where it starts: the fixed end of a rope, the top left corner of a net or body, the center of
-    /// a ring or ball (world), m.
+    /// Where it starts: the fixed end of a rope, the top left corner of a net or body, the center
+    /// of a ring or ball (world), m.
     #[serde(default)]
     pub position: [f64; 3],
     /// Mass of a node, kg.

@@ -76,12 +76,12 @@ pub enum Law {
     /// Hooke's, with the moduli of the climate.
     #[default]
     Elastic,
-    /// Moduli that relax as a power of time, so that free oscillations between 0.01 and 100 rad/s have the
-    /// logarithmic decrement of table 2.10 at any frequency; at 1 rad/s the moduli are those of the
-    /// climate.
+    /// Moduli that relax as a power of time, so that free oscillations between 0.01 and 100 rad/s
+    /// have the logarithmic decrement of table 2.10 at any frequency; at 1 rad/s the moduli are
+    /// those of the climate.
     Viscoelastic,
-    /// Nagase's model (`rapunzel_keratin::law::ThreeElement`), which follows the climate: the one that
-    /// keeps a water wave.
+    /// Nagase's model (`rapunzel_keratin::law::ThreeElement`), which follows the climate: the one
+    /// that keeps a water wave.
     ThreeElement,
 }
 
@@ -171,19 +171,19 @@ impl Keratin {
     }
 }
 
-/// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to fade with a
-/// logarithmic decrement, whatever their frequency: with an inertia they are the roots of `s^2 + k s^n`,
-/// which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
+/// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to fade
+/// with a logarithmic decrement, whatever their frequency: with an inertia they are the roots of
+/// `s^2 + k s^n`, which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
 pub fn fading_power(decrement: f64) -> f64 {
     let x = 2.0 / PI * (decrement / TAU).atan();
     2.0 * x / (1.0 + x)
 }
 
-/// A relaxation function whose free oscillations fade with a decrement between 0.01 and 100 rad/s, and
-/// the storage modulus 1 at 1 rad/s.
+/// A relaxation function whose free oscillations fade with a decrement between 0.01 and 100 rad/s,
+/// and the storage modulus 1 at 1 rad/s.
 ///
-/// The spectrum of a power of time, [`fading_power`], goes with `tau^-n` too: here from 1e-4 to 1e4 s,
-/// two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
+/// The spectrum of a power of time, [`fading_power`], goes with `tau^-n` too: here from 1e-4 to 1e4
+/// s, two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
 fn fading_modulus(decrement: f64) -> Result<Relaxation, KeratinError> {
     const FIRST: f64 = 1e-4;
     const COUNT: u8 = 17;

@@ -61,9 +61,9 @@ pub enum Motion {
         /// End of the motion, s.
         until: f64,
     },
-    /// Through given poses, at constant velocity and rate between them; at rest after the last. From
-    /// one rotation vector to a parallel one the angle goes from the one to the other, whole turns
-    /// included; others may be half a turn apart, and are joined the short way.
+    /// Through given poses, at constant velocity and rate between them; at rest after the last.
+    /// From one rotation vector to a parallel one the angle goes from the one to the other, whole
+    /// turns included; others may be half a turn apart, and are joined the short way.
     Keyframes {
         /// The poses, in the order of time; the first is at time 0 and moves nothing.
         points: Vec<Keyframe>,
@@ -192,8 +192,8 @@ fn orientation(keyframe: &Keyframe) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(Vector3::from(keyframe.rotation.map(f64::to_radians)))
 }
 
-/// The rotation vector of the turn from one keyframe to the next, rad, in the frame of the first: its
-/// direction is kept, so that the rate is constant.
+/// The rotation vector of the turn from one keyframe to the next, rad, in the frame of the first:
+/// its direction is kept, so that the rate is constant.
 fn turned(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
     if are_parallel(from, to) {
         return asked_turn(from, to);

@@ -4,8 +4,8 @@ use super::{FrictionLaw, Motion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Something that fibres and objects that move freely lie on or bump into. Objects that are led pass
-/// through each other.
+/// Something that fibres and objects that move freely lie on or bump into. Objects that are led
+/// pass through each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
@@ -18,13 +18,13 @@ pub struct Object {
     #[serde(default)]
     pub turn: [f64; 3],
     /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis. Of two
-    /// objects that rub on each other, one that moves freely and what it touches, the friction of the
-    /// latter counts, else that of the former, else that of the scene, but no `Cuticle`: of two that
-    /// move freely the former is the earlier one of the list.
+    /// objects that rub on each other, one that moves freely and what it touches, the friction of
+    /// the latter counts, else that of the former, else that of the scene, but no `Cuticle`: of two
+    /// that move freely the former is the earlier one of the list.
     #[serde(default)]
     pub friction: Option<FrictionLaw>,
-    /// How fibres bounce off it, from zero to one; left out, as off each other. Of two objects the same
-    /// one's counts as of friction.
+    /// How fibres bounce off it, from zero to one; left out, as off each other. Of two objects the
+    /// same one's counts as of friction.
     #[serde(default)]
     pub restitution: Option<f64>,
     /// The way on which it is led.

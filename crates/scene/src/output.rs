@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a
-    /// little smaller where the interval is not a multiple of it. With `charging` every step is a frame.
+    /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a little
+    /// smaller where the interval is not a multiple of it. With `charging` every step is a frame.
     pub frame_rate: f64,
     /// Files written of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
     /// ParaView), which are always written.
@@ -16,9 +16,9 @@ pub struct Output {
     /// Time between the rows of `energies.csv` and `probes.csv`, s, rounded to steps; 0 for a row
     /// at every step.
     pub record_interval: f64,
-    /// Whether `energies.csv` has all work done on the fibres: with that of contacts it sums up to what
-    /// the kinetic and elastic energy gain. Needs the method `Staggered` or `BackwardEuler`, without a
-    /// tolerance.
+    /// Whether `energies.csv` has all work done on the fibres: with that of contacts it sums up to
+    /// what the kinetic and elastic energy gain. Needs the method `Staggered` or `BackwardEuler`,
+    /// without a tolerance.
     pub ledger: bool,
     /// Columns of `probes.csv`.
     pub probes: Vec<Probe>,
@@ -39,10 +39,11 @@ impl Default for Output {
 /// A file format for frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
-    /// One USD stage with all frames, of fibres, springs and objects, as text: for Blender, Houdini.
+    /// One USD stage with all frames, of fibres, springs and objects, as text: for Blender,
+    /// Houdini.
     Usd,
-    /// Cem Yuksel's binary format, a file for each frame. It holds fibres and springs, no objects, and
-    /// at most 65535 segments of each.
+    /// Cem Yuksel's binary format, a file for each frame. It holds fibres and springs, no objects,
+    /// and at most 65535 segments of each.
     Hair,
     /// POV-Ray scene description, a file for each frame, of fibres, springs and objects.
     Pov,

@@ -19,8 +19,8 @@ pub struct Plan {
     pub duration: f64,
     /// Frame intervals that are whole.
     intervals: u64,
-    /// Step after the last whole interval, s: the largest not above the scene's of which the rest of
-    /// the duration is a multiple.
+    /// Step after the last whole interval, s: the largest not above the scene's of which the rest
+    /// of the duration is a multiple.
     last_dt: f64,
 }
 

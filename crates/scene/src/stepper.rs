@@ -121,8 +121,8 @@ impl StepperSettings {
         !matches!(self.method, Some(RodMethod::Box { .. })) && self.tolerance.is_none()
     }
 
-    /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in long
-    /// steps. The bound is that up to which whips have been tried.
+    /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in
+    /// long steps. The bound is that up to which whips have been tried.
     pub fn may_create_energy(&self) -> bool {
         let undamped = |method: &RodMethod| matches!(method, RodMethod::Staggered { rho_infinity } if *rho_infinity > 0.4);
         self.keeps_ledgers() && self.method.as_ref().is_some_and(undamped)

@@ -1,5 +1,5 @@
-//! Steps of hair that touches: a lock in its fall onto a ball, with and without its ledger, the reference
-//! scene (thesis 8.6.2), and a pack of hair with a million contacts.
+//! Steps of hair that touches: a lock in its fall onto a ball, with and without its ledger, the
+//! reference scene (thesis 8.6.2), and a pack of hair with a million contacts.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
@@ -44,8 +44,8 @@ fn steps(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scene: &Scene, be
     });
 }
 
-/// One step after the other of a pack that has come to rest, and as it slides where gravity then turns by 45
-/// degrees.
+/// One step after the other of a pack that has come to rest, and as it slides where gravity then
+/// turns by 45 degrees.
 fn million(c: &mut Criterion) {
     let mut group = c.benchmark_group("contact");
     group.sample_size(10);
@@ -78,8 +78,8 @@ fn after(scene: &Scene, steps: usize) -> World {
     world
 }
 
-/// Free hairs of 100 segments that lie in layers on the floor between two walls, each upon the gap between
-/// two, a thousandth of their diameter apart.
+/// Free hairs of 100 segments that lie in layers on the floor between two walls, each upon the gap
+/// between two, a thousandth of their diameter apart.
 fn pack(across: usize, layers: usize) -> Scene {
     const RADIUS: f64 = 3.5e-5;
     let spacing = 2.0 * RADIUS * 1.001;

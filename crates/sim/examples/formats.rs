@@ -1,4 +1,5 @@
-//! Simulates a swinging lock and writes it in every format into the folder that is named on the command line.
+//! Simulates a swinging lock and writes it in every format into the folder that is named on the
+//! command line.
 
 use rapunzel_export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;

@@ -242,8 +242,8 @@ fn grow(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, 
     }
 }
 
-/// The nodes that the fibres of a bundle start with, m, in their roots' frames; `None` for those whose
-/// own shape counts.
+/// The nodes that the fibres of a bundle start with, m, in their roots' frames; `None` for those
+/// whose own shape counts.
 fn course(bundle: &Bundle, index: usize) -> Result<Option<Vec<Point3<f64>>>, SimError> {
     let lengths = lengths(bundle);
     let nodes = match &bundle.initial {
@@ -266,8 +266,8 @@ fn course(bundle: &Bundle, index: usize) -> Result<Option<Vec<Point3<f64>>>, Sim
     nodes.map(Some).map_err(|source| SimError::Fiber { bundle: index, source })
 }
 
-/// The state in which a fibre is laid from its root's frame on, at rest, along its course if it has one;
-/// `None` for its natural one.
+/// The state in which a fibre is laid from its root's frame on, at rest, along its course if it has
+/// one; `None` for its natural one.
 fn laid(
     fiber: &Fiber,
     initial: &Initial,

@@ -18,8 +18,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// never stopped.
 ///
 /// The file is the magic number, the BLAKE3 hash of the rest, and the rest: the version of the
-/// program as a length and text, then the checkpoint in postcard's format. What is written may be the
-/// world as it is, without a copy of it.
+/// program as a length and text, then the checkpoint in postcard's format. What is written may be
+/// the world as it is, without a copy of it.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Checkpoint<S = Snapshot> {
     /// Hash of the scene.
@@ -42,8 +42,8 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
 }
 
 impl<S: Serialize> Checkpoint<S> {
-    /// Writes the checkpoint atomically, without waiting for the disk. It goes through the numbers twice,
-    /// so that no copy of them is needed for the hash.
+    /// Writes the checkpoint atomically, without waiting for the disk. It goes through the numbers
+    /// twice, so that no copy of them is needed for the hash.
     pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
         let mut hasher = BufWriter::new(blake3::Hasher::new());
         self.put(&mut hasher).map_err(SimError::io("write", path))?;
@@ -87,8 +87,8 @@ impl<W> Telling<W> {
 }
 
 impl Checkpoint {
-    /// Reads a checkpoint. It goes through the file twice, so that it is never held beside the numbers
-    /// in it.
+    /// Reads a checkpoint. It goes through the file twice, so that it is never held beside the
+    /// numbers in it.
     pub(crate) fn read(path: &Path) -> Result<Self, SimError> {
         let broken = || unusable(path, &"it is damaged");
         let mut file = file::open(path, u64::MAX)?;

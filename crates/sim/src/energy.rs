@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// The part of all energy that a run was given which may come from nowhere. A method that is stable
 /// creates none, or what vanishes with its step; one that is not multiplies it by thousands.
 const UNEXPLAINED: f64 = 0.1;
-/// What rounding may leave, as a part of the energy that bends all fibres by a radian, and of that in
-/// gravity.
+/// What rounding may leave, as a part of the energy that bends all fibres by a radian, and of that
+/// in gravity.
 const ENERGY_ROUNDING: f64 = 1e-9;
 
 /// Where the energy of a run came from, as far as that is known.
@@ -37,15 +37,16 @@ pub(crate) fn stored(energy: &Energy) -> f64 {
 }
 
 impl EnergyBudget {
-    /// The budget of a motion with this energy at its start, whose fibres take `bending` to bend by a
-    /// radian, J.
+    /// The budget of a motion with this energy at its start, whose fibres take `bending` to bend by
+    /// a radian, J.
     pub(crate) fn new(start: &Energy, bending: f64) -> Self {
         let (rounding, height) =
             (ENERGY_ROUNDING * (bending + start.gravitational.abs()), start.gravitational);
         Self { start: stored(start), height, rounding, most: [0.0; 5] }
     }
 
-    /// Looks at the energy at a frame. Without the work of everything nothing but gravity may give any.
+    /// Looks at the energy at a frame. Without the work of everything nothing but gravity may give
+    /// any.
     ///
     /// # Errors
     /// [`CreatedEnergy`] if more has come from nowhere than may.

@@ -6,8 +6,8 @@ use crate::scene::{Bundle, MassSpring, ObjectShape, RodMethod};
 use crate::{Scene, SimError};
 use rapunzel_collision::field::Grid;
 
-// Bytes that building and running takes, rounded up: a touching node takes 1.85 kB in a lock of 10^6 of
-// them, a charged one 1.1 kB; the others are estimates.
+// Bytes that building and running takes, rounded up: a touching node takes 1.85 kB in a lock of
+// 10^6 of them, a charged one 1.1 kB; the others are estimates.
 /// Memory of a node of a fibre that touches nothing, bytes.
 const NODE: f64 = 1500.0;
 /// Memory of a node by a method that moves rods one by one, bytes.

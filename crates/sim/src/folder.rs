@@ -13,8 +13,8 @@ pub enum Existing {
     Refuse,
     /// Go on with the run in it.
     Resume,
-    /// Start anew. The files of the run in it, and only those, go when the new run has its first frame
-    /// after the start.
+    /// Start anew. The files of the run in it, and only those, go when the new run has its first
+    /// frame after the start.
     Overwrite,
 }
 
@@ -22,10 +22,10 @@ pub enum Existing {
 ///
 /// It holds `scene.ron` (the scene with all defaults), `summary.json`, `energies.csv`,
 /// `contacts.csv`, `charge.csv`, `probes.csv`, `objects.csv`, `frames.pvd` with
-/// `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one file where none of them moves),
-/// `preview.png`, the formats that the scene asks for, `checkpoint.bin`, and `run.log` if the program
-/// keeps one. The file `.rapunzel` lists all of them, before they are written: what it does not list is
-/// somebody else's, and is never changed. Links are not followed.
+/// `frames/frame-*.vtp` and, of objects, `frames/objects-*.vtp` (one file where none of them
+/// moves), `preview.png`, the formats that the scene asks for, `checkpoint.bin`, and `run.log` if
+/// the program keeps one. The file `.rapunzel` lists all of them, before they are written: what it
+/// does not list is somebody else's, and is never changed. Links are not followed.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -78,8 +78,8 @@ impl RunFolder {
         let lock = lock(path)?;
         finish_exchange(path)?;
         let old = read_manifest(path)?;
-        // A run that could not be built leaves its log, and the list with it; one that was killed at
-        // once a part of the list.
+        // A run that could not be built leaves its log, and the list with it; one that was killed
+        // at once a part of the list.
         let unlisted = format!("{MANIFEST}{PARTIAL}");
         let nothing = |name: &String| match &old {
             None => [LOCK, &unlisted].contains(&name.as_str()),
@@ -139,8 +139,8 @@ impl RunFolder {
         self.inputs.push(input.to_owned());
     }
 
-    /// Whether the folder still holds an older run, whose place the new one takes with its first frame
-    /// after the start.
+    /// Whether the folder still holds an older run, whose place the new one takes with its first
+    /// frame after the start.
     #[must_use]
     pub fn holds_older_run(&self) -> bool {
         self.files != self.path
@@ -160,8 +160,8 @@ impl RunFolder {
     ///
     /// # Errors
     /// [`SimError::ForeignFile`] where a file of somebody else's has the name of one,
-    /// [`SimError::NotPlain`] where a link has, [`SimError::OverInput`] where it is one that is read;
-    /// [`SimError::Io`].
+    /// [`SimError::NotPlain`] where a link has, [`SimError::OverInput`] where it is one that is
+    /// read; [`SimError::Io`].
     pub(crate) fn begin(&mut self, manifest: &Manifest) -> Result<(), SimError> {
         let old = self.old.take().unwrap_or_default();
         look_for_others(&self.path, [manifest, &old], &self.inputs)?;
@@ -245,8 +245,8 @@ fn look_for_others(
     Ok(())
 }
 
-/// Goes on with an exchange that was begun: the old files go, their list last, then the new ones come,
-/// their list last. So each list is there as long as it is needed.
+/// Goes on with an exchange that was begun: the old files go, their list last, then the new ones
+/// come, their list last. So each list is there as long as it is needed.
 fn finish_exchange(path: &Path) -> Result<(), SimError> {
     let ready = path.join(READY);
     require_plain(&ready, true)?;

@@ -94,14 +94,15 @@ impl Manifest {
         lines.map(Entry::parse).collect::<Option<_>>().map(Self)
     }
 
-    /// Whether a file of this name, as seen from the folder of the run, is one of the run's, or what a
-    /// kill left of one.
+    /// Whether a file of this name, as seen from the folder of the run, is one of the run's, or
+    /// what a kill left of one.
     pub(crate) fn owns(&self, name: &str) -> bool {
         let name = name.strip_suffix(PARTIAL).unwrap_or(name);
         self.0.iter().any(|entry| entry.contains(name))
     }
 
-    /// The folders that hold files of the run, as seen from the folder of the run, without that one.
+    /// The folders that hold files of the run, as seen from the folder of the run, without that
+    /// one.
     pub(crate) fn folders(&self) -> BTreeSet<&str> {
         let names = self.0.iter().map(|entry| match entry {
             Entry::One(name) | Entry::Series { stem: name, .. } => name.as_str(),

@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run is watched and stopped.
 pub struct Control<'a> {
-    /// Asked at every frame whether the run is to be made safe from a loss of power; a kill costs no
-    /// more than what was not yet a frame in any case.
+    /// Asked at every frame whether the run is to be made safe from a loss of power; a kill costs
+    /// no more than what was not yet a frame in any case.
     pub sync_is_due: &'a mut dyn FnMut() -> bool,
     /// Stops the run with a checkpoint after the step at hand, once it is asked to.
     pub cancel: &'a Cancel,
@@ -69,13 +69,14 @@ pub struct Progress {
     pub statistics: Statistics,
 }
 
-/// Runs the `world` of a scene in a folder, from the checkpoint there if there is one and from its start
-/// if not. The scene tells how long, in which steps and what is written; the world is what [`World::build`]
-/// makes of it, or any other in which a [`Stepper`] of the caller's moves.
+/// Runs the `world` of a scene in a folder, from the checkpoint there if there is one and from its
+/// start if not. The scene tells how long, in which steps and what is written; the world is what
+/// [`World::build`] makes of it, or any other in which a [`Stepper`] of the caller's moves.
 ///
 /// The contents of all files depend on the scene alone, not on the number of threads nor on
-/// interruptions; only the log, which this function does not write, tells of them. An older run that the
-/// folder was opened to overwrite is there until the new one has its first frame after the start.
+/// interruptions; only the log, which this function does not write, tells of them. An older run
+/// that the folder was opened to overwrite is there until the new one has its first frame after the
+/// start.
 ///
 /// # Errors
 /// [`SimError`]; where a step could not be taken, the last checkpoint is that of the frame before.
@@ -223,8 +224,8 @@ impl<'a> ActiveRun<'a> {
         now.write(&self.folder.file(NEXT_CHECKPOINT))
     }
 
-    /// Makes what was last remembered the checkpoint that a loss of power leaves, once the outputs are
-    /// on the disk, so that it never knows more than they hold.
+    /// Makes what was last remembered the checkpoint that a loss of power leaves, once the outputs
+    /// are on the disk, so that it never knows more than they hold.
     fn save(&mut self) -> Result<(), SimError> {
         self.tell()?;
         sync(self.folder.path())?;

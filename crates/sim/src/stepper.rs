@@ -9,8 +9,8 @@ use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use std::ops::Range;
 
-/// Something that moves, with its whole state: the seam between a [world](crate::World), which has a
-/// clock, an environment and objects, and what is in it.
+/// Something that moves, with its whole state: the seam between a [world](crate::World), which has
+/// a clock, an environment and objects, and what is in it.
 ///
 /// The first methods are what every run needs. The others have defaults: columns of tables, what
 /// frames show beside strands, and views of a state that is one of fibres.
@@ -18,8 +18,8 @@ pub trait Stepper: Send + Sync {
     /// Moves everything by `dt`, s. The result must not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SimError`]; some may have been moved then and others not: [restore](Self::restore) what was saved
-    /// before going on.
+    /// [`SimError`]; some may have been moved then and others not: [restore](Self::restore) what
+    /// was saved before going on.
     fn step(&mut self, around: &mut Surroundings, dt: f64) -> Result<StepReport, SimError>;
 
     /// Energy, J, in a gravity, m/s^2, zero at the world's origin.
@@ -36,8 +36,8 @@ pub trait Stepper: Send + Sync {
         self.strand_nodes().iter().sum()
     }
 
-    /// Position (m) and velocity (m/s) of a node, world: of a strand, or, where nodes are counted as a
-    /// whole, of everything. `None` is the last node.
+    /// Position (m) and velocity (m/s) of a node, world: of a strand, or, where nodes are counted
+    /// as a whole, of everything. `None` is the last node.
     ///
     /// # Panics
     /// If there is no such strand or node, as indexing does.
@@ -97,7 +97,8 @@ pub trait Stepper: Send + Sync {
     /// Puts a fibre into a state.
     ///
     /// # Errors
-    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] where nothing can be put so.
+    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] where nothing can be
+    /// put so.
     fn set_state(&mut self, _fiber: usize, _state: &RodState) -> Result<(), SimError> {
         Err(SimError::NoFibers)
     }

@@ -12,7 +12,8 @@ use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use serde::{Deserialize, Serialize, Serializer};
 use std::sync::LazyLock;
 
-/// Everything in a scene at one instant: a clock, an environment, objects, and what moves among them.
+/// Everything in a scene at one instant: a clock, an environment, objects, and what moves among
+/// them.
 pub struct World {
     clock: Clock,
     environment: Environment,
@@ -93,8 +94,8 @@ impl World {
     /// Moves everything by `dt`, s. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SimError`] names what could not be moved, and why. Some may have been moved then and others not:
-    /// [restore](Self::restore) a snapshot before going on.
+    /// [`SimError`] names what could not be moved, and why. Some may have been moved then and
+    /// others not: [restore](Self::restore) a snapshot before going on.
     pub fn step(&mut self, dt: f64) -> Result<StepReport, SimError> {
         let next = self.clock.after(dt);
         let mut around = Surroundings {
@@ -138,8 +139,8 @@ impl World {
         self.stepper.nodes()
     }
 
-    /// Position (m) and velocity (m/s) of a node of a fibre or another strand, or of a mass-spring system
-    /// (world); without a number, of the last.
+    /// Position (m) and velocity (m/s) of a node of a fibre or another strand, or of a mass-spring
+    /// system (world); without a number, of the last.
     ///
     /// # Panics
     /// If there is no such fibre or node, as indexing does.
@@ -153,8 +154,8 @@ impl World {
         self.environment.gravity_at(self.time())
     }
 
-    /// All objects where they are now (world), as far as they are shown: of a plane a square of twice
-    /// the longest fibre, or the length of a mass-spring system. Copies their surfaces.
+    /// All objects where they are now (world), as far as they are shown: of a plane a square of
+    /// twice the longest fibre, or the length of a mass-spring system. Copies their surfaces.
     pub fn surfaces(&self) -> impl Iterator<Item = Placed> {
         self.objects.iter().map(|object| {
             let (pose, Soup { vertices, triangles }) = (object.pose(self.time()), object.surface());
@@ -182,7 +183,8 @@ impl World {
     /// Puts fibre `i` into a state.
     ///
     /// # Errors
-    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] if nothing can be put so.
+    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] if nothing can be put
+    /// so.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -197,8 +199,8 @@ impl World {
         self.stepper.warning(dt)
     }
 
-    /// Energy of everything that moves, and of free objects, J, in the gravity of the instant. Costs one
-    /// pass over all nodes.
+    /// Energy of everything that moves, and of free objects, J, in the gravity of the instant.
+    /// Costs one pass over all nodes.
     #[must_use]
     pub fn energy(&self) -> Energy {
         let gravity = self.gravity();
@@ -216,8 +218,8 @@ impl World {
         self.stepper.fibers().map(|fibers| fibers.energy_of(i, gravity)).unwrap_or_default()
     }
 
-    /// Momentum of all fibres and free objects, if the method is `Staggered` or `BackwardEuler` without a
-    /// tolerance. Costs one pass over all nodes.
+    /// Momentum of all fibres and free objects, if the method is `Staggered` or `BackwardEuler`
+    /// without a tolerance. Costs one pass over all nodes.
     #[must_use]
     pub fn momentum(&self) -> Option<Momentum> {
         let mut sum = self.stepper.fibers()?.momentum()?;
@@ -228,8 +230,9 @@ impl World {
         Some(sum)
     }
 
-    /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being points
-    /// on their axes and conductors without a field inside; nothing in a scene without charge. Cost: a call of the multipole method.
+    /// Potentials (V) and fields (V/m, world) of all charges at `targets` (world, m), fibres being
+    /// points on their axes and conductors without a field inside; nothing in a scene without
+    /// charge. Cost: a call of the multipole method.
     ///
     /// # Errors
     /// [`SimError::Charging`] for targets that are nowhere, and for fibres in the head.
@@ -246,14 +249,14 @@ impl World {
         Some(self.stepper.charged()?.report())
     }
 
-    /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
-    /// by place.
+    /// What touched in the last part of a step, with what force: by its two sides, fibres first,
+    /// then by place.
     pub fn contacts(&self) -> impl Iterator<Item = ActiveContact> {
         self.stepper.in_contact().into_iter().flat_map(|fibers| fibers.contacts())
     }
 
-    /// Mean force of all fibres and other objects on an object over the last part of a step, N, world.
-    /// Cost: that of looking at all contacts.
+    /// Mean force of all fibres and other objects on an object over the last part of a step, N,
+    /// world. Cost: that of looking at all contacts.
     #[must_use]
     pub fn force_on(&self, object: usize) -> Vector3<f64> {
         self.stepper.in_contact().map(|fibers| fibers.force_on(object)).unwrap_or_default()
@@ -265,14 +268,15 @@ impl World {
         self.stepper.in_contact().map(|fibers| fibers.contact_work()).unwrap_or_default()
     }
 
-    /// All other work done on fibres and free objects since the start, if the scene's output asks for
-    /// the ledger, or its method may create energy.
+    /// All other work done on fibres and free objects since the start, if the scene's output asks
+    /// for the ledger, or its method may create energy.
     #[must_use]
     pub fn ledger(&self) -> Option<EnergyLedger> {
         self.stepper.fibers()?.ledger()
     }
 
-    /// Sets the stopwatch by which the reports of steps tell how long their phases took; `None`, as at first, for not at all.
+    /// Sets the stopwatch by which the reports of steps tell how long their phases took; `None`, as
+    /// at first, for not at all.
     pub fn set_stopwatch(&mut self, stopwatch: Option<Stopwatch>) {
         self.stepper.set_stopwatch(stopwatch);
     }

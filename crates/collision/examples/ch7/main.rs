@@ -1,9 +1,10 @@
 //! Repeats the performance tests of the thesis's hierarchies (chapter 7.4, figures 7.7 to 7.15) and
 //! compares what it says of them with our numbers.
 //!
-//! `cargo xtask repro ch7` runs it. Each figure is an SVG with its numbers as CSV. Models are scaled
-//! down so that all takes some two minutes; `--full` takes those of the thesis, and hours. Times are
-//! the least of several runs, and belong to the machine that drew them; checks prefer counts.
+//! `cargo xtask repro ch7` runs it. Each figure is an SVG with its numbers as CSV. Models are
+//! scaled down so that all takes some two minutes; `--full` takes those of the thesis, and hours.
+//! Times are the least of several runs, and belong to the machine that drew them; checks prefer
+//! counts.
 
 mod measure;
 mod models;

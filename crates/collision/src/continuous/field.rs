@@ -6,15 +6,16 @@ use crate::field::DistanceField;
 use nalgebra::{Point3, Vector3};
 
 impl MovingSegment {
-    /// When the segment first comes within `reach`, m, of the surface of a field, less than its band;
-    /// the coordinate is the fraction along it, and the offset leads to the surface.
+    /// When the segment first comes within `reach`, m, of the surface of a field, less than its
+    /// band; the coordinate is the fraction along it, and the offset leads to the surface.
     ///
     /// Nothing is missed of the zero set of the field, and the tolerance is that of
-    /// [`impact`](Self::impact), in values of the field. Nothing is known of the field but its slope,
-    /// so the surface must be sampled about as finely as the gap: a segment that comes to lie flat, or
-    /// slides at a small height, may be given up, which is an alarm that is not resolved, at a gap of
-    /// less than about a thousandth of its length and of its way. A finer tolerance is of no use.
-    /// Cost: two or three samples for a segment that is far away, 8192 at most.
+    /// [`impact`](Self::impact), in values of the field. Nothing is known of the field but its
+    /// slope, so the surface must be sampled about as finely as the gap: a segment that comes to
+    /// lie flat, or slides at a small height, may be given up, which is an alarm that is not
+    /// resolved, at a gap of less than about a thousandth of its length and of its way. A finer
+    /// tolerance is of no use. Cost: two or three samples for a segment that is far away, 8192 at
+    /// most.
     #[must_use]
     pub fn impact_on(
         &self,
@@ -51,8 +52,8 @@ impl<F> Clone for SegmentPiece<'_, F> {
 impl<F> Copy for SegmentPiece<'_, F> {}
 
 impl<F: DistanceField> MovingPart<1> for SegmentPiece<'_, F> {
-    /// What is known of the values along the piece, or that a ball around its middle is clear of the surface,
-    /// says how far its ends may go until any of it can be there.
+    /// What is known of the values along the piece, or that a ball around its middle is clear of
+    /// the surface, says how far its ends may go until any of it can be there.
     fn look(&self, time: f64, keep: f64) -> PartSample<1> {
         let [a, b] = self.ends;
         let middle = a.middle(&b);

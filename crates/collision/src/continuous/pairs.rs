@@ -17,8 +17,8 @@ const IMPACT_CHUNK: usize = 1024;
 /// distance.
 ///
 /// # Errors
-/// [`CollisionError::Count`] if there are not as many segments and nodes at the end as at the start,
-/// [`CollisionError::Length`] if the margin or the tolerance is negative or not finite.
+/// [`CollisionError::Count`] if there are not as many segments and nodes at the end as at the
+/// start, [`CollisionError::Length`] if the margin or the tolerance is negative or not finite.
 ///
 /// # Panics
 /// If a pair names a segment that does not exist, as indexing does.

@@ -32,11 +32,11 @@ impl MovingSegment {
     /// the fractions along the first and the second.
     ///
     /// `tolerance`, m, is the width of the band of false alarms; it is at least the rounding of the
-    /// coordinates, about 1e-14 of the distances that occur. A part of a thousand of the reach, or a
-    /// millionth of the length for a reach of zero, is a good choice. Segments of any kind may be
+    /// coordinates, about 1e-14 of the distances that occur. A part of a thousand of the reach, or
+    /// a millionth of the length for a reach of zero, is a good choice. Segments of any kind may be
     /// given: points, parallel, coplanar, at rest. If coordinates are not finite the answer is an
-    /// impact at time 0. Cost: one or two closest points for segments that pass at a distance, about
-    /// eight where they touch, 8192 at most.
+    /// impact at time 0. Cost: one or two closest points for segments that pass at a distance,
+    /// about eight where they touch, 8192 at most.
     #[must_use]
     pub fn impact(&self, other: &Self, reach: f64, tolerance: f64) -> Option<Impact<2>> {
         let path = |of: &Self, k: usize| Path::new(self.before[0], of.before[k], of.after[k]);

@@ -198,7 +198,8 @@ mod tests {
     }
 
     proptest! {
-        /// What is told of a way holds for all of its points; of round shapes and planes it is the least.
+        /// What is told of a way holds for all of its points; of round shapes and planes it is the
+        /// least.
         #[test]
         fn no_value_on_a_way_is_less_than_its_bound(p in point(), q in point()) {
             for (field, exact) in fields().iter().zip([true, true, true, false, false, true]) {

@@ -3,9 +3,9 @@
 //! The region of a feature holds the points whose nearest point lies on it, as far as its neighbors
 //! tell. It is an intersection of half-spaces: beside a face those of its three sides (7.2), beside
 //! an edge those of its ends and the sides of both faces (7.3), at a vertex those of all its edges
-//! (7.4). None of them depends on whether the feature is convex: where it is not, or at a saddle, the
-//! region turns to the other side or is empty by itself. The roof planes of (7.3) and (7.4) serve to
-//! find the lattice points only; they stand at the distance of the band (erratum).
+//! (7.4). None of them depends on whether the feature is convex: where it is not, or at a saddle,
+//! the region turns to the other side or is empty by itself. The roof planes of (7.3) and (7.4)
+//! serve to find the lattice points only; they stand at the distance of the band (erratum).
 //!
 //! The side of the surface follows from normals weighted by angles, which are right for any nearest
 //! feature of a closed mesh (Baerentzen and Aanaes 2005), where a mean of the normals is not.
@@ -98,7 +98,8 @@ fn edge([a, b]: [Point3<f64>; 2], normals: [Vector3<f64>; 2], band: f64) -> Feat
     let [n1, n2] = normals;
     // Into the two faces: -d of (7.3).
     let sides = vec![(e, length), (-e, 0.0), (n1.cross(&e), 0.0), (e.cross(&n2), 0.0)];
-    // The wedge is between the normals on the convex side, and between their opposites on the other.
+    // The wedge is between the normals on the convex side, and between their opposites on the
+    // other.
     let convex = n1.cross(&n2).dot(&e) >= 0.0;
     let sign = if convex { 1.0 } else { -1.0 };
     // The roof planes touch the circle of the band half-way between a normal and the middle one, so

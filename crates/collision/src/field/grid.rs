@@ -73,10 +73,10 @@ pub(super) type GridBlock = [f32; NODES];
 /// A signed field of distance on a lattice, with trilinear values between the nodes (thesis 7.2.1).
 ///
 /// Only nodes closer to the surface than the band are stored, in blocks of 8³ cells; elsewhere the
-/// value is the band with the right sign, and outside of the lattice it grows with the distance from
-/// that. Gradients are those of the interpolant itself, not differences as in the thesis. Values are
-/// stored in single precision: they are off by no more than 2⁻²⁴ of the band, far less than the
-/// interpolation, and take half the memory traffic.
+/// value is the band with the right sign, and outside of the lattice it grows with the distance
+/// from that. Gradients are those of the interpolant itself, not differences as in the thesis.
+/// Values are stored in single precision: they are off by no more than 2⁻²⁴ of the band, far less
+/// than the interpolation, and take half the memory traffic.
 ///
 /// With spacing `h`, the interpolant is within `h² / (4 R)` of the distance where the level
 /// surfaces of that are smooth with radii of curvature of at least `R`, since then its second

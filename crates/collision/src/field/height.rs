@@ -64,7 +64,8 @@ impl HeightField {
         Ok(field)
     }
 
-    /// The triangles of the ground within the lattice, counter-clockwise from above: an open surface.
+    /// The triangles of the ground within the lattice, counter-clockwise from above: an open
+    /// surface.
     #[must_use]
     pub fn surface(&self) -> Soup {
         let [x, y] = self.origin;

@@ -18,8 +18,8 @@ pub(super) const DEGENERATE: f64 = 1e-12;
 /// A closed surface of triangles that bounds a solid.
 ///
 /// It has been checked once: all vertices are finite; every triangle has three corners and an area;
-/// every edge is between two triangles that run through it in opposite directions; the volume inside
-/// is positive. What is not checked is that the surface does not cut through itself.
+/// every edge is between two triangles that run through it in opposite directions; the volume
+/// inside is positive. What is not checked is that the surface does not cut through itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     soup: Soup,
@@ -44,12 +44,13 @@ pub(super) struct TriangleSide {
 }
 
 impl Mesh {
-    /// Checks that the triangles bound a solid. [`Mesh::repaired`](Self::repaired) takes worse ones.
+    /// Checks that the triangles bound a solid. [`Mesh::repaired`](Self::repaired) takes worse
+    /// ones.
     ///
     /// # Errors
     /// [`CollisionError::NoTriangles`], [`CollisionError::Vertex`], [`CollisionError::Face`],
-    /// [`CollisionError::Edge`], [`CollisionError::InsideOut`], each with the place. Cost: a sort of
-    /// the sides.
+    /// [`CollisionError::Edge`], [`CollisionError::InsideOut`], each with the place. Cost: a sort
+    /// of the sides.
     pub fn new(soup: Soup) -> Result<Self, CollisionError> {
         soup.check()?;
         for (face, &triangle) in soup.triangles.iter().enumerate() {

@@ -57,8 +57,9 @@ pub trait DistanceField: Sync {
         self.sample(point).value
     }
 
-    /// A lower bound of the values on the straight way between two points (world), m, where the shape
-    /// knows a better one than what slope and values at both ends tell; minus infinity elsewhere.
+    /// A lower bound of the values on the straight way between two points (world), m, where the
+    /// shape knows a better one than what slope and values at both ends tell; minus infinity
+    /// elsewhere.
     fn least_between(&self, _start: &Point3<f64>, _end: &Point3<f64>) -> f64 {
         f64::NEG_INFINITY
     }

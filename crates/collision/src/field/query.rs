@@ -2,8 +2,8 @@
 //!
 //! Points are taken in chunks, in three passes: where each one is, the eight corners of its cell,
 //! and the interpolation. The first and the last are loops over arrays without branches, for the
-//! widest vectors that the processor has; only the second one jumps about in memory, and one cell is
-//! four pairs of neighbors in one block.
+//! widest vectors that the processor has; only the second one jumps about in memory, and one cell
+//! is four pairs of neighbors in one block.
 
 use super::grid::{CELLS, Grid, GridFrame, SIDE};
 use super::{DistanceField, Sample};

@@ -40,14 +40,15 @@ impl Mesh {
     /// A mesh from triangles that need not be closed or oriented, and what was done to them.
     ///
     /// In this order: vertices at exactly one place are merged, and triangles with a corner twice
-    /// removed; all triangles at an edge of more than two are removed; neighbors are oriented alike,
-    /// each connected part as its first triangle; every hole, also an intended one such as that of
-    /// an open neck, is closed by a fan around the centroid of its rim; parts that had to be turned
-    /// in places, and all parts together if the volume is not positive, are turned outward.
+    /// removed; all triangles at an edge of more than two are removed; neighbors are oriented
+    /// alike, each connected part as its first triangle; every hole, also an intended one such as
+    /// that of an open neck, is closed by a fan around the centroid of its rim; parts that had to
+    /// be turned in places, and all parts together if the volume is not positive, are turned
+    /// outward.
     ///
     /// # Errors
-    /// As [`Mesh::new`] for what this does not repair: [`CollisionError::Edge`] of a part that cannot
-    /// be oriented, [`CollisionError::Face`] of a triangle without area.
+    /// As [`Mesh::new`] for what this does not repair: [`CollisionError::Edge`] of a part that
+    /// cannot be oriented, [`CollisionError::Face`] of a triangle without area.
     pub fn repaired(mut soup: Soup) -> Result<(Self, Repairs), CollisionError> {
         soup.check()?;
         let merged_vertices = soup.merge_vertices();
@@ -103,8 +104,8 @@ impl Soup {
         merged
     }
 
-    /// Orients neighbors alike, and returns how many triangles were turned. At most two triangles are
-    /// at each edge.
+    /// Orients neighbors alike, and returns how many triangles were turned. At most two triangles
+    /// are at each edge.
     fn orient(&mut self) -> Result<usize, CollisionError> {
         let mut neighbors = vec![Vec::new(); self.triangles.len()];
         let sides = self.sides();

@@ -1,5 +1,5 @@
-//! Scan conversion of a mesh (thesis 7.2.2): every feature writes the distances of the lattice points
-//! in its region, and the least one counts.
+//! Scan conversion of a mesh (thesis 7.2.2): every feature writes the distances of the lattice
+//! points in its region, and the least one counts.
 
 use super::Mesh;
 use super::feature::{Feature, features};
@@ -177,8 +177,8 @@ impl Scan<'_> {
     }
 }
 
-/// Gives the nodes beyond the band the side of a neighbor: between the two the surface does not pass,
-/// since it would be closer than the band.
+/// Gives the nodes beyond the band the side of a neighbor: between the two the surface does not
+/// pass, since it would be closer than the band.
 fn fill(distances: &mut [f64; NODES], band: f64) {
     let mut front: Vec<usize> = (0..NODES).filter(|&n| !distances[n].is_nan()).collect();
     while let Some(n) = front.pop() {

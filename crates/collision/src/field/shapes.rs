@@ -18,8 +18,8 @@ pub fn cuboid(half: Vector3<f64>) -> Soup {
     Soup { vertices: (0..8).map(|k| corner(k).into()).collect(), triangles }
 }
 
-/// A sphere, m: an octahedron with every face cut into `n²` triangles, at least one, all vertices on
-/// the sphere.
+/// A sphere, m: an octahedron with every face cut into `n²` triangles, at least one, all vertices
+/// on the sphere.
 #[must_use]
 pub fn sphere(radius: f64, n: i32) -> Soup {
     let n = n.max(1);
@@ -49,8 +49,8 @@ pub fn sphere(radius: f64, n: i32) -> Soup {
     soup
 }
 
-/// A torus around the z axis: a circle of radius `tube`, m, led around one of radius `ring`, m, with
-/// `around` vertices on the ring and `along` on the tube, each at least three.
+/// A torus around the z axis: a circle of radius `tube`, m, led around one of radius `ring`, m,
+/// with `around` vertices on the ring and `along` on the tube, each at least three.
 #[must_use]
 pub fn torus(ring: f64, tube: f64, [around, along]: [u32; 2]) -> Soup {
     let (around, along) = (around.max(3), along.max(3));

@@ -30,8 +30,8 @@ use std::any::Any;
 
 /// A tree over segments, whatever its volumes are.
 ///
-/// What a tree finds is right for the capsules that it was last built, updated, or rebuilt with, and
-/// only for these; give the same to the searches.
+/// What a tree finds is right for the capsules that it was last built, updated, or rebuilt with,
+/// and only for these; give the same to the searches.
 pub trait Hierarchy: Any + Send + Sync {
     /// Encloses the capsules where they are now, without changing which of them are under which
     /// node: algorithm 5 of the thesis. Cost: one volume a node; wrapped trees verify theirs from

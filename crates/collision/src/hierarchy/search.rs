@@ -107,8 +107,8 @@ impl<'a, V: BoundingVolume> DualTraversal<'a, V> {
         Self { trees, capsules, only_first, pending: Vec::new(), found: SearchResult::default() }
     }
 
-    /// Finds the segments under two nodes that touch, of those pairs that `chosen` leaves; breaks off after
-    /// the first if that is enough.
+    /// Finds the segments under two nodes that touch, of those pairs that `chosen` leaves; breaks
+    /// off after the first if that is enough.
     fn descend(
         &mut self,
         start: [usize; 2],

@@ -4,9 +4,9 @@ use super::{Hierarchy, HierarchyKind, VolumeTree};
 use crate::Capsules;
 use crate::volume::{Aabb, BoundingVolume, Directions, Dop, Obb, Sphere};
 
-/// The names of table 7.1 of the thesis: the volume (axis-aligned box, k-DOP, oriented box, sphere),
-/// then the tree (spatial, wrapped, layered). Wrapped trees of boxes along the axes and of k-DOPs
-/// are missing because they are the layered ones (lemma 7.3.1).
+/// The names of table 7.1 of the thesis: the volume (axis-aligned box, k-DOP, oriented box,
+/// sphere), then the tree (spatial, wrapped, layered). Wrapped trees of boxes along the axes and of
+/// k-DOPs are missing because they are the layered ones (lemma 7.3.1).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variant {
     /// Axis-aligned boxes, spatial.

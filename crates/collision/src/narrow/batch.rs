@@ -22,8 +22,8 @@ pub(super) struct PairBatch {
     /// Squared sines of the angles between the axes.
     sines: BatchScalars,
     pub(super) closest: BatchPlaces,
-    /// Where axes that are nearly parallel begin and stop to lie side by side; infinitely far apart for
-    /// others, and where that is no other place than the closest.
+    /// Where axes that are nearly parallel begin and stop to lie side by side; infinitely far apart
+    /// for others, and where that is no other place than the closest.
     pub(super) ends: [BatchPlaces; 2],
 }
 
@@ -122,8 +122,8 @@ impl PairBatch {
     }
 
     /// Measures those again for which the fast way is not good: the squared distance is convex in
-    /// the two fractions, so its least value lies where the lines come closest or on a side of their
-    /// square.
+    /// the two fractions, so its least value lies where the lines come closest or on a side of
+    /// their square.
     #[inline(always)]
     fn measure_parallel(&mut self) {
         for k in 0..BATCH {
@@ -150,8 +150,8 @@ impl PairBatch {
         }
     }
 
-    /// Finds the ends of axes that lie side by side, if they are more than a `radius` of the first, m, along
-    /// it from where these are closest.
+    /// Finds the ends of axes that lie side by side, if they are more than a `radius` of the first,
+    /// m, along it from where these are closest.
     #[inline(always)]
     pub(super) fn find_ends(&mut self, radius: &BatchScalars) {
         for k in 0..BATCH {

@@ -57,8 +57,8 @@ pub fn node_arc_lengths(capsules: &Capsules) -> Vec<f64> {
 ///
 /// A pair touches where its axes are closest. Where these enclose less than 15 degrees, the ends of
 /// where they lie side by side follow as contacts of their own, if they are elsewhere and in reach
-/// too: a single point would jump from end to end. Contacts come in the order of the pairs, whatever
-/// the number of threads.
+/// too: a single point would jump from end to end. Contacts come in the order of the pairs,
+/// whatever the number of threads.
 ///
 /// # Errors
 /// [`CollisionError::Length`] if the reach is negative or not finite.
@@ -81,8 +81,9 @@ pub fn contacts(
     Ok(())
 }
 
-/// As [`contacts`], of pairs that come in groups, those in a row that are of the `same`: what has been found of
-/// each, if anything, is given to `chosen`, which puts those behind a list that stay, while they are at hand.
+/// As [`contacts`], of pairs that come in groups, those in a row that are of the `same`: what has
+/// been found of each, if anything, is given to `chosen`, which puts those behind a list that stay,
+/// while they are at hand.
 ///
 /// # Errors
 /// [`CollisionError::Length`] if the reach is negative or not finite.
@@ -240,8 +241,8 @@ mod tests {
         }
     }
 
-    /// Of two groups that no part of the work holds whole the first contact of each stays, and of all that
-    /// stay the order is that of the pairs.
+    /// Of two groups that no part of the work holds whole the first contact of each stays, and of
+    /// all that stay the order is that of the pairs.
     #[test]
     fn groups_are_chosen_from_whole() {
         let layout = Layout::new([1, 1, 1]);

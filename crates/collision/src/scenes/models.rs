@@ -10,8 +10,8 @@ use std::f64::consts::{PI, TAU};
 const LENGTH: f64 = 0.3;
 const HAIR: f64 = 35e-6;
 
-/// A straight bundle of slightly wavy hair of 30 cm and 70 um: Tress I (100 fibers of 2000 segments)
-/// and Tress II (500 of 2000).
+/// A straight bundle of slightly wavy hair of 30 cm and 70 um: Tress I (100 fibers of 2000
+/// segments) and Tress II (500 of 2000).
 ///
 /// Roots stand on a square lattice of 325 per cm², the thesis's density; toward the tip the bundle
 /// is a third as wide. Each fiber waves by up to 0.6 mm, once in 3 to 6 cm.
@@ -57,7 +57,8 @@ pub fn cloth(fibers: usize, segments: usize) -> MovingFibers {
     let warp = fibers.div_ceil(2);
     let curves = (0..fibers).map(|f| {
         let (own, others) = if f < warp { (f, fibers - warp) } else { (f - warp, warp) };
-        // At its crossing with fiber j, a warp fiber is above where own + j is even, and weft below.
+        // At its crossing with fiber j, a warp fiber is above where own + j is even, and weft
+        // below.
         let side = if (f < warp) == own.is_multiple_of(2) { 1.0 } else { -1.0 };
         let place = own as f64 * pitch;
         move |t: f64| {

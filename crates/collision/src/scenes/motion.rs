@@ -30,8 +30,8 @@ pub fn looping(fibers: usize, segments: usize, bend: f64, spread: f64) -> Moving
 
 const LENGTH: f64 = 0.3;
 
-/// The way to the point at arc length `s`, m, on an arc that starts along `tangent` and bends toward
-/// `side` with `curvature`, 1/m, which may be zero.
+/// The way to the point at arc length `s`, m, on an arc that starts along `tangent` and bends
+/// toward `side` with `curvature`, 1/m, which may be zero.
 pub(super) fn arc(
     s: f64,
     curvature: f64,

@@ -6,11 +6,11 @@ use nalgebra::{Point3, Vector3};
 /// The smallest sphere around at least one sphere, to rounding, and the places of the 1 to 4 that
 /// determine it.
 ///
-/// Pivoting as of Gaertner (1999): of all spheres the one that sticks out farthest joins the
-/// basis, and the smallest sphere around the at most five is found among all of their subsets. That
+/// Pivoting as of Gaertner (1999): of all spheres the one that sticks out farthest joins the basis,
+/// and the smallest sphere around the at most five is found among all of their subsets. That
 /// replaces the recursion of Welzl (1991), which is wrong for spheres of different radii (Fischer
-/// and Gaertner 2003). The radius grows in each round, so it ends; in practice after about ten, each
-/// of one pass.
+/// and Gaertner 2003). The radius grows in each round, so it ends; in practice after about ten,
+/// each of one pass.
 pub(super) fn minimal_sphere(spheres: &[Sphere]) -> (Sphere, Vec<u32>) {
     let mut basis = vec![0];
     let mut best = spheres[0];

@@ -66,7 +66,8 @@ pub trait BoundingVolume: Clone + Send + Sync + 'static {
     /// Volume, m³.
     fn volume(&self) -> f64;
 
-    /// The three axes across which to divide the capsules that this volume holds, the longest first.
+    /// The three axes across which to divide the capsules that this volume holds, the longest
+    /// first.
     fn axes(
         &self,
         shared: &Self::Shared,

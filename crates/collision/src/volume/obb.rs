@@ -111,8 +111,8 @@ impl BoundingVolume for Obb {
 
     /// The smallest of the boxes that lie on the plane of both segments and along one of the lines
     /// through two of their ends. Where both share a node, as neighbors do, that is the smallest
-    /// rectangle around their triangle, thickened; the ends of two fibers have no plane, and the box
-    /// is just a good one.
+    /// rectangle around their triangle, thickened; the ends of two fibers have no plane, and the
+    /// box is just a good one.
     fn of_pair((): &(), first: &Capsule, second: &Capsule) -> Self {
         let [a, b] = [first, second].map(|c| c.end - c.start);
         let across = second.start - first.end;

@@ -88,8 +88,8 @@ fn bits(lanes: &[bool; LANES_F32]) -> u16 {
     bits
 }
 
-/// Comparison with mask registers. What is wanted is the mask as bits, and of integers too, at one width only:
-/// none of this is arithmetic by lanes of any width.
+/// Comparison with mask registers. What is wanted is the mask as bits, and of integers too, at one
+/// width only: none of this is arithmetic by lanes of any width.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub(super) struct Masks(pub(super) pulp::x86::V4);

@@ -36,8 +36,8 @@ pub(super) fn nearest(x: f64) -> f32 {
     x as f32
 }
 
-/// A single that is not above `x`, a number: the largest, but for a last place next to zero and to the
-/// largest singles.
+/// A single that is not above `x`, a number: the largest, but for a last place next to zero and to
+/// the largest singles.
 #[inline(always)]
 pub(super) fn below(x: f64) -> f32 {
     let nearest = nearest(x);

@@ -97,8 +97,8 @@ fn sorted_along_curve(boxes: &[Bounds]) -> Vec<CurvePlace> {
     places
 }
 
-/// The whole number nearest to `x` in 0..2^23, read off the last bits of a sum in which nothing else
-/// has room: a conversion would test for numbers that do not occur here.
+/// The whole number nearest to `x` in 0..2^23, read off the last bits of a sum in which nothing
+/// else has room: a conversion would test for numbers that do not occur here.
 #[inline(always)]
 fn nearest(x: f32) -> u32 {
     const ROOM: u32 = 1 << 23;

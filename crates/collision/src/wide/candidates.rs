@@ -13,10 +13,11 @@ use rayon::prelude::*;
 const WORN: f64 = 1.5;
 /// Part of the margin by which ends of motions may be apart to have the same pairs.
 const LIST_SLACK: f64 = 0.5;
-/// Pairs a segment above which a list is too long, and its margin is halved; where there are not even a
-/// quarter of them, it is doubled.
+/// Pairs a segment above which a list is too long, and its margin is halved; where there are not
+/// even a quarter of them, it is doubled.
 const CROWD: usize = 8;
-/// The least part of the margin that was asked for; where a list has twice as many pairs even so, half of it.
+/// The least part of the margin that was asked for; where a list has twice as many pairs even so,
+/// half of it.
 const LEAST: f64 = 0.125;
 /// Longer motions in a row whose pairs are searched for one by one before a list is tried again.
 const PATIENCE: usize = 16;
@@ -107,15 +108,15 @@ impl Candidates {
     }
 
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
-    /// `end`, each node on a straight line, and some that stay farther apart; each with the squared distance
-    /// of its axes at the start, m². The order does not depend on the number of threads; those of a list are
-    /// by the fibre of the first segment, then by the second segment.
+    /// `end`, each node on a straight line, and some that stay farther apart; each with the squared
+    /// distance of its axes at the start, m². The order does not depend on the number of threads;
+    /// those of a list are by the fibre of the first segment, then by the second segment.
     ///
-    /// Cost: a distance for each pair of the list, which is made anew where it must; where the motion
-    /// is wider than half of its margin, a search of what all segments sweep instead, 0.4 us a segment in a
-    /// dense lock.
-    /// Asked again for a motion from the same start to nearly the same end, only the travel of what
-    /// was found is looked at, and a search is made for the segments of the few that end elsewhere.
+    /// Cost: a distance for each pair of the list, which is made anew where it must; where the
+    /// motion is wider than half of its margin, a search of what all segments sweep instead, 0.4 us
+    /// a segment in a dense lock. Asked again for a motion from the same start to nearly the same
+    /// end, only the travel of what was found is looked at, and a search is made for the segments
+    /// of the few that end elsewhere.
     ///
     /// # Errors
     /// As [`Candidates::update`], for either.
@@ -162,8 +163,8 @@ impl Candidates {
 }
 
 impl List {
-    /// The list of all pairs with gaps of at most `reach` and a margin of at most `most`: as large a one as
-    /// does not make it long.
+    /// The list of all pairs with gaps of at most `reach` and a margin of at most `most`: as large
+    /// a one as does not make it long.
     fn new(capsules: &Capsules, reach: f64, most: f64) -> Result<Self, CollisionError> {
         let margin = LEAST * most;
         let tree = Tree::with_diagonals(capsules, 0.5 * (reach + margin))?;
@@ -221,8 +222,8 @@ impl List {
         self.margin > 0.5 * least && self.pairs.len() > crowd * self.regions.len()
     }
 
-    /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it, or
-    /// else with what the tree finds.
+    /// Sets out on a motion with the pairs of the list, or of a new one, if it is complete for it,
+    /// or else with what the tree finds.
     fn set_out(
         &mut self,
         start: &Capsules,
@@ -255,7 +256,8 @@ impl List {
         Ok(())
     }
 
-    /// Makes the list anew where the segments are now, with another margin if it was too short or too long.
+    /// Makes the list anew where the segments are now, with another margin if it was too short or
+    /// too long.
     fn renew(&mut self, capsules: &Capsules) -> Result<Update, CollisionError> {
         if self.is_short() {
             self.margin *= 2.0;

@@ -28,7 +28,8 @@ pub(super) struct MovingLine {
     inverse: f32,
     /// The way of the middle, m.
     way: [f32; 3],
-    /// How far a point may go beyond the way of the middle and half of a reach, m, with all roundings.
+    /// How far a point may go beyond the way of the middle and half of a reach, m, with all
+    /// roundings.
     own: f32,
 }
 
@@ -58,7 +59,8 @@ fn single(x: &Vector3<f64>) -> [f32; 3] {
     (*x).map(|x| x as f32).into()
 }
 
-/// Drops pairs of segments that stay apart all the way. Cost: 20 ns a pair, most of it to gather them.
+/// Drops pairs of segments that stay apart all the way. Cost: 20 ns a pair, most of it to gather
+/// them.
 pub(super) fn sift(lines: &[MovingLine], pairs: &mut Vec<Pair>) {
     let kept = Arch::new().dispatch(Sift { lines, pairs });
     pairs.truncate(kept);
@@ -181,7 +183,8 @@ mod tests {
 
     const RADIUS: f64 = 0.01;
 
-    /// Coordinates that often coincide, so that axes are parallel, nearly so, or points; some far away.
+    /// Coordinates that often coincide, so that axes are parallel, nearly so, or points; some far
+    /// away.
     fn ends() -> impl Strategy<Value = [[f64; 3]; 4]> {
         let x = || prop_oneof![(-2..=2_i8).prop_map(f64::from), -2.0..2.0_f64, -1e-3..1e-3_f64];
         (prop::array::uniform4(prop::array::uniform3(x())), prop_oneof![Just(0.0), Just(1e3)])

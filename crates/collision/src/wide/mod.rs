@@ -48,9 +48,9 @@ struct TreeLevel {
     hulls: Vec<Bounds>,
 }
 
-/// What the blocks of the lowest level hold along the diagonals of the axes' planes. Segments are long and
-/// thin: of pairs in a lock whose boxes meet two in three do not meet here. That pays where most pairs that
-/// are found will be sifted.
+/// What the blocks of the lowest level hold along the diagonals of the axes' planes. Segments are
+/// long and thin: of pairs in a lock whose boxes meet two in three do not meet here. That pays
+/// where most pairs that are found will be sifted.
 #[derive(Debug, Clone)]
 struct Diagonals {
     blocks: Vec<Block<6>>,
@@ -70,8 +70,8 @@ impl Tree {
         Self::grown(capsules, margin, false)
     }
 
-    /// The same, of pairs that meet along the diagonals of the axes' planes, too. It takes twice as long to
-    /// fit.
+    /// The same, of pairs that meet along the diagonals of the axes' planes, too. It takes twice as
+    /// long to fit.
     pub(super) fn with_diagonals(capsules: &Capsules, margin: f64) -> Result<Self, CollisionError> {
         Self::grown(capsules, margin, true)
     }

@@ -22,8 +22,8 @@ impl Tree {
         self.sifted_pairs(|found| found.clone(), pairs);
     }
 
-    /// What `sift` makes of parts of all pairs, in their order: of pairs that nobody wants no list is
-    /// ever made.
+    /// What `sift` makes of parts of all pairs, in their order: of pairs that nobody wants no list
+    /// is ever made.
     pub(super) fn sifted_pairs<T: Copy + Send + Sync>(
         &self,
         sift: impl Fn(&mut Vec<Pair>) -> Vec<T> + Sync + Send,
@@ -106,7 +106,8 @@ struct Query<'a> {
     diagonals: Option<&'a Diagonals>,
     nodes: &'a [[u32; LANES_F32]],
     firsts: Range<usize>,
-    /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any are.
+    /// Blocks of the second level and of the lowest: of pairs at least one must be marked, if any
+    /// are.
     marked: Option<&'a [Vec<bool>; 2]>,
 }
 

@@ -74,8 +74,8 @@ impl Way {
         Ok(())
     }
 
-    /// Turns the ends of a motion that are `astray` to where they are now, with those pairs of their
-    /// segments that a tree finds.
+    /// Turns the ends of a motion that are `astray` to where they are now, with those pairs of
+    /// their segments that a tree finds.
     pub(super) fn turn(
         &mut self,
         start: &Capsules,
@@ -106,7 +106,8 @@ impl Way {
         Ok(())
     }
 
-    /// Which ends of a motion are not those that it has set out for; `None` where all may be others.
+    /// Which ends of a motion are not those that it has set out for; `None` where all may be
+    /// others.
     pub(super) fn astray(&self, start: &Capsules, end: &Capsules) -> Option<Astray> {
         if self.start != start.positions() {
             return None;
@@ -136,8 +137,8 @@ impl Way {
     }
 }
 
-/// Those of some pairs that may come within `reach`, m, of each other on their ways, with their squared
-/// distances at the start, m².
+/// Those of some pairs that may come within `reach`, m, of each other on their ways, with their
+/// squared distances at the start, m².
 fn sieve(
     start: &Capsules,
     ways: &[OneWay],

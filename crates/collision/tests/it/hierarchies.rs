@@ -1,4 +1,5 @@
-//! Every tree, whatever its volumes and however it was updated, finds exactly what brute force does.
+//! Every tree, whatever its volumes and however it was updated, finds exactly what brute force
+//! does.
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -158,8 +159,8 @@ fn clumped_fibers() {
     all_variants_find(&scene, &scene.advanced(10.0), swept);
 }
 
-/// The models of the thesis with thicker fibers, and all of their nodes shaken by a millimeter. By brute
-/// force: some fibers touch so exactly that boxes that are not enlarged just miss each other.
+/// The models of the thesis with thicker fibers, and all of their nodes shaken by a millimeter. By
+/// brute force: some fibers touch so exactly that boxes that are not enlarged just miss each other.
 #[test]
 fn test_models() {
     let models = [

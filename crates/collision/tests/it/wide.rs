@@ -146,8 +146,8 @@ proptest! {
         let mut list = Candidates::new(reach, margin).expect("valid");
         let mut positions = start;
         for (ways, size) in steps {
-            // By more than the margin, or by less; then to nearly the same place, all of that farther on,
-            // one node elsewhere, or less nearly.
+            // By more than the margin, or by less; then to nearly the same place, all of that
+            // farther on, one node elsewhere, or less nearly.
             let next = displaced(&positions, &ways, size);
             let near = displaced(&next, &ways, 0.2 * margin);
             let mut turned = displaced(&near, &[[1.0, -0.5, 0.2]], size);

@@ -7,7 +7,8 @@ use rapunzel_scene::Adhesion;
 
 /// Pieces of the table of a force that depends on the gap.
 const PIECES: usize = 256;
-/// How far neighbours along a pair are apart at most, in segments: each segment between has a touch.
+/// How far neighbours along a pair are apart at most, in segments: each segment between has a
+/// touch.
 const NEIGHBORS: f64 = 2.0;
 /// Largest gap that a liquid may reach across, in radii.
 const MOST_REACH: f64 = 10.0;
@@ -60,9 +61,9 @@ impl AdhesiveFilm {
         self.range.max(crossing)
     }
 
-    /// Forces with which some touches draw, N, where they have the given gaps, m. Along fibres side by
-    /// side gap and pull are taken between neighbouring touches of a pair
-    /// and shared by these. Sorted by pair and place.
+    /// Forces with which some touches draw, N, where they have the given gaps, m. Along fibres side
+    /// by side gap and pull are taken between neighbouring touches of a pair and shared by these.
+    /// Sorted by pair and place.
     pub(super) fn forces(
         &self,
         assembly: &Assembly,

@@ -1,14 +1,14 @@
 use std::ops::AddAssign;
 
-/// Work that contacts have done on fibres and free objects, J: impulses times the mean velocities of
-/// the steps in which they acted, which backward Euler ends with. A rebound so does work, and the
-/// integrator takes more than that: half the mass times the squared change of velocity.
+/// Work that contacts have done on fibres and free objects, J: impulses times the mean velocities
+/// of the steps in which they acted, which backward Euler ends with. A rebound so does work, and
+/// the integrator takes more than that: half the mass times the squared change of velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactWork {
     /// Work of friction against the slip, J; not positive but for the solver's tolerance.
     pub friction: f64,
-    /// Work of what stops those that come together, J, as far as the gap lets them: not positive but for the
-    /// solver's tolerance.
+    /// Work of what stops those that come together, J, as far as the gap lets them: not positive
+    /// but for the solver's tolerance.
     pub closing: f64,
     /// Work, J, of what drives apart those that were in each other when the step began.
     pub repair: f64,
@@ -16,10 +16,11 @@ pub struct ContactWork {
     pub restitution: f64,
     /// Work, J, of what holds together those that would part.
     pub adhesion: f64,
-    /// Work, J, of what gives way under pressure and friction. It takes what it holds, and what backward Euler damps of
-    /// it: it is not positive.
+    /// Work, J, of what gives way under pressure and friction. It takes what it holds, and what
+    /// backward Euler damps of it: it is not positive.
     pub compliance: f64,
-    /// Work, J, of objects with a given motion: all of their impulses times the velocities of their surfaces.
+    /// Work, J, of objects with a given motion: all of their impulses times the velocities of their
+    /// surfaces.
     pub led: f64,
 }
 

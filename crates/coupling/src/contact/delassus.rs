@@ -74,8 +74,8 @@ impl FiberDelassus {
     }
 }
 
-/// A symmetric matrix in strips of rows, each column by column, filled up with zeros: a product reads
-/// it from the first entry to the last.
+/// A symmetric matrix in strips of rows, each column by column, filled up with zeros: a product
+/// reads it from the first entry to the last.
 struct MatrixStrips<T>(Vec<T>);
 
 impl<T: RealField + Copy> MatrixStrips<T> {

@@ -53,22 +53,22 @@ impl NodeMotion<'_> {
 }
 
 impl ContactDetector {
-    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked for; if a
-    /// film `holds` them, also those that only had such gaps at the start.
+    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked
+    /// for; if a film `holds` them, also those that only had such gaps at the start.
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
         Ok(Self { margin, more, holds, candidates, leads_through: false })
     }
 
-    /// Whether the last motion whose touches were asked for at its end leads fibres through each other,
-    /// whatever the touches there.
+    /// Whether the last motion whose touches were asked for at its end leads fibres through each
+    /// other, whatever the touches there.
     pub(crate) fn leads_through(&self) -> bool {
         self.leads_through
     }
 
-    /// All touches of a motion, with their places and normals at its end, sorted by pair and place; none is
-    /// missed that a straight motion of all nodes would lead through.
+    /// All touches of a motion, with their places and normals at its end, sorted by pair and place;
+    /// none is missed that a straight motion of all nodes would lead through.
     pub(crate) fn touches(
         &mut self,
         motion: &NodeMotion,
@@ -78,10 +78,10 @@ impl ContactDetector {
         self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
     }
 
-    /// The touches of fibres that are deeper than `depth`, m, in each other at the end of a motion, or that
-    /// it would lead through each other, with gaps up to the margin, and those of objects. The others of a
-    /// dense list are many, and of no use where it has been solved. Returns how deep the deepest are, m; not
-    /// below zero.
+    /// The touches of fibres that are deeper than `depth`, m, in each other at the end of a motion,
+    /// or that it would lead through each other, with gaps up to the margin, and those of objects.
+    /// The others of a dense list are many, and of no use where it has been solved. Returns how
+    /// deep the deepest are, m; not below zero.
     pub(crate) fn overlaps(
         &mut self,
         motion: &NodeMotion,
@@ -132,8 +132,8 @@ impl ContactDetector {
     }
 }
 
-/// Puts contacts on the way between the others, but those that are one place with another, or where a
-/// fibre only bends.
+/// Puts contacts on the way between the others, but those that are one place with another, or where
+/// a fibre only bends.
 fn add(end: &Capsules, mut fast: Vec<CapsuleContact>, contacts: &mut Vec<CapsuleContact>) {
     if fast.is_empty() {
         return;
@@ -153,8 +153,8 @@ fn add(end: &Capsules, mut fast: Vec<CapsuleContact>, contacts: &mut Vec<Capsule
     retain_others(contacts, goes);
 }
 
-/// Puts the contacts of two fibres behind a list in the order of their places; of those that are one place the
-/// first stays, and none where a fibre only bends, or goes on towards the other.
+/// Puts the contacts of two fibres behind a list in the order of their places; of those that are
+/// one place the first stays, and none where a fibre only bends, or goes on towards the other.
 fn places(end: &Capsules, found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>) {
     let Some(first) = found.first() else { return };
     let layout = end.layout();
@@ -181,8 +181,8 @@ fn places(end: &Capsules, found: &[CapsuleContact], stay: &mut Vec<CapsuleContac
     }
 }
 
-/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their first fibres,
-/// then each of these by itself.
+/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their
+/// first fibres, then each of these by itself.
 fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
     let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
     let key = |pair: &Pair| [pair[1], pair[0]];
@@ -204,8 +204,9 @@ fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
     dealt
 }
 
-/// Selects from pairs of segments those whose fibres are somewhere deeper than `depth`, m, in each other, or in
-/// themselves at all, or have a contact on the way; and how deep those are that are left out, m.
+/// Selects from pairs of segments those whose fibres are somewhere deeper than `depth`, m, in each
+/// other, or in themselves at all, or have a contact on the way; and how deep those are that are
+/// left out, m.
 fn of_overlapping(
     end: &Capsules,
     mut near: Vec<Pair>,
@@ -223,7 +224,8 @@ fn of_overlapping(
             }
             let [fiber, partner] = fibers(pair);
             let deep = reach - squared.sqrt();
-            // The fast distances may be off by roundings. In a bend a fibre does not overlap itself.
+            // The fast distances may be off by roundings. In a bend a fibre does not overlap
+            // itself.
             if deep >= depth - 1e-6 * reach || fiber == partner {
                 chosen.push([fiber, partner]);
             } else {
@@ -242,8 +244,8 @@ fn of_overlapping(
     (near, deepest)
 }
 
-/// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and normals
-/// of these; infinitely if one side is an object.
+/// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and
+/// normals of these; infinitely if one side is an object.
 pub(crate) fn gaps(
     motion: &NodeMotion,
     touches: &[ContactPoint],
@@ -293,8 +295,9 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
     found
 }
 
-/// Sorts pairs with their squared distances at the start, m²: returns those with gaps up to `margin`, m, at the end, or
-/// at `either` end, that cannot have passed through each other, and contacts of those that would.
+/// Sorts pairs with their squared distances at the start, m²: returns those with gaps up to
+/// `margin`, m, at the end, or at `either` end, that cannot have passed through each other, and
+/// contacts of those that would.
 fn sort(
     start: &Capsules,
     end: &Capsules,
@@ -341,8 +344,8 @@ mod tests {
     const RADIUS: f64 = 3.5e-5;
     const LENGTH: f64 = 3e-3;
 
-    /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last coordinate in
-    /// radii.
+    /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last
+    /// coordinate in radii.
     fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<ContactPoint> {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
@@ -356,8 +359,8 @@ mod tests {
     }
 
     proptest! {
-        /// Fibres that lie side by side touch across, at every node, wherever the nodes of the other are: nothing
-        /// catches as they slide.
+        /// Fibres that lie side by side touch across, at every node, wherever the nodes of the
+        /// other are: nothing catches as they slide.
         #[test]
         fn fibers_side_by_side_touch_across(shift in prop_oneof![-1e-2..1e-2, -0.9..0.9_f64]) {
             let line = |from: f64, z: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| [from + i, 0.0, z]);
@@ -399,8 +402,8 @@ mod tests {
         assert!((touch.at()[0] - 1.0).abs() < 1e-12 && touch.normal.z > 1.0 - 1e-12, "{touch:?}");
     }
 
-    /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the lower
-    /// one it has passed through it.
+    /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the
+    /// lower one it has passed through it.
     #[test]
     fn a_way_through_another_fibre_is_told() {
         let radius = 3.5e-5;

@@ -6,7 +6,8 @@ use rapunzel_collision::{CapsuleContact, Capsules, Pair};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
-/// The touches of all contacts, and others between them, both in order, in place of what a list held.
+/// The touches of all contacts, and others between them, both in order, in place of what a list
+/// held.
 pub(super) fn put_together(
     end: &Capsules,
     contacts: &[CapsuleContact],
@@ -83,7 +84,8 @@ mod tests {
     use nalgebra::Point3;
     use rapunzel_collision::contacts_of_groups;
 
-    /// Three fibres side by side of which all but one touch an object: what is put together is in order.
+    /// Three fibres side by side of which all but one touch an object: what is put together is in
+    /// order.
     #[test]
     fn others_are_put_between_contacts() {
         let layout = Layout::new([1, 1, 1]);

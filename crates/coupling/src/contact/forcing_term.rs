@@ -11,15 +11,15 @@ const FIRST: f64 = 40.0;
 const POLISHED: f64 = 3.0;
 /// Iterations, at most, of a solve that is not the last.
 const MOST_ROUGH_ITERATIONS: usize = 120;
-/// How much deeper than they may be fibres are left by a list that is not solved exactly the next time
-/// either, and what that leaves of it, in tolerances.
+/// How much deeper than they may be fibres are left by a list that is not solved exactly the next
+/// time either, and what that leaves of it, in tolerances.
 const OFF: f64 = 2.0;
 const PART: f64 = 3.0;
 /// What Newton's method makes of an error, by its square: as found where hair falls and swings.
 const SQUARE: f64 = 1e-4;
 
-/// The forcing term of an inexact Newton method: the error that a solve of the contacts may leave, in
-/// tolerances, and its iterations at most.
+/// The forcing term of an inexact Newton method: the error that a solve of the contacts may leave,
+/// in tolerances, and its iterations at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ForcingTerm {
     slack: f64,
@@ -27,8 +27,8 @@ pub(super) struct ForcingTerm {
 }
 
 impl ForcingTerm {
-    /// Forcing term of the first solve of a step: as long as the rods are far from where they go, exact
-    /// answers are wasted.
+    /// Forcing term of the first solve of a step: as long as the rods are far from where they go,
+    /// exact answers are wasted.
     const FIRST: Self = Self { slack: FIRST, most: MOST_ROUGH_ITERATIONS / 2 };
     /// Forcing term of the last solve of a step.
     pub(super) const LAST: Self = Self { slack: TIGHT, most: usize::MAX };
@@ -50,8 +50,8 @@ impl ForcingTerm {
         }
     }
 
-    /// With contacts that are new where fibres were left so many times deeper in each other than they may
-    /// be. Where hardly any are, loose answers lead away.
+    /// With contacts that are new where fibres were left so many times deeper in each other than
+    /// they may be. Where hardly any are, loose answers lead away.
     pub(super) fn where_off(times: f64) -> Self {
         if times > OFF {
             Self { slack: LOOSE.min(PART * times), most: MOST_ROUGH_ITERATIONS }
@@ -60,7 +60,8 @@ impl ForcingTerm {
         }
     }
 
-    /// After a solve that did not come so far: one that need not, with so many times its iterations.
+    /// After a solve that did not come so far: one that need not, with so many times its
+    /// iterations.
     pub(super) fn again(self, times: usize) -> Self {
         Self { slack: self.slack.max(LOOSE), most: self.most.saturating_mul(times) }
     }

@@ -11,8 +11,9 @@ use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
 const PASS: usize = 160;
 const LANES: usize = 8;
 
-/// Numbers of a segment that are kept for passes with added masses. In their room a matrix in single precision has its
-/// place with masses and without: where many contacts must share what memory there is, it takes no more.
+/// Numbers of a segment that are kept for passes with added masses. In their room a matrix in
+/// single precision has its place with masses and without: where many contacts must share what
+/// memory there is, it takes no more.
 const KEPT: usize = 31;
 
 /// The fibres of a group, whose step has been predicted, with the points at which they touch.
@@ -36,9 +37,9 @@ pub(super) struct DelassusCache {
 }
 
 impl<'a> GroupBody<'a> {
-    /// What has been `written` out of the same points before is used again, as long as it is `exact` enough;
-    /// with masses added only where contacts are `few`. Where they are not, only what takes no more room than
-    /// passes through the fibres is written out.
+    /// What has been `written` out of the same points before is used again, as long as it is
+    /// `exact` enough; with masses added only where contacts are `few`. Where they are not, only
+    /// what takes no more room than passes through the fibres is written out.
     pub(super) fn new(
         batch: &'a mut StaggeredBatch,
         points: &'a [Point],

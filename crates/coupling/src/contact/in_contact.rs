@@ -20,8 +20,8 @@ impl FibersInContact {
     /// Fibres that are to touch each other and the objects around them.
     ///
     /// # Errors
-    /// [`CouplingError::Overlap`] for what starts too deep in each other, and errors of detection and of
-    /// settings.
+    /// [`CouplingError::Overlap`] for what starts too deep in each other, and errors of detection
+    /// and of settings.
     pub fn new(
         settings: ContactSettings,
         mut fibers: Fibers<StaggeredBatch>,
@@ -42,7 +42,8 @@ impl FibersInContact {
         &mut self.fibers
     }
 
-    /// Moves fibres and free objects by `dt`, s. The result does not depend on the number of threads.
+    /// Moves fibres and free objects by `dt`, s. The result does not depend on the number of
+    /// threads.
     ///
     /// # Errors
     /// [`CouplingError`]; all of them may have been moved by a part of the step then:
@@ -57,14 +58,14 @@ impl FibersInContact {
         rayon::scope(|_| self.stepper.step_in_substeps(&mut system, dt))
     }
 
-    /// What touched in the last part of a step, with what force: by its two sides, fibres first, then
-    /// by place.
+    /// What touched in the last part of a step, with what force: by its two sides, fibres first,
+    /// then by place.
     pub fn contacts(&self) -> impl Iterator<Item = ActiveContact> {
         self.stepper.memory.bearings()
     }
 
-    /// Mean force of all fibres and other objects on an object over the last part of a step, N, world.
-    /// Cost: that of looking at all contacts.
+    /// Mean force of all fibres and other objects on an object over the last part of a step, N,
+    /// world. Cost: that of looking at all contacts.
     #[must_use]
     pub fn force_on(&self, object: usize) -> Vector3<f64> {
         let of = |side| matches!(side, BodyRef::Object(number) if number as usize == object);

@@ -11,9 +11,9 @@ const OVERLAP: f64 = 0.2;
 /// A step in which nothing moves, s.
 const INSTANT: f64 = 1e-12;
 
-/// All touches of a world, with the radii of all its segments, m. It is refused where things are so deep
-/// in each other that no step would part them: ends that are held may be no deeper than `depth`, m, and
-/// all else by a part of the smallest `radius`.
+/// All touches of a world, with the radii of all its segments, m. It is refused where things are so
+/// deep in each other that no step would part them: ends that are held may be no deeper than
+/// `depth`, m, and all else by a part of the smallest `radius`.
 pub(super) fn touches(
     system: &CoupledSystem,
     detector: &mut ContactDetector,
@@ -45,7 +45,8 @@ pub(super) fn touches(
     }
 }
 
-/// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is led.
+/// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is
+/// led.
 fn is_held(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> bool {
     let fiber = match touch.sides[side] {
         BodyRef::Object(object) => return !system.objects[object as usize].is_free(),

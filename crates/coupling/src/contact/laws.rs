@@ -36,8 +36,8 @@ impl<'a> ContactLaws<'a> {
         self.settings.compliance / (self.dt * self.dt)
     }
 
-    /// [`closing`] of a touch in the part. `gap` is that at the start over the length of the part, `before` tells
-    /// the relative velocity then, in the frame of the touch.
+    /// [`closing`] of a touch in the part. `gap` is that at the start over the length of the part,
+    /// `before` tells the relative velocity then, in the frame of the touch.
     pub(super) fn closing(
         &self,
         touch: &ContactPoint,
@@ -49,9 +49,9 @@ impl<'a> ContactLaws<'a> {
         closing(gap, restitution, self.fall, || before().x)
     }
 
-    /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its frame, `before`
-    /// tells. Backward Euler ends with its mean velocity: the slip at the start is that of the part
-    /// before.
+    /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its
+    /// frame, `before` tells. Backward Euler ends with its mean velocity: the slip at the start is
+    /// that of the part before.
     pub(super) fn friction(
         &self,
         touch: &ContactPoint,

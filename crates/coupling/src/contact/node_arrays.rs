@@ -7,7 +7,8 @@ use rapunzel_rod_dynamic::{ImpulseResponse, RodError, StaggeredBatch, StepError}
 use rayon::prelude::*;
 
 impl Fibers<StaggeredBatch> {
-    /// Positions of all nodes, in the order of the assembly; at the start of a step that is being solved.
+    /// Positions of all nodes, in the order of the assembly; at the start of a step that is being
+    /// solved.
     pub(super) fn positions(&self) -> Vec<Point3<f64>> {
         self.of_nodes(Point3::origin(), |batch, own| {
             each_node(batch, own, |(position, _)| position);
@@ -28,7 +29,8 @@ impl Fibers<StaggeredBatch> {
         self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities)
     }
 
-    /// Mean velocities of all nodes over the step with the increments of the last linearisation, m/s.
+    /// Mean velocities of all nodes over the step with the increments of the last linearisation,
+    /// m/s.
     pub(super) fn linear_velocities(&self) -> Vec<Vector3<f64>> {
         self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities)
     }
@@ -84,8 +86,8 @@ impl Fibers<StaggeredBatch> {
         results.into_iter().collect()
     }
 
-    /// Lets every group do something with the impulses on all its nodes, N s, in parallel. Of several errors
-    /// the first group's is told.
+    /// Lets every group do something with the impulses on all its nodes, N s, in parallel. Of
+    /// several errors the first group's is told.
     pub(super) fn with_impulses<T: Send>(
         &mut self,
         pushes: impl Iterator<Item = ContactImpulse>,

@@ -30,22 +30,24 @@ const MOST_LISTS: usize = 9;
 const PATIENCE: usize = 3;
 /// Increments below this, rad, need not be taken.
 const SMALL_TURN: f64 = 1e-4;
-/// After one that is smaller than this the next is taken to be: it is of the order of the square. Of a falling
-/// lock it was the square, and 190 times that at worst, where that was less than a third of what may stay.
+/// After one that is smaller than this the next is taken to be: it is of the order of the square.
+/// Of a falling lock it was the square, and 190 times that at worst, where that was less than a
+/// third of what may stay.
 const LAST_TURN: f64 = 1e-3;
-/// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost less.
+/// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost
+/// less.
 const LOST: f64 = 0.5;
 /// Dense contacts take longer: so many times the iterations follow those that did not do.
 const LONGER: usize = 4;
 /// What they must leave of the error, or the step leads nowhere.
 const PROGRESS: f64 = 0.3;
-/// An error below which fibres are so near to where they go, in tolerances, that it is seen which contacts
-/// will not do.
+/// An error below which fibres are so near to where they go, in tolerances, that it is seen which
+/// contacts will not do.
 const CLOSE: f64 = 60.0;
 /// Gaps up to so many radii are listed.
 const MARGIN: f64 = 0.5;
-/// By how many radii the first list of a step, which is of where it is expected to lead, is wider than the
-/// others.
+/// By how many radii the first list of a step, which is of where it is expected to lead, is wider
+/// than the others.
 const WIDE: f64 = 0.5;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
@@ -253,7 +255,8 @@ impl ContactStepper {
                 part.touches = bearing;
                 // What a way leads through may leave no touch at its end.
                 let through = self.detector.leads_through();
-                // About a bend or each other, two that are fast may turn so far that a step drives them.
+                // About a bend or each other, two that are fast may turn so far that a step drives
+                // them.
                 let errors = [self.depth() / dt, self.settings.slip];
                 if through || case.drives(system, &part.touches, &mean, errors) {
                     worst_touch = worst_touch.or_else(|| worst(system, part, &case));
@@ -283,8 +286,8 @@ impl ContactStepper {
         Ok(())
     }
 
-    /// An effort that need not be the last. What a film pulls is far more than what moves fibres: loose
-    /// answers would fling them apart.
+    /// An effort that need not be the last. What a film pulls is far more than what moves fibres:
+    /// loose answers would fling them apart.
     fn rough(&self, effort: ForcingTerm) -> ForcingTerm {
         if self.film.is_some() { ForcingTerm::LAST } else { self.of_use(effort) }
     }
@@ -295,8 +298,8 @@ impl ContactStepper {
         if polished { effort.polished() } else { effort }
     }
 
-    /// How deep in each other things may be after a step, m: so little that a film does not tear by an
-    /// error.
+    /// How deep in each other things may be after a step, m: so little that a film does not tear by
+    /// an error.
     fn depth(&self) -> f64 {
         let depth = self.settings.depth * 2.0 * self.radius;
         self.film.as_ref().map_or(depth, |film| depth.min(0.1 * film.reach()))
@@ -307,9 +310,9 @@ impl ContactStepper {
         0.5 * self.depth()
     }
 
-    /// Solves the step with the contacts of a case, of the list of this number, from this effort on. Tells
-    /// whether rods and contacts are within their tolerances. Where all fly apart they are not listed again:
-    /// what is swept then could be everything.
+    /// Solves the step with the contacts of a case, of the list of this number, from this effort
+    /// on. Tells whether rods and contacts are within their tolerances. Where all fly apart they
+    /// are not listed again: what is swept then could be everything.
     fn converge(
         &mut self,
         system: &mut CoupledSystem,
@@ -355,8 +358,8 @@ impl ContactStepper {
         }
     }
 
-    /// Whether fibres have come deeper into each other than their contacts tell, by more than they may: a
-    /// solution with these contacts would be found to be none.
+    /// Whether fibres have come deeper into each other than their contacts tell, by more than they
+    /// may: a solution with these contacts would be found to be none.
     fn strays(
         &mut self,
         system: &CoupledSystem,
@@ -374,8 +377,9 @@ impl ContactStepper {
         Ok(near.iter().zip(found).any(deeper))
     }
 
-    /// The contacts of a part whose touches were listed where nodes have the given mean velocities. Their
-    /// impulses act from now on and no others: some may have been expected of touches that are gone.
+    /// The contacts of a part whose touches were listed where nodes have the given mean velocities.
+    /// Their impulses act from now on and no others: some may have been expected of touches that
+    /// are gone.
     fn case(
         &mut self,
         system: &mut CoupledSystem,
@@ -458,8 +462,8 @@ impl ContactStepper {
         Ok(())
     }
 
-    /// Lists those that overlap where the step has been solved to, with such touches. Returns by how much at
-    /// most, m, where these do not give way.
+    /// Lists those that overlap where the step has been solved to, with such touches. Returns by
+    /// how much at most, m, where these do not give way.
     fn look_at_end(
         &mut self,
         system: &CoupledSystem,

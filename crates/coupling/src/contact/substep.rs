@@ -16,7 +16,8 @@ pub(super) struct Substep {
 }
 
 impl Substep {
-    /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities, m/s.
+    /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities,
+    /// m/s.
     pub(super) fn ends(
         &self,
         system: &CoupledSystem,

@@ -34,8 +34,8 @@ impl<'a> CoupledSystem<'a> {
         free.fold(fibers, |sum, energy| sum + energy.kinetic)
     }
 
-    /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and objects,
-    /// and records it.
+    /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and
+    /// objects, and records it.
     pub(super) fn accept(&mut self, time: f64, dt: f64) {
         self.fibers.groups.par_iter_mut().for_each(|group| group.batch.accept());
         let objects = self.accept_bodies(time, dt);
@@ -49,7 +49,8 @@ impl<'a> CoupledSystem<'a> {
 }
 
 impl CoupledSystem<'_> {
-    /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some touches.
+    /// Solves the step from `time` by `dt`, s, of all free bodies with the impulses of some
+    /// touches.
     pub(super) fn push(
         &mut self,
         pushes: impl Iterator<Item = ContactImpulse>,
@@ -77,8 +78,8 @@ impl CoupledSystem<'_> {
         Ok(())
     }
 
-    /// Makes the step from `time` by `dt`, s, that has been solved the state of all free bodies, and
-    /// returns what gravity and the integrator did to them.
+    /// Makes the step from `time` by `dt`, s, that has been solved the state of all free bodies,
+    /// and returns what gravity and the integrator did to them.
     pub(super) fn accept_bodies(&mut self, time: f64, dt: f64) -> Ledger {
         let gravity = self.environment.gravity_at(time + 0.5 * dt);
         let mut sum = Ledger::default();

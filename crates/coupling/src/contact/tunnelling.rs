@@ -1,5 +1,5 @@
-//! What fibres do on their way through a step: which would pass through each other, which have changed sides, and
-//! which places where they seem to touch are none.
+//! What fibres do on their way through a step: which would pass through each other, which have
+//! changed sides, and which places where they seem to touch are none.
 
 use super::fiber_contacts::fibers;
 use crate::contact_point::{BodyRef, ContactPoint, retain_others};
@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// Axes that come nearer to each other than this, in the sum of the radii, on the way would go on.
 const INTO: f64 = 0.9;
 
-/// Axes whose way is longer than their distance and that come nearer than this, in the sum of the radii,
-/// may pass through each other; what goes less far does not, or is left deep in each other.
+/// Axes whose way is longer than their distance and that come nearer than this, in the sum of the
+/// radii, may pass through each other; what goes less far does not, or is left deep in each other.
 const THROUGH: f64 = 0.5;
 
 /// Cosine of the angle to a normal from which on a segment leads towards the other side.
@@ -53,14 +53,15 @@ pub(super) fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<Ca
     Some(CapsuleContact { gap: gap(end, &contact), ..contact })
 }
 
-/// Whether a contact on the way is one of fibres that come so near that they may pass through each other.
+/// Whether a contact on the way is one of fibres that come so near that they may pass through each
+/// other.
 pub(super) fn leads_through(start: &Capsules, end: &Capsules, contact: &CapsuleContact) -> bool {
     !bends(end, contact) && impact(start, end, contact.pair, THROUGH).is_some()
 }
 
-/// Whether two places are so near along one fibre that not even the tightest bend, a half turn about
-/// its own radius, lets them touch: what is between them is too short, and only straight capsules
-/// overlap there.
+/// Whether two places are so near along one fibre that not even the tightest bend, a half turn
+/// about its own radius, lets them touch: what is between them is too short, and only straight
+/// capsules overlap there.
 pub(super) fn bends(end: &Capsules, contact: &CapsuleContact) -> bool {
     let layout = end.layout();
     let [first, second] = contact.pair.map(|segment| segment as usize);
@@ -84,9 +85,9 @@ pub(super) fn bends(end: &Capsules, contact: &CapsuleContact) -> bool {
     between < reach
 }
 
-/// Whether a contact is at a node where its fibre goes on towards the other one: the next segment is nearer,
-/// and has the place. The normal of such a one leans along the fibre, which would catch on each node of the other
-/// as it slides.
+/// Whether a contact is at a node where its fibre goes on towards the other one: the next segment
+/// is nearer, and has the place. The normal of such a one leans along the fibre, which would catch
+/// on each node of the other as it slides.
 pub(super) fn goes_on(end: &Capsules, contact: &CapsuleContact) -> bool {
     let (layout, nodes) = (end.layout(), end.positions());
     [0, 1].into_iter().any(|side| {
@@ -119,9 +120,10 @@ fn turned(start: &Capsules, touch: &ContactPoint) -> bool {
     (own - at(partner, t, touch.fractions[1])).dot(&touch.normal) < 0.0
 }
 
-/// Drops the touches that have turned to the other side beside one of their pair that has not. About
-/// a bend one segment may meet a fibre that its neighbor would pass through, and find it on its far
-/// side: between the two normals the fibre could not move at all. Touches are sorted by pair.
+/// Drops the touches that have turned to the other side beside one of their pair that has not.
+/// About a bend one segment may meet a fibre that its neighbor would pass through, and find it on
+/// its far side: between the two normals the fibre could not move at all. Touches are sorted by
+/// pair.
 pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<ContactPoint>) {
     let turned: Vec<bool> = touches.par_iter().map(|touch| turned(start, touch)).collect();
     let jams = |i: usize| {
@@ -143,8 +145,8 @@ mod tests {
     use rapunzel_fiber::Layout;
 
     proptest! {
-        /// Of touches of three fibres that cross each other, with normals up or down, those go that have turned
-        /// beside one of their pair that has not; two that both have stay.
+        /// Of touches of three fibres that cross each other, with normals up or down, those go that
+        /// have turned beside one of their pair that has not; two that both have stay.
         #[test]
         fn touches_that_jam_others_go(
             mut all in prop::collection::vec((0..2_u32, 0..8_u32, any::<bool>()), 0..20),

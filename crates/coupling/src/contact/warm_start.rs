@@ -94,7 +94,8 @@ impl CachedImpulse {
 }
 
 impl WarmStart {
-    /// All numbers that determine what follows: those of the whole, then some contacts in each list.
+    /// All numbers that determine what follows: those of the whole, then some contacts in each
+    /// list.
     pub(crate) fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
         let (work, lists) = (self.work.numbers(), self.bearing.len().div_ceil(LISTED));
         (0..lists + 1).map(move |list| match list.checked_sub(1) {
@@ -143,8 +144,8 @@ impl ExpectedImpulses<'_> {
     }
 }
 
-/// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are nearest: what
-/// held something still holds it there. Both are sorted by pair and place.
+/// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are
+/// nearest: what held something still holds it there. Both are sorted by pair and place.
 pub(crate) fn match_cached(expected: &ExpectedImpulses, touches: &mut [ContactPoint]) {
     let ExpectedImpulses { known, scale } = *expected;
     touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
@@ -252,7 +253,8 @@ mod tests {
     }
 
     proptest! {
-        /// Of all touches of a pair the nearest gets an impulse, as if every one had been looked at.
+        /// Of all touches of a pair the nearest gets an impulse, as if every one had been looked
+        /// at.
         #[test]
         fn impulses_go_to_the_nearest(
             mut known in prop::collection::vec((0..40_u32, 0..40_u32), 0..20),

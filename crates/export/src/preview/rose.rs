@@ -9,8 +9,8 @@ const RADIUS: f64 = 15.0;
 const ROOM: f64 = 4.0;
 
 /// Draws a wind rose into the upper right corner of a picture: in a ring, an arrow the way the wind
-/// blows as the view shows it, as long as its part across the view by the strongest speed, and below
-/// its speed.
+/// blows as the view shows it, as long as its part across the view by the strongest speed, and
+/// below its speed.
 pub(super) fn draw(
     canvas: &mut Canvas,
     corner: [f64; 2],

@@ -1,10 +1,11 @@
 //! USD in text form: one stage of all that a run shows, metres, z up, a time code for each frame.
 //!
 //! The stage is a small [root](root()) with the layers of [strands](Strands), be they fibres or
-//! springs, and of [objects](objects()) below it; each of them has the same range of time and can be
-//! opened alone. Lengths are in single precision, as the schemas have them, with the fewest digits
-//! that read back the same. Layers that would be large have their samples in value clips. The binary
-//! form, `.usdc`, is not written: there is no library for it yet that this workspace's Rust compiles.
+//! springs, and of [objects](objects()) below it; each of them has the same range of time and can
+//! be opened alone. Lengths are in single precision, as the schemas have them, with the fewest
+//! digits that read back the same. Layers that would be large have their samples in value clips.
+//! The binary form, `.usdc`, is not written: there is no library for it yet that this workspace's
+//! Rust compiles.
 
 mod objects;
 mod strands;

@@ -67,8 +67,8 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     /// The layer of `prims`; `open` opens a frame by its number, from 0.
     ///
     /// # Errors
-    /// Those of opening and reading the first frame; [`ExportError::Empty`] without frames or prims;
-    /// [`ExportError::Series`] for prims of strands or points that are not there.
+    /// Those of opening and reading the first frame; [`ExportError::Empty`] without frames or
+    /// prims; [`ExportError::Series`] for prims of strands or points that are not there.
     pub fn new(
         timeline: Timeline,
         scope: &'static str,

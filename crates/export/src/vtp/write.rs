@@ -15,8 +15,8 @@ pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportE
     write_strands(out, (frame.index, frame.time), &counts, frame.strands.iter())
 }
 
-/// Writes a frame of this index and time (s) whose strands come one by one; `counts` are the numbers of
-/// their points. Cost: about 190 bytes per point, and the memory of one strand.
+/// Writes a frame of this index and time (s) whose strands come one by one; `counts` are the
+/// numbers of their points. Cost: about 190 bytes per point, and the memory of one strand.
 ///
 /// # Errors
 /// Refuses unsound frames, when some of it may be written; fails if `out` does.

@@ -24,8 +24,8 @@ impl Overhand {
     /// All segments are chords of one smooth curve and have their lengths to rounding.
     ///
     /// # Errors
-    /// Refuses lengths that are not positive, a spacing of more than a tenth of the radius, segments
-    /// longer than half the radius, and a fibre too short for the knot.
+    /// Refuses lengths that are not positive, a spacing of more than a tenth of the radius,
+    /// segments longer than half the radius, and a fibre too short for the knot.
     pub fn nodes(&self, lengths: &[f64]) -> Result<Vec<Point3<f64>>, FiberError> {
         positive("radius of the knot (m)", self.radius)?;
         positive("distance of the strands of the knot (m)", self.spacing)?;

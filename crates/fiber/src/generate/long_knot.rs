@@ -4,23 +4,24 @@ use crate::error::positive;
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::f64::consts::TAU;
 
-/// A knot in a fibre: a closed curve that is cut where it is farthest from its middle. There its ends
-/// pass each other and go on straight, so that they can be pulled; the knot is that of the curve, since
-/// nothing of it is beyond the plane in which they lie.
+/// A knot in a fibre: a closed curve that is cut where it is farthest from its middle. There its
+/// ends pass each other and go on straight, so that they can be pulled; the knot is that of the
+/// curve, since nothing of it is beyond the plane in which they lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LongKnot {
-    /// Points along the closed curve, m; the last is joined to the first. They are the control points
-    /// of a smooth curve that cuts each corner, by half of the way to the line through the middles of
-    /// both sides: strands of a knot on a lattice stay apart.
+    /// Points along the closed curve, m; the last is joined to the first. They are the control
+    /// points of a smooth curve that cuts each corner, by half of the way to the line through the
+    /// middles of both sides: strands of a knot on a lattice stay apart.
     pub points: Vec<Point3<f64>>,
-    /// Distance at which the ends pass each other, m; more than two diameters: beside the cut, half of it
-    /// is left.
+    /// Distance at which the ends pass each other, m; more than two diameters: beside the cut, half
+    /// of it is left.
     pub spacing: f64,
 }
 
 /// No polygon with fewer corners is knotted.
 const CORNERS: usize = 6;
-/// Straight pieces for the arc at a corner: they deviate from it by a thousandth of what it rounds off.
+/// Straight pieces for the arc at a corner: they deviate from it by a thousandth of what it rounds
+/// off.
 const PIECES: usize = 16;
 
 impl LongKnot {
@@ -38,16 +39,17 @@ impl LongKnot {
         Self { points: (0..corners).map(point).collect(), spacing }
     }
 
-    /// Nodes of the knot, m, for segments of the given lengths, m. It begins at the origin along z and
-    /// stands out along x; its ends are equally long, the first on the z axis, the last beside it.
+    /// Nodes of the knot, m, for segments of the given lengths, m. It begins at the origin along z
+    /// and stands out along x; its ends are equally long, the first on the z axis, the last beside
+    /// it.
     ///
     /// All segments are chords of one smooth curve and have their lengths to rounding. Costs
     /// O((points + segments) log points).
     ///
     /// # Errors
-    /// Refuses fewer than six points, points that are not finite or that coincide, lengths that are not
-    /// positive, a curve that turns back where it is cut, segments longer than the mean distance of the
-    /// points, and a fibre too short for the knot.
+    /// Refuses fewer than six points, points that are not finite or that coincide, lengths that are
+    /// not positive, a curve that turns back where it is cut, segments longer than the mean
+    /// distance of the points, and a fibre too short for the knot.
     pub fn nodes(&self, lengths: &[f64]) -> Result<Vec<Point3<f64>>, FiberError> {
         positive("distance of the ends of the knot (m)", self.spacing)?;
         let (corners, step) = self.corners()?;
@@ -75,8 +77,8 @@ impl LongKnot {
         if nodes.windows(2).zip(lengths).all(follows) { Ok(nodes) } else { Err(unresolved()) }
     }
 
-    /// Corners of the open curve, from a step before the cut to a step after it, in the frame of the
-    /// cut; and the step, the mean distance of the points, m.
+    /// Corners of the open curve, from a step before the cut to a step after it, in the frame of
+    /// the cut; and the step, the mean distance of the points, m.
     fn corners(&self) -> Result<(Vec<Point3<f64>>, f64), FiberError> {
         let (points, count) = (&self.points, self.points.len());
         if count < CORNERS {
@@ -106,8 +108,9 @@ impl LongKnot {
         for i in 0..count {
             ways.push(ways[i] + gaps[(cut + i) % count]);
         }
-        // The curve comes back to the cut beside where it began, away from the strand that is nearest. It
-        // swerves where it is less deep than the spacing: it bends more than a sphere about the middle.
+        // The curve comes back to the cut beside where it began, away from the strand that is
+        // nearest. It swerves where it is less deep than the spacing: it bends more than a sphere
+        // about the middle.
         let around = ways[count];
         let reach = (4.0 * self.spacing).max((2.0 * self.spacing * away(&points[cut])).sqrt());
         let others = (0..count).filter(|i| ways[*i] > reach && around - ways[*i] > reach);
@@ -130,7 +133,8 @@ struct Arc {
 }
 
 impl Arc {
-    /// Around corners, from the middle of the first side to that of the last: the quadratic B-spline.
+    /// Around corners, from the middle of the first side to that of the last: the quadratic
+    /// B-spline.
     fn around(corners: &[Point3<f64>]) -> Self {
         let mut points = vec![corners[0].lerp(&corners[1], 0.5)];
         for corner in corners.windows(3) {
@@ -151,8 +155,8 @@ impl Arc {
         self.ways[self.ways.len() - 1]
     }
 
-    /// The point after `way`, m, straight along z before its start and after its end; its start is moved
-    /// to `start` on the z axis.
+    /// The point after `way`, m, straight along z before its start and after its end; its start is
+    /// moved to `start` on the z axis.
     fn at(&self, way: f64, start: f64) -> Point3<f64> {
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
         let after = self.ways.partition_point(|w| *w <= way);

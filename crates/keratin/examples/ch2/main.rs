@@ -1,9 +1,9 @@
-//! Draws what chapter 2 of the thesis says of hair, from the parametric model and from instruments on
-//! simulated hairs: curves over humidity, temperature and treatment (figures 2.3 to 2.17).
+//! Draws what chapter 2 of the thesis says of hair, from the parametric model and from instruments
+//! on simulated hairs: curves over humidity, temperature and treatment (figures 2.3 to 2.17).
 //!
-//! Run it with a folder, and numbers of figures if not all are wanted. Each figure is an SVG with its
-//! numbers as CSV; the table compares what the thesis says with our numbers. The thesis's curves are
-//! not digitized, so only what it says in words and in tables is compared.
+//! Run it with a folder, and numbers of figures if not all are wanted. Each figure is an SVG with
+//! its numbers as CSV; the table compares what the thesis says with our numbers. The thesis's
+//! curves are not digitized, so only what it says in words and in tables is compared.
 
 #[allow(dead_code, reason = "it takes what it needs")]
 #[path = "../../tests/it/common/mod.rs"]

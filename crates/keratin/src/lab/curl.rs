@@ -9,8 +9,8 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_fiber::generate::Helix;
 
-/// Waviness `C = n l_t / l_c` of a hair with `maxima` waves that is `natural` metres long as it lies
-/// and `stretched` metres under a weight of 1 g.
+/// Waviness `C = n l_t / l_c` of a hair with `maxima` waves that is `natural` metres long as it
+/// lies and `stretched` metres under a weight of 1 g.
 ///
 /// # Errors
 /// [`KeratinError::NotPositive`] for a length that is not.
@@ -61,8 +61,8 @@ pub struct WaterWave {
 }
 
 impl WaterWave {
-    /// Held wet for ten minutes, dried for an hour in the standard climate at 50 % humidity, and kept
-    /// for three hours: the thesis gives only the last.
+    /// Held wet for ten minutes, dried for an hour in the standard climate at 50 % humidity, and
+    /// kept for three hours: the thesis gives only the last.
     ///
     /// # Errors
     /// None in fact: 50 % is a humidity.
@@ -81,8 +81,9 @@ impl WaterWave {
         Ok(wave.release(self.incubation))
     }
 
-    /// The curl after the incubation, hanging from the origin, unloaded: its natural curvature is the
-    /// set times that of the mandrel, its stiffness and mass are those of the hair in that climate.
+    /// The curl after the incubation, hanging from the origin, unloaded: its natural curvature is
+    /// the set times that of the mandrel, its stiffness and mass are those of the hair in that
+    /// climate.
     ///
     /// # Errors
     /// As [`Hair::bending_modulus`], and for a length or a mandrel that is none.

@@ -6,16 +6,17 @@ use crate::error::positive;
 use rapunzel_fiber::Section;
 use std::f64::consts::PI;
 
-/// Young's modulus in bending, Pa, from the tension in the legs (N), their distance (m) and the area
-/// of the section (m^2): `E_B = pi T d^2 / (2 A^2)`.
+/// Young's modulus in bending, Pa, from the tension in the legs (N), their distance (m) and the
+/// area of the section (m^2): `E_B = pi T d^2 / (2 A^2)`.
 ///
 /// # Errors
 /// [`KeratinError::NotPositive`] for a reading that is not.
 ///
 /// # Bias
 /// For a weightless hair with long legs of circular section the formula is exact: the elastica that
-/// comes from the top at a right angle to its legs has `d = 2 sqrt(2 E I / T)`, and `I = A^2 / 4 pi`.
-/// The radius of the hook does not matter up to the curvature at the top, `d / 4`. What remains:
+/// comes from the top at a right angle to its legs has `d = 2 sqrt(2 E I / T)`, and `I = A^2 / 4
+/// pi`. The radius of the hook does not matter up to the curvature at the top, `d / 4`. What
+/// remains:
 ///
 /// - an elliptic section bends about its long axis, and the formula gives [`section_bias`] times E;
 /// - legs of length L are cut short, by a part `exp(-L sqrt(T / E I))` of their distance;

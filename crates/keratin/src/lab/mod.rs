@@ -2,8 +2,8 @@
 //!
 //! Each module is one instrument. It evaluates readings by the formula of the thesis, with the bias
 //! of that formula where it has one, and builds the fibre for a simulation that gives the readings.
-//! What moves the fibre is another crate's business: `rapunzel-sim` runs all [`Instrument`]s, also those
-//! that need contacts, and the tests of this crate some with rods at rest and in motion.
+//! What moves the fibre is another crate's business: `rapunzel-sim` runs all [`Instrument`]s, also
+//! those that need contacts, and the tests of this crate some with rods at rest and in motion.
 
 use crate::KeratinError;
 use crate::error::named;

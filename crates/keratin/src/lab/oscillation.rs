@@ -1,5 +1,5 @@
-//! Free oscillations: period and decrement of a record, and the oscillating rod (thesis, lines 618 to
-//! 640), which gives storage and loss modulus in bending.
+//! Free oscillations: period and decrement of a record, and the oscillating rod (thesis, lines 618
+//! to 640), which gives storage and loss modulus in bending.
 
 use crate::KeratinError;
 use crate::error::positive;
@@ -18,8 +18,8 @@ pub struct Oscillation {
 }
 
 impl Oscillation {
-    /// Reads a record of `(time, deflection)` that swings about `rest`: periods between passages in the
-    /// same direction, amplitudes at the extremes between them, by parabolas.
+    /// Reads a record of `(time, deflection)` that swings about `rest`: periods between passages in
+    /// the same direction, amplitudes at the extremes between them, by parabolas.
     ///
     /// # Errors
     /// [`KeratinError::Readings`] for fewer than three maxima.
@@ -66,8 +66,8 @@ fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> (f64, f64) {
     (b.0 + shift, b.1 + 0.5 * slope * shift)
 }
 
-/// Storage and loss modulus in bending, Pa, of a clamped rod of `length` (m), `linear_density` (kg/m)
-/// and second moment of area (m^4) that swings in its lowest mode.
+/// Storage and loss modulus in bending, Pa, of a clamped rod of `length` (m), `linear_density`
+/// (kg/m) and second moment of area (m^4) that swings in its lowest mode.
 ///
 /// # Errors
 /// [`KeratinError::NotPositive`] for a length, density or moment that is not.
@@ -85,8 +85,8 @@ pub fn moduli(
     Ok([storage, storage * reading.loss_tangent()])
 }
 
-/// The retardation time, s, with which a rod after Kelvin and Voigt has a loss tangent at an angular
-/// frequency, rad/s.
+/// The retardation time, s, with which a rod after Kelvin and Voigt has a loss tangent at an
+/// angular frequency, rad/s.
 #[must_use]
 pub fn damping_time(loss_tangent: f64, frequency: f64) -> f64 {
     loss_tangent / frequency

@@ -15,8 +15,8 @@ pub struct Bob {
     pub inertia: f64,
 }
 
-/// A fibre of `length` (m) and of `segments` equal segments that ends in a bob: one more segment, of a
-/// thousandth of the others, that carries it.
+/// A fibre of `length` (m) and of `segments` equal segments that ends in a bob: one more segment,
+/// of a thousandth of the others, that carries it.
 ///
 /// # Errors
 /// Refuses a bob or a length that is not positive, and what [`Fiber::new`] refuses.
@@ -53,8 +53,8 @@ pub fn rigidity(inertia: f64, length: f64, period: f64) -> Result<f64, KeratinEr
     Ok(8.0 * PI.powi(3) * inertia * length / (period * period))
 }
 
-/// Shear modulus, Pa, from a rigidity and the area of the section, m^2: `G = Gamma / A^2` (2.13), which
-/// with `A = pi d^2 / 4` is (2.11).
+/// Shear modulus, Pa, from a rigidity and the area of the section, m^2: `G = Gamma / A^2` (2.13),
+/// which with `A = pi d^2 / 4` is (2.11).
 ///
 /// The formula is that of a circle. For an ellipse it gives [`section_bias`] times the modulus.
 ///

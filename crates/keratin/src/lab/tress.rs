@@ -2,11 +2,12 @@
 
 use nalgebra::{Point3, Vector2};
 
-/// The volume of a tress that hangs along z, m^3: of each of `slices` slices between the top and the
-/// bottom that of a disc with the second moment of the nodes in it, `2 pi <|r - <r>|^2> dz`.
+/// The volume of a tress that hangs along z, m^3: of each of `slices` slices between the top and
+/// the bottom that of a disc with the second moment of the nodes in it, `2 pi <|r - <r>|^2> dz`.
 ///
-/// A cylinder or a cone that is filled evenly gives its own volume. Slices with fewer than two nodes
-/// count as empty. The thesis speaks of the body of hair (2.3.4) and gives no formula: this one is ours.
+/// A cylinder or a cone that is filled evenly gives its own volume. Slices with fewer than two
+/// nodes count as empty. The thesis speaks of the body of hair (2.3.4) and gives no formula: this
+/// one is ours.
 #[must_use]
 pub fn radial_volume(fibers: &[Vec<Point3<f64>>], slices: usize) -> f64 {
     let nodes = || fibers.iter().flatten();

@@ -9,9 +9,9 @@ const CLASSES: [f64; 4] = [600.0, 6e3, 6e4, 6e5];
 /// A keratin that stiffens with its age, the time since it was last soaked (thesis, lines 566 to
 /// 587): the relaxation function is shifted up by the same modulus for each decade.
 ///
-/// Between classes it is interpolated in the logarithm of the age; below and above, the nearest class
-/// is taken. With the state of the material, time is no longer invariant, and Boltzmann's principle
-/// is replaced by Chapman's modified superposition, [`Aging::stress`].
+/// Between classes it is interpolated in the logarithm of the age; below and above, the nearest
+/// class is taken. With the state of the material, time is no longer invariant, and Boltzmann's
+/// principle is replaced by Chapman's modified superposition, [`Aging::stress`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aging {
     /// `G` at an age of 10 minutes, Pa.
@@ -31,9 +31,10 @@ impl Aging {
         Ok(Self { young, shift })
     }
 
-    /// Chapman's merino wool: 4.0 GPa after a minute (line 558) when it is highly aged, 0.3 GPa less
-    /// for each class below (line 575, printed without its factor 1e5). The loss per decade of time
-    /// is only drawn (figure 2.6); assumed is that it equals the shift, over 0.1 to 1000 minutes.
+    /// Chapman's merino wool: 4.0 GPa after a minute (line 558) when it is highly aged, 0.3 GPa
+    /// less for each class below (line 575, printed without its factor 1e5). The loss per decade of
+    /// time is only drawn (figure 2.6); assumed is that it equals the shift, over 0.1 to 1000
+    /// minutes.
     ///
     /// # Errors
     /// None in fact: the numbers are those of the tables.

@@ -7,9 +7,9 @@ const GAS_CONSTANT: f64 = 8.314_462_618;
 /// Breuer's equation (2.10): the force at equilibrium of a stretched network that melts,
 /// `f = dH/dL (1 - T / T_S) + R T / dL ln((1 + K1 a) / (1 + K2 a))`.
 ///
-/// The thesis gives `dH` and `dL` per gram and the `K` per mole; here all is per gram, with the molar
-/// mass of a residue. It gives no melting temperature. `K1` and `K2` are probably exchanged in print:
-/// with them as printed the force rises with humidity.
+/// The thesis gives `dH` and `dL` per gram and the `K` per mole; here all is per gram, with the
+/// molar mass of a residue. It gives no melting temperature. `K1` and `K2` are probably exchanged
+/// in print: with them as printed the force rises with humidity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Breuer {
     /// `dH`, J/kg.
@@ -25,8 +25,8 @@ pub struct Breuer {
 }
 
 impl Breuer {
-    /// The numbers of line 695, with the binding constants exchanged, for hair that melts dry at the
-    /// given temperature; 0.11 kg/mol for a residue.
+    /// The numbers of line 695, with the binding constants exchanged, for hair that melts dry at
+    /// the given temperature; 0.11 kg/mol for a residue.
     #[must_use]
     pub fn hair(melting: Temperature) -> Self {
         Self {

@@ -4,10 +4,10 @@ use super::{MaxwellElement, Relaxation};
 /// `J(t) = J_g + t / eta + sum_j J_j (1 - exp(-t / lambda_j))`, with flow only where the model is a
 /// fluid.
 ///
-/// It is exact: in Laplace space `s^2 J(s) G(s) = 1`, so that the retardation times are the zeros of
-/// `s G(s)`, one between any two relaxation times. Both functions fulfill (2.6) read as a Stieltjes
-/// integral that sees the jump of G at 0, `J(t) G(0) + int_0^t J(t - tau) G'(tau) dtau = 1`; without
-/// the jump, as printed, the integral is no constant.
+/// It is exact: in Laplace space `s^2 J(s) G(s) = 1`, so that the retardation times are the zeros
+/// of `s G(s)`, one between any two relaxation times. Both functions fulfill (2.6) read as a
+/// Stieltjes integral that sees the jump of G at 0, `J(t) G(0) + int_0^t J(t - tau) G'(tau) dtau =
+/// 1`; without the jump, as printed, the integral is no constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Creep {
     glassy: f64,

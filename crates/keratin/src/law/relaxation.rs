@@ -25,8 +25,8 @@ impl Relaxation {
     /// fluid.
     ///
     /// # Errors
-    /// Refuses an `equilibrium` that is negative, moduli and times that are not positive, and a model
-    /// that has nothing at all.
+    /// Refuses an `equilibrium` that is negative, moduli and times that are not positive, and a
+    /// model that has nothing at all.
     pub fn new(equilibrium: f64, mut branches: Vec<MaxwellElement>) -> Result<Self, KeratinError> {
         not_negative("equilibrium modulus", equilibrium)?;
         for branch in &branches {
@@ -47,9 +47,9 @@ impl Relaxation {
         Ok(Self { equilibrium, branches })
     }
 
-    /// The modulus at `t_ref` seconds and its loss per decade of time, constant between two times as
-    /// Chapman found for wool between 0.1 and 1000 minutes (thesis, lines 558 to 562): a constant
-    /// distribution of relaxation times, here four in each decade.
+    /// The modulus at `t_ref` seconds and its loss per decade of time, constant between two times
+    /// as Chapman found for wool between 0.1 and 1000 minutes (thesis, lines 558 to 562): a
+    /// constant distribution of relaxation times, here four in each decade.
     ///
     /// # Errors
     /// As [`Relaxation::new`]; also where the loss would make the modulus negative.

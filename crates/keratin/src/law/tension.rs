@@ -5,13 +5,14 @@ use crate::hair::Hair;
 use crate::tables::{Value, fact, number};
 
 /// A fibre in tension beyond Hooke's law: a Hookean region, a yield region and a post-yield region
-/// (thesis 2.4.1.2), and back along a lower path, as in water, where 30 % and more are fully recovered
-/// (figure 2.10).
+/// (thesis 2.4.1.2), and back along a lower path, as in water, where 30 % and more are fully
+/// recovered (figure 2.10).
 ///
 /// The stress follows strain with the Hookean modulus as long as it is between two paths: the upper
 /// one, with slopes in the ratio 100:1:10, and the lower one, the `recovery` times the upper. It is
 /// independent of rate, and passive: slopes of the paths are at most the Hookean modulus.
-/// Compression is Hookean. Not included is what a dry fibre keeps for hours of a strain beyond yield.
+/// Compression is Hookean. Not included is what a dry fibre keeps for hours of a strain beyond
+/// yield.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tension {
     modulus: f64,
@@ -97,8 +98,8 @@ impl Tension {
             + s2 * (strain - yields).max(0.0)
     }
 
-    /// Moves to `strain` and returns the stress, Pa; `None` if the fibre breaks on the way, and then
-    /// nothing changes. How a way in one direction is divided does not matter.
+    /// Moves to `strain` and returns the stress, Pa; `None` if the fibre breaks on the way, and
+    /// then nothing changes. How a way in one direction is divided does not matter.
     pub fn strain_to(&mut self, strain: f64) -> Option<f64> {
         if !strain.is_finite() || strain > self.limits[2] {
             return None;

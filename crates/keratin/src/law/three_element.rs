@@ -4,15 +4,15 @@ use crate::hair::Hair;
 use crate::tables::number;
 use crate::{KeratinError, water};
 
-/// Where hair softens without any water, K: 144 C, Wortmann, Stapels, Elliott, Chandra, Biopolymers 81
-/// (2006) 371, who find that Fox's equation holds for hair.
+/// Where hair softens without any water, K: 144 C, Wortmann, Stapels, Elliott, Chandra, Biopolymers
+/// 81 (2006) 371, who find that Fox's equation holds for hair.
 const DRY: f64 = 417.15;
 /// Relaxation time at a transition, s: assumed, the usual one of a glass.
 const AT_TRANSITION: f64 = 100.0;
 /// Degrees that change a relaxation time tenfold: assumed.
 const PER_DECADE: f64 = 10.0;
-/// How many decades the times of the component of `T_c^l` are from that at the transition: wool's are
-/// evenly distributed over 0.1 to 1000 minutes (thesis, line 562).
+/// How many decades the times of the component of `T_c^l` are from that at the transition: wool's
+/// are evenly distributed over 0.1 to 1000 minutes (thesis, line 562).
 const SPREAD: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 /// Most decades from the time at the transition: beyond, solid is solid and fluid is fluid.
 const MOST_DECADES: f64 = 12.0;
@@ -24,10 +24,11 @@ const STEPS: i32 = 64;
 /// The temperatures `T_c^l` and `T_c^h` at which the two components of Nagase's model change from
 /// solid to plastic.
 ///
-/// In water they are 0 and 70 C (thesis, line 718). They move with the moisture content M; the thesis
-/// says upward in line 718 and downward in line 740, which is what lets a water wave hold and is taken
-/// here. `T_c^l` follows Fox's equation `1/T = (1 - M)/T_dry + M/T_w` with `T_dry` = 144 C (Wortmann
-/// 2006) and `T_w` = 127 K such that it is 0 C at saturation; `T_c^h` is assumed to stay 70 K above.
+/// In water they are 0 and 70 C (thesis, line 718). They move with the moisture content M; the
+/// thesis says upward in line 718 and downward in line 740, which is what lets a water wave hold
+/// and is taken here. `T_c^l` follows Fox's equation `1/T = (1 - M)/T_dry + M/T_w` with `T_dry` =
+/// 144 C (Wortmann 2006) and `T_w` = 127 K such that it is 0 C at saturation; `T_c^h` is assumed to
+/// stay 70 K above.
 #[must_use]
 pub fn transitions(climate: &Climate) -> [Temperature; 2] {
     let [low, high] = ["transition_temperature_low_wet", "transition_temperature_high_wet"]
@@ -46,13 +47,14 @@ pub fn transitions(climate: &Climate) -> [Temperature; 2] {
 /// plastic above `T_c^l`, one that is plastic above `T_c^h`, and the helices, a Maxwell element.
 ///
 /// The thesis draws the first as a dashpot and the second as a spring, which are there below their
-/// temperatures and gone above. Here both are Maxwell elements whose relaxation time changes tenfold
-/// for every 10 K, 100 s at the transition (assumed): so each is the spring of a solid far below and
-/// nothing far above, and remembers, when it becomes solid, the shape in which it did. The first is five
-/// elements in equal parts, each ten times slower than the one before: four decades, as in wool.
+/// temperatures and gone above. Here both are Maxwell elements whose relaxation time changes
+/// tenfold for every 10 K, 100 s at the transition (assumed): so each is the spring of a solid far
+/// below and nothing far above, and remembers, when it becomes solid, the shape in which it did.
+/// The first is five elements in equal parts, each ten times slower than the one before: four
+/// decades, as in wool.
 ///
-/// Moduli are those in bending: what is lost from 65 % to 100 % humidity belongs to the first; of the
-/// rest, 1.2 parts to the spring and 0.2 to the helices, as line 699 divides it.
+/// Moduli are those in bending: what is lost from 65 % to 100 % humidity belongs to the first; of
+/// the rest, 1.2 parts to the spring and 0.2 to the helices, as line 699 divides it.
 ///
 /// It is passive: the climate changes relaxation times, not moduli.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,9 +72,9 @@ impl ThreeElement {
         Ok(Self { strand: MaxwellModel::of(0.0, elements(hair, &climate)?), climate })
     }
 
-    /// The law of a hair's section in a climate, for a rod: stiffnesses as at 65 % humidity, all three
-    /// with the parts that bending has. What sections remember stays valid when the law is replaced by
-    /// that of another climate.
+    /// The law of a hair's section in a climate, for a rod: stiffnesses as at 65 % humidity, all
+    /// three with the parts that bending has. What sections remember stays valid when the law is
+    /// replaced by that of another climate.
     ///
     /// # Errors
     /// None in fact, as for [`ThreeElement::new`].
@@ -112,8 +114,9 @@ impl ThreeElement {
         self.strand.strain_to(strain, dt)
     }
 
-    /// Lets go for a time, s, and returns the strain then. The first step is at once; the others grow
-    /// with time, 64 in all, so that the strain is good to about a per cent of what was let go.
+    /// Lets go for a time, s, and returns the strain then. The first step is at once; the others
+    /// grow with time, 64 in all, so that the strain is good to about a per cent of what was let
+    /// go.
     pub fn release(&mut self, seconds: f64) -> f64 {
         self.strand.stress_to(0.0, 0.0);
         let at = |i: i32| seconds * (f64::from(i) / f64::from(STEPS)).powi(3);
@@ -144,7 +147,8 @@ impl ThreeElement {
     }
 }
 
-/// The elements, in a fixed order: those that are soft above `T_c^l`, that above `T_c^h`, the helices.
+/// The elements, in a fixed order: those that are soft above `T_c^l`, that above `T_c^h`, the
+/// helices.
 fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<MaxwellElement>, KeratinError> {
     let glassy = hair.bending_modulus(&Climate::STANDARD)?.value;
     let wet = hair.bending_modulus(&Climate::WET)?.value;

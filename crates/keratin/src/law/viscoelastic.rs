@@ -4,18 +4,19 @@ use crate::error::{not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_fiber::{SectionLaw, SectionResponse};
 
-/// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean over
-/// them, which is also the share of a strain that grew meanwhile.
+/// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean
+/// over them, which is also the share of a strain that grew meanwhile.
 fn decay(x: f64) -> (f64, f64) {
     let left = (-x).exp();
-    // Below the limit, the next term of the series is below the last digit; above it, three are lost.
+    // Below the limit, the next term of the series is below the last digit; above it, three are
+    // lost.
     let mean =
         if x < 1e-3 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) } else { (1.0 - left) / x };
     (left, mean)
 }
 
-/// What a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by
-/// `q = q0 exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
+/// What a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by `q = q0
+/// exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
 fn fading(x: f64) -> [f64; 3] {
     let (left, mean) = decay(x);
     let squares = 0.5 * x * mean * (1.0 + left);
@@ -119,8 +120,8 @@ impl MaxwellModel {
     }
 }
 
-/// The law of a viscoelastic section: `K` times a relaxation function in parts of `K`, and Kelvin and
-/// Voigt's damping beside it, `m = K (G * dE + tau dE/dt)`.
+/// The law of a viscoelastic section: `K` times a relaxation function in parts of `K`, and Kelvin
+/// and Voigt's damping beside it, `m = K (G * dE + tau dE/dt)`.
 ///
 /// It is passive. A step costs one exponential per Maxwell element.
 #[derive(Debug, Clone, PartialEq)]

@@ -101,7 +101,8 @@ fn record(
     record
 }
 
-/// Twists a hair with a bob, lets go, and returns the modulus by (2.12) and (2.13), and the decrement.
+/// Twists a hair with a bob, lets go, and returns the modulus by (2.12) and (2.13), and the
+/// decrement.
 fn pendulum(hair: &Hair, decrement: f64) -> [f64; 2] {
     let (length, segments) = (0.05, 10);
     let node = node(hair);

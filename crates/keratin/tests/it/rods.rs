@@ -109,8 +109,9 @@ fn a_rod_that_is_held_relaxes() {
     }
 }
 
-/// The root of `s^2 + w^2 (G(s) + tau s)` near `i w`, with `G(s)` Carson's transform of a relaxation
-/// function whose value at once is 1: real part and imaginary part, by Newton's method on both.
+/// The root of `s^2 + w^2 (G(s) + tau s)` near `i w`, with `G(s)` Carson's transform of a
+/// relaxation function whose value at once is 1: real part and imaginary part, by Newton's method
+/// on both.
 fn exact_root(g: &Relaxation, tau: f64, w: f64) -> [f64; 2] {
     let value = |[re, im]: [f64; 2]| {
         let mut sum = [g.equilibrium() + tau * re, tau * im];
@@ -193,8 +194,8 @@ fn free_torsion_decays_as_the_law_says() {
         }
         let angle = |state: &RodState| so3::log(&state.frames[segments]).z;
         let readings = record(rod, &start, [period / 300.0, 9.0 * period], angle);
-        // What relaxes slowly lets the middle drift for a while; the middle of neighbouring extremes
-        // is it.
+        // What relaxes slowly lets the middle drift for a while; the middle of neighbouring
+        // extremes is it.
         let found = swing(&readings);
         let [re, im] = exact_root(&g, tau, 1.0);
         let expected = -TAU * re / im;
@@ -203,8 +204,8 @@ fn free_torsion_decays_as_the_law_says() {
     }
 }
 
-/// Period and decrement from the turning points, each against the mean of its two neighbours: a middle
-/// that drifts slowly does not count.
+/// Period and decrement from the turning points, each against the mean of its two neighbours: a
+/// middle that drifts slowly does not count.
 fn swing(record: &[(f64, f64)]) -> Oscillation {
     let turns: Vec<(f64, f64)> = record
         .windows(3)

@@ -51,9 +51,9 @@ fn every_corner_of_a_triangular_net_has_a_diagonal() {
     }
 }
 
-/// The compression by which the guided thin beam is shortened, and its force, when it buckles in the
-/// linear theory of its own stiffness: at the load where the second derivative of the energy of the
-/// straight beam under it is singular.
+/// The compression by which the guided thin beam is shortened, and its force, when it buckles in
+/// the linear theory of its own stiffness: at the load where the second derivative of the energy of
+/// the straight beam under it is singular.
 fn euler_load() -> f64 {
     let (lattice, system) = unit_beam(LatticeBody::ThinBeamGuided);
     let lowest = |load: f64| {
@@ -359,8 +359,8 @@ fn nonsense_is_refused_by_name() {
 }
 
 /// A ring pressed between two points, which starts symmetric: of its equilibria that an independent
-/// minimizer finds from 60 starts, by energy, the two stable ones; the saddle that keeps the symmetry
-/// has 0.255258.
+/// minimizer finds from 60 starts, by energy, the two stable ones; the saddle that keeps the
+/// symmetry has 0.255258.
 #[test]
 fn a_pressed_ring_leaves_its_saddle() {
     let element = Element::unit(3.0_f64.sqrt() / TAU);

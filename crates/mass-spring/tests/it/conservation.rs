@@ -277,7 +277,8 @@ fn a_chain_of_one_link_is_a_pendulum() {
     let direction = Vector2::new(amplitude.sin(), -amplitude.cos());
     let mut system = rope.build(Point2::origin(), direction).expect("a chain");
     system.set_gravity(Vector2::new(0.0, -9.81)).expect("finite");
-    // A quarter of the period: K(sin 30 degrees) / omega, with K from the arithmetic-geometric mean.
+    // A quarter of the period: K(sin 30 degrees) / omega, with K from the arithmetic-geometric
+    // mean.
     let (mut a, mut b) = (1.0_f64, (0.5 * amplitude).cos());
     for _ in 0..6 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());

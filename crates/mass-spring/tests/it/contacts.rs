@@ -52,7 +52,8 @@ fn a_moving_plane_pushes_a_node_at_its_own_speed() {
     for (restitution, friction, expected) in [
         (0.0, 0.0, Vector3::new(0.0, 0.0, 0.5)),
         (0.4, 0.0, Vector3::new(0.0, 0.0, 0.7)),
-        // The plane drags it along: by no more than mu of what it presses, and no faster than itself.
+        // The plane drags it along: by no more than mu of what it presses, and no faster than
+        // itself.
         (0.0, 0.2, Vector3::new(0.1, 0.0, 0.5)),
         (0.0, 5.0, Vector3::new(0.3, 0.0, 0.5)),
     ] {
@@ -180,8 +181,8 @@ fn friction_holds_on_a_slope_below_its_angle() {
 
 #[test]
 fn friction_between_nodes_turns_sliding_into_half_of_it() {
-    // The second glances off the first from above: the impulse along the line of centers is 1 / 2 for
-    // a normal velocity of 1, and friction takes at most its part of it.
+    // The second glances off the first from above: the impulse along the line of centers is 1 / 2
+    // for a normal velocity of 1, and friction takes at most its part of it.
     for (friction, rubbed) in [(0.1, 0.05), (10.0, 0.5)] {
         let positions = [Point3::origin(), Point3::new(0.0, 0.0, 0.0401)];
         let mut system = System::new(&positions, &[1.0, 1.0], &[]).expect("two masses");

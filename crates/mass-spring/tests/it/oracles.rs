@@ -267,9 +267,9 @@ fn ring(case: &Case) {
     let expected = case.area_ratio_without_control.expect("one");
     assert!((ratio - expected).abs() < 1e-10, "{name}: {ratio} without control");
 
-    // Rings that are squashed much have several equilibria, and which one is met on the way is up to
-    // the solver. So the state that is given, which may be a saddle, is looked at by itself: nothing
-    // moves from it.
+    // Rings that are squashed much have several equilibria, and which one is met on the way is up
+    // to the solver. So the state that is given, which may be a saddle, is looked at by itself:
+    // nothing moves from it.
     let mut given = system.clone();
     for radial in system.springs() - count..system.springs() {
         given.set_rest_length(radial, case.radial_rest_length.expect("one")).expect("positive");

@@ -11,8 +11,8 @@ const STRETCH: f64 = 1.5;
 /// Nodes from end to end of the pulse.
 const WIDTH: f64 = 80.0;
 
-/// A stretched rope along x with a pulse of a given direction that runs to the right at `speed`. The
-/// far end is fixed, or free to move across the rope.
+/// A stretched rope along x with a pulse of a given direction that runs to the right at `speed`.
+/// The far end is fixed, or free to move across the rope.
 fn pulse(speed: f64, across: Vector2<f64>, free: bool) -> System<2> {
     let rope = Rope { nodes: NODES, element: Element::unit(FREQUENCY), ..Rope::of_the_text(1.0) };
     let mut system = rope.build(Point2::origin(), Vector2::x()).expect("a rope");

@@ -64,7 +64,8 @@ fn problems_can_be_read_by_machines() {
     assert_eq!(object["problems"][0]["line"], 4);
 }
 
-/// A ball is driven into a clamped root, which cannot give way: the run goes on, keeps its frames and says so.
+/// A ball is driven into a clamped root, which cannot give way: the run goes on, keeps its frames
+/// and says so.
 #[test]
 fn contacts_that_miss_their_tolerances_have_a_code_of_their_own() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -150,8 +151,8 @@ fn a_scene_that_is_not_text_is_told() {
     assert!(stderr(&output).contains("no text in UTF-8"), "{}", stderr(&output));
 }
 
-/// On a disk of its own, which takes a name space of the system: where there is none to be had, this
-/// says so.
+/// On a disk of its own, which takes a name space of the system: where there is none to be had,
+/// this says so.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_stops_the_run_until_there_is_space() {

@@ -26,9 +26,9 @@ const START: f64 = 1.0;
 /// longest rods it has moved.
 ///
 /// The method is second order in time and in space. `rho_inf` is the spectral radius at infinite
-/// frequency: 0 loses most, 0.3 is the default, above 0.4 a whip may need halving. Near 1 the forces
-/// of the constraints oscillate ever more, as for any such method (Arnold and Bruls 2007), and a
-/// long run ends.
+/// frequency: 0 loses most, 0.3 is the default, above 0.4 a whip may need halving. Near 1 the
+/// forces of the constraints oscillate ever more, as for any such method (Arnold and Bruls 2007),
+/// and a long run ends.
 pub struct StaggeredBatch {
     pub(super) engine: Box<dyn ErasedBatch>,
     pub(super) rods: Vec<Rod>,
@@ -143,8 +143,8 @@ impl StaggeredBatch {
         self.engine.momentum(fiber)
     }
 
-    /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the rods
-    /// in each step, and change nothing in it.
+    /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the
+    /// rods in each step, and change nothing in it.
     pub fn keep_ledgers(&mut self, keep: bool) {
         self.ledgers = keep.then(Default::default);
     }
@@ -167,8 +167,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Gives the sections of one fibre other laws, as when the climate has changed; what the sections
-    /// remember stays.
+    /// Gives the sections of one fibre other laws, as when the climate has changed; what the
+    /// sections remember stays.
     ///
     /// # Errors
     /// [`RodError::Invalid`] unless the new laws remember as much as those before, and

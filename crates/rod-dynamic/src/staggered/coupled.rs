@@ -99,8 +99,8 @@ impl StaggeredBatch {
         self.largest(&turns)
     }
 
-    /// Puts other impulses (N s, one a node) in place of those of the step under way. It moves nothing: the
-    /// next [`Self::linearize`] answers them.
+    /// Puts other impulses (N s, one a node) in place of those of the step under way. It moves
+    /// nothing: the next [`Self::linearize`] answers them.
     ///
     /// # Errors
     /// As [`Self::correct`] for impulses that make no sense.
@@ -125,8 +125,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the increments of the last linearisation, with these impulses in place of those before.
-    /// Returns the largest increment, rad; those above 1 are shortened.
+    /// Takes the increments of the last linearisation, with these impulses in place of those
+    /// before. Returns the largest increment, rad; those above 1 are shortened.
     ///
     /// # Errors
     /// [`StepError`] as [`Self::correct`].
@@ -169,8 +169,8 @@ impl StaggeredBatch {
         }
     }
 
-    /// Notes that a step of length `dt` is under way if that has been `done`, and else takes the fibres
-    /// back.
+    /// Notes that a step of length `dt` is under way if that has been `done`, and else takes the
+    /// fibres back.
     fn under_way(&mut self, dt: f64, done: Result<(), StepError>) -> Result<(), StepError> {
         self.predicted = dt;
         if done.is_err() {

@@ -1,7 +1,8 @@
 //! A step that is taken in several calls, with a solver of contacts between them.
 //!
-//! Between calls the room is given away: what the step needs again is in [`super::workspace::Kept`], and the
-//! problem is written anew from the state and the impulses, which costs less than to keep it.
+//! Between calls the room is given away: what the step needs again is in
+//! [`super::workspace::Kept`], and the problem is written anew from the state and the impulses,
+//! which costs less than to keep it.
 
 use super::array::{get, store};
 use super::ends::Held;
@@ -35,8 +36,8 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(LookAhead(self));
     }
 
-    /// Solves Newton's equations at the present shape, without taking the increments. Returns the largest
-    /// increment, rad.
+    /// Solves Newton's equations at the present shape, without taking the increments. Returns the
+    /// largest increment, rad.
     pub(super) fn linearize(&mut self) -> [f64; LANES] {
         struct Linearize<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {

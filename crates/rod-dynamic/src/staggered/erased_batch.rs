@@ -60,8 +60,8 @@ pub(super) trait ErasedBatch: Send + Sync {
     fn undo(&mut self, lane: usize);
     /// Remembers what attempts change, for [`ErasedBatch::undo`] and [`ErasedBatch::undo_all`].
     fn remember(&mut self);
-    /// Takes all lanes back to what was remembered, as long as no step has been committed, and those that
-    /// were `fresh` to having no acceleration.
+    /// Takes all lanes back to what was remembered, as long as no step has been committed, and
+    /// those that were `fresh` to having no acceleration.
     fn undo_all(&mut self, fresh: &[bool; LANES]);
     /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
@@ -347,7 +347,8 @@ impl<S: Simd> ErasedBatch for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Takes what a step needs from call to call out of the room, or puts it back, unless it is kept.
+    /// Takes what a step needs from call to call out of the room, or puts it back, unless it is
+    /// kept.
     fn exchange_kept(&mut self) {
         if !self.keeps {
             let RotationChain { room, kept, .. } = &mut self.chain;
@@ -356,7 +357,8 @@ impl<S: Simd> SimdBatch<S> {
     }
 }
 
-/// From the first number of the node before a point to the last of the node behind it, in an array of vectors.
+/// From the first number of the node before a point to the last of the node behind it, in an array
+/// of vectors.
 fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
     let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
     first..=first + 5 * S::F64_LANES

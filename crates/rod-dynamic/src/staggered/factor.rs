@@ -5,8 +5,8 @@
 //! blocks are `[[-C, S], [S^T, A]]`, the block to the right `[[w E, 0], [0, B]]`. Forces are
 //! eliminated before rotations. By Sylvester's law of inertia the reduced Hessian is positive
 //! definite exactly when as many pivots of the whole matrix are positive as negative; in single
-//! blocks they need not be, as in a rod under thrust that only both its ends together hold.
-//! Some 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
+//! blocks they need not be, as in a rod under thrust that only both its ends together hold. Some
+//! 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
 
 use super::array::{Array, fit, store, zeros};
 use pulp::Simd;
@@ -52,11 +52,12 @@ impl<S: Simd> Sub for DiagonalBlock<S> {
 }
 
 /// The factors of all segments. `D` is a diagonal block from which what its predecessors take away
-/// has been taken. Interleaved, a segment has `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn
-/// (6, symmetric).
+/// has been taken. Interleaved, a segment has `D^-1`: force-force (6, symmetric), force-turn (9),
+/// turn-turn (6, symmetric).
 ///
-/// The product with the block to its right at hand would spare a substitution one product of a matrix and a
-/// vector a segment, but what it waits for is to read the factors: of many fibres these lie far away.
+/// The product with the block to its right at hand would spare a substitution one product of a
+/// matrix and a vector a segment, but what it waits for is to read the factors: of many fibres
+/// these lie far away.
 pub(super) struct Factor<S: Simd> {
     data: Array<S>,
     n: usize,
@@ -84,7 +85,8 @@ impl<S: Simd> Factor<S> {
     }
 
     /// Eliminates segment `e`, whose block already lacks what its predecessor takes away. Returns
-    /// what to take from the next block, the eliminated right-hand side, and the signature of the pivots.
+    /// what to take from the next block, the eliminated right-hand side, and the signature of the
+    /// pivots.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,

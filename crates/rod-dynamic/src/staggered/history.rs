@@ -6,8 +6,8 @@ use super::scheme::{Rates, Scheme, Stage, StepProblem};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
 
-/// Rates of vector coordinates. What is always zero takes no room: accelerations of a method without
-/// memory of them, and all rates where nobody asks for any.
+/// Rates of vector coordinates. What is always zero takes no room: accelerations of a method
+/// without memory of them, and all rates where nobody asks for any.
 pub(super) struct KinematicHistory<S: Simd> {
     pub(super) v: Array<S>,
     pub(super) a: Array<S>,

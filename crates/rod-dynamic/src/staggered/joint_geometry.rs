@@ -18,9 +18,10 @@ pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wa
     }
 }
 
-/// `c = (1 - (a/2) cot(a/2)) / a^2` of `J^-1 = E + hat(phi)/2 + c hat(phi)^2`, for a rotation vector
-/// of the squared length `angle2` and what [`Quat::log`] gives beside it. Where the angle is small the
-/// error of the quotient is great, but only products of `c` with squares of the vector are used.
+/// `c = (1 - (a/2) cot(a/2)) / a^2` of `J^-1 = E + hat(phi)/2 + c hat(phi)^2`, for a rotation
+/// vector of the squared length `angle2` and what [`Quat::log`] gives beside it. Where the angle is
+/// small the error of the quotient is great, but only products of `c` with squares of the vector
+/// are used.
 #[inline(always)]
 pub(super) fn slope_of_log<S: Simd>(angle2: Lane<S>, fw: Lane<S>) -> Lane<S> {
     fw.lift(0.5).negate_mul_add(fw, fw.lift(1.0)) * (angle2 + fw.lift(1e-200)).recip()

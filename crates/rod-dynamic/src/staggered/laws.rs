@@ -1,9 +1,9 @@
 //! Laws of sections in place of the linear one.
 //!
-//! A law tells moments along one fibre at a time, so it is asked lane by lane, and its answers are kept
-//! as a quadratic model of each joint's potential about the turn at which it was asked. An affine law
-//! is asked once in a step, others at every trial. Lanes without laws have linear joints in the same
-//! form, with the same bits.
+//! A law tells moments along one fibre at a time, so it is asked lane by lane, and its answers are
+//! kept as a quadratic model of each joint's potential about the turn at which it was asked. An
+//! affine law is asked once in a step, others at every trial. Lanes without laws have linear joints
+//! in the same form, with the same bits.
 
 use super::array::{Array, at, set, store, zeros};
 use super::ends::Ends;
@@ -29,7 +29,8 @@ pub(super) struct Laws<S: Simd> {
     backup: [Vec<Vector3<f64>>; LANES],
     /// Lengths of the joints.
     lengths: Array<S>,
-    /// The models: the turn at which a law was asked (3), moment (3), tangent (6) and potential there.
+    /// The models: the turn at which a law was asked (3), moment (3), tangent (6) and potential
+    /// there.
     turn: Array<S>,
     moment: Array<S>,
     tangent: Array<S>,

@@ -1,20 +1,21 @@
 //! What the energy of a step becomes, by the step's own equations.
 //!
 //! A node obeys `m A = n_(a+1) - n_a + F + R` at the end of the step, `A` its acceleration there,
-//! `F` what loads it and `R` the reaction of a support; a segment obeys
-//! `sum I d_k x A_k = h d3 x n + M_(j=e) - M_(j=e-1)`. The first is multiplied with the displacement
-//! `u`, the second with a vector `c` that turns the segment's directors over the step but for terms
-//! of higher order, `c = sum d_k x d_k' / 2`, and all are added. Nodes being where the segments put
-//! them, forces leave only `h n (d d3 - c x d3)` of each segment: the chord for the tangent. The same
-//! is left of the inertia of directors, and of a joint `M (c_(j+1) - c_j)` against `m dphi`.
+//! `F` what loads it and `R` the reaction of a support; a segment obeys `sum I d_k x A_k = h d3 x n
+//! + M_(j=e) - M_(j=e-1)`. The first is multiplied with the displacement `u`, the second with a
+//! vector `c` that turns the segment's directors over the step but for terms of higher order, `c =
+//! sum d_k x d_k' / 2`, and all are added. Nodes being where the segments put them, forces leave
+//! only `h n (d d3 - c x d3)` of each segment: the chord for the tangent. The same is left of the
+//! inertia of directors, and of a joint `M (c_(j+1) - c_j)` against `m dphi`.
 //!
-//! With `m` the joint's moment at the end, elastic energy grows by `m_elastic dphi - dphi K dphi/2`.
-//! Kinetic energy grows by `(v' - v) (v' + v) / 2` for each unit of mass; of an impulse `P = m p`
-//! and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w - (v' +
-//! v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the integrator's, with
-//! what works of forces at the end have over those at the mean. Nodes are in balance to rounding;
-//! where Newton's method left a torque on a segment, its product with `c` is the solver's. A joint with
-//! a law stores and dissipates what the law says; its moment before the step counts as that after it.
+//! With `m` the joint's moment at the end, elastic energy grows by `m_elastic dphi - dphi K
+//! dphi/2`. Kinetic energy grows by `(v' - v) (v' + v) / 2` for each unit of mass; of an impulse `P
+//! = m p` and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w -
+//! (v' + v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the
+//! integrator's, with what works of forces at the end have over those at the mean. Nodes are in
+//! balance to rounding; where Newton's method left a torque on a segment, its product with `c` is
+//! the solver's. A joint with a law stores and dissipates what the law says; its moment before the
+//! step counts as that after it.
 
 use super::array::{at, get, set};
 use super::chain::RotationChain;
@@ -85,8 +86,8 @@ impl<S: Simd> SimdBatch<S> {
         set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
     }
 
-    /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In lanes
-    /// that are `done` what follows sets out from its end.
+    /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In
+    /// lanes that are `done` what follows sets out from its end.
     pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
         struct Account<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
@@ -230,8 +231,8 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start of
-    /// the step beside that of its segment.
+    /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start
+    /// of the step beside that of its segment.
     #[inline(always)]
     fn book_end(
         &self,
@@ -261,8 +262,8 @@ impl<S: Simd> SimdBatch<S> {
         lines.supports = lines.supports - absorbed;
     }
 
-    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and the
-    /// torque on it but for that of its joints.
+    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and
+    /// the torque on it but for that of its joints.
     #[inline(always)]
     fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut LedgerLanes<S>) -> [V3<S>; 2] {
         let (simd, chain) = (self.chain.simd, &self.chain);

@@ -8,8 +8,8 @@
 //! cheaper, and with a potential energy to minimise in each step, which makes it robust; its time
 //! error is larger. It is the default for assemblies.
 //!
-//! Batches hold what their motion has, share what fibres are made of where these are alike, and lend each
-//! other what a solve needs beside it: a thread has room for one.
+//! Batches hold what their motion has, share what fibres are made of where these are alike, and
+//! lend each other what a solve needs beside it: a thread has room for one.
 //!
 //! [`StaggeredBatch`] moves up to eight fibres in SIMD lanes; [`Staggered`] is a batch of one
 //! behind [`crate::RodIntegrator`]. A fibre moves bit for bit alike in any company.

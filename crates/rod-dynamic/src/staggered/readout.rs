@@ -140,7 +140,8 @@ impl<S: Simd> SimdBatch<S> {
         sum
     }
 
-    /// The energy that joint `j` of one lane stores where it is turned by `strain` from its rest, J.
+    /// The energy that joint `j` of one lane stores where it is turned by `strain` from its rest,
+    /// J.
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> f64 {
         let by_law = self.chain.laws.as_ref().and_then(|laws| laws.stored(lane, j, strain));
         by_law.unwrap_or_else(|| {

@@ -310,7 +310,8 @@ impl<S: Simd> SimdBatch<S> {
         laws.iter_mut().for_each(|laws| laws.begin(&self.last_dt, turns));
     }
 
-    /// The length of rod that node `a` stands for, and that length along the tangent of `directors`.
+    /// The length of rod that node `a` stands for, and that length along the tangent of
+    /// `directors`.
     #[inline(always)]
     pub(super) fn reach(&self, directors: &[S::f64s], a: usize) -> (Lane<S>, V3<S>) {
         let half = Lane::splat(self.chain.simd, 0.5);

@@ -36,12 +36,13 @@ pub(super) struct BatchWorkspace<S: Simd> {
     /// The turns of the segments along which is searched (3), and the rotations from where (4).
     pub(super) direction: Array<S>,
     pub(super) origin: Array<S>,
-    /// Impulses in, mean velocities out (3 a node), and what is solved for them (3 and 6 a segment).
+    /// Impulses in, mean velocities out (3 a node), and what is solved for them (3 and 6 a
+    /// segment).
     pub(super) values: Array<S>,
     pub(super) loads: Array<S>,
     pub(super) solution: Array<S>,
-    /// Blocks of the inverse, on the diagonal (6 a segment) and beside it (9), and what nodes answer
-    /// themselves (6 a node).
+    /// Blocks of the inverse, on the diagonal (6 a segment) and beside it (9), and what nodes
+    /// answer themselves (6 a node).
     pub(super) diagonal: Array<S>,
     pub(super) right: Array<S>,
     pub(super) blocks: Array<S>,
@@ -58,7 +59,8 @@ pub(super) struct Kept<S: Simd> {
     pub(super) r: Array<S>,
     /// Inverses of the mass coefficients of the nodes (zero where a node is held).
     pub(super) w: Array<S>,
-    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments, between turns (9).
+    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments, between
+    /// turns (9).
     pub(super) factor: Factor<S>,
     pub(super) coupling: Array<S>,
     /// Increments of the last solve (6), and how far the tip was from where it is held.

@@ -55,9 +55,10 @@ fn warm_steps_do_not_allocate() {
     }
 }
 
-/// A segment has 10 numbers of its model and 13 of its shape and force, and remembers 7 of those; its
-/// rates are 9 numbers, their accelerations 18 more. While a step is under way from call to call, 53
-/// numbers of its solve and 3 of impulses are kept. All else is lent, also while nothing is under way.
+/// A segment has 10 numbers of its model and 13 of its shape and force, and remembers 7 of those;
+/// its rates are 9 numbers, their accelerations 18 more. While a step is under way from call to
+/// call, 53 numbers of its solve and 3 of impulses are kept. All else is lent, also while nothing
+/// is under way.
 #[test]
 fn batches_hold_what_their_motion_needs() {
     let segments = 1000;

@@ -135,8 +135,8 @@ fn equilibria_stay() {
     }
 }
 
-/// The largest amplification factor of generalised-alpha (Chung and Hulbert 1993) for `y'' = -omega^2 y`, from its
-/// amplification of `(y, dt y', dt^2 a)`.
+/// The largest amplification factor of generalised-alpha (Chung and Hulbert 1993) for `y'' =
+/// -omega^2 y`, from its amplification of `(y, dt y', dt^2 a)`.
 fn amplification(rho: f64, omega_dt: f64) -> Complex<f64> {
     let (am, af) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
     let (gamma, beta) = (0.5 - am + af, 0.25 * (1.0 - am + af).powi(2));

@@ -1,5 +1,5 @@
-//! Sections with laws: the linear one gives the rod without, a law that stiffens its closed form, one
-//! with memory its checkpoint, and the ledger closes.
+//! Sections with laws: the linear one gives the rod without, a law that stiffens its closed form,
+//! one with memory its checkpoint, and the ledger closes.
 
 use nalgebra::{Matrix3, Translation3, Vector3};
 use rapunzel_fiber::{Fiber, LinearLaw, Material, Section, SectionLaw, SectionResponse};

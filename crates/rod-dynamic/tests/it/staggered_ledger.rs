@@ -1,5 +1,5 @@
-//! Where the energy of the staggered rod goes: every step's ledger closes to rounding, its lines are
-//! what they say, and what the method in time takes vanishes with the order of the method.
+//! Where the energy of the staggered rod goes: every step's ledger closes to rounding, its lines
+//! are what they say, and what the method in time takes vanishes with the order of the method.
 
 use crate::common::{GRAVITY, chain, orders, planar_clamp, scaled};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
@@ -10,11 +10,11 @@ use rapunzel_rod_dynamic::{
     StaggeredBatch, Steady, StepError,
 };
 
-/// The error of a ledger in parts of the work of its step: rounding of the inertia of places, over the
-/// squared step.
+/// The error of a ledger in parts of the work of its step: rounding of the inertia of places, over
+/// the squared step.
 const CLOSES: f64 = 1e-9;
-/// The solver's part of it: Newton's method leaves 1e-13 rad of turns that are 1e-6 rad in the first
-/// steps of what starts from rest.
+/// The solver's part of it: Newton's method leaves 1e-13 rad of turns that are 1e-6 rad in the
+/// first steps of what starts from rest.
 const SOLVED: f64 = 1e-7;
 
 /// `None` for backward Euler.
@@ -43,8 +43,8 @@ fn lines(ledger: &Ledger) -> [f64; 10] {
 struct Books {
     batch: StaggeredBatch,
     sum: Ledger,
-    /// Largest gap in a step, largest difference from the energies of the states, and largest part of
-    /// the solver, in parts of the work of the step.
+    /// Largest gap in a step, largest difference from the energies of the states, and largest part
+    /// of the solver, in parts of the work of the step.
     worst: f64,
     off: f64,
     solver: f64,
@@ -301,8 +301,8 @@ fn backward_euler_only_loses_near_a_minimum() {
 }
 
 /// What the integrator leaves over a fixed time vanishes with the step as the method says, with a
-/// free rod and with one to which everything happens. Drag that is less along the rod is left out: the
-/// method has its difference explicit, of first order.
+/// free rod and with one to which everything happens. Drag that is less along the rod is left out:
+/// the method has its difference explicit, of first order.
 #[test]
 fn the_integrators_line_vanishes_with_the_order_of_the_method() {
     let free = |_: f64| Instant {

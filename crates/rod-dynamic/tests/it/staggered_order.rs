@@ -83,8 +83,8 @@ fn second_order_after_a_sudden_release() {
     check(Motion { varies: 0.0, damping_time: 0.1, sudden: true }, 16, 160);
 }
 
-/// Without damping, few segments have few modes: the steps resolve them all. (Less numerical damping
-/// than this needs halved steps when the end whips.)
+/// Without damping, few segments have few modes: the steps resolve them all. (Less numerical
+/// damping than this needs halved steps when the end whips.)
 #[test]
 fn second_order_in_time_after_an_undamped_release() {
     for rho in [0.0, 0.3, 0.5] {

@@ -292,7 +292,8 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     }
 }
 
-/// Other impulses that are pressed on a step that was set out on count from its next linearisation on.
+/// Other impulses that are pressed on a step that was set out on count from its next linearisation
+/// on.
 #[test]
 fn impulses_may_change_before_anything_moves() {
     let (mut batch, _) = falling(3, 1e-3);

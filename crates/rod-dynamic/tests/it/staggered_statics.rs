@@ -23,12 +23,12 @@ fn tip(fiber: &Fiber, conditions: &Instant) -> Vector3<f64> {
     state.positions[fiber.segments()].coords
 }
 
-/// All cases, S1 and S6 among them. The joint at the clamp stands for half a segment but takes
-/// its moment from the end of that, so the rod's angle there is off by `kappa' h^2 / 8`, which the
+/// All cases, S1 and S6 among them. The joint at the clamp stands for half a segment but takes its
+/// moment from the end of that, so the rod's angle there is off by `kappa' h^2 / 8`, which the
 /// boundary layer of length `1 / sqrt(G)` turns into `sqrt(G) h^2 / 8` at the tip; chords and
-/// lumped loads add as much at most, and `h^2 / 12` times what natural curvature varies by. Extrapolated from 200 and
-/// 400 segments, 1e-6 remain. Upright rods fall either way, the mirror image counts too, and a rod
-/// in space may fall out of the plane.
+/// lumped loads add as much at most, and `h^2 / 12` times what natural curvature varies by.
+/// Extrapolated from 200 and 400 segments, 1e-6 remain. Upright rods fall either way, the mirror
+/// image counts too, and a rod in space may fall out of the plane.
 #[test]
 fn heavy_planar_rods_hang_as_the_reference() {
     let cases: Vec<Elastica> = cases("b_heavy_elastica_planar.json").expect("the oracle");

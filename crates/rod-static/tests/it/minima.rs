@@ -18,9 +18,9 @@ fn tip(rest: &Rest) -> Point3<f64> {
     *rest.shape.positions().last().expect("a tip")
 }
 
-/// Level rods under any load. A segment's mean curvature is off by `kappa'' h^2 / 24`; where the rod
-/// turns by a right angle over the length `1 / sqrt(G)`, that moves the tip by `pi / 48 sqrt(G) h^2`.
-/// Twice that, and that of the unit rod, are allowed.
+/// Level rods under any load. A segment's mean curvature is off by `kappa'' h^2 / 24`; where the
+/// rod turns by a right angle over the length `1 / sqrt(G)`, that moves the tip by `pi / 48 sqrt(G)
+/// h^2`. Twice that, and that of the unit rod, are allowed.
 #[test]
 fn heavy_cantilevers_are_as_exact_as_segments_can_be() {
     let level = |case: &Elastica| case.clamp_angle_deg == 0.0 && case.kappa0 == "0";
@@ -88,8 +88,8 @@ fn heavy_chains_of_the_reference() {
     }
 }
 
-/// A round rod that stands exactly upright under more than Greenhill's load may lean any way: it leans
-/// as far as a flat one, which can only lean across its flat side. Below that load it stands.
+/// A round rod that stands exactly upright under more than Greenhill's load may lean any way: it
+/// leans as far as a flat one, which can only lean across its flat side. Below that load it stands.
 #[test]
 fn round_upright_rods_buckle() {
     let height = |across: f64, torsion: f64, load: f64, count: usize| {
@@ -118,8 +118,8 @@ fn round_upright_rods_buckle() {
     }
 }
 
-/// The least natural curvature tells a round rod where to lean: along a circle of shapes of nearly one
-/// energy it comes there.
+/// The least natural curvature tells a round rod where to lean: along a circle of shapes of nearly
+/// one energy it comes there.
 #[test]
 fn almost_straight_upright_rods_lean_as_they_are_curved() {
     for load in [8.0, 20.0, 100.0, 219.0, 1e3] {

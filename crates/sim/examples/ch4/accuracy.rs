@@ -1,5 +1,5 @@
-//! Figure 4.10: time and error of the multipole method over the number of terms; and time over the number of
-//! points.
+//! Figure 4.10: time and error of the multipole method over the number of terms; and time over the
+//! number of points.
 
 use crate::Size;
 use nalgebra::{Point3, Vector3};

@@ -1,5 +1,5 @@
-//! Potential and field across the tress at the middle of its length; figure 4.3 shows the potential of one on
-//! a grid, which `grid` of a scene writes.
+//! Potential and field across the tress at the middle of its length; figure 4.3 shows the potential
+//! of one on a grid, which `grid` of a scene writes.
 
 use crate::Size;
 use crate::film::play;
@@ -74,7 +74,8 @@ fn chart(title: &str, y: &'static str, points: Vec<[f64; 2]>) -> Drawing {
     })
 }
 
-/// From the middle of the tress on along y: distances (cm) with potentials (V), and with fields (kV/m).
+/// From the middle of the tress on along y: distances (cm) with potentials (V), and with fields
+/// (kV/m).
 fn along(world: &World) -> Result<[Vec<[f64; 2]>; 2], SimError> {
     let count = world.assembly().fibers().len();
     let middles = (0..count).map(|i| {

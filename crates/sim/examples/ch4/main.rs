@@ -1,8 +1,9 @@
-//! Draws the figures of the thesis's chapter 4 on charged hair anew, and compares what it says of them with
-//! our numbers.
+//! Draws the figures of the thesis's chapter 4 on charged hair anew, and compares what it says of
+//! them with our numbers.
 //!
-//! `cargo xtask repro ch4` runs it. Each figure is an SVG with its numbers as CSV. The tress has fewer fibers,
-//! as dense, so that all takes a minute or two; `--full` takes it as it ships, and all hairs of the half head.
+//! `cargo xtask repro ch4` runs it. Each figure is an SVG with its numbers as CSV. The tress has
+//! fewer fibers, as dense, so that all takes a minute or two; `--full` takes it as it ships, and
+//! all hairs of the half head.
 
 mod accuracy;
 mod field;
@@ -51,7 +52,8 @@ enum Size {
 }
 
 impl Size {
-    /// A scene of the folder `scenes/charge`; reduced, its tress has 60 fibers, as dense as they were.
+    /// A scene of the folder `scenes/charge`; reduced, its tress has 60 fibers, as dense as they
+    /// were.
     fn scene(self, name: &str) -> Fallible<Scene> {
         let mut scene = film::scene(&format!("charge/{name}"))?;
         if self == Self::Reduced {

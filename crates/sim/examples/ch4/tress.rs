@@ -8,8 +8,8 @@ use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_sim::scene::Dealing;
 use rapunzel_sim::{Scene, World};
 
-/// A run of a scene: pictures at `times` (s), and at every step how wide the tips are spread and how strong
-/// the mean field is.
+/// A run of a scene: pictures at `times` (s), and at every step how wide the tips are spread and
+/// how strong the mean field is.
 struct Run {
     film: Film,
     /// Time and spread, s and mm.

@@ -19,7 +19,8 @@ use rapunzel_sim::{Scene, World};
 const TIMES: [f64; 4] = [0.0, 0.1, 0.2, 0.6];
 /// Length of a step, s: method II leaves joints open by the third power of their turn in a step.
 const DT: f64 = 1.5e-4;
-/// Gaps up to which there are contacts, m: what closes in a step at four times the speed of the fall.
+/// Gaps up to which there are contacts, m: what closes in a step at four times the speed of the
+/// fall.
 const REACH: f64 = 3.0 * DT;
 /// Axial moments of the segments over those across; see [`CylinderChain::with_axial_moments`].
 const AXIAL: f64 = 1.0;
@@ -288,8 +289,8 @@ fn judged(name: &str, order: LastWord, [stiff, limp]: &[Outcome; 2]) -> [ClaimCh
     ]
 }
 
-/// Figure 8.18: springs keep loops and smooth shapes, without them fibers collapse to jagged ones. By
-/// both ways to close joints (8.5.1, 8.5.2) and both orders of Alg. 7 (8.6.5.3).
+/// Figure 8.18: springs keep loops and smooth shapes, without them fibers collapse to jagged ones.
+/// By both ways to close joints (8.5.1, 8.5.2) and both orders of Alg. 7 (8.6.5.3).
 pub(crate) fn springs(_: Size) -> Fallible<Figure> {
     // Crowds take hours: 40 limp hairs with contacts last a third of a second a step.
     let scene = Size::Reduced.scene("partly-elastic", 4, 50)?;

@@ -60,8 +60,8 @@ const LOCKS: u64 = 5;
 
 /// Figure 8.19: the box around a lock on a ball after 0.7 s, with three kinds of friction.
 ///
-/// A box is as wide as its outermost hairs, and where a single hair comes to lie is chance: compared are
-/// means of several locks.
+/// A box is as wide as its outermost hairs, and where a single hair comes to lie is chance:
+/// compared are means of several locks.
 pub(crate) fn volumes(size: Size) -> Fallible<Figure> {
     let mut pictures = Vec::new();
     let mut volumes = Vec::new();

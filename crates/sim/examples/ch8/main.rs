@@ -1,8 +1,9 @@
-//! Repeats the examples of the thesis's section 8.6, and its curve of combing (2.19), and compares what
-//! it says of them with our numbers.
+//! Repeats the examples of the thesis's section 8.6, and its curve of combing (2.19), and compares
+//! what it says of them with our numbers.
 //!
-//! `cargo xtask repro ch8` runs it. Each figure is an SVG with its numbers as CSV. Scenes are those that
-//! ship, with fewer fibers so that all takes some minutes; `--full` takes them as they are, and hours.
+//! `cargo xtask repro ch8` runs it. Each figure is an SVG with its numbers as CSV. Scenes are those
+//! that ship, with fewer fibers so that all takes some minutes; `--full` takes them as they are,
+//! and hours.
 
 mod chains;
 mod comb;

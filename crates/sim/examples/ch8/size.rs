@@ -15,8 +15,8 @@ pub(crate) enum Size {
 }
 
 impl Size {
-    /// A scene of the folder `scenes/contact`; reduced, every bundle has `count` fibers of `segments`
-    /// segments, as dense as they were.
+    /// A scene of the folder `scenes/contact`; reduced, every bundle has `count` fibers of
+    /// `segments` segments, as dense as they were.
     pub(crate) fn scene(self, name: &str, count: usize, segments: usize) -> Fallible<Scene> {
         let mut scene = scene(&format!("contact/{name}"))?;
         if self == Self::Reduced {
@@ -33,7 +33,8 @@ impl Size {
     }
 }
 
-/// Runs a scene and takes pictures at `times`, s; `observe` sees its start and what every step leaves.
+/// Runs a scene and takes pictures at `times`, s; `observe` sees its start and what every step
+/// leaves.
 pub(crate) fn filmed(
     scene: &Scene,
     times: &[f64],

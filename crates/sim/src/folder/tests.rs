@@ -184,8 +184,8 @@ fn an_answer_replaces_an_answer_and_nothing_else() {
 
 #[cfg(unix)]
 proptest! {
-    /// Links and files anywhere in a folder, with any names of ours: whatever becomes of the run, nothing
-    /// outside changes and nothing foreign does.
+    /// Links and files anywhere in a folder, with any names of ours: whatever becomes of the run,
+    /// nothing outside changes and nothing foreign does.
     #[test]
     fn planted_files_and_links_are_not_touched(
         planted in prop::collection::vec((0..8_usize, 0..3_u8), 0..4),

@@ -25,8 +25,8 @@ const BENDING_STEPS: f64 = 400.0;
 const PERIODS: f64 = 8.2;
 const SKIPPED: usize = 800;
 
-/// Lays a hair over a thin hook, with a weight at each end, and reads the distance of its legs. It bends
-/// about its long axis: a flat hair lies flat.
+/// Lays a hair over a thin hook, with a weight at each end, and reads the distance of its legs. It
+/// bends about its long axis: a flat hair lies flat.
 pub(super) fn hook(sample: &LabSample) -> Result<Reading, SimError> {
     let (hair, climate) = (sample.hair()?, &sample.climate);
     let node = hair.node(climate)?;
@@ -60,8 +60,8 @@ pub(super) fn hook(sample: &LabSample) -> Result<Reading, SimError> {
     Ok(Reading { numbers, record: Record { axes: ["across (mm)", "height (mm)"], points } })
 }
 
-/// Lets a clamped hair swing in its lowest mode, about its long axis, with the loss tangent that was
-/// measured so (line 638 of the thesis).
+/// Lets a clamped hair swing in its lowest mode, about its long axis, with the loss tangent that
+/// was measured so (line 638 of the thesis).
 pub(super) fn oscillation(sample: &LabSample) -> Result<Reading, SimError> {
     let mut node = sample.node()?;
     node.stiffness.y = node.stiffness.x;

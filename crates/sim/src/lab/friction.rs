@@ -21,13 +21,14 @@ const VELOCITY: f64 = 0.01;
 const DT: f64 = 1e-3;
 const CAPSTAN_STEPS: usize = 100;
 
-/// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of its
-/// ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
+/// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of
+/// its ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
 pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let on = FrictionSurface::Nylon;
     let wetness = sample.wetness();
     let section = sample.hair()?.section(&sample.climate);
-    // The segments are chords whose middles touch the cylinder; the legs end half a segment above it.
+    // The segments are chords whose middles touch the cylinder; the legs end half a segment above
+    // it.
     let turn = PI / ARC as f64;
     let axis = (RADIUS + section.equivalent_radius()) * (1.0 + turn * turn / 12.0);
     let segment = axis * turn;

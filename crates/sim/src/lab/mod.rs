@@ -1,8 +1,8 @@
 //! The laboratory: the instruments of chapter 2, run on simulated hairs.
 //!
-//! Each instrument builds a fibre or a tress of a [`LabSample`], moves it, and evaluates what it reads by
-//! the formula of [`rapunzel_keratin::lab`]. Where the reading is a number that was put into the hair,
-//! both are told.
+//! Each instrument builds a fibre or a tress of a [`LabSample`], moves it, and evaluates what it
+//! reads by the formula of [`rapunzel_keratin::lab`]. Where the reading is a number that was put
+//! into the hair, both are told.
 
 mod bending;
 mod curls;
@@ -20,8 +20,8 @@ use rapunzel_keratin::lab::Instrument;
 /// Measures a sample. Costs milliseconds (tensile test) to some ten seconds (combing).
 ///
 /// # Errors
-/// [`SimError::Laboratory`] where the sample is not known in the climate; [`SimError::Step`] and others
-/// if its hair cannot be moved.
+/// [`SimError::Laboratory`] where the sample is not known in the climate; [`SimError::Step`] and
+/// others if its hair cannot be moved.
 pub fn measure(instrument: Instrument, sample: &LabSample) -> Result<Reading, SimError> {
     match instrument {
         Instrument::Tensile => tension::tensile(sample),

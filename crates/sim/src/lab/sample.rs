@@ -39,8 +39,8 @@ pub struct Number {
     pub unit: &'static str,
     /// What was read.
     pub value: f64,
-    /// What the formula should give for what was put into the hair, with the bias that it is known to
-    /// have, if it is such a number.
+    /// What the formula should give for what was put into the hair, with the bias that it is known
+    /// to have, if it is such a number.
     pub put_in: Option<f64>,
 }
 

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 /// Length of the hair, m, and its segments.
 const PENDULUM_LENGTH: f64 = 0.05;
 const PENDULUM_SEGMENTS: usize = 10;
-/// Mass of the bob, kg; its inertia is such that the hair swings with 1 rad/s, where the moduli of one that
-/// fades are those of the tables.
+/// Mass of the bob, kg; its inertia is such that the hair swings with 1 rad/s, where the moduli of
+/// one that fades are those of the tables.
 const MASS: f64 = 1e-4;
 const PERIOD: f64 = TAU;
 /// Twist at the start, rad.
@@ -50,8 +50,8 @@ pub(super) fn pendulum(sample: &LabSample) -> Result<Reading, SimError> {
     let section = hair.section(climate);
     let rigidity = pendulum::rigidity(inertia, PENDULUM_LENGTH, found.period)?;
     let modulus = pendulum::shear_modulus(rigidity, section.area())?;
-    // The formulas take a circle, an elastic hair, and its period. Of a hair that fades with a power of
-    // time the modulus is that of 1 rad/s.
+    // The formulas take a circle, an elastic hair, and its period. Of a hair that fades with a
+    // power of time the modulus is that of 1 rad/s.
     let power = fading_power(decrement);
     let fading =
         (1.0 + (decrement / TAU).powi(2)).powf(0.5 * power - 1.0) / (0.25 * TAU * power).cos();

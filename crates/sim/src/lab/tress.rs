@@ -58,8 +58,8 @@ pub(super) fn volume(sample: &LabSample) -> Result<Reading, SimError> {
     Ok(Reading { numbers, record: Record { axes: ["time (s)", "volume (cm^3)"], points } })
 }
 
-/// Draws a comb of nylon through a tress, wet where the air is saturated, and reads the force down the
-/// hair of all teeth together.
+/// Draws a comb of nylon through a tress, wet where the air is saturated, and reads the force down
+/// the hair of all teeth together.
 pub(super) fn combing(sample: &LabSample) -> Result<Reading, SimError> {
     let wet = if sample.wetness() == Wetness::Wet { "Wet" } else { "Dry" };
     let teeth = PLACES.map(|x| TOOTH.replace("PLACE", &format!("{x:?}"))).join(", ");
@@ -77,8 +77,8 @@ pub(super) fn combing(sample: &LabSample) -> Result<Reading, SimError> {
     Ok(Reading { numbers, record: Record { axes: ["time (s)", "force on the comb (mN)"], points } })
 }
 
-/// Runs a scene with fibres of the sample, and reads it after every step: `[time, reading]`. A hair that
-/// slips off a tooth takes some ms: fewer readings would cut the peaks of the force.
+/// Runs a scene with fibres of the sample, and reads it after every step: `[time, reading]`. A hair
+/// that slips off a tooth takes some ms: fewer readings would cut the peaks of the force.
 fn run(
     sample: &LabSample,
     mut scene: Scene,

@@ -19,10 +19,10 @@ const FARTHEST: f64 = 2.0;
 /// Capsules in the frame of an object that together with the other's field tell all places of
 /// contact: a round shape as it is, else all edges. A plane has none.
 ///
-/// Edges get a `radius`, m, or less if the object is thin, and lie by as much within the surface, so
-/// that faces are where they were. The field of the other is asked on their axes, and so on its outside
-/// as long as things are in each other by less than the radius: inside, the nearest face is told by
-/// chance where edge lies on edge.
+/// Edges get a `radius`, m, or less if the object is thin, and lie by as much within the surface,
+/// so that faces are where they were. The field of the other is asked on their axes, and so on its
+/// outside as long as things are in each other by less than the radius: inside, the nearest face is
+/// told by chance where edge lies on edge.
 pub(super) fn edge_capsules(shape: &ObjectShape, surface: &Soup, radius: f64) -> Vec<Capsule> {
     match shape {
         ObjectShape::Plane { .. } => Vec::new(),

@@ -95,8 +95,8 @@ pub(crate) fn build_object(
     Ok(CollisionObject::new(geometry, motion, friction, restitution))
 }
 
-/// Field and surface of a shape that is no file. Of a plane a square about the origin is shown, with
-/// sides of twice the longest fibre.
+/// Field and surface of a shape that is no file. Of a plane a square about the origin is shown,
+/// with sides of twice the longest fibre.
 fn solid(shape: &ObjectShape, around: &Sizes) -> Result<(Field, Soup), CollisionError> {
     Ok(match shape {
         ObjectShape::Plane { normal } => {

@@ -25,8 +25,8 @@ const MANIFEST: &str = "frames/frame-manifest.usda";
 /// Writes a file for every frame, and at the end those that hold many.
 ///
 /// A frame's VTP holds it at full precision; what needs all frames reads them back from there, so
-/// that neither memory nor a restart matters. All other files are made of those, each by itself: one
-/// that cannot be written costs no other.
+/// that neither memory nor a restart matters. All other files are made of those, each by itself:
+/// one that cannot be written costs no other.
 #[derive(Debug)]
 pub(crate) struct FrameWriter {
     folder: PathBuf,

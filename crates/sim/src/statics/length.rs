@@ -20,7 +20,8 @@ pub(super) fn find_length(case: &Case, wish: &Wish) -> Result<Length, SimError> 
     let from = Vector3::from(case.clamp.position);
     let way = case.end.position().map_or(0.0, |end| (Vector3::from(end) - from).norm());
     let shortest = case.length.max(way * (1.0 + SLACK));
-    // From one length to the next the rod changes little: a search from all starts is the last resort.
+    // From one length to the next the rod changes little: a search from all starts is the last
+    // resort.
     let of = |length: f64, beside: Option<&CaseEquilibrium>| -> Option<CaseEquilibrium> {
         let case = Case { length, all_with_turns: None, ..case.clone() };
         let found = beside.and_then(|beside| near(&case, beside));

@@ -17,9 +17,9 @@ const COLUMNS: &str = "s (m),x (m),y (m),z (m),d1x,d1y,d1z,d2x,d2y,d2z,d3x,d3y,d
 nz (N),mx (N m),my (N m),mz (N m),kappa1 (1/m),kappa2 (1/m),kappa3 (1/m)";
 
 impl CaseAnswer {
-    /// Writes the answer into a folder, which is made, in the place of an older one: `rod-0.csv` and so on, a table for each
-    /// equilibrium; `rods.vtp`, all of them for ParaView; `preview.png`, with what holds the rod of
-    /// the case; and `answer.json`.
+    /// Writes the answer into a folder, which is made, in the place of an older one: `rod-0.csv`
+    /// and so on, a table for each equilibrium; `rods.vtp`, all of them for ParaView;
+    /// `preview.png`, with what holds the rod of the case; and `answer.json`.
     ///
     /// # Errors
     /// Errors of [`claim`]; files that cannot be written.

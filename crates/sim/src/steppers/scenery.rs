@@ -24,7 +24,8 @@ pub(super) fn fiber_nodes(fibers: &dyn FiberStates) -> Vec<usize> {
     (0..layout.fibers()).map(|fiber| layout.node_range(fiber).len()).collect()
 }
 
-/// All fibres as they are now, one after another: all strands together are half as much as the state.
+/// All fibres as they are now, one after another: all strands together are half as much as the
+/// state.
 pub(super) fn fiber_strands(fibers: &dyn FiberStates) -> impl Iterator<Item = Strand> {
     let assembly = fibers.assembly();
     (0..assembly.fibers().len()).map(move |fiber| {
@@ -64,8 +65,9 @@ impl Scenery {
         Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene) }
     }
 
-    /// The scenery of a mass-spring system at its start: lines, which are a guide to its surface if it
-    /// has one. `places` are strand and point of nodes, `is_held` tells whether something holds a node.
+    /// The scenery of a mass-spring system at its start: lines, which are a guide to its surface if
+    /// it has one. `places` are strand and point of nodes, `is_held` tells whether something holds
+    /// a node.
     pub(crate) fn of_springs(
         scene: &MassSpring,
         lines: usize,

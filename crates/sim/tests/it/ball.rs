@@ -29,8 +29,8 @@ fn middles(friction: FrictionLaw, time: f64) -> Vec<Point3<f64>> {
     (0..run.fibers()).map(|fiber| run.positions(fiber)[10]).collect()
 }
 
-/// Thesis 8.6.1: with friction all hairs stay on top of the ball, which is at z = -15 mm; without it
-/// they part, and no middle is near the top any more.
+/// Thesis 8.6.1: with friction all hairs stay on top of the ball, which is at z = -15 mm; without
+/// it they part, and no middle is near the top any more.
 #[test]
 fn a_bundle_splits_without_friction_and_rests_with_it() {
     let rough = middles(FrictionLaw::Isotropic(0.3), 0.4);

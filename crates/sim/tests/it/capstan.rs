@@ -1,6 +1,6 @@
 //! An elastic rod over a drum. H. Singh, Planar equilibria of an elastic rod wrapped around a
-//! circular capstan, J. Elast. 151 (2022): its loads differ without friction too, and with friction their
-//! ratio is not Euler's.
+//! circular capstan, J. Elast. 151 (2022): its loads differ without friction too, and with friction
+//! their ratio is not Euler's.
 
 use crate::common::Run;
 use nalgebra::Vector3;
@@ -23,11 +23,13 @@ struct Rest {
     ends: [f64; 2],
 }
 
-/// A straight rod that lies level on a drum which turns toward its tip. Its root is held in a ball joint,
-/// three radii beside the axis, its tip bears loads downward, one after the other, nine radii on the other
-/// side: lightly loaded it is a seesaw, else it goes about a quarter of the drum.
+/// A straight rod that lies level on a drum which turns toward its tip. Its root is held in a ball
+/// joint, three radii beside the axis, its tip bears loads downward, one after the other, nine
+/// radii on the other side: lightly loaded it is a seesaw, else it goes about a quarter of the
+/// drum.
 ///
-/// A thin rod: the place where it touches is known only to where gaps differ by a thousandth of its radius.
+/// A thin rod: the place where it touches is known only to where gaps differ by a thousandth of its
+/// radius.
 fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
     let thin = 1e-5_f64;
     let modulus = 4.0 / (PI * thin.powi(4));
@@ -75,15 +77,16 @@ fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
     rests.collect()
 }
 
-/// The ratio that a rod at rest has by the balance of material forces: along what does not touch, and
-/// where contacts push but do not rub, `T + B kappa^2 / 2` stays what it is, with the tension `T`. Of a
-/// leg with force `F` it is `F cos` of the angle between force and rod at its end, and if it leaves the
-/// drum with `kappa` it has turned from the force's direction by the angle with
-/// `F (cos end - cos angle) = B kappa^2 / 2`.
+/// The ratio that a rod at rest has by the balance of material forces: along what does not touch,
+/// and where contacts push but do not rub, `T + B kappa^2 / 2` stays what it is, with the tension
+/// `T`. Of a leg with force `F` it is `F cos` of the angle between force and rod at its end, and if
+/// it leaves the drum with `kappa` it has turned from the force's direction by the angle with `F
+/// (cos end - cos angle) = B kappa^2 / 2`.
 ///
-/// Either the legs turn by all of the angle between the forces, and the rod touches at a point; or by less,
-/// with the drum's curvature, and between them it lies on the drum. Where a leg leaves it, shear
-/// `F sin angle` ends in a point force that rubs too, and in between tension grows as Euler's formula says.
+/// Either the legs turn by all of the angle between the forces, and the rod touches at a point; or
+/// by less, with the drum's curvature, and between them it lies on the drum. Where a leg leaves it,
+/// shear `F sin angle` ends in a point force that rubs too, and in between tension grows as Euler's
+/// formula says.
 ///
 /// Returns the ratio, and the curvature on the drum in parts of the drum's.
 fn expected(rest: &Rest, mu: f64) -> [f64; 2] {
@@ -120,8 +123,8 @@ fn ratios(mu: f64, loads: &[f64]) -> Vec<f64> {
             rest.load, rest.ratio
         );
         let step = SEGMENT / RADIUS;
-        // The formula of chords in place of Euler's is off by mu angle / 12 of the squared turn of a
-        // segment, and lengths of legs and radii by as much.
+        // The formula of chords in place of Euler's is off by mu angle / 12 of the squared turn of
+        // a segment, and lengths of legs and radii by as much.
         let mut bounds =
             [1.0 - 0.25 * step * step, 1.0 + 0.25 * step * step].map(|part| part * ratio);
         if bent < 0.999 {
@@ -138,9 +141,9 @@ fn ratios(mu: f64, loads: &[f64]) -> Vec<f64> {
     rests.iter().map(|rest| rest.ratio).collect()
 }
 
-/// Lightly loaded the rod is a seesaw, and the shorter arm bears more; a load that winds it about the drum
-/// makes it a rope. In between the ratio is less than either: bending takes more of the tension where it
-/// is small.
+/// Lightly loaded the rod is a seesaw, and the shorter arm bears more; a load that winds it about
+/// the drum makes it a rope. In between the ratio is less than either: bending takes more of the
+/// tension where it is small.
 #[test]
 fn the_ratio_of_loads_has_a_minimum() {
     let mu = 0.3;
@@ -153,7 +156,8 @@ fn the_ratio_of_loads_has_a_minimum() {
     assert!((ratios[5] / euler - 1.0).abs() < 0.02, "{ratios:?} {euler}");
 }
 
-/// Without friction it is the cosine of the angle between force and rod at the tip over that at the root.
+/// Without friction it is the cosine of the angle between force and rod at the tip over that at the
+/// root.
 #[test]
 fn loads_differ_without_friction() {
     let ratios = ratios(0.0, &[0.1, 0.3, 30.0]);

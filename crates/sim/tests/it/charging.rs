@@ -27,8 +27,9 @@ fn apart(a: &[Vec<Point3<f64>>], b: &[Vec<Point3<f64>>]) -> f64 {
     nodes.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// T14: two clamped fibres side by side without gravity. Their tips part by the deflection under the
-/// repulsion of straight ones, T3, by the unit-load theorem; they move by 1e-4 of their distance.
+/// T14: two clamped fibres side by side without gravity. Their tips part by the deflection under
+/// the repulsion of straight ones, T3, by the unit-load theorem; they move by 1e-4 of their
+/// distance.
 #[test]
 fn a_cantilever_pair_parts_by_the_closed_form() {
     let fiber = |x: f64| {
@@ -52,29 +53,32 @@ fn a_cantilever_pair_parts_by_the_closed_form() {
     let load = |s: f64| profile(s) * s * s * (3.0 * length - s) / 6.0;
     let exact =
         (0..steps).map(|k| load(at(k))).sum::<f64>() * length / f64::from(steps) / STIFFNESS;
-    // In the limit of long fibres it is 1.843e-4 cm; what is missing are the ends, of the order of d/L.
+    // In the limit of long fibres it is 1.843e-4 cm; what is missing are the ends, of the order of
+    // d/L.
     let limit = factor * length.powi(4) / (4.0 * d * STIFFNESS);
     assert!((limit / 1.843e-6 - 1.0).abs() < 1e-3, "{limit}");
     assert!((1.0..1.0 + 2.0 * d / length).contains(&(limit / exact)), "{exact}");
     for (fiber, sign, start) in [(0, -1.0, 0.0), (1, 1.0, d)] {
         let tip = run.positions(fiber)[200];
         let moved = sign * (tip.x - start);
-        // Of the first order in the segments over the distance is what the rules of the loads leave.
+        // Of the first order in the segments over the distance is what the rules of the loads
+        // leave.
         assert!((moved / exact - 1.0).abs() < 1e-3, "{moved} m, not {exact}");
     }
 }
 
-/// T15: an upright hair in a field along it stays upright as long as `w - lambda E` is below Greenhill's
-/// `7.83735 EI/L^3`, and else leans. If it is not quite straight that decides where to: of the height
-/// `curvature L^2/2` it leans fifty times 2 % below the limit. If it is, it leans anywhere.
+/// T15: an upright hair in a field along it stays upright as long as `w - lambda E` is below
+/// Greenhill's `7.83735 EI/L^3`, and else leans. If it is not quite straight that decides where to:
+/// of the height `curvature L^2/2` it leans fifty times 2 % below the limit. If it is, it leans
+/// anywhere.
 #[test]
 fn a_field_holds_a_hair_upright() {
     let length = 0.3_f64;
     let density = units::THESIS_LINE_DENSITY.abs();
     let critical = (WEIGHT - 7.837_35 * STIFFNESS / length.powi(3)) / density;
     assert!((critical - 2.4e6).abs() < 0.1e6, "{critical} V/m");
-    // A buckled rod leans by the root of how far it is beyond; 2 % of the critical load are 1 % of the
-    // field here.
+    // A buckled rod leans by the root of how far it is beyond; 2 % of the critical load are 1 % of
+    // the field here.
     let margin = 0.02 * 7.837_35 * STIFFNESS / length.powi(3) / density;
     let fields = [(critical + margin, true), (critical - margin, false)];
     for ((field, upright), curvature) in fields.into_iter().flat_map(|f| [(f, 1e-5), (f, 0.0)]) {
@@ -94,8 +98,9 @@ fn a_field_holds_a_hair_upright() {
     }
 }
 
-/// T17 and lift-off: the thesis's tress, so stiff that it stays as it is. The mean field on its charges is
-/// 13.5 kV/m, at 12 cm it is 0.86 kV/m, and at 89 pC a hair the force on its edge is the weight.
+/// T17 and lift-off: the thesis's tress, so stiff that it stays as it is. The mean field on its
+/// charges is 13.5 kV/m, at 12 cm it is 0.86 kV/m, and at 89 pC a hair the force on its edge is the
+/// weight.
 #[test]
 fn the_tress_has_its_field_and_its_charge_of_lift_off() {
     let mut run = Run::read(
@@ -118,8 +123,8 @@ fn the_tress_has_its_field_and_its_charge_of_lift_off() {
     assert!((lift_off / 89e-12 - 1.0).abs() < 0.1, "{lift_off} C a hair");
 }
 
-/// T23: dealt at once or in portions, equal or ever smaller, the charge brings a small tress to the same
-/// equilibrium within 1e-6 m, also where it bends far.
+/// T23: dealt at once or in portions, equal or ever smaller, the charge brings a small tress to the
+/// same equilibrium within 1e-6 m, also where it bends far.
 #[test]
 fn the_way_of_dealing_does_not_matter() {
     for (charge, gravity, far) in [(-7.7e-4, 0.0, 1e-3), (-7.7e-3, -9.81, 3e-3)] {
@@ -139,8 +144,8 @@ fn the_way_of_dealing_does_not_matter() {
     }
 }
 
-/// A hair beside a charged or earthed ball is where it is beside the same ball by boundary elements: with
-/// 2048 triangles these are right to 2 %.
+/// A hair beside a charged or earthed ball is where it is beside the same ball by boundary
+/// elements: with 2048 triangles these are right to 2 %.
 #[test]
 fn a_ball_is_its_images_or_its_triangles() {
     let moved = |shape: &str, held: &str| {
@@ -162,8 +167,8 @@ fn a_ball_is_its_images_or_its_triangles() {
     assert!((triangles / images - 1.0).abs() < 0.02, "{triangles} m, not {images}");
 }
 
-/// T22 in the scene: on a hair whose root touches a small earthed ball the first mode falls by the factor
-/// of implicit Euler's method in each step; insulated, its charge stays.
+/// T22 in the scene: on a hair whose root touches a small earthed ball the first mode falls by the
+/// factor of implicit Euler's method in each step; insulated, its charge stays.
 #[test]
 fn a_humid_hair_is_discharged_to_the_head() {
     let (length, steps) = (0.3, 20);
@@ -193,7 +198,8 @@ fn a_humid_hair_is_discharged_to_the_head() {
     }
 }
 
-/// Humidity that rises under a charge leaves the fibres where they are if they are wet from the start.
+/// Humidity that rises under a charge leaves the fibres where they are if they are wet from the
+/// start.
 #[test]
 fn wet_hair_is_wet_hair() {
     let end = |humidity: &str| {
@@ -329,8 +335,8 @@ fn bad_heads_are_refused() {
     }
 }
 
-/// The scenes with charge that ship are sound, survive writing, and take their first portion with fewer
-/// fibres; the head that ships is the ellipsoid that its first line says.
+/// The scenes with charge that ship are sound, survive writing, and take their first portion with
+/// fewer fibres; the head that ships is the ellipsoid that its first line says.
 #[test]
 fn the_scenes_that_ship_settle() {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/charge"));

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 
 /// Radius of the hairs, m.
 const RADIUS: f64 = 3.5e-5;
-/// How far what touches gives way, m/N: with the weight of a hair by twice what `depth` leaves of what is rigid.
+/// How far what touches gives way, m/N: with the weight of a hair by twice what `depth` leaves of
+/// what is rigid.
 const COMPLIANCE: f64 = 30.0;
 
 /// A short free hair across a slope, along which x goes down and z out of it.
@@ -23,8 +24,9 @@ fn hair_on(slope: f64, dt: f64) -> Run {
     ))
 }
 
-/// What touches is pressed in, and gives way to friction, by what its force makes of the compliance; then it
-/// stays, for ever and whatever the steps: what has given way once does so no more.
+/// What touches is pressed in, and gives way to friction, by what its force makes of the
+/// compliance; then it stays, for ever and whatever the steps: what has given way once does so no
+/// more.
 #[test]
 fn a_hair_sinks_in_and_does_not_creep() {
     for dt in [1e-3, 2.5e-4] {
@@ -54,8 +56,8 @@ fn a_hair_sinks_in_and_does_not_creep() {
     }
 }
 
-/// What gives way slides at the same friction: down a slope of 0.45, once what it stands on has been pressed in,
-/// with the acceleration that its normal force leaves.
+/// What gives way slides at the same friction: down a slope of 0.45, once what it stands on has
+/// been pressed in, with the acceleration that its normal force leaves.
 #[test]
 fn friction_keeps_its_limit() {
     let (slope, dt) = (0.45_f64, 1e-3);
@@ -74,8 +76,9 @@ fn friction_keeps_its_limit() {
     }
 }
 
-/// A ball that meets the ground is half a swing of a spring there and leaves: without restitution it keeps what
-/// backward Euler leaves of such a swing, `(1 + (w dt)^2)^(-1/2)` a step, and all of it where steps are short.
+/// A ball that meets the ground is half a swing of a spring there and leaves: without restitution
+/// it keeps what backward Euler leaves of such a swing, `(1 + (w dt)^2)^(-1/2)` a step, and all of
+/// it where steps are short.
 #[test]
 fn a_soft_ground_throws_a_ball_back() {
     let (mass, compliance, speed) = (1e-5_f64, 1e-2, 0.1);
@@ -110,7 +113,8 @@ fn a_soft_ground_throws_a_ball_back() {
     }
 }
 
-/// How far what touches has given way is told by what it bore: a run goes on from a snapshot as it would have.
+/// How far what touches has given way is told by what it bore: a run goes on from a snapshot as it
+/// would have.
 #[test]
 fn what_has_given_way_survives_a_snapshot() {
     let [mut run, mut other] = [0, 1].map(|_| hair_on(0.2, 1e-3));

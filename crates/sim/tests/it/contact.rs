@@ -133,8 +133,8 @@ fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
 }
 
 /// A small tress falls onto a ball with half a metre per second and buckles: every step within its
-/// tolerances, nothing crosses, and the energy only falls; whether all contacts are solved at once or, in
-/// the end, one after the other, which takes fewer iterations.
+/// tolerances, nothing crosses, and the energy only falls; whether all contacts are solved at once
+/// or, in the end, one after the other, which takes fewer iterations.
 #[test]
 fn a_tress_lands_on_a_ball() {
     let tress = "(length: 0.06, segments: 24, section: Circle(radius: 3.5e-5), \
@@ -252,10 +252,10 @@ fn scales_hold_one_way_only() {
     assert!((slid(-1.0) - expected).abs() < 1e-3 * expected, "{} for {expected}", slid(-1.0));
 }
 
-/// The force of a plane on a straight hair whose clamped root is led toward it, exactly along the hair,
-/// until the ends are nearer by `shortening`, as a part of the length; of Euler's load of a rod that is
-/// clamped at one end and hinged at the other. The end must not creep while the hair buckles: a hinge
-/// beside the axis bears less.
+/// The force of a plane on a straight hair whose clamped root is led toward it, exactly along the
+/// hair, until the ends are nearer by `shortening`, as a part of the length; of Euler's load of a
+/// rod that is clamped at one end and hinged at the other. The end must not creep while the hair
+/// buckles: a hinge beside the axis bears less.
 fn end_thrust(shortening: f64) -> f64 {
     let (length, radius, modulus) = (0.02, 3.5e-5_f64, 4e9);
     let mut run = Run::read(&format!(
@@ -277,7 +277,8 @@ fn end_thrust(shortening: f64) -> f64 {
     run.world.force_on(0).z / euler
 }
 
-/// To which side, nothing tells: the fibre is straight to the last digit, and pressed along its axis.
+/// To which side, nothing tells: the fibre is straight to the last digit, and pressed along its
+/// axis.
 #[test]
 fn a_straight_hair_that_is_pressed_end_on_buckles() {
     let [near, far] = [0.01, 0.02].map(end_thrust);
@@ -309,7 +310,8 @@ fn pack(rows: i32, columns: i32, gap: f64, mu: f64) -> Run {
     Run::read(&scene(&fibers, &planes.join(", "), mu, -9.81, 1e-3))
 }
 
-/// What they bore in the step before they bear again, so that a step takes one solve of all contacts.
+/// What they bore in the step before they bear again, so that a step takes one solve of all
+/// contacts.
 #[test]
 fn what_rests_is_hardly_solved_again() {
     let mut run = pack(5, 6, 1e-6, 0.3);
@@ -320,8 +322,8 @@ fn what_rests_is_hardly_solved_again() {
     assert!(solves <= 22, "{reports:?}");
 }
 
-/// Every hair is held by six others, and far more impulses hold them than there are ways to move: the solver
-/// must not look for more digits than are told of it.
+/// Every hair is held by six others, and far more impulses hold them than there are ways to move:
+/// the solver must not look for more digits than are told of it.
 #[test]
 fn what_is_packed_finds_its_rest() {
     let mut run = pack(12, 12, 7e-8, 0.5);

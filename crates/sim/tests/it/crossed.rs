@@ -1,8 +1,8 @@
 //! A fibre that lies across a bar: the references of `e_contact.json`.
 //!
 //! The crossed beams of that file are of linear theory, with deflections of a tenth to a quarter of
-//! the length and supports that slide: rods of constant length cannot show them, but the tests of the
-//! crate `contact` run them with bodies of that theory.
+//! the length and supports that slide: rods of constant length cannot show them, but the tests of
+//! the crate `contact` run them with bodies of that theory.
 
 use crate::common::Run;
 use nalgebra::Vector3;
@@ -44,8 +44,8 @@ fn crossed() -> Vec<Crossed> {
 /// A number of a case: its name, what the file has, and what the stepper finds.
 type Field = (String, f64, f64);
 
-/// A case once at rest, as a rod of 1 m and 1 N m^2 on a bar. It is thin: the place where it touches is
-/// known only to where gaps differ by a thousandth of its radius.
+/// A case once at rest, as a rod of 1 m and 1 N m^2 on a bar. It is thin: the place where it
+/// touches is known only to where gaps differ by a thousandth of its radius.
 fn found(case: &Crossed, segments: usize) -> Vec<Field> {
     let radius = 1e-4 * case.sum_of_radii;
     let bar = case.sum_of_radii - radius;
@@ -105,10 +105,11 @@ fn found(case: &Crossed, segments: usize) -> Vec<Field> {
     fields
 }
 
-/// A chain of straight segments touches the bar as much as `h^2 kappa / 8` nearer than an arc would, and
-/// its own bending is of second order, as are the mean frame and the curvature at a node: all errors fall
-/// as `h^2`. The factors are not derived: they are up to six times what is found. The normal alone may be that of any place of the
-/// segment that touches: half of what it turns by, `h kappa / 2`.
+/// A chain of straight segments touches the bar as much as `h^2 kappa / 8` nearer than an arc
+/// would, and its own bending is of second order, as are the mean frame and the curvature at a
+/// node: all errors fall as `h^2`. The factors are not derived: they are up to six times what is
+/// found. The normal alone may be that of any place of the segment that touches: half of what it
+/// turns by, `h kappa / 2`.
 #[test]
 fn a_fiber_across_a_bar() {
     let cases = crossed();

@@ -30,9 +30,9 @@ fn bundle(seed: u64, tip: &str) -> Run {
     ))
 }
 
-/// Between no two states do the axes of any two segments come nearer than half a diameter, and after
-/// every step no two are nearer than 0.98 diameters but for the segments of one bend. Returns most contacts
-/// of a step, and the fastest node at the end of one, m/s.
+/// Between no two states do the axes of any two segments come nearer than half a diameter, and
+/// after every step no two are nearer than 0.98 diameters but for the segments of one bend. Returns
+/// most contacts of a step, and the fastest node at the end of one, m/s.
 fn stays_apart(run: &mut Run, steps: usize) -> (usize, f64) {
     let mut before = run.all_positions();
     let (mut active, mut depth, mut fastest) = (0, 0.0_f64, 0.0_f64);
@@ -101,9 +101,9 @@ fn over_a_ball(count: usize, tip: &str, dt: f64) -> Run {
     ))
 }
 
-/// A weight of 1 g, some thousands of that of the hair, draws each hair down over a ball and taut, at once
-/// and slowly. It is a force alone, which no mass holds back: they come faster than with the mass of 1 g, at
-/// some 1 m/s.
+/// A weight of 1 g, some thousands of that of the hair, draws each hair down over a ball and taut,
+/// at once and slowly. It is a force alone, which no mass holds back: they come faster than with
+/// the mass of 1 g, at some 1 m/s.
 #[test]
 fn a_gram_at_each_tip_draws_a_bundle_over_a_ball() {
     for (profile, dt) in [("Constant", 1e-3), ("Ramp(until: 0.02)", 1e-3), ("Constant", 1e-4)] {
@@ -111,15 +111,16 @@ fn a_gram_at_each_tip_draws_a_bundle_over_a_ball() {
         let mut run = over_a_ball(12, &weight, dt);
         let (active, fastest) = stays_apart(&mut run, 20);
         assert!(active > 100 && fastest > 1.0, "{profile}, {dt} s: {active}, {fastest} m/s");
-        // Taut: level to the top, a quarter of the ball, and the rest down, but for what is off the plane.
+        // Taut: level to the top, a quarter of the ball, and the rest down, but for what is off the
+        // plane.
         let lowest = 0.05 - 0.015 - 0.5 * std::f64::consts::PI * 0.01;
         let tips = (0..run.fibers()).map(|i| run.positions(i)[40].z + lowest);
         assert!(tips.clone().all(|z| z.abs() < 1e-3), "{profile}: {:?}", tips.collect::<Vec<_>>());
     }
 }
 
-/// A block of 1 g is glued to all tips of a bundle that lies level upon a ball: it falls with some 0.7 m/s
-/// and swings under the ball.
+/// A block of 1 g is glued to all tips of a bundle that lies level upon a ball: it falls with some
+/// 0.7 m/s and swings under the ball.
 #[test]
 fn a_block_of_a_gram_swings_on_a_bundle() {
     let (side, gap) = (0.004, 5e-7);

@@ -1,5 +1,5 @@
-//! A hair with an overhand knot: it tightens and stays what it is, and its loop pulls as the theory of
-//! loose knots says. So do cords with other knots.
+//! A hair with an overhand knot: it tightens and stays what it is, and its loop pulls as the theory
+//! of loose knots says. So do cords with other knots.
 
 use crate::common::Run;
 use crate::common::topology::{crossed, determinant};
@@ -12,9 +12,9 @@ fn view() -> Vector3<f64> {
     Vector3::new(PI.recip(), 0.9, 0.1 * SQRT_2)
 }
 
-/// Pulled by its ends a knot becomes small, and is a trefoil to the end. Between the states of no step
-/// that is taken as a whole do the axes of any two segments come nearer to each other than half a
-/// diameter; the way of one in parts is not straight.
+/// Pulled by its ends a knot becomes small, and is a trefoil to the end. Between the states of no
+/// step that is taken as a whole do the axes of any two segments come nearer to each other than
+/// half a diameter; the way of one in parts is not straight.
 #[test]
 fn a_knot_tightens_without_crossing() {
     let diameter = 7e-5;
@@ -51,10 +51,11 @@ fn a_knot_tightens_without_crossing() {
     assert!(end < 0.3 * start && active >= 6 && whole > 75, "{start} {end} {active} {whole}");
 }
 
-/// A cord in oil, which keeps the bends of its start from throwing it about, with a knot that is that of a
-/// `determinant`. Its segments are three times as long as it is thick. It is pulled by an end until it bears
-/// what the oil alone would not ask for. Never do its axes come nearer to each other than half a diameter in
-/// a step that is taken as a whole; the way of one in parts is not straight.
+/// A cord in oil, which keeps the bends of its start from throwing it about, with a knot that is
+/// that of a `determinant`. Its segments are three times as long as it is thick. It is pulled by an
+/// end until it bears what the oil alone would not ask for. Never do its axes come nearer to each
+/// other than half a diameter in a step that is taken as a whole; the way of one in parts is not
+/// straight.
 fn tightens(name: &str, curve: &str, scale: f64, length: f64, knot: f64) {
     let (diameter, tight) = (3e-4, 5e-3);
     let (depth, residual) = (0.02, 1e-3);
@@ -104,8 +105,9 @@ fn tightens(name: &str, curve: &str, scale: f64, length: f64, knot: f64) {
     );
 }
 
-/// The knots of curves that do not ship, cut and pulled tight. Here their points are taken in the order of
-/// the files; they have the determinants that tables give for the knots named, and the cords keep them.
+/// The knots of curves that do not ship, cut and pulled tight. Here their points are taken in the
+/// order of the files; they have the determinants that tables give for the knots named, and the
+/// cords keep them.
 #[test]
 fn closed_curves_tighten() {
     let Some(folder) = data("knots") else { return };
@@ -156,9 +158,9 @@ fn a_loop_is_no_knot() {
     assert_eq!(determinant(&curve, &view()), 1.0);
 }
 
-/// Of a knot at rest with a loop of some 15 mm: `sqrt(h / R)`, and the tension times the squared radius
-/// of the loop over the bending stiffness. It settles in oil: in the void nothing would hold it where it is
-/// along the fibre, and once it moves it slips over an end.
+/// Of a knot at rest with a loop of some 15 mm: `sqrt(h / R)`, and the tension times the squared
+/// radius of the loop over the bending stiffness. It settles in oil: in the void nothing would hold
+/// it where it is along the fibre, and once it moves it slips over an end.
 fn pull(thickness: f64) -> [f64; 2] {
     let segments = 800;
     let mut run = Run::read(&format!(
@@ -186,12 +188,12 @@ fn circle([a, b, c]: &[Point3<f64>; 3]) -> f64 {
     p.norm() * q.norm() * (q - p).norm() / (2.0 * p.cross(&q).norm())
 }
 
-/// In the limit of a thin fibre the loop of a trefoil is a circle, and the tension that holds
-/// it `B / 2 R^2`; that of a thick one grows with `sqrt(h / R)` (Audoly, Clauvelin and Neukirch, Elastic
-/// knots, Phys. Rev. Lett. 99, 164301, 2007). The winding is a dozen segments long, by whose chords either
-/// tension is off by a per cent (seen where the thickness varies a little): the line through both leaves
-/// three times that of the limit, and of the next order the product of both roots, 0.5 per cent, times a
-/// constant of some units.
+/// In the limit of a thin fibre the loop of a trefoil is a circle, and the tension that holds it `B
+/// / 2 R^2`; that of a thick one grows with `sqrt(h / R)` (Audoly, Clauvelin and Neukirch, Elastic
+/// knots, Phys. Rev. Lett. 99, 164301, 2007). The winding is a dozen segments long, by whose chords
+/// either tension is off by a per cent (seen where the thickness varies a little): the line through
+/// both leaves three times that of the limit, and of the next order the product of both roots, 0.5
+/// per cent, times a constant of some units.
 #[test]
 fn a_loose_trefoil() {
     let [[e, thin], [f, thick]] = [3.6e-5, 1.44e-4].map(pull);

@@ -68,9 +68,10 @@ fn a_hair_bounces_by_its_restitution() {
     assert!((share / 0.64 - 1.0).abs() < 0.02, "{share}");
 }
 
-/// With all of its velocity a hair bounces for ever: its kinetic energy is the same before and after each
-/// step that strikes. In that step it goes as far up with its new velocity as it would have gone down with
-/// the old one, and so is too high by the way of a step at most; as it flies, backward Euler takes as much.
+/// With all of its velocity a hair bounces for ever: its kinetic energy is the same before and
+/// after each step that strikes. In that step it goes as far up with its new velocity as it would
+/// have gone down with the old one, and so is too high by the way of a step at most; as it flies,
+/// backward Euler takes as much.
 #[test]
 fn a_hair_that_loses_nothing_bounces_on() {
     let (height, dt) = (2e-3, 5e-5);
@@ -102,9 +103,9 @@ fn a_hair_that_loses_nothing_bounces_on() {
     assert_eq!(bounces, 15);
 }
 
-/// A hair that flies flat at the ground, 45 degrees down, and bounces with all of its normal velocity. What
-/// it bears is twice its momentum along the normal, which brakes it by the coefficient times that, until it
-/// sticks: friction takes energy, and nothing comes back.
+/// A hair that flies flat at the ground, 45 degrees down, and bounces with all of its normal
+/// velocity. What it bears is twice its momentum along the normal, which brakes it by the
+/// coefficient times that, until it sticks: friction takes energy, and nothing comes back.
 #[test]
 fn an_oblique_bounce_is_braked() {
     for (mu, kept) in [(0.3, 1.0 - 2.0 * 0.3), (0.8, 0.0)] {
@@ -261,8 +262,9 @@ fn laws_that_make_no_sense_are_refused() {
     }
 }
 
-/// A short hair moves as one body on slope and belt, and upright as it bounces on its root. In every step its energy changes by the
-/// work of the contacts, less what backward Euler takes: that of the change of its velocities.
+/// A short hair moves as one body on slope and belt, and upright as it bounces on its root. In
+/// every step its energy changes by the work of the contacts, less what backward Euler takes: that
+/// of the change of its velocities.
 #[test]
 fn contacts_account_for_the_energy() {
     let (sin, cos) = 0.45_f64.atan().sin_cos();
@@ -360,7 +362,8 @@ fn a_film_joins_a_pair() {
     assert!(distance(&run, 2).abs() < 0.02 * 2.0 * RADIUS, "they stay together");
 }
 
-/// Water draws two free hairs to each other as the formulas for cylinders side by side and crossed say.
+/// Water draws two free hairs to each other as the formulas for cylinders side by side and crossed
+/// say.
 #[test]
 fn water_draws_hairs_together() {
     let (gap, area, volume, tension) = (2e-6, 2e-10, 1e-15, 0.0728e-6);
@@ -397,8 +400,8 @@ fn water_draws_hairs_together() {
     assert!(error.to_string().contains("area of the liquid"), "{error}");
 }
 
-/// What is bonded goes on from a snapshot as it would have, bit for bit, and does not glue again what
-/// has broken.
+/// What is bonded goes on from a snapshot as it would have, bit for bit, and does not glue again
+/// what has broken.
 #[test]
 fn bonds_survive_a_snapshot() {
     for share in [1.01, 0.99] {

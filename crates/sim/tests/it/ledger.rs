@@ -7,7 +7,8 @@ use rapunzel_sim::Scene;
 const HAIRS: &str = "length: 0.06, segments: 20, section: Circle(radius: 3.5e-5), \
                      shape: Helix(radius: 0.005, pitch: 0.02), ";
 
-/// Hairs whose roots swing, in gusts, with viscosity of their own and a force, in gravity that grows.
+/// Hairs whose roots swing, in gusts, with viscosity of their own and a force, in gravity that
+/// grows.
 #[test]
 fn the_ledger_of_hairs_that_do_not_touch_closes() {
     for method in ["Staggered()", "BackwardEuler"] {
@@ -87,8 +88,8 @@ fn scenes_without_a_ledger_refuse_it() {
     assert!(error.contains("output.ledger"), "{error}");
 }
 
-/// The largest change of the linear and of the angular momentum in a step, in parts of them, while two
-/// free hairs collide.
+/// The largest change of the linear and of the angular momentum in a step, in parts of them, while
+/// two free hairs collide.
 fn drifts(friction: f64, dt: f64) -> [f64; 2] {
     let hair = |rest: &str| {
         format!(
@@ -123,10 +124,10 @@ fn drifts(friction: f64, dt: f64) -> [f64; 2] {
     worst
 }
 
-/// Of a collision the linear momentum is kept to rounding. The angular one is kept to the first order
-/// of the step, in which nodes move by chords: levers are off by up to half the way, which is set against
-/// half the length. Where friction acts it is kept to the diameter over the length, since friction acts on
-/// the axes.
+/// Of a collision the linear momentum is kept to rounding. The angular one is kept to the first
+/// order of the step, in which nodes move by chords: levers are off by up to half the way, which is
+/// set against half the length. Where friction acts it is kept to the diameter over the length,
+/// since friction acts on the axes.
 #[test]
 fn collisions_keep_momentum() {
     let steps = [1e-3, 1e-4, 1e-5];
@@ -142,8 +143,8 @@ fn collisions_keep_momentum() {
     assert!(rough[2][1] < 7e-5 / 0.008, "{rough:?}");
 }
 
-/// Curly hairs fall flat onto a plane and each other, without restitution. Two that lie beside each other
-/// slid past each other so fast that the step drove them: energy rose.
+/// Curly hairs fall flat onto a plane and each other, without restitution. Two that lie beside each
+/// other slid past each other so fast that the step drove them: energy rose.
 #[test]
 fn hairs_that_fall_together_gain_nothing() {
     let mut run = Run::read(

@@ -100,9 +100,9 @@ fn two_free_balls_collide() {
     }
 }
 
-/// A ball that flies at the ground and spins, and bounces with all of its normal velocity. What it bears
-/// brakes its slip by the coefficient times that until it rolls, and changes its spin at the lever of its
-/// radius. No energy comes back, whichever way it spins.
+/// A ball that flies at the ground and spins, and bounces with all of its normal velocity. What it
+/// bears brakes its slip by the coefficient times that until it rolls, and changes its spin at the
+/// lever of its radius. No energy comes back, whichever way it spins.
 #[test]
 fn an_oblique_bounce_turns_a_ball() {
     let (radius, mass, speed) = (0.01_f64, 0.01, 0.03_f64);
@@ -125,8 +125,8 @@ fn an_oblique_bounce_turns_a_ball() {
         let braked = slip.signum() * f64::min(2.0 * mu * speed, 2.0 / 7.0 * slip.abs());
         let velocity = Vector3::new(speed - braked, 0.0, speed);
         let turning = Vector3::new(0.0, spin + 2.5 * braked / radius, 0.0);
-        // The lever, by which slip and spin go, is that of the end of the step, shorter by half of the way
-        // in it. A step resolves the normal velocity to half the depth over its length.
+        // The lever, by which slip and spin go, is that of the end of the step, shorter by half of
+        // the way in it. A step resolves the normal velocity to half the depth over its length.
         let lever = 0.5 * speed * DT / radius;
         let error = lever * (speed + slip.abs()) + 0.5 * DEPTH * 2.0 * RADIUS / DT;
         assert!((ball.velocity - velocity).norm() < error, "{mu} {rolling}: {ball:?}");
@@ -158,8 +158,8 @@ fn the_second_of_two_is_asked_first() {
     }
 }
 
-/// An edge falls across an edge, aside of the center of mass: the impulse is along the vertical, which
-/// is across both, and spins the box.
+/// An edge falls across an edge, aside of the center of mass: the impulse is along the vertical,
+/// which is across both, and spins the box.
 #[test]
 fn an_edge_bounces_off_an_edge() {
     let (side, aside, restitution) = (0.02, 0.003, 0.5);

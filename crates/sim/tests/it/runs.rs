@@ -227,8 +227,8 @@ fn a_checkpoint_of_another_scene_or_damaged_is_refused() {
     run_until(&scene(), folder.path(), Existing::Overwrite, u64::MAX).expect("starts anew");
 }
 
-/// Hair that is charged in two portions and then becomes wet goes on to the same bytes, with its fields,
-/// also when it is resumed at its end.
+/// Hair that is charged in two portions and then becomes wet goes on to the same bytes, with its
+/// fields, also when it is resumed at its end.
 #[test]
 fn a_charged_run_goes_on_to_the_same_bytes() {
     let scene = Scene::from_ron(

@@ -124,7 +124,8 @@ fn steps_do_not_depend_on_the_threads() {
     assert_eq!(after(1), after(3));
 }
 
-/// A heap of hairs that falls on the ground, with both solvers: several groups, and contacts between them.
+/// A heap of hairs that falls on the ground, with both solvers: several groups, and contacts
+/// between them.
 #[test]
 fn contacts_do_not_depend_on_the_threads() {
     for solver in ["Splitting", "Polished"] {

@@ -1,5 +1,5 @@
-//! A stepper of the user's own: a pendulum, which runs with frames, probes, tables and checkpoints as
-//! everything else does.
+//! A stepper of the user's own: a pendulum, which runs with frames, probes, tables and checkpoints
+//! as everything else does.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use rapunzel_export::Strand;

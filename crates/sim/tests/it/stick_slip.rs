@@ -3,8 +3,8 @@
 use crate::common::Run;
 use std::f64::consts::PI;
 
-/// A hair that is pinned at its root lies on a belt that turns about that pin, and a force at
-/// its tip draws it back: an oscillator of one degree of freedom, for angles as small as these. With
+/// A hair that is pinned at its root lies on a belt that turns about that pin, and a force at its
+/// tip draws it back: an oscillator of one degree of freedom, for angles as small as these. With
 /// the coefficient at rest it is carried along until the force wins, with that of sliding it swings
 /// back, by the period `2 D / V + (2 / w) (pi - atan(w D / V))`.
 ///

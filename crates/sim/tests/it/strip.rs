@@ -1,26 +1,28 @@
 //! A strip that is clamped above a plane and pressed onto it sticks with its tip until friction
-//! cannot hold it, and slips. The curve of V. Romero et al., Physical validation of simulators in computer
-//! graphics, ACM Trans. Graph. 40 (2021), is that of a heavy strip; here it is one of no weight, whose
-//! own elastica says when it slips.
+//! cannot hold it, and slips. The curve of V. Romero et al., Physical validation of simulators in
+//! computer graphics, ACM Trans. Graph. 40 (2021), is that of a heavy strip; here it is one of no
+//! weight, whose own elastica says when it slips.
 
 use crate::common::Run;
 use nalgebra::{Matrix3, Vector3, Vector4};
 use std::f64::consts::PI;
 
-/// A strip of unit length and stiffness, whose clamp leans against the normal of the plane by an angle, and
-/// which is curved by nature, further away from it.
+/// A strip of unit length and stiffness, whose clamp leans against the normal of the plane by an
+/// angle, and which is curved by nature, further away from it.
 #[derive(Clone, Copy)]
 struct Strip {
     lean: f64,
     curvature: f64,
 }
 
-/// Angle of the tip to the normal, and force of the plane on it along the plane and along the normal.
+/// Angle of the tip to the normal, and force of the plane on it along the plane and along the
+/// normal.
 type Tip = Vector3<f64>;
 
 impl Strip {
-    /// Angle, curvature and place at the clamp, as seen from the tip: `angle'' = -f . n` and `r' = t` with
-    /// the tangent `t = (sin, -cos)` and `n = (cos, sin)`, by the classical method of Runge and Kutta.
+    /// Angle, curvature and place at the clamp, as seen from the tip: `angle'' = -f . n` and `r' =
+    /// t` with the tangent `t = (sin, -cos)` and `n = (cos, sin)`, by the classical method of Runge
+    /// and Kutta.
     fn clamp(&self, tip: &Tip) -> Vector4<f64> {
         const STEPS: u32 = 200;
         let slope = |y: &Vector4<f64>| {
@@ -50,7 +52,8 @@ impl Strip {
         [y[2], y[3]]
     }
 
-    /// The tip once the clamp has come down so far and it has stuck, by Newton's method from a near one.
+    /// The tip once the clamp has come down so far and it has stuck, by Newton's method from a near
+    /// one.
     fn stuck(&self, way: f64, near: Tip) -> Tip {
         let [x, z] = self.start();
         let miss = |tip: &Tip| {
@@ -76,7 +79,8 @@ impl Strip {
         panic!("no strip at {way} from {near}");
     }
 
-    /// The coefficient of friction with which it slips when its clamp has come down by so many per cent.
+    /// The coefficient of friction with which it slips when its clamp has come down by so many per
+    /// cent.
     fn critical(&self, percent: u32) -> f64 {
         let (mut tip, mut ratio) = (self.natural(), 0.0);
         for way in 1..=percent {
@@ -88,8 +92,8 @@ impl Strip {
         ratio
     }
 
-    /// How far along the plane its tip has gone once its clamp has come down so far, a two-hundredth a
-    /// step: as one of 1 m and 1 N m^2.
+    /// How far along the plane its tip has gone once its clamp has come down so far, a
+    /// two-hundredth a step: as one of 1 m and 1 N m^2.
     fn gone(&self, way: f64, mu: f64) -> f64 {
         let (radius, segments) = (0.005_f64, 50);
         let modulus = 4.0 / (PI * radius.powi(4));

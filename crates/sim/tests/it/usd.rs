@@ -36,8 +36,8 @@ fn codes(text: &str, attribute: &str) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Every layer has the range and the rate of the scene, and a sample for each frame; the last is
-    /// where the run ends.
+    /// Every layer has the range and the rate of the scene, and a sample for each frame; the last
+    /// is where the run ends.
     #[test]
     fn every_rate_and_step_has_a_stage(
         rate in prop_oneof![
@@ -121,8 +121,8 @@ fn springs_are_surfaces_of_shared_nodes() {
     }
 }
 
-/// A file that cannot be written costs itself: all others are there, the run names those that are not,
-/// and writes them when it is resumed.
+/// A file that cannot be written costs itself: all others are there, the run names those that are
+/// not, and writes them when it is resumed.
 #[test]
 fn a_fault_costs_one_file() {
     let text = "(format: 1, duration: 0.1,

@@ -5,8 +5,8 @@ use rapunzel_sim::{Scene, World};
 
 const SCENE: &str = include_str!("../../../../scenes/water-wave.ron");
 
-/// Runs a scene to each of some times, s, and reads how far from straight the first hair is: one less
-/// the distance of its ends over its length.
+/// Runs a scene to each of some times, s, and reads how far from straight the first hair is: one
+/// less the distance of its ends over its length.
 fn bends(scene: &Scene, times: &[f64]) -> Vec<f64> {
     let mut world = World::build(scene).expect("a world");
     let mut read = |end: f64| {

@@ -10,9 +10,9 @@ const APART: f64 = 0.707e-3;
 const LENGTH: f64 = 0.012;
 const SEGMENTS: usize = 60;
 
-/// The length along which two hairs that lie together stay apart, m, after their roots have been drawn
-/// apart. Friction, which does no work where they open face to face, keeps them in their plane: without
-/// it they slide to each other's side and coil, which shortens it by 2 %.
+/// The length along which two hairs that lie together stay apart, m, after their roots have been
+/// drawn apart. Friction, which does no work where they open face to face, keeps them in their
+/// plane: without it they slide to each other's side and coil, which shortens it by 2 %.
 fn dry(adhesion: &str) -> f64 {
     let hair = |y: f64, motion: &str| {
         format!(

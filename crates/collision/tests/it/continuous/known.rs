@@ -11,8 +11,8 @@ fn through(time: f64, ends: [Point3<f64>; 2], velocities: [Vector3<f64>; 2]) -> 
     MovingSegment { before: at(0.0), after: at(1.0) }
 }
 
-/// Two segments on either side of a plane with normal `n`, one of the ends or an inner point of each
-/// at the distance `REACH` across the plane: crossing, end to side, end to end, parallel.
+/// Two segments on either side of a plane with normal `n`, one of the ends or an inner point of
+/// each at the distance `REACH` across the plane: crossing, end to side, end to end, parallel.
 fn across_a_plane(random: &mut Random, n: &Vector3<f64>) -> [[Point3<f64>; 2]; 2] {
     let parallel = random.once_in(4).then(|| random.unit_vector());
     let foot = random.point(1e-2);

@@ -1,8 +1,8 @@
 //! When two moving things touch, by bisection in time: no planes, no parts.
 
-/// A time at which the `distance`, which changes no faster than by `fastest`, is at most `reach`, not
-/// much later than the first; none if there is none, or it is nowhere less than
-/// `reach - resolution`.
+/// A time at which the `distance`, which changes no faster than by `fastest`, is at most `reach`,
+/// not much later than the first; none if there is none, or it is nowhere less than `reach -
+/// resolution`.
 pub(crate) fn reference(
     distance: impl Fn(f64) -> f64,
     fastest: f64,

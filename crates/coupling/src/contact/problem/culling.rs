@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// The speed of a contact that may close wherever nodes go.
 pub(super) const ALWAYS: f64 = f64::NEG_INFINITY;
 
-/// How fast all contacts of a list open. Most of a dense list do, and go on to wherever their fibres have not
-/// changed their velocities by as much: there they need not be looked at.
+/// How fast all contacts of a list open. Most of a dense list do, and go on to wherever their
+/// fibres have not changed their velocities by as much: there they need not be looked at.
 pub(super) struct ContactCulling {
     /// Velocities of all nodes with which contacts open so, m/s.
     nodes: Vec<Vector3<f64>>,
@@ -61,7 +61,8 @@ impl ContactCulling {
         all.filter(|(old, _)| **old != ALWAYS).for_each(|(old, new)| *old = new);
     }
 
-    /// The contacts that may close where all nodes have the given velocities, in their order: no other does.
+    /// The contacts that may close where all nodes have the given velocities, in their order: no
+    /// other does.
     pub(super) fn near(&self, layout: &Layout, nodes: &[Vector3<f64>]) -> Vec<usize> {
         let change = |fiber: usize| {
             let range = layout.node_range(fiber);
@@ -93,8 +94,8 @@ mod tests {
     }
 
     proptest! {
-        /// Two fibres of two segments and something that does not move: whatever nodes do, no contact
-        /// closes that is not told, and one that is always looked at is told always.
+        /// Two fibres of two segments and something that does not move: whatever nodes do, no
+        /// contact closes that is not told, and one that is always looked at is told always.
         #[test]
         fn none_closes_that_is_not_told(
             before in prop::collection::vec(vector(), 6),

@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-5;
 /// Openings are found anew where more than one in so many contacts may close.
 const MANY: usize = 8;
 
-/// From so many contacts on, memory counts. To keep answers with added masses takes more of it than it saves time:
-/// they are used again in one of seven solves, and take some 2 kB a contact.
+/// From so many contacts on, memory counts. To keep answers with added masses takes more of it than
+/// it saves time: they are used again in one of seven solves, and take some 2 kB a contact.
 const MANY_WORKING: usize = 50_000;
 
 /// Answers of fibres that turn by less, rad, are used again.
@@ -36,8 +36,8 @@ const NONE: usize = usize::MAX;
 /// A side of a contact: the number of the contact, and 0 or 1.
 type ContactSide = (usize, usize);
 
-/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than twice as large,
-/// and most of a dense list are never solved.
+/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than
+/// twice as large, and most of a dense list are never solved.
 struct ContactParameters {
     bias: Vector3<f64>,
     friction: LimitCurve,
@@ -62,8 +62,8 @@ impl ContactParameters {
     }
 }
 
-/// All contacts of a list, in the order of the touches they are made of. As long as it stands these keep
-/// their order; what is asked of it takes them.
+/// All contacts of a list, in the order of the touches they are made of. As long as it stands these
+/// keep their order; what is asked of it takes them.
 pub(super) struct ContactProblem {
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
@@ -76,8 +76,8 @@ pub(super) struct ContactProblem {
     pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<ContactCulling>,
-    /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of those that
-    /// have not been solved that of a segment.
+    /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of
+    /// those that have not been solved that of a segment.
     weights: Vec<f64>,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
@@ -97,9 +97,10 @@ pub(super) struct ProblemWorkspace {
 }
 
 impl ContactProblem {
-    /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the given mean
-    /// velocities. What gives way has done so already under impulses as those of the step `before`, N s, world:
-    /// along tangents only the rest of them moves it; along normals the gap tells.
+    /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the
+    /// given mean velocities. What gives way has done so already under impulses as those of the
+    /// step `before`, N s, world: along tangents only the rest of them moves it; along normals the
+    /// gap tells.
     pub(super) fn new(
         system: &CoupledSystem,
         touches: &[ContactPoint],
@@ -203,7 +204,8 @@ impl ContactProblem {
         self.error = Some(error);
     }
 
-    /// Points that are used no more stay where answers are written out that have all that are used, by group.
+    /// Points that are used no more stay where answers are written out that have all that are used,
+    /// by group.
     fn keep(&mut self, used: &mut [Vec<ContactSide>]) {
         for ((used, kept), written) in used.iter_mut().zip(&mut self.kept).zip(&mut self.written) {
             let known = || used.iter().all(|side| kept.binary_search(side).is_ok());
@@ -232,8 +234,8 @@ impl ContactProblem {
         self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
     }
 
-    /// The contacts that may close where nodes are so fast, in their order. If these are many of all, it is
-    /// found anew how fast contacts open.
+    /// The contacts that may close where nodes are so fast, in their order. If these are many of
+    /// all, it is found anew how fast contacts open.
     fn look(
         &mut self,
         system: &CoupledSystem,
@@ -251,10 +253,10 @@ impl ContactProblem {
         openings.near(system.fibers.assembly().layout(), nodes.nodes())
     }
 
-    /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers go, as
-    /// they were when these were written out. Only contacts that bear something, pull or would close, or
-    /// did so before, are looked at: all others would do nothing but hold back the solver. Those that this
-    /// lets close take part the next time.
+    /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers
+    /// go, as they were when these were written out. Only contacts that bear something, pull or
+    /// would close, or did so before, are looked at: all others would do nothing but hold back the
+    /// solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
         system: &mut CoupledSystem,
@@ -321,8 +323,9 @@ impl ContactProblem {
         Ok(report)
     }
 
-    /// Notes the masses that solved contacts compare errors with, by the traces of how their points answer
-    /// themselves. Free bodies may be far heavier than what presses them: with these it stays that of a segment.
+    /// Notes the masses that solved contacts compare errors with, by the traces of how their points
+    /// answer themselves. Free bodies may be far heavier than what presses them: with these it
+    /// stays that of a segment.
     fn weigh(&mut self, touches: &[ContactPoint], working: &[usize], traces: &[f64]) {
         let both = working.par_iter().zip(&self.solved);
         let mass = both.map(|(&i, Contact { first, second, .. })| {

@@ -56,7 +56,8 @@ impl ContactProblem {
         (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
     }
 
-    /// A contact with its relative velocity, what gives way included, its impulse and the mass that compares them.
+    /// A contact with its relative velocity, what gives way included, its impulse and the mass that
+    /// compares them.
     fn judged(
         &self,
         i: usize,
@@ -105,8 +106,8 @@ impl ContactProblem {
         self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
     }
 
-    /// The sum of something of all contacts that may bear, in an order that the number of threads does not
-    /// change.
+    /// The sum of something of all contacts that may bear, in an order that the number of threads
+    /// does not change.
     fn summed<T: Default + AddAssign + Send>(&self, of_one: impl Fn(usize) -> T + Sync) -> T {
         let sum = |mut sum: T, one: T| {
             sum += one;
@@ -117,10 +118,11 @@ impl ContactProblem {
         parts.into_iter().fold(T::default(), sum)
     }
 
-    /// Whether contacts that are not led give, beyond what friction takes, a good part of the kinetic energy
-    /// that there was before the step, where nodes have the given mean velocities. Those give whose normals
-    /// turned within the step so far that along them they were deeper at its start than may be: `repair`, m/s,
-    /// is how fast what may be is repaired. What errors of the slip up to `slip`, m/s, give does not count.
+    /// Whether contacts that are not led give, beyond what friction takes, a good part of the
+    /// kinetic energy that there was before the step, where nodes have the given mean velocities.
+    /// Those give whose normals turned within the step so far that along them they were deeper at
+    /// its start than may be: `repair`, m/s, is how fast what may be is repaired. What errors of
+    /// the slip up to `slip`, m/s, give does not count.
     pub(crate) fn drives(
         &self,
         system: &CoupledSystem,
@@ -161,7 +163,8 @@ impl ContactProblem {
         Ok(())
     }
 
-    /// The touches that may have closed where all nodes have the given mean velocities, with their gaps there.
+    /// The touches that may have closed where all nodes have the given mean velocities, with their
+    /// gaps there.
     pub(crate) fn near(
         &self,
         system: &CoupledSystem,

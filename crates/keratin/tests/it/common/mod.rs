@@ -7,8 +7,8 @@ use rapunzel_rod_static::{EndCondition, Equilibrium, Piece, Problem, Properties}
 /// Acceleration of free fall, m/s^2.
 pub(crate) const GRAVITY: f64 = 9.81;
 
-/// A hair of uniform properties, clamped at its root, with a force at its tip, under its own weight in
-/// parts of the real one.
+/// A hair of uniform properties, clamped at its root, with a force at its tip, under its own weight
+/// in parts of the real one.
 pub(crate) fn at_rest(fiber: &Fiber, force: Vector3<f64>, weight: f64) -> Equilibrium {
     let node = fiber.nodes()[0];
     let properties = Properties {

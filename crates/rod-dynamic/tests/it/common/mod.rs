@@ -3,9 +3,9 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
 use serde::Deserialize;
 
-/// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine, for
-/// any load: what is left of them by Richardson's extrapolation is a quarter of the finer one at
-/// most, beside the `accuracy` of the reference.
+/// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine,
+/// for any load: what is left of them by Richardson's extrapolation is a quarter of the finer one
+/// at most, beside the `accuracy` of the reference.
 pub(crate) fn assert_second_order(
     name: &str,
     coarse: &Vector3<f64>,

@@ -22,8 +22,8 @@ impl Run {
         Self::new(&Scene::from_ron(text).unwrap_or_else(|error| panic!("{error} in {text}")))
     }
 
-    /// A step whose contacts are all resolved, and that leaves fibres as long as they are. Of charged ones, which
-    /// come to rest as curves, nodes are the ends of arcs.
+    /// A step whose contacts are all resolved, and that leaves fibres as long as they are. Of
+    /// charged ones, which come to rest as curves, nodes are the ends of arcs.
     pub(crate) fn step(&mut self) -> StepReport {
         let report = self.world.step(self.dt).expect("a step");
         assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
@@ -33,8 +33,8 @@ impl Run {
         report
     }
 
-    /// Nothing in the data of a fibre allows its segments another length: only the rounding of places,
-    /// some digits of their distance from the origin, is left of it.
+    /// Nothing in the data of a fibre allows its segments another length: only the rounding of
+    /// places, some digits of their distance from the origin, is left of it.
     fn assert_lengths(&self) {
         for (i, fiber) in self.world.assembly().fibers().iter().enumerate() {
             let nodes = self.positions(i);
