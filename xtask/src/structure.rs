@@ -36,7 +36,8 @@ pub(crate) fn broken_structure(sources: &[(String, String)]) -> Result<Vec<Strin
     let mut crates: BTreeMap<String, Vec<Module>> = BTreeMap::new();
     for (file, text) in sources {
         let Some((name, inside)) = file.split_once("/src/") else { continue };
-        if !inside.ends_with(".rs") || !name.starts_with("crates/") {
+        let is_test = inside.contains("tests/") || inside.ends_with("tests.rs");
+        if !inside.ends_with(".rs") || is_test || !name.starts_with("crates/") {
             continue;
         }
         let module = Module::parse(file, inside, text)?;

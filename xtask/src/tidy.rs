@@ -38,6 +38,9 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("xtask", &["*"]),
 ];
 
+/// Widest comment, characters; rustfmt sees to the code.
+const WIDEST: usize = 100;
+
 /// Longest source file, lines.
 const LONGEST: usize = 600;
 
@@ -157,6 +160,10 @@ fn broken_lines(file: &str, text: &str) -> Vec<String> {
             broken
                 .push(format!("{file}:{}: {path} is of another crate; make one of it", number + 1));
         }
+        let comment = source && line.trim_start().starts_with("//");
+        if comment && line.chars().count() > WIDEST {
+            broken.push(format!("{file}:{}: a comment wider than {WIDEST}", number + 1));
+        }
         if let Some(path) = absolute_path(line) {
             broken.push(format!("{file}:{}: absolute path {path}", number + 1));
         }
@@ -268,6 +275,8 @@ mod tests {
             let broken = broken_lines("crates/keratin/examples/ch2/main.rs", &planted);
             assert_eq!(broken.len(), foreign, "{broken:?}");
         }
+        let wide = format!("// {}", "x ".repeat(WIDEST / 2));
+        assert_eq!(broken_lines("a.rs", &wide).len(), 1);
         let address = ["https://example.org", "home", "x"].join("/");
         assert_eq!(broken_lines("b.md", &address), [""; 0]);
     }

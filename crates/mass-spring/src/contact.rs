@@ -1,5 +1,5 @@
+use crate::error::finite;
 use crate::error::{non_negative, positive};
-use crate::system::finite;
 use crate::{Obstacle, SpringError, System};
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::{Candidates, Capsules};

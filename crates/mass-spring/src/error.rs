@@ -1,3 +1,4 @@
+use nalgebra::SVector;
 use rapunzel_collision::CollisionError;
 #[cfg(feature = "modes")]
 use rapunzel_vibration::VibrationError;
@@ -173,5 +174,16 @@ pub(crate) fn non_negative(what: &'static str, value: f64) -> Result<(), SpringE
         Ok(())
     } else {
         Err(SpringError::Parameter { what, value, allowed })
+    }
+}
+
+/// Refuses a vector with a component that is no number, or infinite.
+pub(crate) fn finite<const N: usize>(
+    what: &'static str,
+    vector: &SVector<f64, N>,
+) -> Result<(), SpringError> {
+    match vector.iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(SpringError::Parameter { what, value, allowed: "finite" }),
+        None => Ok(()),
     }
 }

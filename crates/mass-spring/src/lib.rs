@@ -12,6 +12,7 @@ mod energy;
 mod error;
 mod force;
 mod gradients;
+mod holding;
 mod implicit;
 mod lattice;
 mod leapfrog;

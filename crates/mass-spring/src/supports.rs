@@ -1,5 +1,4 @@
-use crate::system::finite;
-use crate::{NodeVectors, SpringError, System};
+use crate::NodeVectors;
 use nalgebra::SVector;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -105,7 +104,7 @@ impl<const D: usize> Supports<D> {
     }
 
     /// Adds to a node, and to those that move with it.
-    fn add(&self, columns: &mut NodeVectors<D>, node: usize, change: &SVector<f64, D>) {
+    pub(crate) fn add(&self, columns: &mut NodeVectors<D>, node: usize, change: &SVector<f64, D>) {
         for axis in 0..D {
             for partner in self.partners(node, axis) {
                 columns.0[axis][partner] += change[axis];
@@ -145,130 +144,5 @@ impl<const D: usize> Supports<D> {
             None if !self.driven(node, axis) => Guide::Free,
             _ => Guide::Driven,
         }
-    }
-}
-
-impl<const D: usize> System<D> {
-    /// Whether the velocity of a node is given in every direction.
-    #[must_use]
-    pub fn is_held(&self, node: usize) -> bool {
-        (0..D).all(|axis| self.supports.driven(node, axis))
-    }
-
-    /// Fixes `node` where it is.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`]; so do the others.
-    pub fn pin(&mut self, node: usize) -> Result<(), SpringError> {
-        self.hold(node, SVector::zeros())
-    }
-
-    /// Moves `node` at a velocity (world), m/s, whatever pulls at it: what a mouse does. Nodes that
-    /// are tied to it follow.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    pub fn hold(&mut self, node: usize, velocity: SVector<f64, D>) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.hold_axis(node, axis, velocity[axis]))
-    }
-
-    /// Moves `node` at a velocity along one axis, m/s; along the others it stays free.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn hold_axis(
-        &mut self,
-        node: usize,
-        axis: usize,
-        velocity: f64,
-    ) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        finite("the velocity of a held node (m/s)", &SVector::<f64, 1>::new(velocity))?;
-        self.supports.drive(node, axis..axis + 1);
-        for partner in self.supports.partners(node, axis) {
-            self.velocities.0[axis][partner] = velocity;
-        }
-        Ok(())
-    }
-
-    /// Lets go of `node`, which keeps its velocity and its ties.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn release(&mut self, node: usize) -> Result<(), SpringError> {
-        self.known("support", node)?;
-        self.supports.release(node);
-        Ok(())
-    }
-
-    /// Lets nodes move along `axis` only together: a clamp that slides. They keep their offsets and
-    /// take their mean velocity, by mass.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    ///
-    /// # Panics
-    /// If there is no such axis, as indexing does.
-    pub fn tie(&mut self, nodes: &[usize], axis: usize) -> Result<(), SpringError> {
-        nodes.iter().try_for_each(|&node| self.known("tie", node))?;
-        let Some(&first) = nodes.first() else { return Ok(()) };
-        self.supports.tie(axis, nodes.iter().copied().collect::<BTreeSet<_>>());
-        let all = self.supports.partners(first, axis);
-        let column = &mut self.velocities.0[axis];
-        let driven = all.iter().find(|&&node| self.supports.driven(node, axis));
-        let velocity = driven.map_or_else(
-            || {
-                let mass: f64 = all.iter().map(|&node| self.masses[node]).sum();
-                all.iter().map(|&node| self.masses[node] * column[node]).sum::<f64>() / mass
-            },
-            |&node| column[node],
-        );
-        all.iter().for_each(|&node| column[node] = velocity);
-        Ok(())
-    }
-
-    /// Fixes `node` relative to another one: both move as one body without rotation.
-    ///
-    /// # Errors
-    /// [`SpringError::MissingNode`].
-    pub fn pin_to(&mut self, node: usize, other: usize) -> Result<(), SpringError> {
-        (0..D).try_for_each(|axis| self.tie(&[node, other], axis))
-    }
-
-    /// The change of velocity of `node` for a unit of impulse, axis by axis, 1/kg: zero where it is
-    /// driven, by the mass of all where it is tied.
-    pub(crate) fn yielding(&self, node: usize) -> SVector<f64, D> {
-        SVector::from_fn(|axis, _| match self.supports.guide(node, axis) {
-            Guide::Free => self.inverse_masses[node],
-            Guide::Driven => 0.0,
-            Guide::Tied(tie) => {
-                1.0 / self.supports.ties[tie].nodes.iter().map(|&n| self.masses[n]).sum::<f64>()
-            }
-        })
-    }
-
-    /// The same for the velocity of one node relative to another and opposite impulses on both.
-    pub(crate) fn yielding_apart(&self, i: usize, j: usize) -> SVector<f64, D> {
-        let both = self.yielding(i) + self.yielding(j);
-        SVector::from_fn(|axis, _| {
-            let guides = [i, j].map(|node| self.supports.guide(node, axis));
-            let together = matches!(guides, [Guide::Tied(a), Guide::Tied(b)] if a == b);
-            if together { 0.0 } else { both[axis] }
-        })
-    }
-
-    /// Changes velocities by an impulse on `node` (world), N s.
-    pub(crate) fn impel(&mut self, node: usize, impulse: &SVector<f64, D>) {
-        let change = impulse.component_mul(&self.yielding(node));
-        self.supports.add(&mut self.velocities, node, &change);
-    }
-
-    /// Moves nodes as [`impel`](Self::impel) would in a unit of time, kg m.
-    pub(crate) fn shift(&mut self, node: usize, moment: &SVector<f64, D>) {
-        let change = moment.component_mul(&self.yielding(node));
-        self.supports.add(&mut self.positions, node, &change);
     }
 }

@@ -1,4 +1,4 @@
-use crate::error::{non_negative, positive};
+use crate::error::{finite, non_negative, positive};
 use crate::force::{self, add_run};
 use crate::spring::Springs;
 use crate::supports::Supports;
@@ -325,15 +325,5 @@ impl<const D: usize> System<D> {
     /// Mean rest length of the springs, m: the size of things.
     pub(crate) fn size(&self) -> f64 {
         self.springs.rest_length.iter().sum::<f64>() / self.springs().max(1) as f64
-    }
-}
-
-pub(crate) fn finite<const N: usize>(
-    what: &'static str,
-    vector: &SVector<f64, N>,
-) -> Result<(), SpringError> {
-    match vector.iter().find(|x| !x.is_finite()) {
-        Some(&value) => Err(SpringError::Parameter { what, value, allowed: "finite" }),
-        None => Ok(()),
     }
 }

@@ -2,27 +2,17 @@
 
 mod axis;
 mod chart;
+mod error;
 mod page;
 mod pictures;
 mod ticks;
 
 pub use chart::{Chart, Curve};
+pub use error::PlotError;
 pub use pictures::{Picture, Pictures};
 
 use page::{WIDTH, pixels};
-use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{IntoDrawingArea, SVGBackend, WHITE};
-
-/// A drawing that cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum PlotError {
-    /// The library refuses an element.
-    #[error("a drawing cannot be made: {0}")]
-    Refused(String),
-    /// `Pictures` have no columns.
-    #[error("pictures stand in no columns; give them one at least")]
-    NoColumns,
-}
 
 /// A part of a figure.
 #[derive(Debug, Clone)]
@@ -93,12 +83,6 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
         _ if low > high => [-0.5, 0.5],
         width if width > least => [low, high],
         _ => [low - least.max(0.5), high + least.max(0.5)],
-    }
-}
-
-impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self::Refused(error.to_string())
     }
 }
 

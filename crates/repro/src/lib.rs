@@ -4,9 +4,9 @@
 mod program;
 mod report;
 
-pub use program::{FigureEntry, main};
+pub use program::main;
 pub use rapunzel_plot as plot;
-pub use report::{ClaimCheck, Criterion, Figure, check};
+pub use report::{ClaimCheck, Criterion, Figure, FigureEntry, check};
 
 use std::path::PathBuf;
 

@@ -1,17 +1,7 @@
-use crate::report::{self, Figure};
+use crate::report::{self, Figure, FigureEntry};
 use crate::{Fallible, ReproError};
 use std::path::PathBuf;
 use std::process::ExitCode;
-
-/// A figure of the thesis in the list of a program.
-pub struct FigureEntry<D> {
-    /// As the thesis numbers it; the name of its files.
-    pub number: &'static str,
-    /// What it shows.
-    pub title: &'static str,
-    /// What draws it.
-    pub draw: D,
-}
 
 /// Draws all figures into a folder, the first of the arguments, or those whose numbers follow it,
 /// and prints what was compared; `draw` is handed what an entry has for that. The program fails if

@@ -1,9 +1,19 @@
+use crate::ReproError;
 use crate::plot::{Drawing, svg};
-use crate::{FigureEntry, ReproError};
 use serde::Serialize;
 use std::fmt;
 use std::fs;
 use std::path::Path;
+
+/// A figure of the thesis in the list of a program.
+pub struct FigureEntry<D> {
+    /// As the thesis numbers it; the name of its files.
+    pub number: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// What draws it.
+    pub draw: D,
+}
 
 /// A figure of the thesis, drawn anew.
 pub struct Figure {

@@ -2,7 +2,7 @@ use crate::StaticError;
 use crate::carlson::{rd, rj};
 use crate::error::{finite, positive};
 use crate::quadrature::gauss;
-use crate::roots::{Integrals, Roots};
+use crate::roots::{CubicRoots, Integrals};
 use crate::state::State;
 use nalgebra::{Complex, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::euler::EulerAngles;
@@ -41,7 +41,7 @@ const PANELS: f64 = 1e5;
 /// The angle to the force and what turns about it, in units of the bending stiffness.
 #[derive(Debug, Clone)]
 struct AngleMotion {
-    roots: Roots,
+    roots: CubicRoots,
     n: f64,
     mz: f64,
     /// Bound of the rates of all angles, 1/m.
@@ -113,7 +113,7 @@ impl Lagrange {
         let spin = 0.5 * ((bending / torsion - 1.0) * m3 + natural_twist);
         let straight = squared == 0.0 && integrals.bending == 0.0;
         let across = Complex::new(moment.x, moment.y);
-        let motion = Roots::of(&integrals)
+        let motion = CubicRoots::of(&integrals)
             .filter(|_| !straight)
             .map(|roots| AngleMotion::of(roots, &integrals, &frame, across));
         Ok(Self { bending, start: *start, to_world, spin, motion })
@@ -201,7 +201,12 @@ impl Lagrange {
 }
 
 impl AngleMotion {
-    fn of(roots: Roots, i: &Integrals, frame: &Rotation3<f64>, transverse: Complex<f64>) -> Self {
+    fn of(
+        roots: CubicRoots,
+        i: &Integrals,
+        frame: &Rotation3<f64>,
+        transverse: Complex<f64>,
+    ) -> Self {
         let rate = roots.lambda + i.bending.sqrt() + i.m3.abs();
         let mut motion = Self { roots, n: i.n, mz: i.mz, rate, phases: [0.0; 2], transverse };
         let q = so3::quaternion(frame);

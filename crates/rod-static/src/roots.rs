@@ -33,7 +33,7 @@ pub(crate) struct Integrals {
 /// The roots `z1 <= z2 <= 1 <= z3` of the cubic (thesis (3.89), (3.91)) as distances from the poles
 /// and from each other, each to its own last digit.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Roots {
+pub(crate) struct CubicRoots {
     /// `1 - z1`, `1 + z1`, `1 - z2`, `1 + z2`.
     pub(crate) below1: f64,
     pub(crate) above1: f64,
@@ -54,7 +54,7 @@ pub(crate) struct Roots {
     pub(crate) sum: f64,
 }
 
-impl Roots {
+impl CubicRoots {
     /// The lowest cosine.
     pub(crate) fn z1(&self) -> f64 {
         if self.below1 < 1.0 { 1.0 - self.below1 } else { self.above1 - 1.0 }

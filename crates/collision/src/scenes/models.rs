@@ -96,7 +96,7 @@ pub fn soup(fibers: usize, segments: usize) -> MovingFibers {
         // What leaves the cube comes back in as if its faces were mirrors.
         let mirrored = |x: f64| (x - 2.0 * (0.5 * x).round()).abs();
         move |t: f64| {
-            let p = start + super::motion::arc(t * LENGTH, curvature, &tangent, &bend);
+            let p = start + arc(t * LENGTH, curvature, &tangent, &bend);
             p.map(mirrored)
         }
     });
@@ -129,6 +129,19 @@ fn sampled<C: Fn(f64) -> Point3<f64>>(
     let radii = vec![radius; layout.segments()];
     let displacements = vec![Vector3::zeros(); layout.nodes()];
     MovingFibers { positions: fibers.into_iter().flatten().collect(), layout, displacements, radii }
+}
+
+/// The way to the point at arc length `s`, m, on an arc that starts along `tangent` and bends
+/// toward `side` with `curvature`, 1/m, which may be zero.
+pub(super) fn arc(
+    s: f64,
+    curvature: f64,
+    tangent: &Vector3<f64>,
+    side: &Vector3<f64>,
+) -> Vector3<f64> {
+    let half = 0.5 * curvature * s;
+    let chord = if half.abs() < 1e-9 { s } else { s * half.sin() / half };
+    chord * (half.cos() * tangent + half.sin() * side)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Fibres that bend from straight to a loop.
 
+use super::models::arc;
 use super::{MovingFibers, bundle};
 use crate::random::SplitMix64;
 use nalgebra::{Point3, Vector3};
@@ -29,19 +30,6 @@ pub fn looping(fibers: usize, segments: usize, bend: f64, spread: f64) -> Moving
 }
 
 const LENGTH: f64 = 0.3;
-
-/// The way to the point at arc length `s`, m, on an arc that starts along `tangent` and bends
-/// toward `side` with `curvature`, 1/m, which may be zero.
-pub(super) fn arc(
-    s: f64,
-    curvature: f64,
-    tangent: &Vector3<f64>,
-    side: &Vector3<f64>,
-) -> Vector3<f64> {
-    let half = 0.5 * curvature * s;
-    let chord = if half.abs() < 1e-9 { s } else { s * half.sin() / half };
-    chord * (half.cos() * tangent + half.sin() * side)
-}
 
 #[cfg(test)]
 mod tests {

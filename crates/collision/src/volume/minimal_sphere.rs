@@ -1,7 +1,13 @@
 //! The smallest sphere around spheres.
 
-use super::Sphere;
 use nalgebra::{Point3, Vector3};
+
+/// A bounding sphere (thesis, 7.3.7.4), around other spheres the smallest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere {
+    pub(super) center: Point3<f64>,
+    pub(super) radius: f64,
+}
 
 /// The smallest sphere around at least one sphere, to rounding, and the places of the 1 to 4 that
 /// determine it.

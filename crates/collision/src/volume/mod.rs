@@ -13,8 +13,8 @@ mod sphere;
 
 pub use aabb::Aabb;
 pub use dop::{Directions, Dop};
+pub use minimal_sphere::Sphere;
 pub use obb::Obb;
-pub use sphere::Sphere;
 
 use crate::Capsule;
 use nalgebra::{Point3, Vector3};

@@ -1,16 +1,9 @@
 //! Spheres.
 
-use super::minimal_sphere::minimal_sphere;
+use super::minimal_sphere::{Sphere, minimal_sphere};
 use super::{Aabb, Axis, BoundingVolume, enlarged_radius, rounding};
 use crate::Capsule;
 use nalgebra::Point3;
-
-/// A bounding sphere (thesis, 7.3.7.4), around other spheres the smallest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sphere {
-    pub(super) center: Point3<f64>,
-    pub(super) radius: f64,
-}
 
 impl Sphere {
     /// Its middle (world), m.

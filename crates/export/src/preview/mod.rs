@@ -40,7 +40,7 @@ const GLOSS: Color = [0.75, 0.58, 0.38];
 const SURFACE: Color = [0.66, 0.71, 0.76];
 /// What a sheet shows of a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub struct PreviewFrame {
     /// Simulated time, s.
     pub time: f64,
     lines: Vec<Line>,
@@ -71,7 +71,7 @@ impl Line {
     }
 }
 
-impl Picture {
+impl PreviewFrame {
     /// The picture of a frame and of what holds its strands: a tenth of its bytes.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Picture {
 /// frame nor for all, and winds that are not as many or not finite; fails if `out` does.
 pub fn write(
     out: &mut impl Write,
-    frames: &[Picture],
+    frames: &[PreviewFrame],
     objects: &[Vec<Placed>],
     winds: &[Vector3<f64>],
 ) -> Result<(), ExportError> {
@@ -132,7 +132,7 @@ pub fn write(
     let thickest = radii.fold(0.0, |a: f32, r| a.max(*r)).into();
     let view = View::of(points, thickest, !objects.is_empty()).ok_or(ExportError::Empty)?;
     let count = frames.len().min(CELLS);
-    let grid = Grid::new(count, &view);
+    let grid = SheetGrid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
     for cell in 0..count {
         let index = cell * (frames.len() - 1) / (count - 1).max(1);
@@ -159,7 +159,7 @@ pub fn write(
 }
 
 /// Where the pictures are.
-struct Grid {
+struct SheetGrid {
     columns: usize,
     rows: usize,
     /// Pixels per metre.
@@ -168,7 +168,7 @@ struct Grid {
     picture: [f64; 2],
 }
 
-impl Grid {
+impl SheetGrid {
     /// The grid that makes the pictures largest.
     fn new(count: usize, view: &View) -> Self {
         let [width, height] = view.size;
@@ -222,7 +222,13 @@ impl Grid {
 }
 
 /// Draws all fibres of `frame`, far segments first.
-fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
+fn draw(
+    canvas: &mut Canvas,
+    frame: &PreviewFrame,
+    view: &View,
+    grid: &SheetGrid,
+    corner: [f64; 2],
+) {
     let segments = |line: &'_ Line| 0..line.points.len() - 1;
     let depth = |line: &Line, j: usize| view.depth(&line.points[j].cast());
     let mut segments: Vec<(f64, &Line, usize)> = frame
@@ -245,7 +251,13 @@ fn draw(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: 
 }
 
 /// Marks what holds the fibres of `frame`, in front of everything.
-fn mark(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: [f64; 2]) {
+fn mark(
+    canvas: &mut Canvas,
+    frame: &PreviewFrame,
+    view: &View,
+    grid: &SheetGrid,
+    corner: [f64; 2],
+) {
     let beyond = if frame.lines.len() <= FEW { MARK_OF_FEW } else { MARK };
     for Support { strand, point, clamped } in &frame.supports {
         let points = &frame.lines[*strand].points;
@@ -267,7 +279,13 @@ fn mark(canvas: &mut Canvas, frame: &Picture, view: &View, grid: &Grid, corner: 
 
 /// Draws a surface, bright where it faces between light and eye; without haze, which would show its
 /// triangles.
-fn draw_surface(canvas: &mut Canvas, surface: &Soup, view: &View, grid: &Grid, corner: [f64; 2]) {
+fn draw_surface(
+    canvas: &mut Canvas,
+    surface: &Soup,
+    view: &View,
+    grid: &SheetGrid,
+    corner: [f64; 2],
+) {
     for triangle in &surface.triangles {
         let corners = triangle.map(|v| surface.vertices[v as usize]);
         let [a, b, c] = corners;

@@ -2,8 +2,8 @@ use super::super::sample;
 use super::*;
 use nalgebra::Isometry3;
 
-fn picture(frame: Frame) -> Picture {
-    Picture::new(frame, Vec::new()).expect("a sound frame")
+fn picture(frame: Frame) -> PreviewFrame {
+    PreviewFrame::new(frame, Vec::new()).expect("a sound frame")
 }
 
 fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
@@ -14,7 +14,7 @@ fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
 
 #[test]
 fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
-    let frames: Vec<Picture> = (0..30).map(sample::frame).map(picture).collect();
+    let frames: Vec<PreviewFrame> = (0..30).map(sample::frame).map(picture).collect();
     let mut bytes = Vec::new();
     write(&mut bytes, &frames, &[], &[]).expect("a sheet");
     let (info, pixels) = decode(&bytes);
@@ -88,7 +88,7 @@ fn nothing_is_cut_off() {
 #[test]
 fn what_holds_a_fiber_is_marked() {
     let sheet = |supports: Vec<Support>| {
-        let picture = Picture::new(sample::frame(0), supports)?;
+        let picture = PreviewFrame::new(sample::frame(0), supports)?;
         let mut bytes = Vec::new();
         write(&mut bytes, &[picture], &[], &[]).map(|()| decode(&bytes))
     };

@@ -1,5 +1,5 @@
 use super::elimination::EndRows;
-use super::stage::{NodeLaw, Scales, Unknowns};
+use super::unknowns::{NodeLaw, Scales, Unknowns};
 use crate::Load;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3::hat;

@@ -3,8 +3,9 @@ use super::ends::StageEnd;
 use super::newton::Newton;
 use super::setup::Setup;
 use super::span::Span;
-use super::stage::{NodeLaw, RootFrame, Scales, Segment, StageEquations};
+use super::stage::{RootFrame, Segment, StageEquations};
 use super::state::BoxState;
+use super::unknowns::{NodeLaw, Scales};
 use crate::{
     Conditions, Energy, Rod, RodError, RodIntegrator, RodState, RodStepReport, SectionLaws,
     StepError,

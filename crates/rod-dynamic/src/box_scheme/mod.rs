@@ -52,6 +52,7 @@ mod span;
 mod stage;
 mod state;
 mod units;
+mod unknowns;
 mod update;
 
 pub use coefficients::Coefficients;

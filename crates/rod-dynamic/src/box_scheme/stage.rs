@@ -1,54 +1,11 @@
 use super::elimination::{Panel, Turning};
 use super::ends::{self, StageEnd};
+use super::unknowns::{NodeLaw, Scales, Unknowns};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
 /// Frames are brought back to orthogonality after this many products.
 const PRODUCTS: usize = 64;
-
-/// The unknowns of a node at the stage of a step, in its material frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Unknowns {
-    pub(super) v: Vector3<f64>,
-    pub(super) omega: Vector3<f64>,
-    pub(super) kappa: Vector3<f64>,
-    pub(super) n: Vector3<f64>,
-}
-
-impl Unknowns {
-    pub(super) fn zero() -> Self {
-        let o = Vector3::zeros();
-        Self { v: o, omega: o, kappa: o, n: o }
-    }
-
-    /// `self + mu increment`.
-    pub(super) fn plus(&self, mu: f64, increment: &[f64; 12]) -> Self {
-        let part = |i: usize| mu * Vector3::from_column_slice(&increment[i..i + 3]);
-        Self {
-            v: self.v + part(0),
-            omega: self.omega + part(3),
-            kappa: self.kappa + part(6),
-            n: self.n + part(9),
-        }
-    }
-}
-
-/// What is known at a node: time derivatives at the stage are `c y + b` with these `b`, and the
-/// moment is `stiffness kappa + offset`, the Kelvin-Voigt term included.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NodeLaw {
-    pub(super) b_v: Vector3<f64>,
-    pub(super) b_omega: Vector3<f64>,
-    pub(super) b_kappa: Vector3<f64>,
-    pub(super) stiffness: Vector3<f64>,
-    pub(super) offset: Vector3<f64>,
-}
-
-impl NodeLaw {
-    pub(super) fn moment(&self, kappa: &Vector3<f64>) -> Vector3<f64> {
-        self.stiffness.component_mul(kappa) + self.offset
-    }
-}
 
 /// What is known of a segment: length, mass and rotary inertia per length (means of its ends)
 /// and force per length (world).
@@ -68,16 +25,6 @@ pub(super) enum RootFrame {
     /// `start exp(phi)` with `phi = (omega - b) / c`: the rotation of the step in the chart at
     /// its start, advanced by the scheme itself.
     Free { start: Rotation3<f64>, b: Vector3<f64> },
-}
-
-/// Magnitudes that residuals are measured by.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Scales {
-    /// Of the equations of a segment: force, moment, curvature rate and velocity per length.
-    pub(super) segment: [f64; 4],
-    /// Of velocities, and of forces and moments, at the ends.
-    pub(super) end_velocity: f64,
-    pub(super) end_load: f64,
 }
 
 /// The nonlinear equations of one step: everything known, in units of the solver.

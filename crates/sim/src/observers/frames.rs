@@ -5,7 +5,7 @@ use crate::scene::Format;
 use crate::storage::save;
 use crate::{Plan, SimError, World};
 use nalgebra::Isometry3;
-use rapunzel_export::preview::Picture;
+use rapunzel_export::preview::PreviewFrame;
 use rapunzel_export::surface::Placed;
 use rapunzel_export::{self as export, ExportError, Frame, usd};
 use std::fs::{self, File};
@@ -193,7 +193,7 @@ impl FrameWriter {
             let picture = |index| {
                 let frame = export::vtp::read(&mut self.open_frame(index)?)?;
                 let supports = self.show.supports(frame.time);
-                Picture::new(frame, supports)
+                PreviewFrame::new(frame, supports)
             };
             let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
             let shown = indices().filter_map(|index| self.show.objects.file(index));

@@ -36,7 +36,7 @@ impl CaseAnswer {
         let supports = self.equilibria.iter().enumerate();
         let supports = supports.flat_map(|(strand, found)| found.supports(strand, case)).collect();
         save(&folder.join(PREVIEW), |to| {
-            preview::write(to, &[preview::Picture::new(frame, supports)?], &[], &[])
+            preview::write(to, &[preview::PreviewFrame::new(frame, supports)?], &[], &[])
         })?;
         write_atomically(&folder.join(ANSWER), |to| Ok(serde_json::to_writer(to, self)?))
     }
