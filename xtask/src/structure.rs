@@ -3,6 +3,7 @@
 //! other in one direction.
 
 use anyhow::{Context, Result};
+use quote::ToTokens;
 use std::collections::{BTreeMap, BTreeSet};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemConst, ItemMod, ItemUse, UseTree, Visibility};
@@ -228,8 +229,9 @@ impl Module {
 /// Whether something is only there in tests.
 fn is_test(attributes: &[Attribute]) -> bool {
     let is = |attribute: &Attribute| {
+        let words = attribute.meta.to_token_stream().to_string();
         attribute.path().is_ident("cfg")
-            && attribute.parse_args::<syn::Path>().is_ok_and(|path| path.is_ident("test"))
+            && words.split(|c: char| !c.is_alphanumeric()).any(|w| w == "test")
     };
     attributes.iter().any(is)
 }
@@ -257,7 +259,7 @@ impl Visit<'_> for Module {
     }
 
     fn visit_item_const(&mut self, own: &ItemConst) {
-        let text = |tokens: &dyn quote::ToTokens| tokens.to_token_stream().to_string();
+        let text = |tokens: &dyn ToTokens| tokens.to_token_stream().to_string();
         const NUMBERS: [&str; 8] = ["f64", "f32", "usize", "u64", "u32", "i32", "u8", "i64"];
         if NUMBERS.contains(&text(&own.ty).as_str()) && own.ident != "_" {
             self.constants.push((own.ident.to_string(), text(&own.expr)));
