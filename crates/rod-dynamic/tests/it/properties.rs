@@ -1,12 +1,12 @@
-//! For any rod, any conditions and either integrator a step gives a finite state or a typed error; the
-//! frames are rotations, and the fibre is as long as it is.
+//! For any rod, any conditions and either integrator a step gives a finite state or a typed error;
+//! the frames are rotations, and the fibre is as long as it is.
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
 use rapunzel_rod_dynamic::{
     Air, BoxIntegrator, BoxOptions, Conditions, Drag, End, Instant, Load, Rod, RodIntegrator,
-    Staggered,
+    RodState, Staggered,
 };
 
 fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
@@ -125,8 +125,8 @@ proptest! {
 
 /// A frame is a product of rotations, each of them orthogonal to rounding: after a step of Newton's
 /// method with at most some hundred of them, to some hundred roundings. A segment is as long as the
-/// place of its nodes can tell: to a rounding of their distance from the origin over its length, here
-/// 1e-10 with room for a held end that has gone far.
+/// place of its nodes can tell: to a rounding of their distance from the origin over its length,
+/// here 1e-10 with room for a held end that has gone far.
 fn steps_are_sound<I: RodIntegrator>(
     mut integrator: I,
     dt: f64,
@@ -137,7 +137,8 @@ fn steps_are_sound<I: RodIntegrator>(
         let result = integrator.step(dt, conditions);
         let state = integrator.state();
         if let Err(error) = result {
-            // Forces of staggered rods are a result of the last solve, not a part of where they are.
+            // Forces of staggered rods are a result of the last solve, not a part of where they
+            // are.
             let state = RodState { forces: before.forces.clone(), ..state };
             prop_assert!(before == state, "changed by a failed step: {error}");
             break;
