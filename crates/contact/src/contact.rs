@@ -29,12 +29,12 @@ pub struct Contact {
     pub compliance: f64,
 }
 
-/// How far a frame's columns may be from orthonormal.
+/// Largest entry by which `frame^T frame` may differ from the identity.
 const ORTHONORMAL: f64 = 1e-9;
 
 impl Contact {
-    /// Relative velocity, in the contact's frame and with its bias, where the points have the
-    /// given velocities.
+    /// Relative velocity, m/s, in the contact's frame and with the bias, where the points have the
+    /// given velocities, world.
     #[must_use]
     pub fn relative(&self, velocities: &[Vector3<f64>]) -> Vector3<f64> {
         let mut v = velocities[self.first];

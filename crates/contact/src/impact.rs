@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// What an impact did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactReport {
-    /// Impulse of every contact in its frame, N s.
+    /// Impulses by contact, N s, in the contacts' frames.
     pub impulses: Vec<Vector3<f64>>,
     /// Velocities of all points afterwards, m/s, world.
     pub velocities: Vec<Vector3<f64>>,
@@ -16,7 +16,7 @@ pub struct ImpactReport {
     /// The least share of its restitution that a contact was left with, one if no energy would have
     /// been gained.
     pub share: f64,
-    /// How well the contacts were solved: that of the solver, or the number of single impacts and
+    /// Report of the solver on how well the contacts were solved, or the number of single impacts and
     /// whether they came to an end.
     pub report: Report,
 }
@@ -42,7 +42,7 @@ pub fn closing(gap: f64, restitution: f64, fall: f64, before: impl FnOnce() -> f
 const STILL: f64 = 1e-12;
 
 /// Energy less than this, relative to the work against the approach, is rounding.
-const ROUNDING: f64 = 1e-14;
+const ENERGY_ROUNDING: f64 = 1e-14;
 
 /// Lets bodies collide, all contacts together (Moreau): Newton's law of restitution with Coulomb
 /// friction, without gain of energy.
@@ -60,7 +60,7 @@ const ROUNDING: f64 = 1e-14;
 /// Costs one solution, two where energy would be gained. Takes away weights of the bodies.
 ///
 /// # Errors
-/// As [`Solver::solve`]; [`ContactError::Invalid`] for a restitution outside of [0, 1].
+/// Those of [`Solver::solve`]; [`ContactError::Invalid`] for a restitution outside of [0, 1].
 pub fn impact(
     bodies: &mut [&mut dyn Body],
     contacts: &[Contact],
@@ -79,7 +79,7 @@ pub fn impact(
     let struck = respond(bodies, contacts, velocities, &impulses);
     let after = relative(contacts, &struck);
     let energy = work(&impulses, &before, &after);
-    if energy <= ROUNDING * -dot(&impulses, &before) {
+    if energy <= ENERGY_ROUNDING * -dot(&impulses, &before) {
         return Ok(ImpactReport { impulses, velocities: struck, energy, share: 1.0, report });
     }
     let mut plastic = impulses.clone();
@@ -121,7 +121,7 @@ pub fn impact(
 /// Setup grows with the square of the touched points of a body.
 ///
 /// # Errors
-/// As [`impact`].
+/// Those of [`impact`].
 pub fn impact_in_turn(
     bodies: &mut [&mut dyn Body],
     contacts: &[Contact],
@@ -154,7 +154,7 @@ pub fn impact_in_turn(
             (impulse, impulse.dot(&(before + 0.5 * response * impulse)))
         };
         let (mut impulse, mut change) = solve(restitution[i]);
-        if change > ROUNDING * -impulse.dot(&before) {
+        if change > ENERGY_ROUNDING * -impulse.dot(&before) {
             let (plastic, loss) = solve(0.0);
             let extra = impulse - plastic;
             let share = largest_share(loss, change, 0.5 * extra.dot(&(response * extra)));
@@ -195,7 +195,7 @@ fn validate(
     contacts.iter().enumerate().try_for_each(|(i, contact)| contact.validate(i, points))
 }
 
-/// Relative velocities of the contacts.
+/// Relative velocities of the contacts, m/s, in their frames, bias included.
 fn relative(contacts: &[Contact], velocities: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let of = |contact: &Contact| {
         let second = contact.second.map_or_else(Vector3::zeros, |i| velocities[i]);

@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use std::borrow::Borrow;
 
-/// Contacts that one task takes.
+/// Contacts of a report that one task takes.
 const CHUNK: usize = 1024;
 
 /// How far one contact is from its law.
@@ -22,7 +22,7 @@ pub struct Violation {
 }
 
 impl Violation {
-    /// `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
+    /// Violation of one contact. `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
     /// `weight > 0` (kg) makes an impulse of a velocity: take three divided by the trace of the
     /// contact's own response. All three measures are zero where the law holds, and the
     /// natural map nowhere else.
@@ -77,7 +77,7 @@ pub(crate) fn slips(
     product > 0.0 && product * product > bound * bound * slip.norm_squared()
 }
 
-/// The friction that would hold a slip back further, as far as its limit lets it.
+/// Friction that would hold a slip back further, as far as its limit lets it, N s.
 #[inline(always)]
 fn missing(
     contact: &Contact,
@@ -90,13 +90,13 @@ fn missing(
     impulse.yz() - contact.friction.project(&more, limit)
 }
 
-/// How far `missing` goes along a direction; zero where that is none.
+/// Component of `missing` along a direction; zero where that is against it or there is none.
 fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
     let product = missing.dot(direction);
     if product > 0.0 { product / direction.norm() } else { 0.0 }
 }
 
-/// The report on all contacts: the residual is the norm of all natural maps divided by that of all
+/// Report on all contacts: the residual is the norm of all natural maps divided by that of all
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
 /// are left for the solver to tell. Where an impulse or a velocity is not finite all three are infinite.
 ///
@@ -117,22 +117,24 @@ pub fn report<C: Borrow<Contact>>(
     let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
     let parts: Vec<_> = starts.into_par_iter().map(part).collect();
     // In the order of the contacts, whoever computes the parts.
-    ResidualSums::together(&parts).report()
+    ResidualSums::sum(&parts).report()
 }
 
-/// What a report is made of.
+/// Sums and largest values that a report is made of.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ResidualSums {
-    /// Of the squares of what is wrong with impulses, and of the impulses.
+    /// Sum of the squares of the natural maps, (N s)^2.
     pub(crate) wrong: f64,
+    /// Sum of the squares of the impulses from the cones' tips, (N s)^2.
     pub(crate) all: f64,
-    /// The largest errors of velocities.
+    /// Largest error of a normal velocity, m/s.
     pub(crate) normal_error: f64,
+    /// Largest slip that the friction does not allow, m/s.
     pub(crate) slip_error: f64,
 }
 
 impl ResidualSums {
-    /// Adds a contact, as in [`Violation::new`].
+    /// Adds the [`Violation`] of a contact.
     fn add(
         &mut self,
         contact: &Contact,
@@ -147,7 +149,8 @@ impl ResidualSums {
         self.slip_error = self.slip_error.max(violation.slip);
     }
 
-    pub(crate) fn together(parts: &[Self]) -> Self {
+    /// Sums and largest values over all parts, in their order.
+    pub(crate) fn sum(parts: &[Self]) -> Self {
         parts.iter().fold(Self::default(), |sum, part| Self {
             wrong: sum.wrong + part.wrong,
             all: sum.all + part.all,
@@ -156,7 +159,8 @@ impl ResidualSums {
         })
     }
 
-    /// Without any impulse what is wrong is the measure: all, or nothing.
+    /// Report of the sums. Without any impulse the natural maps are the measure: all is wrong, or
+    /// nothing.
     pub(crate) fn report(&self) -> Report {
         let Self { wrong, all, normal_error, slip_error } = *self;
         let all = if all > 0.0 { all } else { wrong };

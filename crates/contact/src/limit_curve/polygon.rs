@@ -3,7 +3,7 @@ use nalgebra::Vector2;
 use std::sync::Arc;
 
 /// An edge this near to the origin, relative to the polygon, passes through it.
-const MARGIN: f64 = 1e-13;
+const ORIGIN_MARGIN: f64 = 1e-13;
 
 /// A convex polygon that contains the origin, inside or on its border; it may be a segment or a
 /// point.
@@ -63,7 +63,8 @@ impl Polygon {
     fn with_vertices(vertices: Arc<[Vector2<f64>]>) -> Self {
         let size = vertices.iter().map(Vector2::amax).fold(0.0, f64::max);
         let mut polygon = Self { vertices, half: 0 };
-        let around = polygon.edges().all(|(a, b)| a.perp(&b) > MARGIN * size * (b - a).norm());
+        let around =
+            polygon.edges().all(|(a, b)| a.perp(&b) > ORIGIN_MARGIN * size * (b - a).norm());
         if around && size > 0.0 {
             let first = polygon.vertices[0];
             polygon.half = polygon.vertices.iter().filter(|v| first.perp(v) > 0.0).count() + 1;
@@ -168,7 +169,7 @@ impl Polygon {
             // What does not leave the segment's line is compared to the end on its side.
             let (a, b) = self.edge(0);
             let end = self.support(p).dot(p);
-            let aside = (b - a).perp(p).abs() > MARGIN * (b - a).norm() * p.norm();
+            let aside = (b - a).perp(p).abs() > ORIGIN_MARGIN * (b - a).norm() * p.norm();
             return if end > 0.0 && !aside { p.norm_squared() / end } else { f64::INFINITY };
         }
         // Every edge's line bounds the scale from below; an edge through the origin allows none or
@@ -178,9 +179,9 @@ impl Polygon {
         for (a, b) in self.edges() {
             let edge = b - a;
             let (outside, offset) = (p.perp(&edge), a.perp(&b));
-            if offset > MARGIN * size * edge.norm() {
+            if offset > ORIGIN_MARGIN * size * edge.norm() {
                 gauge = gauge.max(outside / offset);
-            } else if outside > MARGIN * edge.norm() * p.norm() || size <= 0.0 {
+            } else if outside > ORIGIN_MARGIN * edge.norm() * p.norm() || size <= 0.0 {
                 return f64::INFINITY;
             }
         }

@@ -1,7 +1,7 @@
 //! Restitution: contact.md's tests 11 to 14 and, for rigid rods, 16.
 use crate::common::{Dense, G, Random, act, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use rapunzel_contact::projection::TwoProjections;
+use rapunzel_contact::thesis::projection::TwoProjections;
 use rapunzel_contact::{
     Body, Contact, ImpactReport, Solver, Tolerance, Violation, impact, impact_in_turn,
     solve_contact,

@@ -106,7 +106,7 @@ impl Body for WrittenOut {
         unreachable!("nobody asks")
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
+    fn dense_delassus(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         Some(self.0.iter().map(|(points, answers)| (&points[..], answers)).collect())
     }
 }

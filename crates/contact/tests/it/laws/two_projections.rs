@@ -1,7 +1,7 @@
 //! Alg. 6 as a solver among the others: what it promises of bodies of any kind, and what it reports.
 use crate::common::{Dense, Random, circle, contact, exact, heap, resolve};
 use nalgebra::{DMatrix, Vector3};
-use rapunzel_contact::projection::TwoProjections;
+use rapunzel_contact::thesis::projection::TwoProjections;
 use rapunzel_contact::{Body, Contact, ContactError, Solver, Tolerance, report};
 
 const TOLERANCE: Tolerance = Tolerance { residual: 1e-9, normal: 1e-9, slip: 1e-9, iterations: 1 };

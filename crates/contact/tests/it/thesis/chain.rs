@@ -4,7 +4,7 @@ use super::chains::{G, cantilever, momenta, run, settings, shake, springs, step,
 use nalgebra::{DMatrix, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_contact::ContactError;
-use rapunzel_contact::chain::{Coupling, CylinderChain, JointMethod, Root, Settings};
+use rapunzel_contact::thesis::chain::{Coupling, CylinderChain, JointMethod, Root, Settings};
 
 #[test]
 fn a_hanging_chain_rests() {

@@ -1,12 +1,13 @@
 //! Alg. 7: chains in contact.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use rapunzel_contact::chain::{
+use rapunzel_contact::thesis::Response;
+use rapunzel_contact::thesis::chain::{
     Coupling, CylinderChain, JointMethod, JointSprings, LastWord, Root, SegmentContact,
     SegmentPartner, Settings, step,
 };
-use rapunzel_contact::projection::{Differences, Form, PolygonalCone};
-use rapunzel_contact::{ContactError, GaussSeidel, Response, Tolerance};
+use rapunzel_contact::thesis::projection::{Differences, Form, PolygonalCone};
+use rapunzel_contact::{ContactError, GaussSeidel, Tolerance};
 
 const RADIUS: f64 = 1e-3;
 

@@ -3,7 +3,7 @@
 use super::common::{floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
-use rapunzel_contact::projection::{
+use rapunzel_contact::thesis::projection::{
     Differences, Form, Partner, PolygonalCone, Touch, moreau_step, project,
 };
 use rapunzel_contact::{ContactError, RigidBody};

@@ -11,7 +11,7 @@ use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
 use rapunzel_contact::{
-    Body, Contact, ContactError, LimitCurve, Polished, Report, Solver, Tolerance,
+    Body, Contact, ContactError, ContactSolver, LimitCurve, Report, Solver, Tolerance,
 };
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
@@ -259,7 +259,7 @@ impl ContactProblem {
         &mut self,
         system: &mut CoupledSystem,
         touches: &[ContactPoint],
-        solver: &mut Polished,
+        solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
         let nodes = system.fibers.linear_velocities();

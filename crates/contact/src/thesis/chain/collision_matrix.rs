@@ -1,5 +1,5 @@
 use crate::RigidBody;
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use nalgebra::{Matrix3, Matrix6, Point3};
 use rapunzel_fiber::so3::hat;
 

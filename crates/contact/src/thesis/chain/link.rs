@@ -1,6 +1,6 @@
 use super::{ChainForm, CylinderChain, Root};
 use crate::RigidBody;
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, Vector3};
 use rapunzel_fiber::so3::{self, hat};
 

@@ -1,7 +1,8 @@
 use super::CylinderChain;
-use crate::projection::{Partner, PolygonalCone, Touch};
 use crate::rigid::{angular, linear, stack};
-use crate::{ContactError, Report, Response, RigidBody};
+use crate::thesis::Response;
+use crate::thesis::projection::{Partner, PolygonalCone, Touch};
+use crate::{ContactError, Report, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
 use std::collections::BTreeMap;
 

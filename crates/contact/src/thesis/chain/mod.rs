@@ -35,7 +35,7 @@ pub use contacts::{SegmentContact, SegmentPartner};
 pub use harmonize::{HarmonizationReport, LastWord, Settings, step};
 pub use springs::{Coupling, JointSprings};
 
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use crate::{ContactError, RigidBody};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;

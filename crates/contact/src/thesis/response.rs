@@ -1,5 +1,5 @@
-use crate::projection::{Differences, Partner, Touch, project};
 use crate::solver::on_points;
+use crate::thesis::projection::{Differences, Partner, Touch, project};
 use crate::{Body, Contact, ContactError, Report, RigidBody, RigidPoints, Solver, impact};
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -2,8 +2,9 @@ use super::contacts::{SegmentContact, parting, resolve};
 use super::joints::{JointSums, Joints};
 use super::link::ChainLink;
 use super::{ChainForm, CylinderChain, JointMethod, half_way};
-use crate::projection::Form;
-use crate::{ContactError, Report, Response, RigidBody, closing};
+use crate::thesis::Response;
+use crate::thesis::projection::Form;
+use crate::{ContactError, Report, RigidBody, closing};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
