@@ -14,14 +14,14 @@ pub struct Contact {
     pub first: usize,
     /// Index of the second; `None` where the first touches something that is not moved by it.
     pub second: Option<usize>,
-    /// Orthonormal and right-handed columns, world: the normal from the second to the first, then two
-    /// tangents, of which the limit curve speaks.
+    /// Orthonormal and right-handed columns, world: the normal from the second to the first, then
+    /// two tangents, of which the limit curve speaks.
     pub frame: Matrix3<f64>,
-    /// Added to the relative velocity, m/s, in `frame`: minus the velocity of what is not moved;
-    /// along the normal the gap that may still close in the step divided by its length, or the
-    /// restitution's share of the velocity of approach.
+    /// Bias that is added to the relative velocity, m/s, in `frame`: minus the velocity of what is
+    /// not moved; along the normal the gap that may still close in the step divided by its length,
+    /// or the restitution's share of the velocity of approach.
     pub bias: Vector3<f64>,
-    /// How much friction there is, by direction.
+    /// Friction by direction, per normal force.
     pub friction: LimitCurve,
     /// Tensile impulse that the contact can bear, N s.
     pub adhesion: f64,

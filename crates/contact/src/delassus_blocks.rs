@@ -8,10 +8,10 @@ pub type VectorLanes<T> = [[T; LANES]; 3];
 /// Delassus operator of some points, dense: how they answer impulses on each other. A symmetric
 /// matrix, 1/kg, with three rows and columns a point, world.
 ///
-/// Columns lie one after another, their rows by eight points side by side, filled up with zeros: what
-/// an impulse does to all points is read in one go. For any point and any eight that is 576 bytes, or
-/// half of it in single precision, whose roundings move points by a ten-millionth of what the impulses
-/// do.
+/// Columns lie one after another, their rows by eight points side by side, filled up with zeros:
+/// what an impulse does to all points is read in one go. For any point and any eight that is 576
+/// bytes, or half of it in single precision, whose roundings move points by a ten-millionth of what
+/// the impulses do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelassusBlocks {
     points: usize,
@@ -49,7 +49,8 @@ impl DelassusBlocks {
     /// Blocks of a matrix, rounded to single precision.
     ///
     /// # Errors
-    /// Those of [`Self::new`], also for an entry that single precision does not reach.
+    /// [`ContactError::Length`] unless it is square with three rows a point, and
+    /// [`ContactError::Invalid`] for an entry that is not finite in single precision.
     pub fn rounded(matrix: &DMatrix<f64>) -> Result<Self, ContactError> {
         #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
         let columns = DelassusColumns::Single(side_by_side(matrix, |x| x as f32)?);

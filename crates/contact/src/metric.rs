@@ -1,26 +1,28 @@
 //! The metric of points: how heavy each is taken to be while contacts are solved by themselves.
 //!
-//! The best is near the geometric mean of what a set of impulses feels at most and at least (Giselsson
-//! and Boyd 2017). The most is bounded by the sum of a row of the answers (Gershgorin), which counts
-//! where a body is pressed at many points at once; the least nobody knows, and `weight` stands for it.
+//! The best is near the geometric mean of what a set of impulses feels at most and at least
+//! (Giselsson and Boyd 2017). The most is bounded by the sum of a row of the answers (Gershgorin),
+//! which counts where a body is pressed at many points at once; the least nobody knows, and
+//! `weight` stands for it.
 
 use crate::Body;
 use nalgebra::Vector3;
 
 /// Answer of a point to all sides of its body together, in its own answers, above which it gets
-/// lighter: found where hair falls and swings, and in packs that lie, slide and are pressed together.
-/// Half and half as much again take more iterations in one of these or the other.
+/// lighter: found where hair falls and swings, and in packs that lie, slide and are pressed
+/// together. Half and half as much again take more iterations in one of these or the other.
 const CROWDING: f64 = 8.0;
 
-/// About the most that all contacts together answer to impulses, in units of what each answers to its own
-/// in the metric of this `weight`: a bound where what a body's points answer to each other points one way.
+/// About the most that all contacts together answer to impulses, in units of what each answers to
+/// its own in the metric of this `weight`: a bound where what a body's points answer to each other
+/// points one way.
 pub(crate) fn largest_response(weight: f64) -> f64 {
     weight * CROWDING
 }
 
-/// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them, and the
-/// trace of the point's own answer, 1/kg. A lone side is so many times as heavy as the point itself. Tells
-/// how many points are lighter than that, as they are in a crowd.
+/// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them,
+/// and the trace of the point's own answer, 1/kg. A lone side is so many times as heavy as the
+/// point itself. Tells how many points are lighter than that, as they are in a crowd.
 ///
 /// Costs four answers of the body.
 pub(crate) fn masses(

@@ -1,9 +1,10 @@
 //! Splitting first, then what is still wrong one by one.
 //!
-//! Splitting spreads impulses over all contacts at a time, but comes to its end slowly; Gauss-Seidel ends
-//! soon, but only where errors are small or in few places, and each of its answers leaves all contacts just
-//! below the tolerance, wrong together when the next problem is a little different. A few iterations of the
-//! first make the second short, whose every solve begins with contacts made even.
+//! Splitting spreads impulses over all contacts at a time, but comes to its end slowly;
+//! Gauss-Seidel ends soon, but only where errors are small or in few places, and each of its
+//! answers leaves all contacts just below the tolerance, wrong together when the next problem is a
+//! little different. A few iterations of the first make the second short, whose every solve begins
+//! with contacts made even.
 
 use crate::solver::respond;
 use crate::{Admm, Body, Contact, ContactError, GaussSeidel, Report, Solver, Tolerance};
@@ -16,11 +17,11 @@ const GAUSS_SEIDEL_ITERATIONS: usize = 200;
 /// Iterations of Gauss-Seidel in which it must come nearer.
 const GAUSS_SEIDEL_PATIENCE: usize = 20;
 
-/// [`Admm`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the iterations that
-/// splitting alone takes to a tolerance of 1e-3 from a good guess.
+/// [`Admm`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the
+/// iterations that splitting alone takes to a tolerance of 1e-3 from a good guess.
 ///
-/// Splitting alone solves what Gauss-Seidel does not come nearer to, such as fibers that jam each other from
-/// all sides, and bodies that have no [dense operator](Body::dense_delassus).
+/// Splitting alone solves what Gauss-Seidel does not come nearer to, such as fibers that jam each
+/// other from all sides, and bodies that have no [dense operator](Body::dense_delassus).
 #[derive(Debug, Clone)]
 pub struct Polished {
     /// Tolerances at which it stops.
@@ -37,8 +38,8 @@ impl Polished {
         Self { tolerance, splitting: Admm::new(tolerance), stalled: false }
     }
 
-    /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what comes now
-    /// is another problem.
+    /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what
+    /// comes now is another problem.
     pub fn forget(&mut self) {
         self.stalled = false;
     }

@@ -7,7 +7,7 @@ use std::borrow::Borrow;
 /// Contacts of a report that one task takes.
 const CHUNK: usize = 1024;
 
-/// How far one contact is from its law.
+/// Distance of one contact from its law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Violation {
     /// Natural map in impulses, N s: the distance of the impulse from the projection onto its cone
@@ -16,16 +16,16 @@ pub struct Violation {
     /// Error of the normal velocity, m/s: how fast the gap closes, or opens although it is pressed.
     pub normal: f64,
     /// Slip that the friction does not allow, m/s: all of it while the friction is within its
-    /// limit, as far as more friction could hold it back. Where the friction is at its limit but not
-    /// straight against the slip, only the natural map tells.
+    /// limit, as far as more friction could hold it back. Where the friction is at its limit but
+    /// not straight against the slip, only the natural map tells.
     pub slip: f64,
 }
 
 impl Violation {
-    /// Violation of one contact. `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
-    /// `weight > 0` (kg) makes an impulse of a velocity: take three divided by the trace of the
-    /// contact's own response. All three measures are zero where the law holds, and the
-    /// natural map nowhere else.
+    /// Violation of one contact. `velocity` is the relative velocity `u` while `impulse` acts, bias
+    /// and compliance included; `weight > 0` (kg) makes an impulse of a velocity: take three
+    /// divided by the trace of the contact's own response. All three measures are zero where the
+    /// law holds, and the natural map nowhere else.
     ///
     /// Costs one projection onto the cone and one onto the curve.
     #[must_use]
@@ -98,10 +98,11 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 
 /// Report on all contacts: the residual is the norm of all natural maps divided by that of all
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
-/// are left for the solver to tell. Where an impulse or a velocity is not finite all three are infinite.
+/// are left for the solver to tell. Where an impulse or a velocity is not finite all three are
+/// infinite.
 ///
-/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its velocity, impulse
-/// and weight.
+/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its
+/// velocity, impulse and weight.
 #[must_use]
 pub fn report<C: Borrow<Contact>>(
     count: usize,

@@ -33,10 +33,10 @@ impl Tolerance {
     }
 }
 
-/// How well a law is obeyed, and what that cost.
+/// Errors against the law of contacts, and the iterations spent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Report {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
     /// Whether the solver's tolerances were reached.
     pub converged: bool,

@@ -22,8 +22,8 @@ pub(super) struct AdmmState<'a> {
     pub(super) metric_weight: f64,
     /// Over-relaxation `alpha`, between 0 and 2.
     pub(super) relaxation: f64,
-    /// State `h` of the splitting, by side, as a change from the given velocities, m/s, world. Where
-    /// descent comes to the end it is never made.
+    /// State `h` of the splitting, by side, as a change from the given velocities, m/s, world.
+    /// Where descent comes to the end it is never made.
     pub(super) h: LazyLock<SharedVectors, Box<dyn FnOnce() -> SharedVectors + Send>>,
     /// Changes of the impulses on the contacts' first points, by contact, N s, world.
     pub(super) impulse_changes: SharedVectors,
@@ -54,8 +54,8 @@ impl AdmmState<'_> {
         if trace > 0.0 { 3.0 / trace } else { 1.0 }
     }
 
-    /// Velocity of a contact's first point relative to its second while the given impulses act, m/s,
-    /// world.
+    /// Velocity of a contact's first point relative to its second while the given impulses act,
+    /// m/s, world.
     pub(super) fn relative_velocity(&self, contact: &Contact) -> Vector3<f64> {
         let second = contact.second.map_or(Vector3::zeros(), |point| self.velocities[point]);
         self.velocities[contact.first] - second

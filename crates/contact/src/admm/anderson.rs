@@ -74,8 +74,8 @@ pub(crate) struct HistorySlot {
 }
 
 impl Anderson {
-    /// An acceleration that remembers nothing yet, and `depth` steps of `period` iterations from now
-    /// on.
+    /// An acceleration that remembers nothing yet, and `depth` steps of `period` iterations from
+    /// now on.
     pub(crate) fn new(depth: usize, period: usize) -> Self {
         Self { depth, period, gram: DMatrix::zeros(depth, depth), ..Self::default() }
     }
@@ -180,7 +180,8 @@ impl AndersonHistory {
 pub(crate) struct ResidualProducts {
     /// Square of the norm of the residual.
     norm: f64,
-    /// ResidualProducts of every difference of residuals with the residual and with the newest difference.
+    /// ResidualProducts of every difference of residuals with the residual and with the newest
+    /// difference.
     with: Vec<[f64; 2]>,
 }
 

@@ -10,8 +10,8 @@ pub(super) type ContactNumbers = [f64; LANES];
 /// Indices of what belongs to the first point of each contact of a group, and to the second.
 pub(super) type SideIndices = [[u32; LANES]; 2];
 
-/// What it takes to solve eight contacts. Lanes that are left are of contacts that bear nothing and
-/// stay so.
+/// Data of eight contacts that the method reads in every iteration. Lanes that are left are of
+/// contacts that bear nothing and stay so.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub(super) struct ContactGroup {

@@ -13,7 +13,7 @@ use rapunzel_lanes::{LANES, Lane};
 /// Step of the descent, relative to the largest with which it does not diverge.
 const STEP_MARGIN: f64 = 0.95;
 
-/// What every contact of a part does by itself.
+/// Work that every contact of a part does by itself.
 pub(super) enum ContactKernel<'p> {
     /// Finds the impulse that obeys the law as the metric answers it, and keeps the velocity for
     /// which it does if these are looked at.
@@ -140,8 +140,8 @@ fn descent_gradient<S: Simd>(
     let contacts = &state.contacts[part.contacts.clone()];
     let image = part.descent_history.image_mut();
     let [images, increments] = [image, increments].map(|all| {
-        // Nothing is written into registers that no contact of the last group is in: they must not hold
-        // what another part has left.
+        // Nothing is written into registers that no contact of the last group is in: they must not
+        // hold what another part has left.
         all.clear();
         all.resize(part.groups.len() * 3 * LANES, 0.0);
         all.as_chunks_mut::<LANES>().0.as_chunks_mut::<3>().0

@@ -1,7 +1,7 @@
 //! As many contacts at once as a register holds.
 //!
-//! A projection onto a circle or its cone is a root, a quotient and a choice; one after another these
-//! wait for each other. Other curves are projected onto one by one.
+//! A projection onto a circle or its cone is a root, a quotient and a choice; one after another
+//! these wait for each other. Other curves are projected onto one by one.
 
 use super::contact_group::{ContactGroup, ContactNumbers, SideIndices};
 use super::shared_vectors::SharedVectors;
@@ -218,7 +218,8 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
     pub(super) fn project_cone(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
         if let Some(circles) = &self.group.circles {
             let (zero, one, mu) = (self.splat(0.0), self.splat(1.0), self.lane(circles));
-            // Coulomb's cone: inside stays, the polar cone goes to the tip, the rest onto the border.
+            // Coulomb's cone: inside stays, the polar cone goes to the tip, the rest onto the
+            // border.
             let size = norm([s, t]);
             let (inside, outer) = (mu * n, n + mu * size);
             let normal = outer / (one + mu * mu);
@@ -252,8 +253,8 @@ mod tests {
     use pulp::{Arch, Scalar, WithSimd};
     use std::iter::repeat;
 
-    /// What eight vectors become: projected onto cones, onto curves as large as the first number, and what
-    /// is dissipated.
+    /// All projections of vectors: onto cones, onto curves scaled by the first component, and the
+    /// dissipation.
     struct ProjectAll<'a>(&'a [ContactGroup], &'a [Contact], &'a [Vector3<f64>]);
 
     impl WithSimd for ProjectAll<'_> {
@@ -299,7 +300,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the curves, and one by one or in registers, contacts are projected as each would be.
+        /// Whatever the curves, and one by one or in registers, contacts are projected as each
+        /// would be.
         #[test]
         fn contacts_side_by_side_are_projected_as_each_is(
             all in prop::collection::vec((curve(), vector()), 1..20),

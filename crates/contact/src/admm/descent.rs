@@ -6,9 +6,9 @@
 //!
 //! where `u(r)` are the velocities that the impulses really cause (Tasora and Anitescu 2011 descend
 //! so without acceleration). What many impulses do together, such as to shift a fibre as a whole,
-//! shows most in `u`: splitting finds it last, descent first. Near the answer, and where things rest
-//! from the start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass for
-//! each contact, about the largest with which plain descent does not diverge.
+//! shows most in `u`: splitting finds it last, descent first. Near the answer, and where things
+//! rest from the start, it takes a tenth of the iterations; far from it, it creeps. `D` is a mass
+//! for each contact, about the largest with which plain descent does not diverge.
 
 use super::admm_part::{AdmmPart, AdmmWorkspace};
 use super::anderson::{Anderson, ResidualProducts};

@@ -3,7 +3,8 @@
 //!
 //! One half of an iteration solves every contact by itself, the other every body by itself, so both
 //! are parallel and the result does not depend on who computes what. A side `i` has a metric `R_i`,
-//! a multiple of the identity, so that a contact alone is solved in closed form. With `h` the state,
+//! a multiple of the identity, so that a contact alone is solved in closed form. With `h` the
+//! state,
 //!
 //! ```text
 //! z  = the velocities nearest to h, in the metric, that with some impulses r obey the law
@@ -14,10 +15,11 @@
 //! Where `v = z` both hold: the bodies move as `r` makes them, and `r` obeys the law. Their
 //! difference is the error of either, `R (z - v)` in impulses. Near the answer descent takes over.
 //!
-//! Between contacts and bodies go changes, from the velocities and impulses that were given, and of `h` from
-//! what these make of it: what bodies answer in single precision is small near the end, and so are its roundings.
-//! An iteration reads and writes about a kilobyte of each contact, more in all than caches hold where contacts
-//! are many: buffers that serve one part at a time belong to the thread (`AdmmWorkspace`).
+//! Between contacts and bodies go changes, from the velocities and impulses that were given, and of
+//! `h` from what these make of it: what bodies answer in single precision is small near the end,
+//! and so are its roundings. An iteration reads and writes about a kilobyte of each contact, more
+//! in all than caches hold where contacts are many: buffers that serve one part at a time belong to
+//! the thread (`AdmmWorkspace`).
 
 mod admm_part;
 mod admm_state;
@@ -54,8 +56,8 @@ pub struct Admm {
     pub tolerance: Tolerance,
     /// Over-relaxation `alpha`, between 0 and 2.
     pub relaxation: f64,
-    /// Metric of a point in units of its own inertia, unless it is pressed together with many others:
-    /// larger trusts impulses more, smaller velocities.
+    /// Metric of a point in units of its own inertia, unless it is pressed together with many
+    /// others: larger trusts impulses more, smaller velocities.
     pub weight: f64,
     /// Steps that the acceleration remembers; 0 for no acceleration.
     pub memory: usize,
@@ -209,8 +211,8 @@ impl Admm {
     }
 }
 
-/// Metric of a side, kg, and trace of the point's answer to itself, 1/kg, by point; and whether most
-/// points are in a crowd.
+/// Metric of a side, kg, and trace of the point's answer to itself, 1/kg, by point; and whether
+/// most points are in a crowd.
 fn choose_metric(
     bodies: &mut [&mut dyn Body],
     sides: &ContactSides,

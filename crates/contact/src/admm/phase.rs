@@ -8,7 +8,7 @@ use super::phase_pool::Leader;
 use crate::Report;
 use crate::residual::ResidualSums;
 
-/// What all parts are to do.
+/// Phase of the method, done by all parts before the next begins.
 pub(super) enum Phase {
     /// Adds the metric to the bodies, and begins where the contacts' impulses cause the velocities
     /// that have been evaluated.

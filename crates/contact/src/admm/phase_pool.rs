@@ -1,10 +1,10 @@
 //! Short parallel phases, one after another, by threads that stay awake in between.
 //!
 //! A loop of some ten microseconds costs what a second thread saves if that has to be woken for it.
-//! Here one thread leads: it starts a phase, does parts of it as everybody does, and goes on when all
-//! are done. Helpers that are late, or never come, are not waited for: whoever finds a part that is
-//! neither done nor taken does it. They leave when long no phase is started, and are called again; so
-//! none waits for ever, whatever else the threads are used for.
+//! Here one thread leads: it starts a phase, does parts of it as everybody does, and goes on when
+//! all are done. Helpers that are late, or never come, are not waited for: whoever finds a part
+//! that is neither done nor taken does it. They leave when long no phase is started, and are called
+//! again; so none waits for ever, whatever else the threads are used for.
 
 use rayon::Scope;
 use std::cell::RefCell;

@@ -46,9 +46,9 @@ impl PatchPoint {
 }
 
 impl<'b> Delassus<'b> {
-    /// Operator of the `bodies` at the points that the `contacts` touch, with the `velocities` of all
-    /// points, m/s, world. Asks every body for three columns per touched point, unless its operator is
-    /// at hand.
+    /// Operator of the `bodies` at the points that the `contacts` touch, with the `velocities` of
+    /// all points, m/s, world. Asks every body for three columns per touched point, unless its
+    /// operator is at hand.
     pub(crate) fn new(
         bodies: &'b mut [&mut dyn Body],
         contacts: &[Contact],
@@ -154,8 +154,8 @@ impl<'b> Delassus<'b> {
         LANES * self.velocities.len()
     }
 
-    /// Diagonal block of a contact, 1/kg, in its frame: the answer of its relative velocity to its own
-    /// impulse, `W_11 + W_22 - W_12 - W_21`; zero where both points can only move together.
+    /// Diagonal block of a contact, 1/kg, in its frame: the answer of its relative velocity to its
+    /// own impulse, `W_11 + W_22 - W_12 - W_21`; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
         let block = |of: PatchPoint, to: PatchPoint| {
             let Patch { registers, blocks } = &self.patches[to.patch];
@@ -179,13 +179,14 @@ impl<'b> Delassus<'b> {
         0.5 * (local + local.transpose())
     }
 
-    /// Velocity of a contact's first point relative to the second, m/s, in its frame, bias included.
+    /// Velocity of a contact's first point relative to the second, m/s, in its frame, bias
+    /// included.
     pub(crate) fn relative_velocity(&self, contact: &Contact) -> Vector3<f64> {
         self.relative_at(contact, self.places(contact))
     }
 
-    /// Velocity of a contact's first point relative to the second, m/s, in its frame, bias included,
-    /// by the places of the points.
+    /// Velocity of a contact's first point relative to the second, m/s, in its frame, bias
+    /// included, by the places of the points.
     #[inline(always)]
     pub(crate) fn relative_at(&self, contact: &Contact, places: [PatchPoint; 2]) -> Vector3<f64> {
         let [first, second] = places.map(|place| {
@@ -222,9 +223,9 @@ impl<'b> Delassus<'b> {
         }
     }
 
-    /// Writes into `changed` the points of a patch whose velocities have changed by more than a bound,
-    /// m/s, notes that they wait to be looked at, and returns their number. `changed` must have a place
-    /// for every point.
+    /// Writes into `changed` the points of a patch whose velocities have changed by more than a
+    /// bound, m/s, notes that they wait to be looked at, and returns their number. `changed` must
+    /// have a place for every point.
     #[inline(always)]
     pub(crate) fn changed_points(
         &mut self,
@@ -259,8 +260,8 @@ impl<'b> Delassus<'b> {
     }
 }
 
-/// Adds to the velocities of all points what an impulse on one causes, by its columns along each axis,
-/// and to the changes the largest component of what was added.
+/// Adds to the velocities of all points what an impulse on one causes, by its columns along each
+/// axis, and to the changes the largest component of what was added.
 #[inline(always)]
 fn add_response<T: Copy + Into<f64>>(
     [a, b, c]: [&[VectorLanes<T>]; 3],

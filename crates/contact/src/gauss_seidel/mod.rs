@@ -1,9 +1,10 @@
 //! Block Gauss-Seidel where it is needed: contacts that are right are passed over.
 //!
-//! A queue has those that may be wrong, at first all. Whichever is first in it is looked at, and if it is
-//! wrong it is solved exactly while the others' impulses stay; those whose velocities have changed since they
-//! were looked at are looked at again. From a good guess most are never solved, and what is wrong in one
-//! place costs nothing in others: so Southwell (1940) relaxed by hand, with more care for the order.
+//! A queue has those that may be wrong, at first all. Whichever is first in it is looked at, and if
+//! it is wrong it is solved exactly while the others' impulses stay; those whose velocities have
+//! changed since they were looked at are looked at again. From a good guess most are never solved,
+//! and what is wrong in one place costs nothing in others: so Southwell (1940) relaxed by hand,
+//! with more care for the order.
 
 mod delassus;
 mod queue;

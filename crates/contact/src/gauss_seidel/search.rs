@@ -13,12 +13,12 @@ const PASSED_PART: f64 = 0.9;
 /// Share of the residual that a contact may leave first, relative to what it would if all left as
 /// much.
 const FIRST_SHARE: f64 = 4.0;
-/// Change of a point's velocity after which its contacts are looked at again, relative to the errors
-/// that they may leave.
+/// Change of a point's velocity after which its contacts are looked at again, relative to the
+/// errors that they may leave.
 const UNSEEN_CHANGE: f64 = 0.05;
 
-/// Checks in a row at which no fewer contacts are wrong than were ever before, after which the search
-/// gives up.
+/// Checks in a row at which no fewer contacts are wrong than were ever before, after which the
+/// search gives up.
 const FRUITLESS_CHECKS: usize = 2;
 
 /// A contact, with what is read where it is looked at side by side.
@@ -74,8 +74,8 @@ impl Pass {
         PASSED_PART.min(self.share)
     }
 
-    /// Pass that asks for more, as the tolerance is missed although no contact leaves more than it may. Few
-    /// contacts have most of the residual.
+    /// Pass that asks for more, as the tolerance is missed although no contact leaves more than it
+    /// may. Few contacts have most of the residual.
     fn next(&self) -> Self {
         let share = if self.share.is_finite() { 0.5 * self.share } else { FIRST_SHARE };
         Self { share, ..*self }

@@ -3,19 +3,21 @@ use crate::{ContactError, Tolerance};
 /// Block Gauss-Seidel: one contact after the other is solved exactly while the others' impulses
 /// stay, at first in the order of their first points (root to tip), until all obey the law.
 ///
-/// It knows every answer explicitly and solves every limit curve exactly. An iteration is as many solved
-/// contacts as there are. Where bodies have no [dense operator](crate::Body::dense_delassus),
-/// memory and setup grow with the square of their touched points; to solve a contact costs six columns:
-/// many contacts per fiber want [`Solver`](crate::Solver)s that do without.
+/// It knows every answer explicitly and solves every limit curve exactly. An iteration is as many
+/// solved contacts as there are. Where bodies have no [dense
+/// operator](crate::Body::dense_delassus), memory and setup grow with the square of their touched
+/// points; to solve a contact costs six columns: many contacts per fiber want
+/// [`Solver`](crate::Solver)s that do without.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussSeidel {
     /// Tolerances at which it stops.
     pub tolerance: Tolerance,
-    /// Part of the change to its exact solution that an impulse makes, more than zero and less than two; above
-    /// one where many contacts support each other.
+    /// Part of the change to its exact solution that an impulse makes, more than zero and less than
+    /// two; above one where many contacts support each other.
     pub relaxation: f64,
     /// Number of iterations after which it gives up if they leave no fewer contacts wrong than were
-    /// before; [`usize::MAX`] for never. Contacts that hold each other may be solved round and round.
+    /// before; [`usize::MAX`] for never. Contacts that hold each other may be solved round and
+    /// round.
     pub patience: usize,
 }
 

@@ -3,8 +3,8 @@ use crate::ContactError;
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Largest angle between neighboring vertices of a merged polygon: its edges are then an eighth of a
-/// percent inside a circle, and half a percent inside an ellipse of 5 to 1.
+/// Largest angle between neighboring vertices of a merged polygon: its edges are then an eighth of
+/// a percent inside a circle, and half a percent inside an ellipse of 5 to 1.
 const LARGEST_STEP: f64 = TAU / 64.0;
 
 /// Below this angle two directions are one.

@@ -3,8 +3,8 @@ use super::{LimitCurve, quarter};
 use nalgebra::{Vector2, Vector3};
 
 impl LimitCurve {
-    /// Impulse nearest to `q`, N s, whose friction is within its limit: the projection onto the cone
-    /// over the curve.
+    /// Impulse nearest to `q`, N s, whose friction is within its limit: the projection onto the
+    /// cone over the curve.
     ///
     /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses,
     /// a bracketed root with some ten calls of [`Self::project`] for a polygon.
@@ -29,7 +29,8 @@ impl LimitCurve {
     }
 }
 
-/// Projection onto a circular cone, in the closed form that most contacts take in every iteration of a solver.
+/// Projection onto a circular cone, in the closed form that most contacts take in every iteration
+/// of a solver.
 fn circular(q: &Vector3<f64>, mu: f64) -> Vector3<f64> {
     let (normal, size) = (q.x, q.yz().norm());
     if normal + mu * size <= 0.0 {
@@ -45,11 +46,11 @@ fn circular(q: &Vector3<f64>, mu: f64) -> Vector3<f64> {
 
 /// Projection onto an elliptic cone.
 ///
-/// With the Lagrange multiplier `tau` the friction is `m_i^2 q_i / (m_i^2 + tau)` and the normal part
-/// `q_n / (1 - tau)`. On the cone `1 - tau = q_n / |z|`, `z_i = m_i q_i / (m_i^2 + tau)`; for a normal
-/// part that is not negative this difference is convex in `tau` and falls, so that Newton's iteration
-/// from zero never passes the root. Else the same holds in the polar cone, with `1 / m_i` and
-/// `1 / tau`.
+/// With the Lagrange multiplier `tau` the friction is `m_i^2 q_i / (m_i^2 + tau)` and the normal
+/// part `q_n / (1 - tau)`. On the cone `1 - tau = q_n / |z|`, `z_i = m_i q_i / (m_i^2 + tau)`; for
+/// a normal part that is not negative this difference is convex in `tau` and falls, so that
+/// Newton's iteration from zero never passes the root. Else the same holds in the polar cone, with
+/// `1 / m_i` and `1 / tau`.
 fn elliptic(q: &Vector3<f64>, mu: [f64; 2]) -> Vector3<f64> {
     let semi = Vector2::from(mu);
     let squares = semi.component_mul(&semi);

@@ -145,7 +145,8 @@ impl Polygon {
             let higher = |best, i| if along(i) > along(best) { i } else { best };
             return self.vertices[(1..count).fold(0, higher)];
         }
-        // From where the ray along the direction leaves it rises to one vertex, or to two that are alike.
+        // From where the ray along the direction leaves it rises to one vertex, or to two that are
+        // alike.
         let mut best = self.sector(direction);
         loop {
             let beside = [(best + 1) % count, (best + count - 1) % count];
@@ -246,20 +247,26 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn component() -> impl Strategy<Value = f64> {
+        prop_oneof![(-2..=2_i8).prop_map(f64::from), -1.0..1.0_f64]
+    }
+
     proptest! {
         /// Also where vertices are alike along the direction.
         #[test]
         fn the_support_is_the_first_of_the_farthest_vertices(
             points in prop::collection::vec(prop::array::uniform2(-3..=3_i8), 3..40),
-            direction in prop::array::uniform2(prop_oneof![(-2..=2_i8).prop_map(f64::from), -1.0..1.0_f64]),
+            direction in prop::array::uniform2(component()),
         ) {
-            let points: Vec<_> = points.into_iter().map(|p| Vector2::from(p.map(f64::from))).collect();
+            let points: Vec<_> =
+                points.into_iter().map(|p| Vector2::from(p.map(f64::from))).collect();
             let Ok(polygon) = Polygon::new(&points) else { return Ok(()) };
             let direction = Vector2::from(direction);
             let far = |v: &Vector2<f64>| direction.dot(v);
             let most = polygon.vertices().iter().map(far).fold(f64::NEG_INFINITY, f64::max);
             let first = polygon.vertices().iter().find(|v| far(v) >= most);
-            let expected = if direction.amax() > 0.0 { first.copied() } else { Some(Vector2::zeros()) };
+            let expected =
+                if direction.amax() > 0.0 { first.copied() } else { Some(Vector2::zeros()) };
             prop_assert_eq!(Some(polygon.support(&direction)), expected);
         }
     }

@@ -16,9 +16,9 @@ const SOFTNESS: f64 = 1e-9;
 
 /// Impulse that obeys the law of one contact exactly, N s, in its frame.
 ///
-/// `response` is the 3x3 answer of the relative velocity to the contact's own impulse, 1/kg, without
-/// the contact's compliance; `free` is the relative velocity without any impulse of this contact,
-/// bias included; both in the contact's frame.
+/// `response` is the 3x3 answer of the relative velocity to the contact's own impulse, 1/kg,
+/// without the contact's compliance; `free` is the relative velocity without any impulse of this
+/// contact, bias included; both in the contact's frame.
 ///
 /// There is always a solution. Where there are several (possible if a push along the surface closes
 /// the gap, and friction is large: Painlevé), the contact opens if it can, otherwise sticks if it

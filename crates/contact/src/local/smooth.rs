@@ -9,8 +9,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 /// Steps after which the bracket is taken as it is; a dozen are usual.
 const MAX_STEPS: usize = 200;
 
-/// Impulse of a contact that slides, N s, from the cone's tip, with the coefficients of friction `mu`
-/// along `t1`, `-t1`, `t2`, `-t2`: the root in `alpha` of `r_n = |z|`, by Newton's method in a
+/// Impulse of a contact that slides, N s, from the cone's tip, with the coefficients of friction
+/// `mu` along `t1`, `-t1`, `t2`, `-t2`: the root in `alpha` of `r_n = |z|`, by Newton's method in a
 /// bracket.
 pub(super) fn slide(problem: &PressedContact, mu: &[f64; 4]) -> Vector3<f64> {
     let first = CurveQuarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]);
@@ -129,8 +129,8 @@ impl CurveQuarter {
         self.semi.component_mul(&(self.axes * z))
     }
 
-    /// Distance of the friction from this quarter, N s; on an axis of length zero, the friction that it
-    /// would take to stop a slip that the other side resists.
+    /// Distance of the friction from this quarter, N s; on an axis of length zero, the friction
+    /// that it would take to stop a slip that the other side resists.
     fn outside(&self, problem: &PressedContact, alpha: f64) -> f64 {
         let friction = self.friction(&self.solution(alpha));
         let slip = problem.schur * friction + problem.slip;

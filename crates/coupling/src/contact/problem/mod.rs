@@ -298,7 +298,7 @@ impl ContactProblem {
         let points = each(&used, |i, side| point(system, &touches[i], side));
         let levers = each(&on_objects, |i, side| touches[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
-        let Tolerance { residual, normal, slip, .. } = solver.tolerance;
+        let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
         let exact = residual.min(normal).min(slip) < ROUNDING;
         let few = working.len() < MANY_WORKING;
         let groups = system.fibers.groups.par_iter_mut().zip(&points).zip(&mut self.written);
