@@ -18,23 +18,25 @@ pub trait Body: Send {
     /// [`ContactError::Body`] if that cannot be solved.
     fn set_weights(&mut self, weights: &[f64]) -> Result<(), ContactError>;
 
-    /// Writes the change of the points' velocities, m/s, that `impulses`, N s, cause.
+    /// Writes the changes of the points' velocities, m/s, world, that `impulses`, N s, world,
+    /// cause.
     fn respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
 
-    /// The same with the masses of [`Body::set_weights`]: `H (A + H^T M H)^-1 H^T p`.
+    /// Writes the changes of the points' velocities, m/s, world, that `impulses` cause with the
+    /// added masses `M` of [`Body::set_weights`]: `H (A + H^T M H)^-1 H^T p`.
     fn weighted_respond(&mut self, impulses: &[Vector3<f64>], velocities: &mut [Vector3<f64>]);
 
-    /// Takes these masses away: no answer with them is asked for until others have been set. Of use to who
-    /// needs much memory for them.
+    /// Takes the masses of [`Body::set_weights`] away: no answer with them is asked for until
+    /// others have been set. Of use to who needs much memory for them.
     fn forget_weights(&mut self) {}
 
     /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
     fn own_traces(&mut self, traces: &mut [f64]);
 
-    /// How all its points answer each other, without added masses, where that is at hand: in groups that do
-    /// not answer each other, the points of each and their answers. `None` where it would have to be asked
-    /// for.
-    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
+    /// Delassus operator of all points, without added masses, as dense blocks where these are at
+    /// hand: by groups of points that do not answer each other, the points of each group and their
+    /// blocks. `None` where it would have to be asked for.
+    fn dense_delassus(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         None
     }
 }

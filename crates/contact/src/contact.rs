@@ -14,14 +14,14 @@ pub struct Contact {
     pub first: usize,
     /// Index of the second; `None` where the first touches something that is not moved by it.
     pub second: Option<usize>,
-    /// Orthonormal and right-handed columns, world: the normal from the second to the first, then two
-    /// tangents, of which the limit curve speaks.
+    /// Orthonormal and right-handed columns, world: the normal from the second to the first, then
+    /// two tangents, of which the limit curve speaks.
     pub frame: Matrix3<f64>,
-    /// Added to the relative velocity, m/s, in `frame`: minus the velocity of what is not moved;
-    /// along the normal the gap that may still close in the step divided by its length, or the
-    /// restitution's share of the velocity of approach.
+    /// Bias that is added to the relative velocity, m/s, in `frame`: minus the velocity of what is
+    /// not moved; along the normal the gap that may still close in the step divided by its length,
+    /// or the restitution's share of the velocity of approach.
     pub bias: Vector3<f64>,
-    /// How much friction there is, by direction.
+    /// Friction by direction, per normal force.
     pub friction: LimitCurve,
     /// Tensile impulse that the contact can bear, N s.
     pub adhesion: f64,
@@ -29,12 +29,12 @@ pub struct Contact {
     pub compliance: f64,
 }
 
-/// How far a frame's columns may be from orthonormal.
+/// Largest entry by which `frame^T frame` may differ from the identity.
 const ORTHONORMAL: f64 = 1e-9;
 
 impl Contact {
-    /// Relative velocity, in the contact's frame and with its bias, where the points have the
-    /// given velocities.
+    /// Relative velocity, m/s, in the contact's frame and with the bias, where the points have the
+    /// given velocities, world.
     #[must_use]
     pub fn relative(&self, velocities: &[Vector3<f64>]) -> Vector3<f64> {
         let mut v = velocities[self.first];

@@ -1,17 +1,17 @@
 use thiserror::Error;
 
-/// Why contacts could not be solved.
+/// Reason why contacts could not be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ContactError {
     /// A number makes no sense.
     #[error("{what} is {value}: {why}")]
     Invalid {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
-        /// What is allowed.
+        /// Condition that the number must meet.
         why: &'static str,
     },
     /// A contact is at a point that there is not, or its numbers make no sense.
@@ -19,17 +19,17 @@ pub enum ContactError {
     Contact {
         /// Index of the contact.
         contact: usize,
-        /// What is wrong.
+        /// Condition that is not met.
         why: &'static str,
     },
     /// An array does not have the length that the bodies or contacts need.
     #[error("{what}: {found} were given, {expected} are needed")]
     Length {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
-        /// The length that it must have.
+        /// Length that the array must have.
         expected: usize,
-        /// Its length.
+        /// Length of the array.
         found: usize,
     },
     /// A body could not answer.
@@ -37,7 +37,7 @@ pub enum ContactError {
     Body {
         /// Index of the body.
         body: usize,
-        /// Why.
+        /// Reason that the body gives.
         why: String,
     },
     /// A small convex program of Alg. 6 was not solved.
@@ -50,7 +50,7 @@ pub enum ContactError {
         variables: usize,
         /// Number of constraints.
         constraints: usize,
-        /// What the solver says.
+        /// Reason that the solver gives.
         why: String,
     },
     /// The impulses that hold a chain together were not found.

@@ -3,32 +3,33 @@ use crate::solver::respond;
 use crate::{Body, Contact, ContactError, Report, Solver, solve_contact};
 use nalgebra::Vector3;
 
-/// What an impact did.
+/// Result of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactReport {
-    /// Impulse of every contact in its frame, N s.
+    /// Impulses by contact, N s, in the contacts' frames.
     pub impulses: Vec<Vector3<f64>>,
     /// Velocities of all points afterwards, m/s, world.
     pub velocities: Vec<Vector3<f64>>,
     /// Change of the kinetic energy, J, not positive: as seen by what is not moved, where the bias
     /// of a contact is its velocity.
     pub energy: f64,
-    /// The least share of its restitution that a contact was left with, one if no energy would have
+    /// Least share of the restitution that a contact was left with, one if no energy would have
     /// been gained.
     pub share: f64,
-    /// How well the contacts were solved: that of the solver, or the number of single impacts and
-    /// whether they came to an end.
+    /// Report of the solver on how well the contacts were solved, or the number of single impacts
+    /// and whether they came to an end.
     pub report: Report,
 }
 
-/// The speed at which a contact may close in a step, m/s: minus the least normal velocity, and a contact's
-/// [bias](Contact::bias) along its normal. `gap` is that at the start over the length of the step, `before` tells
-/// the normal velocity then, `fall` is what gravity adds to a velocity in the step.
+/// Speed at which a contact may close in a step, m/s: minus the least normal velocity, and a
+/// contact's [bias](Contact::bias) along its normal. `gap` is the gap at the start over the length
+/// of the step, m/s, `before` returns the normal velocity at the start, m/s, `fall` is what gravity
+/// adds to a velocity in the step, m/s.
 ///
-/// A contact that would close returns with its share, if there is a `restitution`, of the velocity of
-/// approach (Newton). Whether it would is told by the start of the step, with what gravity may add, so that
-/// it neither depends on the search nor is a fall stopped at the surface before it bounces. What comes no
-/// faster than gravity drives it in two steps is at rest, and stays so.
+/// A contact that would close returns with its share, if there is a `restitution`, of the velocity
+/// of approach (Newton). Whether it would is told by the start of the step, with what gravity may
+/// add, so that it neither depends on the search nor is a fall stopped at the surface before it
+/// bounces. What comes no faster than gravity drives it in two steps is at rest, and stays so.
 pub fn closing(gap: f64, restitution: f64, fall: f64, before: impl FnOnce() -> f64) -> f64 {
     if restitution <= 0.0 {
         return gap;
@@ -42,25 +43,26 @@ pub fn closing(gap: f64, restitution: f64, fall: f64, before: impl FnOnce() -> f
 const STILL: f64 = 1e-12;
 
 /// Energy less than this, relative to the work against the approach, is rounding.
-const ROUNDING: f64 = 1e-14;
+const ENERGY_ROUNDING: f64 = 1e-14;
 
 /// Lets bodies collide, all contacts together (Moreau): Newton's law of restitution with Coulomb
 /// friction, without gain of energy.
 ///
-/// Every contact that approached leaves, if it acts at all, with its `restitution`'s share (from zero
-/// to one) of the velocity of approach. `velocities` are those of all points before. Friction is
-/// within the limit of the whole normal impulse, compression and restitution together (thesis (8.30)
-/// with its erratum), and works against the slip afterwards.
+/// Every contact that approached leaves, if it acts at all, with its `restitution`'s share (from
+/// zero to one) of the velocity of approach. `velocities` are those of all points before. Friction
+/// is within the limit of the whole normal impulse, compression and restitution together (thesis
+/// (8.30) with its erratum), and works against the slip afterwards.
 ///
 /// Newton's law with friction can gain energy (Kane and Levinson 1985). The impact without
 /// restitution cannot; where the one with it would, the two are mixed just so that no energy is
-/// gained. The mixture is within the friction cones and leaves no contact approaching. Impulses of a
-/// search that ends before its tolerance are cut down to gain no energy either.
+/// gained. The mixture is within the friction cones and leaves no contact approaching. Impulses of
+/// a search that ends before its tolerance are cut down to gain no energy either.
 ///
 /// Costs one solution, two where energy would be gained. Takes away weights of the bodies.
 ///
 /// # Errors
-/// As [`Solver::solve`]; [`ContactError::Invalid`] for a restitution outside of [0, 1].
+/// [`ContactError`] where [`Solver::solve`] fails, and [`ContactError::Invalid`] for a restitution
+/// outside of [0, 1].
 pub fn impact(
     bodies: &mut [&mut dyn Body],
     contacts: &[Contact],
@@ -69,6 +71,7 @@ pub fn impact(
     solver: &mut dyn Solver,
 ) -> Result<ImpactReport, ContactError> {
     validate(bodies, contacts, restitution, velocities)?;
+    // Newton's law of restitution as a bias along the normal.
     let before = relative(contacts, velocities);
     let mut returning = contacts.to_vec();
     for ((contact, u), e) in returning.iter_mut().zip(&before).zip(restitution) {
@@ -79,9 +82,10 @@ pub fn impact(
     let struck = respond(bodies, contacts, velocities, &impulses);
     let after = relative(contacts, &struck);
     let energy = work(&impulses, &before, &after);
-    if energy <= ROUNDING * -dot(&impulses, &before) {
+    if energy <= ENERGY_ROUNDING * -dot(&impulses, &before) {
         return Ok(ImpactReport { impulses, velocities: struck, energy, share: 1.0, report });
     }
+    // The impact without restitution, which cannot gain energy.
     let mut plastic = impulses.clone();
     let report = solver.solve(bodies, contacts, &struck, &mut plastic)?;
     let settled = respond(bodies, contacts, velocities, &plastic);
@@ -101,6 +105,7 @@ pub fn impact(
             report,
         });
     }
+    // The mixture of the two that gains none.
     let extra = mixed(&impulses, &plastic, 1.0, -1.0);
     let response = mixed(&after, &rest, 1.0, -1.0);
     let unsure = unsure.max(rounding(bodies, contacts, &impulses));
@@ -121,7 +126,7 @@ pub fn impact(
 /// Setup grows with the square of the touched points of a body.
 ///
 /// # Errors
-/// As [`impact`].
+/// [`ContactError`] where [`impact`] refuses its arguments.
 pub fn impact_in_turn(
     bodies: &mut [&mut dyn Body],
     contacts: &[Contact],
@@ -154,7 +159,7 @@ pub fn impact_in_turn(
             (impulse, impulse.dot(&(before + 0.5 * response * impulse)))
         };
         let (mut impulse, mut change) = solve(restitution[i]);
-        if change > ROUNDING * -impulse.dot(&before) {
+        if change > ENERGY_ROUNDING * -impulse.dot(&before) {
             let (plastic, loss) = solve(0.0);
             let extra = impulse - plastic;
             let share = largest_share(loss, change, 0.5 * extra.dot(&(response * extra)));
@@ -195,7 +200,7 @@ fn validate(
     contacts.iter().enumerate().try_for_each(|(i, contact)| contact.validate(i, points))
 }
 
-/// Relative velocities of the contacts.
+/// Relative velocities of the contacts, m/s, in their frames, bias included.
 fn relative(contacts: &[Contact], velocities: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let of = |contact: &Contact| {
         let second = contact.second.map_or_else(Vector3::zeros, |i| velocities[i]);
@@ -217,8 +222,8 @@ fn mixed(a: &[Vector3<f64>], b: &[Vector3<f64>], of_a: f64, of_b: f64) -> Vec<Ve
     std::iter::zip(a, b).map(|(a, b)| a * of_a + b * of_b).collect()
 }
 
-/// How far rounding may put the work of impulses off, J: those that jam each other move their points by
-/// little, which is the difference of what each does alone.
+/// Error that rounding may cause in the work of impulses, J: those that jam each other move their
+/// points by little, which is the difference of what each does alone.
 fn rounding(bodies: &mut [&mut dyn Body], contacts: &[Contact], impulses: &[Vector3<f64>]) -> f64 {
     let mut traces = Vec::new();
     for body in bodies {
@@ -233,7 +238,7 @@ fn rounding(bodies: &mut [&mut dyn Body], contacts: &[Contact], impulses: &[Vect
     f64::EPSILON * contacts.iter().zip(impulses).map(of).sum::<f64>()
 }
 
-/// The largest share at which `loss + share b + share^2 curvature`, which is `gain > 0` at one, is
+/// Largest share at which `loss + share b + share^2 curvature`, which is `gain > 0` at one, is
 /// not positive.
 fn largest_share(loss: f64, gain: f64, curvature: f64) -> f64 {
     let slope = gain - loss - curvature;

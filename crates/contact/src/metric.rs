@@ -1,26 +1,28 @@
 //! The metric of points: how heavy each is taken to be while contacts are solved by themselves.
 //!
-//! The best is near the geometric mean of what a set of impulses feels at most and at least (Giselsson
-//! and Boyd 2017). The most is bounded by the sum of a row of the answers (Gershgorin), which counts
-//! where a body is pressed at many points at once; the least nobody knows, and `weight` stands for it.
+//! The best is near the geometric mean of what a set of impulses feels at most and at least
+//! (Giselsson and Boyd 2017). The most is bounded by the sum of a row of the answers (Gershgorin),
+//! which counts where a body is pressed at many points at once; the least nobody knows, and
+//! `weight` stands for it.
 
 use crate::Body;
 use nalgebra::Vector3;
 
-/// So many times its own answer all sides of a body may answer together before a point gets lighter:
-/// found where hair falls and swings, and in packs that lie, slide and are pressed together. Half and
-/// half as much again take more iterations in one of these or the other.
-const CROWD: f64 = 8.0;
+/// Answer of a point to all sides of its body together, in its own answers, above which it gets
+/// lighter: found where hair falls and swings, and in packs that lie, slide and are pressed
+/// together. Half and half as much again take more iterations in one of these or the other.
+const CROWDING: f64 = 8.0;
 
-/// About the most that all contacts together answer to impulses, in units of what each answers to its own
-/// in the metric of this `weight`: a bound where what a body's points answer to each other points one way.
-pub(crate) fn most(weight: f64) -> f64 {
-    weight * CROWD
+/// About the most that all contacts together answer to impulses, in units of what each answers to
+/// its own in the metric of this `weight`: a bound where what a body's points answer to each other
+/// points one way.
+pub(crate) fn largest_response(weight: f64) -> f64 {
+    weight * CROWDING
 }
 
-/// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them, and the
-/// trace of the point's own answer, 1/kg. A lone side is so many times as heavy as the point itself. Tells
-/// how many points are lighter than that, as they are in a crowd.
+/// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them,
+/// and the trace of the point's own answer, 1/kg. A lone side is so many times as heavy as the
+/// point itself. Tells how many points are lighter than that, as they are in a crowd.
 ///
 /// Costs four answers of the body.
 pub(crate) fn masses(
@@ -31,8 +33,8 @@ pub(crate) fn masses(
 ) -> usize {
     body.own_traces(traces);
     let mut crowded = 0;
-    for ((mass, trace), together) in masses.iter_mut().zip(&*traces).zip(together(body, sides)) {
-        let share = together / CROWD;
+    for ((mass, trace), together) in masses.iter_mut().zip(&*traces).zip(row_sums(body, sides)) {
+        let share = together / CROWDING;
         crowded += usize::from(share > *trace);
         // A point that nothing moves has no inertia to compare with.
         let answer = trace.max(share);
@@ -41,8 +43,9 @@ pub(crate) fn masses(
     crowded
 }
 
-/// The traces of what each point answers where all sides are pressed alike, 1/kg.
-fn together(body: &mut dyn Body, sides: &[usize]) -> Vec<f64> {
+/// Traces of what each point answers where all sides are pressed alike, 1/kg: sums of rows of the
+/// answers (Gershgorin).
+fn row_sums(body: &mut dyn Body, sides: &[usize]) -> Vec<f64> {
     let mut asked = vec![Vector3::zeros(); sides.len()];
     let mut answers = asked.clone();
     let mut traces = vec![0.0; sides.len()];
@@ -62,7 +65,7 @@ mod tests {
     use super::*;
     use crate::ContactError;
 
-    /// Points of a particle of so many kilograms.
+    /// A particle of a mass, kg, with a number of points.
     struct Particle(f64, usize);
 
     impl Body for Particle {

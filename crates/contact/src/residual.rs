@@ -4,10 +4,10 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use std::borrow::Borrow;
 
-/// Contacts that one task takes.
+/// Contacts of a report that one task takes.
 const CHUNK: usize = 1024;
 
-/// How far one contact is from its law.
+/// Distance of one contact from its law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Violation {
     /// Natural map in impulses, N s: the distance of the impulse from the projection onto its cone
@@ -16,16 +16,16 @@ pub struct Violation {
     /// Error of the normal velocity, m/s: how fast the gap closes, or opens although it is pressed.
     pub normal: f64,
     /// Slip that the friction does not allow, m/s: all of it while the friction is within its
-    /// limit, as far as more friction could hold it back. Where the friction is at its limit but not
-    /// straight against the slip, only the natural map tells.
+    /// limit, as far as more friction could hold it back. Where the friction is at its limit but
+    /// not straight against the slip, only the natural map tells.
     pub slip: f64,
 }
 
 impl Violation {
-    /// `velocity` is the relative velocity `u` while `impulse` acts, bias and compliance included;
-    /// `weight > 0` (kg) makes an impulse of a velocity: take three divided by the trace of the
-    /// contact's own response. All three measures are zero where the law holds, and the
-    /// natural map nowhere else.
+    /// Violation of one contact. `velocity` is the relative velocity `u` while `impulse` acts, bias
+    /// and compliance included; `weight > 0` (kg) makes an impulse of a velocity: take three
+    /// divided by the trace of the contact's own response. All three measures are zero where the
+    /// law holds, and the natural map nowhere else.
     ///
     /// Costs one projection onto the cone and one onto the curve.
     #[must_use]
@@ -77,7 +77,7 @@ pub(crate) fn slips(
     product > 0.0 && product * product > bound * bound * slip.norm_squared()
 }
 
-/// The friction that would hold a slip back further, as far as its limit lets it.
+/// Friction that would hold a slip back further, as far as its limit lets it, N s.
 #[inline(always)]
 fn missing(
     contact: &Contact,
@@ -90,18 +90,19 @@ fn missing(
     impulse.yz() - contact.friction.project(&more, limit)
 }
 
-/// How far `missing` goes along a direction; zero where that is none.
+/// Component of `missing` along a direction; zero where that is against it or there is none.
 fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
     let product = missing.dot(direction);
     if product > 0.0 { product / direction.norm() } else { 0.0 }
 }
 
-/// The report on all contacts: the residual is the norm of all natural maps divided by that of all
+/// Report on all contacts: the residual is the norm of all natural maps divided by that of all
 /// impulses, from the cones' tips; the velocity errors are the largest. Iterations and convergence
-/// are left for the solver to tell. Where an impulse or a velocity is not finite all three are infinite.
+/// are left for the solver to tell. Where an impulse or a velocity is not finite all three are
+/// infinite.
 ///
-/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its velocity, impulse
-/// and weight.
+/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its
+/// velocity, impulse and weight.
 #[must_use]
 pub fn report<C: Borrow<Contact>>(
     count: usize,
@@ -117,22 +118,24 @@ pub fn report<C: Borrow<Contact>>(
     let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
     let parts: Vec<_> = starts.into_par_iter().map(part).collect();
     // In the order of the contacts, whoever computes the parts.
-    ResidualSums::together(&parts).report()
+    ResidualSums::sum(&parts).report()
 }
 
-/// What a report is made of.
+/// Sums and largest values that a report is made of.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ResidualSums {
-    /// Of the squares of what is wrong with impulses, and of the impulses.
+    /// Sum of the squares of the natural maps, (N s)^2.
     pub(crate) wrong: f64,
+    /// Sum of the squares of the impulses from the cones' tips, (N s)^2.
     pub(crate) all: f64,
-    /// The largest errors of velocities.
+    /// Largest error of a normal velocity, m/s.
     pub(crate) normal_error: f64,
+    /// Largest slip that the friction does not allow, m/s.
     pub(crate) slip_error: f64,
 }
 
 impl ResidualSums {
-    /// Adds a contact, as in [`Violation::new`].
+    /// Adds the [`Violation`] of a contact.
     fn add(
         &mut self,
         contact: &Contact,
@@ -147,7 +150,8 @@ impl ResidualSums {
         self.slip_error = self.slip_error.max(violation.slip);
     }
 
-    pub(crate) fn together(parts: &[Self]) -> Self {
+    /// Sums and largest values over all parts, in their order.
+    pub(crate) fn sum(parts: &[Self]) -> Self {
         parts.iter().fold(Self::default(), |sum, part| Self {
             wrong: sum.wrong + part.wrong,
             all: sum.all + part.all,
@@ -156,7 +160,8 @@ impl ResidualSums {
         })
     }
 
-    /// Without any impulse what is wrong is the measure: all, or nothing.
+    /// Report of the sums. Without any impulse the natural maps are the measure: all is wrong, or
+    /// nothing.
     pub(crate) fn report(&self) -> Report {
         let Self { wrong, all, normal_error, slip_error } = *self;
         let all = if all > 0.0 { all } else { wrong };

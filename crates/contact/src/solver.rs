@@ -2,7 +2,7 @@ use crate::{Body, Contact, ContactError};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// When a solver stops.
+/// Bounds at which a solver stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Largest Coulomb residual, relative to all impulses.
@@ -20,22 +20,23 @@ impl Tolerance {
     pub const EXACT: Self =
         Self { residual: 1e-12, normal: f64::INFINITY, slip: f64::INFINITY, iterations: 20_000 };
 
-    /// The largest of the errors found, in tolerances: at most one where all are kept.
+    /// Largest of the errors found, in tolerances: at most one where all are kept.
     #[must_use]
     pub fn error(&self, found: &Report) -> f64 {
         let normal = found.normal_error / self.normal;
         (found.residual / self.residual).max(normal).max(found.slip_error / self.slip)
     }
 
+    /// Whether all errors found are within the bounds.
     pub(crate) fn reached(&self, found: &Report) -> bool {
         self.error(found) <= 1.0
     }
 }
 
-/// How well a law is obeyed, and what that cost.
+/// Errors against the law of contacts, and the iterations spent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Report {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
     /// Whether the solver's tolerances were reached.
     pub converged: bool,
@@ -66,7 +67,7 @@ pub trait Solver: Send {
     ) -> Result<Report, ContactError>;
 }
 
-/// What `impulses` of contacts, in their frames, are on each of so many `points`, N s, world.
+/// Impulse on each of a number of `points`, N s, world, of `impulses` of contacts, in their frames.
 pub(crate) fn on_points(
     contacts: &[Contact],
     impulses: &[Vector3<f64>],

@@ -50,15 +50,15 @@ impl Cylinders {
         })
     }
 
-    /// Attraction of cylinders that cross at `angle` (radians), N, at a distance `gap` between their
-    /// surfaces, with the liquid `volume` (m^3) between them.
+    /// Attraction of cylinders that cross at `angle` (radians), N, at a distance `gap` between
+    /// their surfaces, with the liquid `volume` (m^3) between them.
     ///
     /// The neck is thin against the radius and its menisci are half circles (Derjaguin): at contact
     /// the force is `4 pi gamma r / sin(angle)` whatever the volume, as of a sphere of the same
-    /// radius on a plane for a right angle. It is zero beyond the gap at which the bridge breaks, the
-    /// cube root of the volume (Lian, Thornton and Adams 1993 for complete wetting). A gap below
-    /// zero counts as zero. Not for fibers nearly parallel, where it grows without bound: take
-    /// [`Self::parallel_force`] times the length along which they are wet if that is less.
+    /// radius on a plane for a right angle. It is zero beyond the gap at which the bridge breaks,
+    /// the cube root of the volume (Lian, Thornton and Adams 1993 for complete wetting). A gap
+    /// below zero counts as zero. Not for fibers nearly parallel, where it grows without bound:
+    /// take [`Self::parallel_force`] times the length along which they are wet if that is less.
     #[must_use]
     pub fn crossed_force(&self, gap: f64, volume: f64, angle: f64) -> f64 {
         let gap = gap.max(0.0);
@@ -70,8 +70,8 @@ impl Cylinders {
         4.0 * PI * self.surface_tension * self.radius / sine * (1.0 - gap / height)
     }
 
-    /// Largest gap across which the volume of liquid `area` (m^2) per length reaches between parallel
-    /// cylinders, m: there [`Self::parallel_force`] still pulls. None for no liquid.
+    /// Largest gap across which the volume of liquid `area` (m^2) per length reaches between
+    /// parallel cylinders, m: there [`Self::parallel_force`] still pulls. None for no liquid.
     #[must_use]
     pub fn reach(&self, area: f64) -> f64 {
         let reaches = |gap: f64| self.meniscus(self.half_distance(gap), area).is_some();

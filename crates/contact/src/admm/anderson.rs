@@ -11,116 +11,124 @@
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, NullaryFnOnce};
 
-/// Sums that a product runs side by side.
+/// Partial sums that a product runs side by side.
 const SUMS: usize = 32;
-/// Part of the largest entry that keeps the small system regular.
+/// Added to the diagonal of the Gram matrix to keep it regular, relative to its largest entry.
 const RIDGE: f64 = 1e-10;
-/// A step is taken back if the residual grows by more than this factor.
-const GROWTH: f64 = 1.0;
+/// Growth of the norm of the residual from which on a step is taken back.
+const LARGEST_GROWTH: f64 = 1.0;
 
-/// What is remembered of the last steps of an iteration as a whole.
+/// Small system of the last steps of an iteration as a whole, over all parts.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Anderson {
+    /// Most differences of steps that are remembered.
     depth: usize,
     /// Iterations that make a step.
     period: usize,
-    /// Iterations of the step at hand, and steps that are remembered or were.
+    /// Iterations done of the step at hand.
     iterations: usize,
+    /// Differences of steps that have been remembered, overwritten ones included.
     steps: usize,
     /// Norm of the residual of the step before; `None` if there is none.
     norm: Option<f64>,
+    /// Gram matrix of the differences of residuals.
     gram: DMatrix<f64>,
 }
 
-/// What is remembered of some of the vectors.
+/// Residuals and images of the last steps, of one part of the vectors.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Part {
+pub(crate) struct AndersonHistory {
     /// Differences of residuals and of images, the oldest overwritten first.
     differences: Vec<[Vec<f32>; 2]>,
-    /// The residual of the last step, times the roots of the weights.
+    /// Residual of the last step, times the roots of the weights.
     residual: Vec<f64>,
     /// Images of the step before and of the last.
     images: [Vec<f64>; 2],
 }
 
-/// What an iteration is for.
+/// Role of an iteration in a step of the acceleration.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Turn {
-    /// A plain one: its image is the next state.
+pub(crate) enum IterationKind {
+    /// A plain iteration: its image is the next state.
     Plain,
-    /// The last one of a step: what comes of it is to be looked at.
-    Look(Option<Place>),
+    /// The last iteration of a step: its image goes into the history, where there is a slot for the
+    /// difference from the step before.
+    EndOfStep(Option<HistorySlot>),
 }
 
-/// How the state goes on after a step.
+/// Next state after a step.
 #[derive(Debug, Clone)]
-pub(crate) enum Onward {
-    /// Where plain iterations led the step before.
-    Back,
-    /// To the image less such shares of the differences of images.
+pub(crate) enum AndersonUpdate {
+    /// The image of the step before, from which the acceleration starts anew.
+    Revert,
+    /// The image less these shares of the differences of images.
     Mix(Vec<f64>),
 }
 
-/// Where the newest difference goes, and how many are then remembered.
+/// HistorySlot of the newest difference in the history.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct HistorySlot {
     newest: usize,
+    /// Number of differences with the newest.
     count: usize,
 }
 
 impl Anderson {
-    /// Remembers nothing yet, and `depth` steps of `period` iterations from now on.
+    /// An acceleration that remembers nothing yet, and `depth` steps of `period` iterations from
+    /// now on.
     pub(crate) fn new(depth: usize, period: usize) -> Self {
         Self { depth, period, gram: DMatrix::zeros(depth, depth), ..Self::default() }
     }
 
-    /// Whether the next iteration begins a step: its state is to be noted.
-    pub(crate) fn sets_out(&self) -> bool {
+    /// Whether the next iteration begins a step: its state is to be kept.
+    pub(crate) fn starts_step(&self) -> bool {
         self.iterations == 0 && self.depth > 0
     }
 
-    /// What the next iteration is for.
-    pub(crate) fn turn(&mut self) -> Turn {
+    /// Role of the next iteration, which is counted.
+    pub(crate) fn next_iteration(&mut self) -> IterationKind {
         if self.depth == 0 {
-            return Turn::Plain;
+            return IterationKind::Plain;
         }
         self.iterations += 1;
         if self.iterations < self.period {
-            return Turn::Plain;
+            return IterationKind::Plain;
         }
         self.iterations = 0;
-        Turn::Look(self.place())
+        IterationKind::EndOfStep(self.next_slot())
     }
 
-    /// Where the difference of the next step goes; none before the second step.
-    pub(crate) fn place(&self) -> Option<Place> {
-        self.norm.map(|_| Place {
+    /// Slot of the difference that the next step makes; none before the second step.
+    pub(crate) fn next_slot(&self) -> Option<HistorySlot> {
+        self.norm.map(|_| HistorySlot {
             newest: self.steps % self.depth,
             count: (self.steps + 1).min(self.depth),
         })
     }
 
-    /// How the state goes on, by the products of all vectors at the end of a step.
-    pub(crate) fn onward(&mut self, products: &Products) -> Onward {
+    /// Next state, by the products of all parts at the end of a step.
+    pub(crate) fn update(&mut self, products: &ResidualProducts) -> AndersonUpdate {
         let norm = products.norm.sqrt();
         if let Some(before) = self.norm
-            && (norm > GROWTH * before || norm.is_nan())
+            && (norm > LARGEST_GROWTH * before || norm.is_nan())
         {
+            // The residual grew: forget all steps and take the last one back.
             *self = Self::new(self.depth, self.period);
-            return Onward::Back;
+            return AndersonUpdate::Revert;
         }
-        if let Some(Place { newest, .. }) = self.place() {
+        if let Some(HistorySlot { newest, .. }) = self.next_slot() {
             self.steps += 1;
             for (i, &[_, entry]) in products.with.iter().enumerate() {
                 (self.gram[(newest, i)], self.gram[(i, newest)]) = (entry, entry);
             }
         }
         self.norm = Some(norm);
-        Onward::Mix(self.shares(products))
+        AndersonUpdate::Mix(self.shares(products))
     }
 
-    /// The shares of the differences that leave the least residual; none where they cannot be told.
-    fn shares(&self, products: &Products) -> Vec<f64> {
+    /// Shares of the differences that leave the least residual; none where they cannot be told.
+    fn shares(&self, products: &ResidualProducts) -> Vec<f64> {
+        // Normal equations of type II (Walker and Ni 2011), with a ridge.
         let count = products.with.len();
         let mut gram = self.gram.view((0, 0), (count, count)).into_owned();
         let ridge = RIDGE * gram.amax();
@@ -134,42 +142,51 @@ impl Anderson {
     }
 }
 
-impl Part {
-    /// Room for the image at the end of a step.
-    pub(crate) fn image(&mut self) -> &mut Vec<f64> {
+impl AndersonHistory {
+    /// Buffer for the image at the end of a step.
+    pub(crate) fn image_mut(&mut self) -> &mut Vec<f64> {
         &mut self.images[1]
     }
 
-    /// Remembers the step that led to the image, with a residual times the roots of the weights of the norm, and
-    /// finds its products.
-    pub(crate) fn look(&mut self, residual: &[f64], place: Option<Place>) -> Products {
-        Arch::new().dispatch(Look { part: self, residual, place })
+    /// Records the step that led to the image, with its residual times the roots of the weights of
+    /// the norm, and returns the products of this part.
+    pub(crate) fn record(
+        &mut self,
+        residual: &[f64],
+        slot: Option<HistorySlot>,
+    ) -> ResidualProducts {
+        Arch::new().dispatch(RecordStep { history: self, residual, slot })
     }
 
-    /// The next state, or where that is mixed, room for it.
-    pub(crate) fn onward<'a>(&'a mut self, onward: &Onward, room: &'a mut Vec<f64>) -> &'a [f64] {
-        match onward {
-            Onward::Back => &self.images[0],
-            Onward::Mix(shares) => {
-                Arch::new().dispatch(Mix { part: self, shares, room });
+    /// Next state of this part; `buffer` holds it where it is mixed.
+    pub(crate) fn apply<'a>(
+        &'a mut self,
+        update: &AndersonUpdate,
+        buffer: &'a mut Vec<f64>,
+    ) -> &'a [f64] {
+        match update {
+            AndersonUpdate::Revert => &self.images[0],
+            AndersonUpdate::Mix(shares) => {
+                Arch::new().dispatch(MixImages { history: self, shares, buffer });
                 self.images.swap(0, 1);
-                room
+                buffer
             }
         }
     }
 }
 
-/// Products of what is remembered.
+/// Scalar products of the residuals that are remembered.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Products {
-    /// Of the residual with itself.
+pub(crate) struct ResidualProducts {
+    /// Square of the norm of the residual.
     norm: f64,
-    /// Of every difference of residuals with the residual and with the newest difference.
+    /// ResidualProducts of every difference of residuals with the residual and with the newest
+    /// difference.
     with: Vec<[f64; 2]>,
 }
 
-impl Products {
-    /// Adds those of other vectors.
+impl ResidualProducts {
+    /// Adds the products of another part.
     pub(crate) fn add(&mut self, other: &Self) {
         self.norm += other.norm;
         self.with.resize(other.with.len(), [0.0; 2]);
@@ -179,28 +196,29 @@ impl Products {
     }
 }
 
-/// Remembers a step and finds its products.
-struct Look<'a> {
-    part: &'a mut Part,
+/// Records a step and finds its products, for any kind of machine.
+struct RecordStep<'a> {
+    history: &'a mut AndersonHistory,
     residual: &'a [f64],
-    place: Option<Place>,
+    slot: Option<HistorySlot>,
 }
 
-impl NullaryFnOnce for Look<'_> {
-    type Output = Products;
+impl NullaryFnOnce for RecordStep<'_> {
+    type Output = ResidualProducts;
 
     #[inline(always)]
-    fn call(self) -> Products {
-        let Self { part, residual, place } = self;
-        let Part { differences, residual: last, images: [before, image] } = part;
-        let mut products = Products { norm: product(residual), with: Vec::new() };
-        if let Some(Place { newest, count }) = place {
+    fn call(self) -> ResidualProducts {
+        let Self { history, residual, slot } = self;
+        let AndersonHistory { differences, residual: last, images: [before, image] } = history;
+        let mut products = ResidualProducts { norm: sum_of_squares(residual), with: Vec::new() };
+        if let Some(HistorySlot { newest, count }) = slot {
             differences.resize_with(differences.len().max(count), Default::default);
+            // Differences of residuals and of images from the step before.
             let steps = [(residual, &**last), (&**image, &**before)];
             for (difference, (now, before)) in differences[newest].iter_mut().zip(steps) {
                 difference.resize(now.len(), 0.0);
                 let both = now.iter().zip(before);
-                difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = single(a - b));
+                difference.iter_mut().zip(both).for_each(|(d, (a, b))| *d = to_single(a - b));
             }
             let [newest, _] = &differences[newest];
             // No closure: the sums must be inlined into what is dispatched.
@@ -215,13 +233,13 @@ impl NullaryFnOnce for Look<'_> {
 
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
-fn single(x: f64) -> f32 {
+fn to_single(x: f64) -> f32 {
     x as f32
 }
 
-/// The product of numbers with themselves.
+/// Sum of the squares of numbers.
 #[inline(always)]
-fn product(a: &[f64]) -> f64 {
+fn sum_of_squares(a: &[f64]) -> f64 {
     let mut sums = [0.0; SUMS];
     let (whole, rest) = a.as_chunks::<SUMS>();
     for a in whole {
@@ -232,7 +250,7 @@ fn product(a: &[f64]) -> f64 {
     total(sums) + rest.iter().map(|a| a * a).sum::<f64>()
 }
 
-/// The products of a difference with a residual and with another difference.
+/// ResidualProducts of a difference with a residual and with another difference.
 #[inline(always)]
 fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
     let mut sums = [[0.0; SUMS]; 2];
@@ -251,7 +269,7 @@ fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
     [0, 1].map(|k| total(sums[k]) + rest[k])
 }
 
-/// By halves.
+/// Sum of the partial sums, by halves.
 #[inline(always)]
 fn total(mut sums: [f64; SUMS]) -> f64 {
     let mut half = SUMS / 2;
@@ -264,22 +282,22 @@ fn total(mut sums: [f64; SUMS]) -> f64 {
     sums[0]
 }
 
-/// Takes shares of the differences of images from the last one.
-struct Mix<'a> {
-    part: &'a Part,
+/// Writes the last image less shares of the differences of images, for any kind of machine.
+struct MixImages<'a> {
+    history: &'a AndersonHistory,
     shares: &'a [f64],
-    room: &'a mut Vec<f64>,
+    buffer: &'a mut Vec<f64>,
 }
 
-impl NullaryFnOnce for Mix<'_> {
+impl NullaryFnOnce for MixImages<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { part, shares, room } = self;
-        room.clone_from(&part.images[1]);
-        for (share, [_, image]) in shares.iter().zip(&part.differences) {
-            room.iter_mut().zip(image).for_each(|(h, d)| *h -= f64::from(*d) * share);
+        let Self { history, shares, buffer } = self;
+        buffer.clone_from(&history.images[1]);
+        for (share, [_, image]) in shares.iter().zip(&history.differences) {
+            buffer.iter_mut().zip(image).for_each(|(h, d)| *h -= f64::from(*d) * share);
         }
     }
 }

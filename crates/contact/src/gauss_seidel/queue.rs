@@ -1,14 +1,16 @@
-/// Contacts that wait, each once: who comes first is first.
-pub(super) struct Queue {
-    /// Room for one more than all, a power of two.
+/// Contacts that wait to be looked at, each once, first in first out.
+pub(super) struct ContactQueue {
+    /// Ring buffer for one contact more than there are; its length is a power of two.
     ring: Vec<u32>,
-    /// Where the first and the next to come are, counted on.
+    /// Place of the first contact, not wrapped around.
     first: usize,
+    /// Place of the next to come, not wrapped around.
     next: usize,
+    /// Whether a contact is in the queue.
     waits: Vec<bool>,
 }
 
-impl Queue {
+impl ContactQueue {
     /// An empty queue for contacts of numbers less than `count`.
     pub(super) fn new(count: usize) -> Self {
         let ring = vec![0; (count + 1).next_power_of_two()];
@@ -25,6 +27,7 @@ impl Queue {
         *waits = true;
     }
 
+    /// Takes the first contact out.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<usize> {
         if self.first == self.next {
@@ -36,6 +39,7 @@ impl Queue {
         Some(i)
     }
 
+    /// Takes all contacts out.
     pub(super) fn clear(&mut self) {
         while self.pop().is_some() {}
     }

@@ -1,6 +1,6 @@
-use super::GaussSeidel;
 use super::delassus::{Delassus, PatchPoint};
-use super::queue::Queue;
+use super::queue::ContactQueue;
+use super::settings::GaussSeidel;
 use crate::local::LocalProblem;
 use crate::residual::{report, slips};
 use crate::{Contact, Report, Tolerance, Violation};
@@ -8,15 +8,18 @@ use nalgebra::Vector3;
 use pulp::{Arch, NullaryFnOnce};
 use std::borrow::Borrow;
 
-/// The part of a tolerance that contacts may leave before they are solved.
-const PART: f64 = 0.9;
-/// How much of the residual contacts may leave first, in what they would if all left as much.
-const MUCH: f64 = 4.0;
-/// By what part of that the velocity of a point may change before its contacts are looked at again.
-const CHANGE: f64 = 0.05;
+/// Part of a tolerance of velocities that a contact may leave before it is solved.
+const PASSED_PART: f64 = 0.9;
+/// Share of the residual that a contact may leave first, relative to what it would if all left as
+/// much.
+const FIRST_SHARE: f64 = 4.0;
+/// Change of a point's velocity after which its contacts are looked at again, relative to the
+/// errors that they may leave.
+const UNSEEN_CHANGE: f64 = 0.05;
 
-/// Looks in a row at which no fewer contacts are wrong than were ever before, after which it gives up.
-const LOOKS: usize = 2;
+/// Checks in a row at which no fewer contacts are wrong than were ever before, after which the
+/// search gives up.
+const FRUITLESS_CHECKS: usize = 2;
 
 /// A contact, with what is read where it is looked at side by side.
 #[repr(align(64))]
@@ -24,7 +27,7 @@ struct Site {
     contact: Contact,
     places: [PatchPoint; 2],
     impulse: Vector3<f64>,
-    /// The mass that compares its impulse and its velocity.
+    /// Mass that compares errors of the impulse and of the velocity, kg.
     weight: f64,
 }
 
@@ -39,45 +42,48 @@ pub(super) struct ImpulseSearch<'a> {
     solver: &'a GaussSeidel,
     delassus: Delassus<'a>,
     sites: Vec<Site>,
-    /// By contact: what it needs to be solved.
+    /// Local problems, by contact.
     locals: Vec<LocalProblem>,
-    /// By point: the contacts there, from a start to the next.
+    /// First entry of `contacts_at`, by point, and the number of all.
     starts: Vec<u32>,
-    at_points: Vec<u32>,
+    /// Contacts, by the points they are at.
+    contacts_at: Vec<u32>,
     /// Sum of the squares of all impulses from the tips of their cones.
     squares: f64,
-    queue: Queue,
-    /// Room for all points.
-    told: Vec<usize>,
+    queue: ContactQueue,
+    /// Buffer for the points of a patch that have changed.
+    changed: Vec<usize>,
 }
 
-/// How well contacts are solved at a time.
+/// Bounds of the errors that contacts may leave in one pass.
 #[derive(Clone, Copy)]
 struct Pass {
-    /// The part of the residual that a contact may leave, if all left as much; the first pass looks at
+    /// Part of the residual that a contact may leave, if all left as much; the first pass looks at
     /// velocities alone, as few need more.
     share: f64,
-    /// Solves, at most.
-    most: usize,
+    /// Most solved contacts.
+    most_solves: usize,
 }
 
 impl Pass {
-    const FIRST: Self = Self { share: f64::INFINITY, most: usize::MAX };
+    /// Pass that looks at velocities alone.
+    const FIRST: Self = Self { share: f64::INFINITY, most_solves: usize::MAX };
 
-    /// The part of the tolerances of velocities that a contact may leave.
+    /// Part of the tolerances of velocities that a contact may leave.
     fn part(&self) -> f64 {
-        PART.min(self.share)
+        PASSED_PART.min(self.share)
     }
 
-    /// One that asks for more, as the tolerance is missed although no contact leaves more than it may. Few
-    /// contacts have most of the residual.
+    /// Pass that asks for more, as the tolerance is missed although no contact leaves more than it
+    /// may. Few contacts have most of the residual.
     fn next(&self) -> Self {
-        let share = if self.share.is_finite() { 0.5 * self.share } else { MUCH };
+        let share = if self.share.is_finite() { 0.5 * self.share } else { FIRST_SHARE };
         Self { share, ..*self }
     }
 }
 
 impl<'a> ImpulseSearch<'a> {
+    /// A search from `impulses`, N s, in the contacts' frames.
     pub(super) fn new(
         solver: &'a GaussSeidel,
         delassus: Delassus<'a>,
@@ -100,18 +106,18 @@ impl<'a> ImpulseSearch<'a> {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        let mut at_points = vec![0; starts.last().map_or(0, |&all| all as usize)];
+        let mut contacts_at = vec![0; starts.last().map_or(0, |&all| all as usize)];
         let mut next = starts.clone();
         for (i, site) in (0..).zip(&sites) {
             for place in site.places {
                 let next = &mut next[place.point];
-                at_points[*next as usize] = i;
+                contacts_at[*next as usize] = i;
                 *next += 1;
             }
         }
         let squares = sites.iter().map(|site| square(&site.contact, &site.impulse)).sum();
-        let (queue, told) = (Queue::new(sites.len()), vec![0; delassus.len()]);
-        Self { solver, delassus, sites, locals, starts, at_points, squares, queue, told }
+        let (queue, changed) = (ContactQueue::new(sites.len()), vec![0; delassus.len()]);
+        Self { solver, delassus, sites, locals, starts, contacts_at, squares, queue, changed }
     }
 
     /// Searches, and writes the impulses found.
@@ -121,7 +127,7 @@ impl<'a> ImpulseSearch<'a> {
         let mut order: Vec<u32> = (0..).take(count).collect();
         order.sort_by_key(|&i| self.sites[i as usize].contact.first);
         let most = tolerance.iterations.saturating_mul(count);
-        let stride = (self.solver.patience / LOOKS).max(1).saturating_mul(count);
+        let stride = (self.solver.patience / FRUITLESS_CHECKS).max(1).saturating_mul(count);
         let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
         loop {
@@ -135,7 +141,7 @@ impl<'a> ImpulseSearch<'a> {
             let found = report(count, one);
             let converged = tolerance.reached(&found);
             let stuck = before == Some(solved) && pass.share < 1.0;
-            if converged || stuck || misses == LOOKS || solved == most {
+            if converged || stuck || misses == FRUITLESS_CHECKS || solved == most {
                 let iterations = solved.div_ceil(count.max(1));
                 return Report { iterations, converged, ..found };
             }
@@ -144,10 +150,10 @@ impl<'a> ImpulseSearch<'a> {
             for &i in &order {
                 self.queue.push(i);
             }
-            pass.most = stride.min(most - solved);
-            let solves = Arch::new().dispatch(Relax { search: &mut self, pass });
+            pass.most_solves = stride.min(most - solved);
+            let solves = Arch::new().dispatch(RelaxationPass { search: &mut self, pass });
             solved += solves;
-            if solves < pass.most {
+            if solves < pass.most_solves {
                 (pass, wrong, misses) = (pass.next(), usize::MAX, 0);
             } else {
                 let still = self.sites.iter().filter(|site| self.is_wrong(site, &pass)).count();
@@ -157,11 +163,11 @@ impl<'a> ImpulseSearch<'a> {
         }
     }
 
-    /// The relative velocity of a contact, with what its impulse compresses.
+    /// Relative velocity of a contact, m/s, in its frame, with what its compliance adds.
     #[inline(always)]
     fn velocity(&self, site: &Site) -> Vector3<f64> {
         let compressed = site.impulse * site.contact.compliance;
-        self.delassus.relative(&site.contact, site.places) + compressed
+        self.delassus.relative_at(&site.contact, site.places) + compressed
     }
 
     /// Whether a contact is farther from the law than a pass lets it be.
@@ -180,18 +186,19 @@ impl<'a> ImpulseSearch<'a> {
                     > pass.share * residual * self.mean()
     }
 
-    /// The root of the mean square of the impulses.
+    /// Root of the mean square of the impulses, N s.
     fn mean(&self) -> f64 {
         (self.squares.max(0.0) / self.sites.len() as f64).sqrt()
     }
 
-    /// By how much the velocity of a point may change before its contacts are looked at again.
-    fn bound(&self, pass: &Pass) -> f64 {
+    /// Change of the velocity of a point, m/s, up to which its contacts are not looked at again.
+    fn unseen_change(&self, pass: &Pass) -> f64 {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
         let heaviest = self.sites.iter().map(|site| site.weight).fold(0.0, f64::max);
         let by_impulse = pass.share * residual * self.mean() / heaviest;
         let by_velocity = pass.part() * normal.min(slip);
-        CHANGE * if pass.share.is_finite() { by_velocity.min(by_impulse) } else { by_velocity }
+        UNSEEN_CHANGE
+            * if pass.share.is_finite() { by_velocity.min(by_impulse) } else { by_velocity }
     }
 
     /// Solves a contact by itself. Tells whether that changes anything.
@@ -199,7 +206,8 @@ impl<'a> ImpulseSearch<'a> {
     fn solve(&mut self, i: usize) -> bool {
         let Site { contact, places, impulse, .. } = &mut self.sites[i];
         let (local, old) = (&self.locals[i], *impulse);
-        let free = self.delassus.relative(contact, *places) - local.response * old;
+        // The velocity without the contact's own impulse, the exact solution, and what it changes.
+        let free = self.delassus.relative_at(contact, *places) - local.response * old;
         let exact = local.solve(contact, &free);
         let new = relaxed(contact, self.solver.relaxation, &old, &exact);
         let change = new - old;
@@ -212,16 +220,16 @@ impl<'a> ImpulseSearch<'a> {
     /// Queues contacts of a patch whose points have changed by more than a bound.
     #[inline(always)]
     fn queue(&mut self, patch: usize, bound: f64) {
-        let Self { delassus, starts, at_points, queue, told, .. } = self;
-        let count = delassus.changed(patch, bound, told);
-        for &point in &told[..count] {
+        let Self { delassus, starts, contacts_at, queue, changed, .. } = self;
+        let count = delassus.changed_points(patch, bound, changed);
+        for &point in &changed[..count] {
             let [start, end] = [0, 1].map(|next| starts[point + next] as usize);
-            at_points[start..end].iter().for_each(|&i| queue.push(i));
+            contacts_at[start..end].iter().for_each(|&i| queue.push(i));
         }
     }
 }
 
-/// Goes further than the exact solution, but not out of the cone.
+/// Impulse that goes further than the exact solution, but not out of the cone, N s.
 #[inline(always)]
 fn relaxed(
     contact: &Contact,
@@ -238,26 +246,26 @@ fn relaxed(
     Vector3::new(normal - contact.adhesion, friction.x, friction.y)
 }
 
-/// Solves contacts that are wrong until none is. Tells how many solves that took.
-struct Relax<'s, 'a> {
+/// Pass that solves contacts that are wrong until none is, and returns the number of solves.
+struct RelaxationPass<'s, 'a> {
     search: &'s mut ImpulseSearch<'a>,
     pass: Pass,
 }
 
-impl NullaryFnOnce for Relax<'_, '_> {
+impl NullaryFnOnce for RelaxationPass<'_, '_> {
     type Output = usize;
 
     #[inline(always)]
     fn call(self) -> usize {
         let Self { search, pass } = self;
-        let bound = search.bound(&pass);
+        let bound = search.unseen_change(&pass);
         let mut solved = 0;
         while let Some(i) = search.queue.pop() {
             search.delassus.look_at(search.sites[i].places);
             if !search.is_wrong(&search.sites[i], &pass) {
                 continue;
             }
-            if solved == pass.most {
+            if solved == pass.most_solves {
                 break;
             }
             if search.solve(i) {
@@ -273,7 +281,7 @@ impl NullaryFnOnce for Relax<'_, '_> {
     }
 }
 
-/// The square of an impulse from the tip of its cone.
+/// Square of an impulse from the tip of its cone, (N s)^2.
 fn square(contact: &Contact, impulse: &Vector3<f64>) -> f64 {
     (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared()
 }

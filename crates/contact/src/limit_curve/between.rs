@@ -3,12 +3,12 @@ use crate::ContactError;
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Largest angle between neighboring vertices of a merged polygon: its edges are then an eighth of a
-/// percent inside a circle, and half a percent inside an ellipse of 5 to 1.
-const STEP: f64 = TAU / 64.0;
+/// Largest angle between neighboring vertices of a merged polygon: its edges are then an eighth of
+/// a percent inside a circle, and half a percent inside an ellipse of 5 to 1.
+const LARGEST_STEP: f64 = TAU / 64.0;
 
 /// Below this angle two directions are one.
-const SAME: f64 = 1e-9;
+const SAME_DIRECTION: f64 = 1e-9;
 
 impl LimitCurve {
     /// The limit curve of two surfaces that rub on each other, in the frame of the first.
@@ -52,7 +52,7 @@ impl LimitCurve {
             return Ok(Self::Circle { mu: merged(*a, *b) });
         }
         let turns = (angle / FRAC_PI_2).round();
-        let aligned = (angle - turns * FRAC_PI_2).abs() < SAME;
+        let aligned = (angle - turns * FRAC_PI_2).abs() < SAME_DIRECTION;
         match (first.semi_axes(), second.reflected().semi_axes()) {
             (Some(a), Some(b)) if aligned => {
                 let b = match turns.rem_euclid(4.0) {
@@ -87,10 +87,10 @@ fn polygon(
     for (i, from) in directions.iter().enumerate() {
         let to = directions[(i + 1) % directions.len()];
         let gap = from.perp(&to).atan2(from.dot(&to)).rem_euclid(TAU);
-        if !(SAME..=TAU - SAME).contains(&gap) {
+        if !(SAME_DIRECTION..=TAU - SAME_DIRECTION).contains(&gap) {
             continue;
         }
-        let parts = (gap / STEP).ceil();
+        let parts = (gap / LARGEST_STEP).ceil();
         let mut part = 0.0;
         while part < parts {
             let direction = Rotation2::new(gap * part / parts) * from;

@@ -2,25 +2,35 @@
 use super::{LimitCurve, quarter};
 use nalgebra::{Vector2, Vector3};
 
-/// What is inside stays, what is in the polar cone goes to the tip.
-pub(super) fn project(curve: &LimitCurve, q: &Vector3<f64>) -> Vector3<f64> {
-    if let LimitCurve::Circle { mu } = curve {
-        return circular(q, *mu);
-    }
-    let (normal, tangential) = (q.x, q.yz());
-    if normal + curve.dissipation(&-tangential) <= 0.0 {
-        return Vector3::zeros();
-    }
-    if normal >= 0.0 && curve.contains(&tangential, normal) {
-        return *q;
-    }
-    match curve.semi_axes() {
-        Some(mu) => elliptic(q, quarter(&mu, &tangential)),
-        None => convex(curve, q),
+impl LimitCurve {
+    /// Impulse nearest to `q`, N s, whose friction is within its limit: the projection onto the
+    /// cone over the curve.
+    ///
+    /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses,
+    /// a bracketed root with some ten calls of [`Self::project`] for a polygon.
+    #[must_use]
+    pub fn project_cone(&self, q: &Vector3<f64>) -> Vector3<f64> {
+        if let Self::Circle { mu } = self {
+            return circular(q, *mu);
+        }
+        let (normal, tangential) = (q.x, q.yz());
+        // What is in the polar cone goes to the tip.
+        if normal + self.dissipation(&-tangential) <= 0.0 {
+            return Vector3::zeros();
+        }
+        // What is inside stays.
+        if normal >= 0.0 && self.contains(&tangential, normal) {
+            return *q;
+        }
+        match self.semi_axes() {
+            Some(mu) => elliptic(q, quarter(&mu, &tangential)),
+            None => convex(self, q),
+        }
     }
 }
 
-/// Closed form, which most contacts take in every iteration of a solver.
+/// Projection onto a circular cone, in the closed form that most contacts take in every iteration
+/// of a solver.
 fn circular(q: &Vector3<f64>, mu: f64) -> Vector3<f64> {
     let (normal, size) = (q.x, q.yz().norm());
     if normal + mu * size <= 0.0 {
@@ -34,11 +44,13 @@ fn circular(q: &Vector3<f64>, mu: f64) -> Vector3<f64> {
     Vector3::new(s, q.y * share, q.z * share)
 }
 
-/// With the Lagrange multiplier `tau` the friction is `m_i^2 q_i / (m_i^2 + tau)` and the normal part
-/// `q_n / (1 - tau)`. On the cone `1 - tau = q_n / |z|`, `z_i = m_i q_i / (m_i^2 + tau)`; for a normal
-/// part that is not negative this difference is convex in `tau` and falls, so that Newton's iteration
-/// from zero never passes the root. Else the same holds in the polar cone, with `1 / m_i` and
-/// `1 / tau`.
+/// Projection onto an elliptic cone.
+///
+/// With the Lagrange multiplier `tau` the friction is `m_i^2 q_i / (m_i^2 + tau)` and the normal
+/// part `q_n / (1 - tau)`. On the cone `1 - tau = q_n / |z|`, `z_i = m_i q_i / (m_i^2 + tau)`; for
+/// a normal part that is not negative this difference is convex in `tau` and falls, so that
+/// Newton's iteration from zero never passes the root. Else the same holds in the polar cone, with
+/// `1 / m_i` and `1 / tau`.
 fn elliptic(q: &Vector3<f64>, mu: [f64; 2]) -> Vector3<f64> {
     let semi = Vector2::from(mu);
     let squares = semi.component_mul(&semi);
@@ -55,6 +67,7 @@ fn elliptic(q: &Vector3<f64>, mu: [f64; 2]) -> Vector3<f64> {
         let rate = |i: usize| (if polar { squares[i] } else { 1.0 }) / denominator[i];
         (Vector2::new(component(0), component(1)), [rate(0), rate(1)])
     };
+    // Newton's iteration for tau, monotone from zero.
     let mut tau = 0.0;
     for _ in 0..50 {
         let (z, rate) = at(tau);
@@ -79,6 +92,8 @@ fn elliptic(q: &Vector3<f64>, mu: [f64; 2]) -> Vector3<f64> {
     Vector3::new(s, friction.x, friction.y)
 }
 
+/// Projection onto the cone over any convex curve.
+///
 /// The nearest point has the normal part `s` at which `s - q_n` equals what the curve's growth
 /// saves, the support function of `q_t` minus its projection onto the curve scaled by `s`. That
 /// difference grows with `s` at least as fast as `s` does.

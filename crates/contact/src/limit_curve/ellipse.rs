@@ -1,8 +1,8 @@
 //! An ellipse on the coordinate axes; a semi-axis may be zero.
 use nalgebra::Vector2;
 
-/// Of this share of a vector a component along a semi-axis that is zero counts as rounding.
-const ROUNDING: f64 = 1e-14;
+/// Component along a semi-axis of zero that counts as rounding, relative to the vector.
+const AXIS_ROUNDING: f64 = 1e-14;
 
 /// The point inside the ellipse that is nearest to `p`.
 ///
@@ -59,9 +59,9 @@ pub(super) fn support(direction: &Vector2<f64>, [a, b]: [f64; 2]) -> Vector2<f64
     if norm > 0.0 { Vector2::new(a * scaled.x, b * scaled.y) / norm } else { Vector2::zeros() }
 }
 
-/// By what the ellipse must be scaled to pass through `p`.
+/// Factor by which the ellipse must be scaled to pass through `p`; infinite where none does.
 pub(super) fn gauge(p: &Vector2<f64>, [a, b]: [f64; 2]) -> f64 {
-    let negligible = ROUNDING * p.amax();
+    let negligible = AXIS_ROUNDING * p.amax();
     let ratio = |x: f64, semi: f64| {
         if semi > 0.0 {
             x / semi

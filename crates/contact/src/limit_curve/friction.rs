@@ -4,14 +4,14 @@ use crate::ContactError;
 /// Friction of a contact that sticks and of one that slides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
-    /// What must be overcome to make the contact slide, thesis (8.45).
+    /// Curve that must be overcome to make the contact slide, thesis (8.45).
     pub resting: LimitCurve,
-    /// What resists it while it slides, thesis (8.46).
+    /// Curve that resists the slip while the contact slides, thesis (8.46).
     pub sliding: LimitCurve,
 }
 
 impl Friction {
-    /// The curve for a contact that stuck, or did not, at the end of the last step. One that is
+    /// Curve for a contact that stuck, or did not, at the end of the last step. One that is
     /// new slides.
     #[must_use]
     pub fn curve(&self, stuck: bool) -> &LimitCurve {
@@ -21,7 +21,7 @@ impl Friction {
     /// Friction between two surfaces: [`LimitCurve::between`] of both pairs of curves.
     ///
     /// # Errors
-    /// As [`LimitCurve::between`].
+    /// [`ContactError::Invalid`] where [`LimitCurve::between`] refuses.
     pub fn between(first: &Self, second: &Self, angle: f64) -> Result<Self, ContactError> {
         Ok(Self {
             resting: LimitCurve::between(&first.resting, &second.resting, angle)?,

@@ -1,5 +1,5 @@
 use crate::ContactError;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
 mod between;
 mod cone;
@@ -18,7 +18,7 @@ pub use polygon::Polygon;
 /// Coefficients may be zero: a curve may be a segment, or the origin alone. Cloning is cheap.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LimitCurve {
-    /// The same in all directions.
+    /// One coefficient in all directions.
     Circle {
         /// Coefficient of friction.
         mu: f64,
@@ -49,6 +49,8 @@ impl LimitCurve {
         Self::Quarters { mu: [with, against, across, across] }
     }
 
+    /// Checks the coefficients.
+    ///
     /// # Errors
     /// [`ContactError::Invalid`] for a coefficient that is negative or not finite.
     pub fn validate(&self) -> Result<(), ContactError> {
@@ -98,6 +100,7 @@ impl LimitCurve {
         }
     }
 
+    /// Projection onto a curve that is no circle.
     #[inline(never)]
     fn search_nearest(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         if let Self::Polygon(polygon) = self {
@@ -135,7 +138,7 @@ impl LimitCurve {
         }
     }
 
-    /// By what the curve must be scaled to pass through `p`; infinite where no scale does.
+    /// Factor by which the curve must be scaled to pass through `p`; infinite where none does.
     #[must_use]
     pub fn gauge(&self, p: &Vector2<f64>) -> f64 {
         match self {
@@ -159,16 +162,6 @@ impl LimitCurve {
         self.gauge(p) <= scale
     }
 
-    /// The impulse nearest to `q` whose friction is within its limit: the projection onto the cone
-    /// over the curve.
-    ///
-    /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses,
-    /// a bracketed root with some ten calls of [`Self::project`] for a polygon.
-    #[must_use]
-    pub fn project_cone(&self, q: &Vector3<f64>) -> Vector3<f64> {
-        cone::project(self, q)
-    }
-
     /// The semi-axes along `t1`, `-t1`, `t2`, `-t2` of a curve that is made of quarter-ellipses.
     pub(crate) fn semi_axes(&self) -> Option<[f64; 4]> {
         match self {
@@ -180,7 +173,7 @@ impl LimitCurve {
     }
 }
 
-/// The semi-axes of the quarter in which `p` lies.
+/// Semi-axes of the quarter in which `p` lies.
 fn quarter(mu: &[f64; 4], p: &Vector2<f64>) -> [f64; 2] {
     [if p.x >= 0.0 { mu[0] } else { mu[1] }, if p.y >= 0.0 { mu[2] } else { mu[3] }]
 }

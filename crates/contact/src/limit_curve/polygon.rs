@@ -3,7 +3,7 @@ use nalgebra::Vector2;
 use std::sync::Arc;
 
 /// An edge this near to the origin, relative to the polygon, passes through it.
-const MARGIN: f64 = 1e-13;
+const ORIGIN_MARGIN: f64 = 1e-13;
 
 /// A convex polygon that contains the origin, inside or on its border; it may be a segment or a
 /// point.
@@ -63,7 +63,8 @@ impl Polygon {
     fn with_vertices(vertices: Arc<[Vector2<f64>]>) -> Self {
         let size = vertices.iter().map(Vector2::amax).fold(0.0, f64::max);
         let mut polygon = Self { vertices, half: 0 };
-        let around = polygon.edges().all(|(a, b)| a.perp(&b) > MARGIN * size * (b - a).norm());
+        let around =
+            polygon.edges().all(|(a, b)| a.perp(&b) > ORIGIN_MARGIN * size * (b - a).norm());
         if around && size > 0.0 {
             let first = polygon.vertices[0];
             polygon.half = polygon.vertices.iter().filter(|v| first.perp(v) > 0.0).count() + 1;
@@ -144,7 +145,8 @@ impl Polygon {
             let higher = |best, i| if along(i) > along(best) { i } else { best };
             return self.vertices[(1..count).fold(0, higher)];
         }
-        // From where the ray along the direction leaves it rises to one vertex, or to two that are alike.
+        // From where the ray along the direction leaves it rises to one vertex, or to two that are
+        // alike.
         let mut best = self.sector(direction);
         loop {
             let beside = [(best + 1) % count, (best + count - 1) % count];
@@ -168,7 +170,7 @@ impl Polygon {
             // What does not leave the segment's line is compared to the end on its side.
             let (a, b) = self.edge(0);
             let end = self.support(p).dot(p);
-            let aside = (b - a).perp(p).abs() > MARGIN * (b - a).norm() * p.norm();
+            let aside = (b - a).perp(p).abs() > ORIGIN_MARGIN * (b - a).norm() * p.norm();
             return if end > 0.0 && !aside { p.norm_squared() / end } else { f64::INFINITY };
         }
         // Every edge's line bounds the scale from below; an edge through the origin allows none or
@@ -178,9 +180,9 @@ impl Polygon {
         for (a, b) in self.edges() {
             let edge = b - a;
             let (outside, offset) = (p.perp(&edge), a.perp(&b));
-            if offset > MARGIN * size * edge.norm() {
+            if offset > ORIGIN_MARGIN * size * edge.norm() {
                 gauge = gauge.max(outside / offset);
-            } else if outside > MARGIN * edge.norm() * p.norm() || size <= 0.0 {
+            } else if outside > ORIGIN_MARGIN * edge.norm() * p.norm() || size <= 0.0 {
                 return f64::INFINITY;
             }
         }
@@ -245,20 +247,26 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn component() -> impl Strategy<Value = f64> {
+        prop_oneof![(-2..=2_i8).prop_map(f64::from), -1.0..1.0_f64]
+    }
+
     proptest! {
         /// Also where vertices are alike along the direction.
         #[test]
         fn the_support_is_the_first_of_the_farthest_vertices(
             points in prop::collection::vec(prop::array::uniform2(-3..=3_i8), 3..40),
-            direction in prop::array::uniform2(prop_oneof![(-2..=2_i8).prop_map(f64::from), -1.0..1.0_f64]),
+            direction in prop::array::uniform2(component()),
         ) {
-            let points: Vec<_> = points.into_iter().map(|p| Vector2::from(p.map(f64::from))).collect();
+            let points: Vec<_> =
+                points.into_iter().map(|p| Vector2::from(p.map(f64::from))).collect();
             let Ok(polygon) = Polygon::new(&points) else { return Ok(()) };
             let direction = Vector2::from(direction);
             let far = |v: &Vector2<f64>| direction.dot(v);
             let most = polygon.vertices().iter().map(far).fold(f64::NEG_INFINITY, f64::max);
             let first = polygon.vertices().iter().find(|v| far(v) >= most);
-            let expected = if direction.amax() > 0.0 { first.copied() } else { Some(Vector2::zeros()) };
+            let expected =
+                if direction.amax() > 0.0 { first.copied() } else { Some(Vector2::zeros()) };
             prop_assert_eq!(Some(polygon.support(&direction)), expected);
         }
     }

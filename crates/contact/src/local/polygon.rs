@@ -3,6 +3,8 @@
 use crate::limit_curve::Polygon;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+/// Impulse of a contact that slides, N s, from the cone's tip, with the response `w`, 1/kg, and the
+/// velocity `free`, m/s, in the contact's frame.
 pub(super) fn slide(w: &Matrix3<f64>, free: &Vector3<f64>, curve: &Polygon) -> Vector3<f64> {
     let vertices = curve.vertices();
     let count = vertices.len();

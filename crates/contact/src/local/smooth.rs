@@ -3,26 +3,30 @@
 //! With `x = d z` the curve is the unit circle. Slip against friction, of any strength `alpha`, is
 //! `d (schur x + slip) = -alpha z`: for `alpha` from zero to infinity the friction goes from that
 //! which sticks, outside its limit, to none, inside. In between `|z|` equals the normal impulse.
-use super::Pressed;
+use super::pressed_contact::PressedContact;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Steps after which the bracket is taken as it is; a dozen are usual.
-const STEPS: usize = 200;
+const MAX_STEPS: usize = 200;
 
-pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
-    let first = Quarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]);
+/// Impulse of a contact that slides, N s, from the cone's tip, with the coefficients of friction
+/// `mu` along `t1`, `-t1`, `t2`, `-t2`: the root in `alpha` of `r_n = |z|`, by Newton's method in a
+/// bracket.
+pub(super) fn slide(problem: &PressedContact, mu: &[f64; 4]) -> Vector3<f64> {
+    let first = CurveQuarter::new(problem, [1.0, 1.0], [mu[0], mu[2]]);
     let quarters = if mu[0] == mu[1] && mu[2] == mu[3] {
         &[first][..]
     } else {
         &[
             first,
-            Quarter::new(problem, [1.0, -1.0], [mu[0], mu[3]]),
-            Quarter::new(problem, [-1.0, 1.0], [mu[1], mu[2]]),
-            Quarter::new(problem, [-1.0, -1.0], [mu[1], mu[3]]),
+            CurveQuarter::new(problem, [1.0, -1.0], [mu[0], mu[3]]),
+            CurveQuarter::new(problem, [-1.0, 1.0], [mu[1], mu[2]]),
+            CurveQuarter::new(problem, [-1.0, -1.0], [mu[1], mu[3]]),
         ]
     };
     let size = mu.iter().copied().fold(0.0, f64::max);
     let drive = size * problem.slip.norm();
+    // Bracket of the root and a first guess.
     let mut low = 0.0;
     let mut high = drive * (1.0 + size * problem.pull.norm()) / problem.load;
     // Where both tangents answer alike this is the root.
@@ -30,7 +34,7 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
     let mut alpha = (drive + square * problem.pull.dot(&problem.slip)) / problem.load
         - 0.5 * square * problem.schur.trace();
     let mut point = Vector2::zeros();
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         if !(alpha > low && alpha < high) {
             alpha = if high > 16.0 * low && low > 0.0 {
                 (low * high).sqrt()
@@ -50,7 +54,7 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
         // alike.
         let normal = problem.load + quarter.pull.dot(&z);
         let excess = normal / norm - 1.0;
-        let change = -z.component_div(&quarter.stiffness.add_scalar(alpha));
+        let change = -z.component_div(&quarter.eigenvalues.add_scalar(alpha));
         let slope = (quarter.pull.dot(&change) - normal * z.dot(&change) / (norm * norm)) / norm;
         let step = excess / slope;
         let smallest = 2.0 * f64::EPSILON * alpha;
@@ -64,23 +68,30 @@ pub(super) fn slide(problem: &Pressed, mu: &[f64; 4]) -> Vector3<f64> {
         }
         alpha -= step;
     }
-    Vector3::new(problem.normal(&point), point.x, point.y)
+    Vector3::new(problem.normal_impulse(&point), point.x, point.y)
 }
 
 /// The problem in one quarter, in the eigenvectors of the answer to `z`: exact for small
 /// eigenvalues also.
 #[derive(Clone, Copy)]
-struct Quarter {
+struct CurveQuarter {
+    /// Signs of the friction's components.
     sign: [f64; 2],
+    /// Semi-axes `d` of the ellipse.
     semi: Vector2<f64>,
+    /// Eigenvectors, in columns.
     axes: Matrix2<f64>,
-    stiffness: Vector2<f64>,
+    /// Eigenvalues, 1/kg.
+    eigenvalues: Vector2<f64>,
+    /// Slip without friction, scaled by `d`, along the eigenvectors, m/s.
     slip: Vector2<f64>,
+    /// Normal impulse per `z`, along the eigenvectors.
     pull: Vector2<f64>,
 }
 
-impl Quarter {
-    fn new(problem: &Pressed, sign: [f64; 2], semi: [f64; 2]) -> Self {
+impl CurveQuarter {
+    /// The problem in the quarter with these signs and semi-axes.
+    fn new(problem: &PressedContact, sign: [f64; 2], semi: [f64; 2]) -> Self {
         let semi = Vector2::from(semi);
         let (a, b, c) = (
             problem.schur.m11 * semi.x * semi.x,
@@ -102,23 +113,25 @@ impl Quarter {
             sign,
             semi,
             axes,
-            stiffness: Vector2::new(large, small),
+            eigenvalues: Vector2::new(large, small),
             slip: axes.tr_mul(&semi.component_mul(&problem.slip)),
             pull: axes.tr_mul(&semi.component_mul(&problem.pull)),
         }
     }
 
+    /// `z` along the eigenvectors, N s, for a strength of friction `alpha`, 1/kg.
     fn solution(&self, alpha: f64) -> Vector2<f64> {
-        -self.slip.component_div(&self.stiffness.add_scalar(alpha))
+        -self.slip.component_div(&self.eigenvalues.add_scalar(alpha))
     }
 
+    /// Friction along `t1` and `t2`, N s, of `z` along the eigenvectors.
     fn friction(&self, z: &Vector2<f64>) -> Vector2<f64> {
         self.semi.component_mul(&(self.axes * z))
     }
 
-    /// How far the friction is outside of this quarter; on an axis of length zero, how much it would
-    /// take to stop a slip that the other side resists.
-    fn outside(&self, problem: &Pressed, alpha: f64) -> f64 {
+    /// Distance of the friction from this quarter, N s; on an axis of length zero, the friction
+    /// that it would take to stop a slip that the other side resists.
+    fn outside(&self, problem: &PressedContact, alpha: f64) -> f64 {
         let friction = self.friction(&self.solution(alpha));
         let slip = problem.schur * friction + problem.slip;
         let outside = |i: usize| {
@@ -130,9 +143,13 @@ impl Quarter {
     }
 }
 
-/// The quarter in which the friction lies: there is one, since for a given `alpha` the problem is
+/// CurveQuarter in which the friction lies: there is one, since for a given `alpha` the problem is
 /// strictly convex with a continuous gradient.
-fn containing<'a>(problem: &Pressed, quarters: &'a [Quarter], alpha: f64) -> &'a Quarter {
+fn containing<'a>(
+    problem: &PressedContact,
+    quarters: &'a [CurveQuarter],
+    alpha: f64,
+) -> &'a CurveQuarter {
     let mut best = &quarters[0];
     if quarters.len() > 1 {
         let mut least = f64::INFINITY;

@@ -19,11 +19,11 @@ pub struct RigidBody {
     mass: f64,
     inertia: Matrix3<f64>,
     inverse_inertia: Matrix3<f64>,
-    /// From the body's frame, with its origin at the center of mass, to the world; m.
+    /// Pose of the body's frame, with its origin at the center of mass, in the world; m.
     pub pose: Isometry3<f64>,
-    /// Of the center of mass, world, m/s.
+    /// Velocity of the center of mass, world, m/s.
     pub velocity: Vector3<f64>,
-    /// About the center of mass, world, kg m^2/s.
+    /// Angular momentum about the center of mass, world, kg m^2/s.
     pub angular_momentum: Vector3<f64>,
 }
 
@@ -64,7 +64,7 @@ impl RigidBody {
     /// A solid ball.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// [`ContactError::Invalid`] where [`Self::new`] refuses.
     pub fn ball(mass: f64, radius: f64, pose: Isometry3<f64>) -> Result<Self, ContactError> {
         Self::new(mass, Matrix3::from_diagonal_element(0.4 * mass * radius * radius), pose)
     }
@@ -72,7 +72,7 @@ impl RigidBody {
     /// A solid box with the given edges along the axes of its frame.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// [`ContactError::Invalid`] where [`Self::new`] refuses.
     pub fn cuboid(
         mass: f64,
         edges: Vector3<f64>,
@@ -86,7 +86,7 @@ impl RigidBody {
     /// A solid cylinder about the third axis of its frame, as a fiber's segment is.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// [`ContactError::Invalid`] where [`Self::new`] refuses.
     pub fn cylinder(
         mass: f64,
         radius: f64,

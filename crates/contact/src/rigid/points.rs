@@ -9,10 +9,13 @@ use rapunzel_fiber::so3::hat;
 /// An answer costs O(points), weights one factorization of a 6 x 6 matrix.
 #[derive(Debug, Clone)]
 pub struct RigidPoints {
+    /// Points relative to the center of mass, world, m.
     levers: Vec<Vector3<f64>>,
+    /// Mass matrix for velocity and angular velocity, world.
     mass: Matrix6<f64>,
+    /// Factors of the mass matrix.
     factor: Cholesky<f64, Const<6>>,
-    /// Of the mass with weights.
+    /// Factors of the mass matrix with the added masses of the points.
     weighted: Cholesky<f64, Const<6>>,
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RealField, Vector3, convert, convert_unchecked};
 use pulp::{Arch, NullaryFnOnce};
-use rapunzel_contact::{Answer as OfPoint, ContactError, DelassusBlocks, Eight};
+use rapunzel_contact::{ContactError, DelassusBlocks, UnitResponse, VectorLanes};
 use rapunzel_lanes::LANES;
 use rapunzel_rod_dynamic::PointResponses;
 use std::array::from_fn;
@@ -255,9 +255,9 @@ impl NullaryFnOnce for DelassusProduct<'_> {
                 (InertiaKind::Own, _) => {
                     gather(points, impulses, &mut side_by_side);
                     for (i, &point) in points.iter().enumerate() {
-                        velocities[point] = match own.of(i) {
-                            OfPoint::Single(columns) => multiply(columns, &side_by_side),
-                            OfPoint::Double(columns) => multiply(columns, &side_by_side),
+                        velocities[point] = match own.response_to(i) {
+                            UnitResponse::Single(columns) => multiply(columns, &side_by_side),
+                            UnitResponse::Double(columns) => multiply(columns, &side_by_side),
                         };
                     }
                 }
@@ -308,9 +308,9 @@ impl<T: RealField + Copy> ProductWorkspace<T> {
 
 /// Impulses of the points of a fibre, side by side, filled up with zeros.
 #[inline(always)]
-fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight<f64>>) {
+fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<VectorLanes<f64>>) {
     into.clear();
-    into.resize(points.len().div_ceil(LANES), Eight::<f64>::default());
+    into.resize(points.len().div_ceil(LANES), VectorLanes::<f64>::default());
     for (i, &point) in points.iter().enumerate() {
         for axis in 0..3 {
             into[i / LANES][axis][i % LANES] = impulses[point][axis];
@@ -321,8 +321,8 @@ fn gather(points: &[usize], impulses: &[Vector3<f64>], into: &mut Vec<Eight<f64>
 /// The products of three columns with the impulses.
 #[inline(always)]
 fn multiply<T: Copy + Into<f64>>(
-    columns: [&[Eight<T>]; 3],
-    impulses: &[Eight<f64>],
+    columns: [&[VectorLanes<T>]; 3],
+    impulses: &[VectorLanes<f64>],
 ) -> Vector3<f64> {
     let size = impulses.len();
     let [x, y, z] = columns;

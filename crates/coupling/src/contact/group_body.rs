@@ -149,7 +149,7 @@ impl Body for GroupBody<'_> {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
+    fn dense_delassus(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         let DelassusCache { answers, .. } = self.written.as_ref()?;
         Some(answers.iter().map(FiberDelassus::own).collect())
     }

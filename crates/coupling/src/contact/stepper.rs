@@ -20,7 +20,7 @@ use crate::phase_times::{ContactTimes, PhaseTimer};
 use crate::{CouplingError, StepReport};
 use nalgebra::Vector3;
 use rapunzel_collision::{CollisionError, segment_radii};
-use rapunzel_contact::{Polished, Tolerance};
+use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most iterations of Newton's method with one list of contacts, and most lists.
@@ -57,7 +57,7 @@ pub(super) struct ContactStepper {
     settings: ContactSettings,
     film: Option<AdhesiveFilm>,
     detector: ContactDetector,
-    solver: Polished,
+    solver: ContactSolver,
     /// Radii of all segments, m.
     radii: Vec<f64>,
     /// The smallest radius of a segment, m.
@@ -94,10 +94,10 @@ impl ContactStepper {
         let range = bonds.map_or_else(of_film, |bonds| bonds.range);
         let detector =
             ContactDetector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
-        let mut solver = Polished::new(Tolerance::EXACT);
-        if settings.solver == ContactMethod::Splitting {
-            solver.splits = usize::MAX;
-        }
+        let solver = match settings.solver {
+            ContactMethod::Splitting => ContactSolver::Splitting(Admm::new(Tolerance::EXACT)),
+            ContactMethod::Polished => ContactSolver::Polished(Polished::new(Tolerance::EXACT)),
+        };
         let mut stepper = Self {
             settings,
             film,
@@ -419,7 +419,7 @@ impl ContactStepper {
         effort: ForcingTerm,
         patient: bool,
     ) -> Result<(f64, bool), SubstepFailure> {
-        self.solver.tolerance = effort.of(&self.tolerance(part.dt));
+        self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
         let mut laps = PhaseTimer::start(self.stopwatch);
         let one = case.solve(system, &part.touches, &mut self.solver, patient)?;
         laps.lap(&mut self.times.solver);
@@ -440,7 +440,7 @@ impl ContactStepper {
         report.residual = found.residual;
         report.normal_error = found.normal_error;
         report.slip_error = found.slip_error;
-        Ok((turn, self.solver.tolerance.error(&one) <= 1.0))
+        Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
     }
 
     /// Lists the touches where the step leads, with the impulses expected of them.

@@ -3,11 +3,11 @@
 use crate::size::Size;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::{Candidates, Capsules};
-use rapunzel_contact::chain::{
+use rapunzel_contact::thesis::chain::{
     Coupling, CylinderChain, JointMethod, JointSprings, LastWord, Root, SegmentContact,
     SegmentPartner, Settings, step,
 };
-use rapunzel_contact::projection::{Form, PolygonalCone};
+use rapunzel_contact::thesis::projection::{Form, PolygonalCone};
 use rapunzel_contact::{GaussSeidel, Tolerance};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};

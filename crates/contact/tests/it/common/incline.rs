@@ -1,14 +1,15 @@
 //! What steps of time make of a block that stops or turns on an incline.
 
-/// How far a block may be off where its motion is exact in every step but the one in which its slip ends:
-/// downhill velocities and ways, m/s and m.
+/// How far a block may be off where its motion is exact in every step but the one in which its slip
+/// ends: downhill velocities and ways, m/s and m.
 ///
-/// Let it slow down at `a` and, where it does not stick, go on at `b` the other way. In the step in which
-/// the slip ends after a time `c` of it, the law sees the whole step's gravity and friction and leaves the
-/// velocity `max(0, b dt - a c)`; right is `b (dt - c)`. That lags by at most `dt b (a - b) / a`, where
-/// `a c = b dt`, and never leads; from then on the way lags by that much more every second. The step's own
-/// way, by the trapezoidal rule, lags by at most `a dt^2 / 2` where the block turns. Where it sticks it
-/// goes too far by `a c (dt - c) / 2`, at most `a dt^2 / 8`, once and for all.
+/// Let it slow down at `a` and, where it does not stick, go on at `b` the other way. In the step in
+/// which the slip ends after a time `c` of it, the law sees the whole step's gravity and friction
+/// and leaves the velocity `max(0, b dt - a c)`; right is `b (dt - c)`. That lags by at most `dt b
+/// (a - b) / a`, where `a c = b dt`, and never leads; from then on the way lags by that much more
+/// every second. The step's own way, by the trapezoidal rule, lags by at most `a dt^2 / 2` where
+/// the block turns. Where it sticks it goes too far by `a c (dt - c) / 2`, at most `a dt^2 / 8`,
+/// once and for all.
 pub(crate) struct EndOfSlip {
     /// Slowing down, and speeding up afterwards, m/s^2.
     slows: f64,

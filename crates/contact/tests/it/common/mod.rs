@@ -130,7 +130,7 @@ impl Body for Dense {
         }
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
+    fn dense_delassus(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         self.written.as_ref().map(|(points, answers)| vec![(&points[..], answers)])
     }
 }

@@ -26,8 +26,8 @@ fn answers_obey_the_law() {
     assert!(solved >= 195, "{solved}");
 }
 
-/// What has hardly changed since it was solved takes a few iterations of descent, not those of splitting,
-/// and obeys the law as well.
+/// What has hardly changed since it was solved takes a few iterations of descent, not those of
+/// splitting, and obeys the law as well.
 #[test]
 fn small_changes_cost_little() {
     let mut random = Random(32);

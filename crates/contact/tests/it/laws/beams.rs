@@ -28,9 +28,9 @@ struct Beam {
 const ELEMENTS: usize = 4;
 
 impl Beam {
-    /// The beam at rest under its weight, as a body with its middle for a point: deflections are its
-    /// velocities and forces its impulses, as in a step of one second. Elements with cubic deflections
-    /// give those of their nodes exactly.
+    /// The beam at rest under its weight, as a body with its middle for a point: deflections are
+    /// its velocities and forces its impulses, as in a step of one second. Elements with cubic
+    /// deflections give those of their nodes exactly.
     fn lie(&self) -> Dense {
         let h = self.length / ELEMENTS as f64;
         let size = 2 * (ELEMENTS + 1);

@@ -1,7 +1,7 @@
 //! Restitution: contact.md's tests 11 to 14 and, for rigid rods, 16.
 use crate::common::{Dense, G, Random, act, circle, contact, exact, resolve, to};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use rapunzel_contact::projection::TwoProjections;
+use rapunzel_contact::thesis::projection::TwoProjections;
 use rapunzel_contact::{
     Body, Contact, ImpactReport, Solver, Tolerance, Violation, impact, impact_in_turn,
     solve_contact,
@@ -150,8 +150,8 @@ fn impacts_never_gain_energy() {
         let after: f64 = bodies.iter().map(Dense::kinetic_energy).sum();
         let gain = after / before - 1.0;
         assert!(gain <= 1e-12, "{set}: {gain:e} {hit:?}");
-        // The energy that is told is the work of the impulses. Those that jam are a hundred times the
-        // momenta, and their work is the difference of terms as large as their squares.
+        // The energy that is told is the work of the impulses. Those that jam are a hundred times
+        // the momenta, and their work is the difference of terms as large as their squares.
         let squares: f64 = hit.impulses.iter().map(Vector3::norm_squared).sum();
         let error = (after - before - hit.energy).abs();
         assert!(error < 1e-12 * before + 1e-15 * squares, "{set} {law:?}: {error:e} {hit:?}");
@@ -161,7 +161,8 @@ fn impacts_never_gain_energy() {
         worst = worst.max(gain);
     }
     println!(
-        "{sets} sets: {capped} capped, {loose} not converged, {jammed} jammed, gain at most {worst:.1e}"
+        "{sets} sets: {capped} capped, {loose} not converged, {jammed} jammed, \
+         gain at most {worst:.1e}"
     );
     assert!(200 * jammed < sets, "few jam so that it matters: {jammed}");
     assert!(capped > 0, "some would have gained energy");

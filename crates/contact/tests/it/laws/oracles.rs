@@ -1,4 +1,5 @@
-//! Every case of `e_contact.json` that needs no rod in large motion, dispatched by the start of its name.
+//! Every case of `e_contact.json` that needs no rod in large motion, dispatched by the start of its
+//! name.
 use super::{beams, rope};
 use crate::common::incline::{EndOfSlip, within};
 use crate::common::{Dense, act, along, circle, contact, exact, resolve};
@@ -8,8 +9,8 @@ use rapunzel_oracles::cases;
 use serde::Deserialize;
 use serde_json::Value;
 
-/// Whatever is not run here must be a case of the test in the crate `sim`, where there are rods: that has
-/// all that tell of a `support_axis`.
+/// Whatever is not run here must be a case of the test in the crate `sim`, where there are rods:
+/// that has all that tell of a `support_axis`.
 #[test]
 fn every_case_without_rods() {
     let (mut seen, mut elsewhere) = (0, 0);

@@ -121,8 +121,8 @@ fn ten(mu: f64) -> Pile {
     Pile::new(&centers, &touching, [mu, mu])
 }
 
-/// With a coefficient of one half statics has an equilibrium also (from 0.473, by linear programming),
-/// but it is not the only solution: the discs may roll on each other as gears do.
+/// With a coefficient of one half statics has an equilibrium also (from 0.473, by linear
+/// programming), but it is not the only solution: the discs may roll on each other as gears do.
 #[test]
 fn a_pile_at_rest_stays_for_ten_thousand_steps() {
     let mut pile = ten(1.0);

@@ -1,10 +1,11 @@
-//! Splitting and then one by one: the law, and what becomes of problems that one of them cannot solve.
+//! Splitting and then one by one: the law, and what becomes of problems that one of them cannot
+//! solve.
 use crate::common::{Dense, Random, heap, resolve, to, worst};
 use nalgebra::Vector3;
 use rapunzel_contact::{Admm, Contact, GaussSeidel, Polished, Report, Solver, Tolerance};
 
-/// Solves from no impulses, with answers that are written out; returns these and what an independent
-/// evaluation of the law finds wrong as well.
+/// Solves from no impulses, with answers that are written out; returns these and what an
+/// independent evaluation of the law finds wrong as well.
 fn solve(
     bodies: &[Dense],
     contacts: &[Contact],
@@ -42,7 +43,8 @@ fn answers_obey_the_law() {
     assert!(solved >= 190 && stalled > 0, "{solved} {stalled}");
 }
 
-/// Where one by one has led nowhere splitting goes on alone, until it is told that another problem comes.
+/// Where one by one has led nowhere splitting goes on alone, until it is told that another problem
+/// comes.
 #[test]
 fn what_leads_nowhere_is_not_tried_again_before_it_is_told() {
     let mut random = Random(41);

@@ -104,7 +104,8 @@ fn a_polygonal_capstan_slips_at_its_ratio() {
     assert!((ratio / expected - 1.0).abs() < 1e-6, "{ratio}");
 }
 
-/// So many corners are a smooth capstan: what is left of them is `mu phi^3 (1 + mu^2) / (12 n^2)`, 4e-5.
+/// So many corners are a smooth capstan: what is left of them is `mu phi^3 (1 + mu^2) / (12 n^2)`,
+/// 4e-5.
 #[test]
 fn a_smooth_capstan_slips_at_the_exponential() {
     let (mu, turn, n) = (0.3_f64, std::f64::consts::TAU, 400);

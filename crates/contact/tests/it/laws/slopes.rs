@@ -150,8 +150,8 @@ fn a_slider_is_not_lifted() {
     assert!((f64::from(steps) * DT - 6.0 / (0.5 * G)).abs() < 2.0 * DT);
 }
 
-/// 1 g on a spring of 1 N/m and a belt of 1 cm/s: it sticks until the spring draws with the friction
-/// at rest, then swings about the place where it draws with that of sliding.
+/// 1 g on a spring of 1 N/m and a belt of 1 cm/s: it sticks until the spring draws with the
+/// friction at rest, then swings about the place where it draws with that of sliding.
 #[test]
 fn a_belt_makes_an_oscillator_stick_and_slip() {
     let (mass, stiffness, belt, dt) = (1e-3_f64, 1.0, 0.01, 1e-5);

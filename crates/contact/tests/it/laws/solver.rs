@@ -106,7 +106,7 @@ impl Body for WrittenOut {
         unreachable!("nobody asks")
     }
 
-    fn written_out(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
+    fn dense_delassus(&self) -> Option<Vec<(&[usize], &DelassusBlocks)>> {
         Some(self.0.iter().map(|(points, answers)| (&points[..], answers)).collect())
     }
 }
@@ -169,7 +169,8 @@ fn answers_side_by_side_are_those_of_their_matrix() {
     assert!(DelassusBlocks::new(&far).is_ok() && DelassusBlocks::rounded(&far).is_err());
 }
 
-/// Single precision moves points by a ten-millionth of what impulses do to them, of the order of one here.
+/// Single precision moves points by a ten-millionth of what impulses do to them, of the order of
+/// one here.
 #[test]
 fn rounded_answers_serve_as_far_as_their_digits_go() {
     let mut random = Random(29);

@@ -1,7 +1,8 @@
-//! Alg. 6 as a solver among the others: what it promises of bodies of any kind, and what it reports.
+//! Alg. 6 as a solver among the others: what it promises of bodies of any kind, and what it
+//! reports.
 use crate::common::{Dense, Random, circle, contact, exact, heap, resolve};
 use nalgebra::{DMatrix, Vector3};
-use rapunzel_contact::projection::TwoProjections;
+use rapunzel_contact::thesis::projection::TwoProjections;
 use rapunzel_contact::{Body, Contact, ContactError, Solver, Tolerance, report};
 
 const TOLERANCE: Tolerance = Tolerance { residual: 1e-9, normal: 1e-9, slip: 1e-9, iterations: 1 };
@@ -44,8 +45,8 @@ fn one_contact_of_a_particle_is_solved_exactly() {
     }
 }
 
-/// In a heap it is not the law, but what it does promise holds, and its report is what an independent
-/// evaluation finds.
+/// In a heap it is not the law, but what it does promise holds, and its report is what an
+/// independent evaluation finds.
 #[test]
 fn a_heap_is_kept_apart_within_friction_and_gains_nothing() {
     let mut random = Random(61);
@@ -87,7 +88,8 @@ fn a_heap_is_kept_apart_within_friction_and_gains_nothing() {
     assert!(solved < 200 && off > 0.1);
 }
 
-/// What slips is resisted by the corner that is nearest to straight against it: half a sector off at most.
+/// What slips is resisted by the corner that is nearest to straight against it: half a sector off
+/// at most.
 #[test]
 fn smooth_curves_are_met_at_the_nearest_corner() {
     let mut random = Random(62);

@@ -4,7 +4,7 @@ use super::chains::{G, cantilever, momenta, run, settings, shake, springs, step,
 use nalgebra::{DMatrix, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_contact::ContactError;
-use rapunzel_contact::chain::{Coupling, CylinderChain, JointMethod, Root, Settings};
+use rapunzel_contact::thesis::chain::{Coupling, CylinderChain, JointMethod, Root, Settings};
 
 #[test]
 fn a_hanging_chain_rests() {
@@ -18,8 +18,8 @@ fn a_hanging_chain_rests() {
     }
 }
 
-/// The exact frequencies of `n` hinged rods: `det(K - w^2 M) = 0` with
-/// `M_ij = m l^2 (n - 1/2 - max(i, j))`, less `m l^2 / 6` on the diagonal, `K_ii = m g l (n - 1/2 - i)`.
+/// The exact frequencies of `n` hinged rods: `det(K - w^2 M) = 0` with `M_ij = m l^2 (n - 1/2 -
+/// max(i, j))`, less `m l^2 / 6` on the diagonal, `K_ii = m g l (n - 1/2 - i)`.
 fn lowest_mode(n: usize, mass: f64, length: f64, inertia: f64) -> (f64, Vec<f64>) {
     let rest = |i: usize| n as f64 - 0.5 - i as f64;
     let ml2 = mass * length * length;
@@ -202,7 +202,8 @@ fn orientation_joints_make_a_rigid_body() {
     assert!(chain.curvatures()[0].norm() > 1.0);
 }
 
-/// A hair's segment that rolls turns about its own axis by radians in a step: the axis must not care.
+/// A hair's segment that rolls turns about its own axis by radians in a step: the axis must not
+/// care.
 #[test]
 fn a_spinning_segment_precesses_exactly() {
     let nodes = [Point3::origin(), Point3::new(0.003, 0.0, 0.0)];
@@ -232,7 +233,8 @@ fn a_spinning_segment_precesses_exactly() {
     assert!((chain.segments()[0].angular_momentum - momentum).norm() < 1e-12 * momentum.norm());
 }
 
-/// Torsion springs as stiff as a hair's and segments that spin against each other close all the same.
+/// Torsion springs as stiff as a hair's and segments that spin against each other close all the
+/// same.
 #[test]
 fn twisted_joints_close() {
     let mut chain = straight(12, 0.036, Vector3::x() + Vector3::z(), Root::Free);
@@ -328,7 +330,11 @@ fn threads_do_not_change_a_bit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 64,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
     /// Whatever moves a chain, its joints are closed after every step, free or held, and a held or
     /// a free chain's segments keep their lengths.
     #[test]

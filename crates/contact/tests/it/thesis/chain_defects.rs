@@ -2,10 +2,10 @@
 
 use super::chains::{momenta, run, settings, shake, step, straight};
 use nalgebra::{Point3, Vector3};
-use rapunzel_contact::chain::{
+use rapunzel_contact::thesis::chain::{
     ChainForm, Coupling, JointSprings, Root, Settings, collision_matrix,
 };
-use rapunzel_contact::projection::Form;
+use rapunzel_contact::thesis::projection::Form;
 
 #[test]
 fn collision_matrix_is_positive_corrected_and_singular_printed() {

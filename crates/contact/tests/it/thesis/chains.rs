@@ -2,11 +2,11 @@
 use super::common::Numbers;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::ContactError;
-use rapunzel_contact::chain::{
+use rapunzel_contact::thesis::chain::{
     self, Coupling, CylinderChain, HarmonizationReport, JointMethod, JointSprings, LastWord, Root,
     Settings,
 };
-use rapunzel_contact::projection::{Differences, Form};
+use rapunzel_contact::thesis::projection::{Differences, Form};
 
 pub(crate) const G: f64 = 9.81;
 

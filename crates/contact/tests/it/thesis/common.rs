@@ -1,7 +1,7 @@
 //! What the tests share.
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_contact::RigidBody;
-use rapunzel_contact::projection::{Partner, PolygonalCone, Touch};
+use rapunzel_contact::thesis::projection::{Partner, PolygonalCone, Touch};
 use serde_json::Value;
 
 pub(crate) fn number(case: &Value, key: &str) -> f64 {

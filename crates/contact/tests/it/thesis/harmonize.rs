@@ -1,12 +1,13 @@
 //! Alg. 7: chains in contact.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use rapunzel_contact::chain::{
+use rapunzel_contact::thesis::Response;
+use rapunzel_contact::thesis::chain::{
     Coupling, CylinderChain, JointMethod, JointSprings, LastWord, Root, SegmentContact,
     SegmentPartner, Settings, step,
 };
-use rapunzel_contact::projection::{Differences, Form, PolygonalCone};
-use rapunzel_contact::{ContactError, GaussSeidel, Response, Tolerance};
+use rapunzel_contact::thesis::projection::{Differences, Form, PolygonalCone};
+use rapunzel_contact::{ContactError, GaussSeidel, Tolerance};
 
 const RADIUS: f64 = 1e-3;
 
@@ -108,8 +109,8 @@ fn a_sliding_chain_is_braked_by_friction() {
 }
 
 /// The fault that corrections leave (see `two_projections_do_not_hold_a_high_box`): along the axis
-/// friction would press the front ends down, and is given up. A contact in the middle has it, and so has
-/// the law.
+/// friction would press the front ends down, and is given up. A contact in the middle has it, and
+/// so has the law.
 #[test]
 fn friction_along_the_axis_needs_contacts_without_a_lever() {
     let braked = |ends: bool, response: &mut dyn Response| {
@@ -248,8 +249,9 @@ fn chains_that_collide_keep_momentum_together_and_lose_it_alone() {
     assert!(alone > 1e-3, "{alone}");
 }
 
-/// A chain that falls flat leaves with its share of the velocity with which it came, whoever answers and
-/// whatever comes last; one that comes no faster than gravity makes it in two steps stays.
+/// A chain that falls flat leaves with its share of the velocity with which it came, whoever
+/// answers and whatever comes last; one that comes no faster than gravity makes it in two steps
+/// stays.
 #[test]
 fn a_chain_rebounds_by_its_restitution() {
     let after = |speed: f64, order: LastWord, response: &mut dyn Response| {
@@ -275,8 +277,9 @@ fn a_chain_rebounds_by_its_restitution() {
     }
 }
 
-/// Joints that are open and close press segments on what they lie on. Reflected, that velocity opens them again:
-/// a chain every other segment of which lies lower, as penetration is not repaired, never rests.
+/// Joints that are open and close press segments on what they lie on. Reflected, that velocity
+/// opens them again: a chain every other segment of which lies lower, as penetration is not
+/// repaired, never rests.
 #[test]
 fn joints_that_close_do_not_rebound() {
     let jumps = |rebound: Form| {

@@ -3,7 +3,7 @@
 use super::common::{floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
-use rapunzel_contact::projection::{
+use rapunzel_contact::thesis::projection::{
     Differences, Form, Partner, PolygonalCone, Touch, moreau_step, project,
 };
 use rapunzel_contact::{ContactError, RigidBody};
@@ -167,8 +167,8 @@ fn spokes() -> impl Strategy<Value = Vec<(f64, f64)>> {
 }
 
 proptest! {
-    /// Moreau's and Coulomb's law at one contact of a ball: no approach, no pull, the impulse in the
-    /// polygon, and none in it that dissipates more.
+    /// Moreau's and Coulomb's law at one contact of a ball: no approach, no pull, the impulse in
+    /// the polygon, and none in it that dissipates more.
     #[test]
     fn one_contact_obeys_the_law(
         spokes in spokes(),

@@ -3,7 +3,7 @@
 use super::common::{Numbers, floor, frictionless, particle};
 use nalgebra::{Isometry3, Point3, Vector3, Vector6};
 use rapunzel_contact::RigidBody;
-use rapunzel_contact::projection::{
+use rapunzel_contact::thesis::projection::{
     Differences, Form, Partner, PolygonalCone, Touch, moreau_step, project,
 };
 

@@ -3,7 +3,7 @@
 use super::common::{floor, number, numbers, particle, vector};
 use crate::common::incline::{EndOfSlip, within};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector2, Vector3, Vector6};
-use rapunzel_contact::projection::{Form, PolygonalCone, Touch, moreau_step, project};
+use rapunzel_contact::thesis::projection::{Form, PolygonalCone, Touch, moreau_step, project};
 use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_oracles::cases;
 use serde_json::Value;

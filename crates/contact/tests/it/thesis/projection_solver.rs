@@ -2,10 +2,11 @@
 
 use super::common::Numbers;
 use super::projection_defects::{corrected, random_touches, rods};
-use rapunzel_contact::projection::{
+use rapunzel_contact::thesis::Response;
+use rapunzel_contact::thesis::projection::{
     Differences, Form, Partner, PolygonalCone, Touch, TwoProjections,
 };
-use rapunzel_contact::{Admm, ContactError, GaussSeidel, Response, RigidBody, Tolerance};
+use rapunzel_contact::{Admm, ContactError, GaussSeidel, RigidBody, Tolerance};
 
 /// How far two answers are apart, in parts of the velocities.
 fn apart(a: &[RigidBody], b: &[RigidBody]) -> f64 {

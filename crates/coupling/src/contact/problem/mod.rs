@@ -11,7 +11,7 @@ use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
 use rapunzel_contact::{
-    Body, Contact, ContactError, LimitCurve, Polished, Report, Solver, Tolerance,
+    Body, Contact, ContactError, ContactSolver, LimitCurve, Report, Solver, Tolerance,
 };
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
@@ -261,7 +261,7 @@ impl ContactProblem {
         &mut self,
         system: &mut CoupledSystem,
         touches: &[ContactPoint],
-        solver: &mut Polished,
+        solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
         let nodes = system.fibers.linear_velocities();
@@ -300,7 +300,7 @@ impl ContactProblem {
         let points = each(&used, |i, side| point(system, &touches[i], side));
         let levers = each(&on_objects, |i, side| touches[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
-        let Tolerance { residual, normal, slip, .. } = solver.tolerance;
+        let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
         let exact = residual.min(normal).min(slip) < ROUNDING;
         let few = working.len() < MANY_WORKING;
         let groups = system.fibers.groups.par_iter_mut().zip(&points).zip(&mut self.written);

@@ -4,17 +4,17 @@ use crate::{ContactError, RigidBody};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
-/// How springs and steps meet.
+/// Time integration of the springs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coupling {
-    /// The thesis's (8.5.3): angular impulses `dt K (kappa - kappa_0)` at the start of the step.
-    /// Stable for steps shorter than about `ds^2 sqrt(rho A / EI) / 4`, and for torsion
+    /// Text of the thesis (8.5.3): angular impulses `dt K (kappa - kappa_0)` at the start of the
+    /// step. Stable for steps shorter than about `ds^2 sqrt(rho A / EI) / 4`, and for torsion
     /// `ds sqrt(rho / G)`.
     Explicit,
     /// The angular impulses are unknowns of the joint's Newton system with the curvature at the end
     /// of the step: stable for any step, with the numerical damping of implicit Euler.
     Implicit,
-    /// As [`Self::Implicit`] with infinite stiffness: the orientation joint of (8.84) to (8.88),
+    /// Angular impulses for infinite stiffness: the orientation joint of (8.84) to (8.88),
     /// by the vector `log(R*^T R_k^T R_l)`, which is zero where the axial vector of the erratum is.
     Rigid,
 }
@@ -22,11 +22,11 @@ pub enum Coupling {
 /// Bending and torsion springs of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointSprings {
-    /// `E I_1`, `E I_2`, `G J`, N m^2.
+    /// Stiffnesses `E I_1`, `E I_2`, `G J`, N m^2.
     pub stiffness: Vector3<f64>,
     /// Natural curvature of every joint, in the mean material frame, 1/m.
     pub natural: Vec<Vector3<f64>>,
-    /// How they act.
+    /// Time integration of the springs.
     pub coupling: Coupling,
 }
 

@@ -28,12 +28,12 @@ pub use solver::TwoProjections;
 pub use step::{moreau_step, project};
 pub use touch::{Partner, Touch};
 
-/// Which text to follow.
+/// Text that a computation follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// The thesis's, with its printed errors.
+    /// Text of the thesis, with its printed errors.
     AsPrinted,
-    /// Corrected by the errata.
+    /// Text as corrected by the errata.
     #[default]
     Corrected,
 }
@@ -44,8 +44,8 @@ impl Form {
     }
 }
 
-/// Where Alg. 6 can follow the print or its corrections, one by one; `Form::AsPrinted.into()` and
-/// `Form::Corrected.into()` set all together.
+/// Places where Alg. 6 can follow the print or its corrections, one by one;
+/// `Form::AsPrinted.into()` and `Form::Corrected.into()` set all together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Differences {
     /// Line 5 and (8.12). Printed: nearest in the Euclidean norm of twists. Corrected: in the
@@ -64,9 +64,9 @@ pub struct Differences {
     /// Lines 8 and (8.61), (8.62). Printed: `argmin u_f^T u+`, linear, so that the answer is on the
     /// limit curve and nothing ever sticks. Corrected: the least kinetic energy after friction.
     pub objective: Form,
-    /// The same lines. Printed: friction works against `u+`. Corrected: against the velocity after
-    /// restitution, `u_e`; the two differ where a body turns under a normal impulse, and only the
-    /// latter never gains energy.
+    /// Lines 8 and (8.61), (8.62). Printed: friction works against `u+`. Corrected: against the
+    /// velocity after restitution, `u_e`; the two differ where a body turns under a normal impulse,
+    /// and only the latter never gains energy.
     pub friction_velocity: Form,
     /// Line 9 and (8.63). Printed: half planes across the directions of the curve, another and
     /// larger set. Corrected: the polygon (8.48), `p = D w`, `w >= 0`, `e^T S^-1 w <= lambda`.

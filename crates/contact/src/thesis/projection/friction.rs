@@ -17,9 +17,9 @@ const UNCOUPLED: f64 = 1e-12;
 
 /// Lines 8 and 9 of Alg. 6: the change of the twists by the friction that dissipates most.
 ///
-/// `plus` are the twists after the normal impulses, `bouncing` those after restitution. The unknowns
-/// are the impulses `p` along the contacts' tangents, as (8.58) has it; the printed half planes on
-/// `M u` alone would leave four of a body's six directions unbounded.
+/// `plus` are the twists after the normal impulses, `bouncing` those after restitution. The
+/// unknowns are the impulses `p` along the contacts' tangents, as (8.58) has it; the printed half
+/// planes on `M u` alone would leave four of a body's six directions unbounded.
 pub(super) fn project(
     group: &ProjectionGroup<'_>,
     plus: &[Vector6<f64>],
@@ -75,24 +75,25 @@ pub(super) fn project(
 
 /// Friction of contacts that bear impulses, in their own coordinates: two unknowns for each.
 pub(super) struct Tangential<'a> {
-    /// What impulses along the tangents do along them, `D^T M^-1 D`.
+    /// Velocities along the tangents per impulse along them, `D^T M^-1 D`, 1/kg.
     pub(super) answers: DMatrix<f64>,
-    /// What they do along the normals of all contacts, `J M^-1 D`.
+    /// Velocities along the normals of all contacts per impulse along the tangents, `J M^-1 D`,
+    /// 1/kg.
     pub(super) coupling: DMatrix<f64>,
-    /// What an impulse along each normal does there.
+    /// Velocity along each normal per impulse along it, 1/kg.
     pub(super) normals: Vec<f64>,
-    /// Velocities along the tangents.
+    /// Velocities along the tangents without friction, m/s.
     pub(super) slip: DVector<f64>,
-    /// By how much each normal velocity may fall; less than zero is none.
+    /// Amount by which each normal velocity may fall, m/s; less than zero is none.
     pub(super) room: Vec<f64>,
     /// Normal impulses, and the limit curves for a unit of each.
     pub(super) limits: Vec<(f64, &'a PolygonalCone)>,
-    /// Whose half planes friction is in.
+    /// Text whose half planes bound the friction.
     pub(super) set: Form,
 }
 
 impl Tangential<'_> {
-    /// The impulses that leave the least energy.
+    /// Impulses along the tangents that leave the least energy, N s.
     pub(super) fn solve(&self) -> Result<DVector<f64>, ContactError> {
         let (a, b) = self.constraints();
         match least_energy(&self.answers, &self.slip, &a, &b) {
@@ -131,8 +132,8 @@ impl Tangential<'_> {
 
 /// `argmin 1/2 p^T h p + g^T p` such that `a p <= b` by the active set on the dual: exact to
 /// rounding, and exactly the free minimum where that is allowed. Where `h` is singular, as for two
-/// points on the axis of a segment, by proximal steps of the same kind, which converge to one of the
-/// minima at the rate [`PROXIMITY`]. `None` where they do not.
+/// points on the axis of a segment, by proximal steps of the same kind, which converge to one of
+/// the minima at the rate [`PROXIMITY`]. `None` where they do not.
 fn least_energy(
     h: &DMatrix<f64>,
     g: &DVector<f64>,
@@ -186,8 +187,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A random program of friction: `h` regular or of rank one, `p = 0` feasible, the set bounded by
-    /// a box.
+    /// A random program of friction: `h` regular or of rank one, `p = 0` feasible, the set bounded
+    /// by a box.
     fn programs() -> impl Strategy<Value = (DMatrix<f64>, DVector<f64>, DMatrix<f64>, DVector<f64>)>
     {
         (1..4_usize, 0..8_usize, any::<bool>()).prop_flat_map(|(contacts, extra, regular)| {

@@ -5,27 +5,30 @@ use crate::{Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance, 
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// The corrected Alg. 6 as a [`Solver`], for bodies of any kind: what they answer to impulses at the contacts
-/// is all that its two projections need.
+/// The corrected Alg. 6 as a [`Solver`], for bodies of any kind: what they answer to impulses at
+/// the contacts is all that its two projections need.
 ///
-/// It does one pass and then looks how good that is. Normal impulses pull nothing, let nothing approach and
-/// do not know of friction; friction is within the limits that they set and leaves the least energy. Without
-/// biases and adhesion no energy is gained. Where impulses along tangents do not move points along normals it
-/// is the law, of polygons; else it is not, and the report says how far from it. Where nothing keeps all
-/// contacts apart, the impulses that were given stay.
+/// It does one pass and then looks how good that is. Normal impulses pull nothing, let nothing
+/// approach and do not know of friction; friction is within the limits that they set and leaves the
+/// least energy. Without biases and adhesion no energy is gained. Where impulses along tangents do
+/// not move points along normals it is the law, of polygons; else it is not, and the report says
+/// how far from it. Where nothing keeps all contacts apart, the impulses that were given stay.
 ///
-/// Of [`Differences`](super::Differences) only `friction_set` can be as printed here. `metric`, `normal`,
-/// `impulse` and `objective` need inner products of twists, which no [`Body`] tells; `scope` and `restitution`
-/// change velocities as no impulses on both sides of contacts do; `force` and `gyroscopic` are the step's;
-/// `friction_velocity` is of restitution, which here is a [bias](Contact::bias), each contact its own.
+/// Only `friction_set` of [`Differences`](super::Differences) can be as printed here. `metric`,
+/// `normal`, `impulse` and `objective` need inner products of twists, which no [`Body`] tells;
+/// `scope` and `restitution` change velocities as no impulses on both sides of contacts do; `force`
+/// and `gyroscopic` are the step's; `friction_velocity` is of restitution, which here is a
+/// [bias](Contact::bias), each contact its own.
 ///
 /// Asks all bodies three times per contact; the programs are as large as those of
 /// [`project`](super::project).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoProjections {
-    /// What is to be called converged; the number of iterations does not matter.
+    /// Tolerances within which the result is called converged; the number of iterations does not
+    /// matter.
     pub tolerance: Tolerance,
-    /// Line 9 and (8.63), as in [`Differences::friction_set`](super::Differences::friction_set).
+    /// Set of frictions of line 9 and (8.63), see
+    /// [`Differences::friction_set`](super::Differences::friction_set).
     pub friction_set: Form,
     /// Corners of the inner polygon (8.48) that stands for a curve that is none, at least three.
     pub corners: usize,
@@ -58,7 +61,8 @@ impl TwoProjections {
         })
     }
 
-    /// Both projections, from the tips of the cones: `answers` of all contacts and their velocities before.
+    /// Both projections, from the tips of the cones: `answers` of all contacts and their velocities
+    /// before.
     fn project(
         &self,
         contacts: &[Contact],
@@ -137,7 +141,7 @@ impl Solver for TwoProjections {
     }
 }
 
-/// What impulses at contacts do to the relative velocities of all, each in its frame.
+/// Relative velocities of all contacts per impulse at each, 1/kg, in the contacts' frames.
 fn answers(
     bodies: &mut [&mut dyn Body],
     contacts: &[Contact],

@@ -4,17 +4,18 @@ use rayon::prelude::*;
 use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is written in one phase of a crew may be read in the next. Loads and stores that need no order
-/// cost what plain ones do.
-pub(super) struct Shared(Vec<[AtomicU64; 3]>);
+/// Vectors shared by all threads of a pool: what is written in one phase may be read in the next.
+/// Loads and stores that need no order cost what plain ones do.
+pub(super) struct SharedVectors(Vec<[AtomicU64; 3]>);
 
-impl Shared {
-    /// So many vectors, all zero, and one behind them, for what has none of them.
+impl SharedVectors {
+    /// `count` vectors, all zero, and one more that stands for absent sides and points.
     pub(super) fn zeros(count: usize) -> Self {
         let zero = || from_fn(|_| AtomicU64::new(0.0_f64.to_bits()));
         Self(rayon::iter::repeat_n((), count + 1).map(|()| zero()).collect())
     }
 
+    /// Vector number `i`.
     #[inline]
     pub(super) fn get(&self, i: usize) -> Vector3<f64> {
         let [x, y, z] = &self.0[i];
@@ -22,6 +23,7 @@ impl Shared {
         Vector3::new(number(x), number(y), number(z))
     }
 
+    /// Writes vector number `i`.
     #[inline]
     pub(super) fn set(&self, i: usize, v: &Vector3<f64>) {
         self.0[i].iter().zip(v).for_each(|(x, v)| x.store(v.to_bits(), Ordering::Relaxed));

@@ -3,7 +3,7 @@ use super::{Differences, Form, active_set, program};
 use crate::ContactError;
 use nalgebra::{DMatrix, DVector, Vector6};
 
-/// What the first projection gives.
+/// Result of the first projection.
 pub(super) struct Normal {
     /// Twists after a plastic impact, `u+`.
     pub(super) twists: Vec<Vector6<f64>>,

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 /// Alg. 6, with the coefficient of `restitution` (0 to 1).
 ///
 /// With `Differences::scope` corrected all touched bodies are one dense convex program, whose cost
-/// grows with the cube of the number of contacts and faster; as printed every body has its own, and all are solved
-/// in parallel from the velocities before.
+/// grows with the cube of the number of contacts and faster; as printed every body has its own, and
+/// all are solved in parallel from the velocities before.
 ///
 /// # Errors
 /// [`ContactError::Contact`] for contacts that make no sense, [`ContactError::Invalid`] for the
@@ -82,7 +82,8 @@ fn respond(
 /// effect.
 ///
 /// # Errors
-/// As [`project`]; [`ContactError::Length`] for loads that do not fit, and what `contacts` returns.
+/// [`ContactError`] where [`project`] fails or `contacts` does, and [`ContactError::Length`] for
+/// loads that do not fit.
 pub fn moreau_step(
     bodies: &mut [RigidBody],
     loads: &[Vector6<f64>],

@@ -11,16 +11,16 @@
 //! ```
 //!
 //! with `p`, `L` the sums of its joints' impulses, `c`, `c_L` those of its contacts and
-//! `alpha = I^-1 (l - omega x I omega)`. Momenta are the state, so that they are kept to rounding, and
-//! the corrected turn is that of a free cylinder, exact however fast it spins:
+//! `alpha = I^-1 (l - omega x I omega)`. Momenta are the state, so that they are kept to rounding,
+//! and the corrected turn is that of a free cylinder, exact however fast it spins:
 //!
 //! ```text
 //! R' = exp[dt h/I_1] R exp[dt (1/I_3 - 1/I_1) h_3 e_3],    h = I omega + L + c_L
 //! ```
 //!
-//! The scheme is a leapfrog: velocities between steps are those after the step's forces, half a step
-//! of them ahead of the mean velocity `w`. Where the errata correct the print, the corrected text is
-//! meant; see [`ChainForm`].
+//! The scheme is a leapfrog: velocities between steps are those after the step's forces, half a
+//! step of them ahead of the mean velocity `w`. Where the errata correct the print, the corrected
+//! text is meant; see [`ChainForm`].
 
 mod collision_matrix;
 mod contacts;
@@ -35,12 +35,12 @@ pub use contacts::{SegmentContact, SegmentPartner};
 pub use harmonize::{HarmonizationReport, LastWord, Settings, step};
 pub use springs::{Coupling, JointSprings};
 
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use crate::{ContactError, RigidBody};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 
-/// How a chain's joints are closed.
+/// Method by which a chain's joints are closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum JointMethod {
     /// Method I, 8.5.1: the impulses after which the joints are closed at the end of the step, by
@@ -53,11 +53,11 @@ pub enum JointMethod {
     Linearized,
 }
 
-/// Where the chain can follow the print or its corrections.
+/// Places where the chain can follow the print or its corrections.
 ///
 /// Not to be switched: the printed sum of norms (8.86), (8.89) is one equation a joint for three or
-/// six unknowns and has no derivative where it is solved, so that Newton's method does not apply; the
-/// printed collision matrix (8.96) has no inverse, see [`collision_matrix`].
+/// six unknowns and has no derivative where it is solved, so that Newton's method does not apply;
+/// the printed collision matrix (8.96) has no inverse, see [`collision_matrix`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChainForm {
     /// (8.80). Printed: `alpha = I^-1 l`. Corrected: with the gyroscopic term, in closed form.
@@ -66,19 +66,19 @@ pub struct ChainForm {
     /// equations whose root is sought, so that applying them opens the joint. Corrected: outward
     /// joints plus, inward joints minus.
     pub signs: Form,
-    /// (8.102) to (8.104) and after. Printed: the rates' difference is an angle and not a curvature,
-    /// in two frames, and the natural curvature is taken off in every step. Corrected:
+    /// (8.102) to (8.104) and after. Printed: the rates' difference is an angle and not a
+    /// curvature, in two frames, and the natural curvature is taken off in every step. Corrected:
     /// `kappa = log(R_k^T R_l) / ds`. Of effect for [`Coupling::Explicit`] alone.
     pub curvature: Form,
-    /// Alg. 7 with Alg. 6. Printed: contacts act half way, on the velocity after all forces, so that
-    /// the joints' impulses carry a segment half a step into what it lies on, in every step.
+    /// Alg. 7 with Alg. 6. Printed: contacts act half way, on the velocity after all forces, so
+    /// that the joints' impulses carry a segment half a step into what it lies on, in every step.
     /// Corrected (not in the errata): contacts act from the start of the step as the joints do, and
     /// it is the mean velocity `w` that must not close the gap.
     pub contact_time: Form,
-    /// Restitution in Alg. 7. Printed: that of Alg. 6, of the velocity that contacts find, with which the
-    /// joints' impulses also close what is open: it is reflected, and opens them further. Corrected (not in the
-    /// errata): of the velocity at the start of the step, contact by contact; with friction that has no bound
-    /// on the energy of several oblique contacts.
+    /// Restitution in Alg. 7. Printed: that of Alg. 6, of the velocity that contacts find, with
+    /// which the joints' impulses also close what is open: it is reflected, and opens them further.
+    /// Corrected (not in the errata): of the velocity at the start of the step, contact by contact;
+    /// with friction that has no bound on the energy of several oblique contacts.
     pub rebound: Form,
 }
 
@@ -88,10 +88,10 @@ impl From<Form> for ChainForm {
     }
 }
 
-/// What holds the root.
+/// Support of the root.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Root {
-    /// Nothing.
+    /// No support.
     Free,
     /// A hinge at this point (world) at the end of the next step.
     Hinged(Point3<f64>),
@@ -104,7 +104,9 @@ pub enum Root {
 /// the tip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CylinderChain {
+    /// Segments, root to tip.
     pub(crate) segments: Vec<RigidBody>,
+    /// Half the lengths of the segments, m.
     pub(crate) half_lengths: Vec<f64>,
     pub(crate) root: Root,
     pub(crate) springs: Option<JointSprings>,
@@ -162,7 +164,7 @@ impl CylinderChain {
         Ok(Self { segments, half_lengths, root, springs: None, printed_curvature })
     }
 
-    /// The same chain with `springs` in its joints.
+    /// This chain with `springs` in the joints.
     ///
     /// # Errors
     /// [`ContactError::Length`] if there is not one natural curvature per joint,
@@ -173,12 +175,12 @@ impl CylinderChain {
         Ok(self)
     }
 
-    /// The same chain with moments of inertia about the segments' axes that are `share` of those
+    /// This chain with moments of inertia about the segments' axes that are `share` of those
     /// across, in place of a cylinder's `6 r^2 / (3 r^2 + l^2)`, a thousandth for hairs.
     ///
-    /// Friction at the surface spins cylinders as thin as that by radians in a step, and springs then
-    /// find their twist torn where contacts have the last word. Torsional waves are far quicker than
-    /// steps; heavier axes slow them down and change no equilibrium.
+    /// Friction at the surface spins cylinders as thin as that by radians in a step, and springs
+    /// then find their twist torn where contacts have the last word. Torsional waves are far
+    /// quicker than steps; heavier axes slow them down and change no equilibrium.
     ///
     /// # Errors
     /// [`ContactError::Invalid`] for a share that is not positive.
@@ -200,7 +202,7 @@ impl CylinderChain {
         Ok(self)
     }
 
-    /// What holds the root.
+    /// Support of the root.
     #[must_use]
     pub fn root(&self) -> Root {
         self.root
@@ -222,7 +224,7 @@ impl CylinderChain {
         }
     }
 
-    /// Its segments, root to tip.
+    /// Segments, root to tip.
     #[must_use]
     pub fn segments(&self) -> &[RigidBody] {
         &self.segments
@@ -239,8 +241,8 @@ impl CylinderChain {
         self.segments.len() - usize::from(self.root == Root::Free)
     }
 
-    /// The two ends of segment `i` (of `segments()`, as in a slice), towards the root and towards the
-    /// tip, world, m.
+    /// The two ends of segment `i` (of `segments()`, as in a slice), towards the root and towards
+    /// the tip, world, m.
     #[must_use]
     pub fn ends(&self, i: usize) -> [Point3<f64>; 2] {
         let (segment, half) = (&self.segments[i], self.half_lengths[i]);

@@ -1,5 +1,5 @@
 use crate::RigidBody;
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use nalgebra::{Matrix3, Matrix6, Point3};
 use rapunzel_fiber::so3::hat;
 
@@ -8,9 +8,9 @@ use rapunzel_fiber::so3::hat;
 /// upper left block is the K of method II and of Newton's Jacobian (8.98).
 ///
 /// As printed the angular velocity is projected on the lever, (8.92), and its lower right block has
-/// rank two at most, one for collinear segments: the matrix has no inverse. (The angular velocity of
-/// a rigid body is the same at all of its points.) The sign of `r~ I^-1 L` in (8.94) is as printed
-/// as well.
+/// rank two at most, one for collinear segments: the matrix has no inverse. (The angular velocity
+/// of a rigid body is the same at all of its points.) The sign of `r~ I^-1 L` in (8.94) is as
+/// printed as well.
 #[must_use]
 pub fn collision_matrix(
     first: &RigidBody,

@@ -97,7 +97,7 @@ impl<'a> Joints<'a> {
         }
     }
 
-    /// What positions of this size can be met to, m.
+    /// Gap of a joint that is rounding for positions of the size of these, m.
     fn rounding(&self) -> f64 {
         let reach = self.links.iter().map(|link| link.center.amax()).fold(0.0, f64::max);
         let length: f64 = self.chain.half_lengths.iter().sum();

@@ -2,7 +2,7 @@ use super::PolygonalCone;
 use crate::{ContactError, RigidBody};
 use nalgebra::{Point3, Vector3};
 
-/// What a body touches.
+/// Other side of a contact of a rigid body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Partner {
     /// Something whose motion is given: its velocity at the point, world, m/s.
@@ -16,9 +16,9 @@ pub enum Partner {
 pub struct Touch {
     /// Index of the body that is touched.
     pub body: usize,
-    /// What touches it.
+    /// Other side of the contact.
     pub partner: Partner,
-    /// Where, world, m.
+    /// Point of the contact, world, m.
     pub point: Point3<f64>,
     /// Unit normal, world, from the partner to the body.
     pub normal: Vector3<f64>,

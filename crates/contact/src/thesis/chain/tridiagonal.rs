@@ -38,7 +38,9 @@ mod tests {
     proptest! {
         #[test]
         fn the_solution_solves(numbers in prop::collection::vec(-1.0..1.0_f64, 5 * 30)) {
-            let block = |k: usize| SMatrix::<f64, 3, 3>::from_column_slice(&numbers[k * 9..k * 9 + 9]);
+            let block = |k: usize| {
+                SMatrix::<f64, 3, 3>::from_column_slice(&numbers[k * 9..k * 9 + 9])
+            };
             let (blocks, rows) = (15, 5);
             prop_assume!(numbers.len() >= blocks * 9 + rows * 3);
             let system = Tridiagonal {

@@ -1,16 +1,18 @@
-use crate::projection::{Differences, Partner, Touch, project};
 use crate::solver::on_points;
+use crate::thesis::projection::{Differences, Partner, Touch, project};
 use crate::{Body, Contact, ContactError, Report, RigidBody, RigidPoints, Solver, impact};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// How rigid bodies answer what touches them: by any [`Solver`], with the restitution of [`impact`], or by
-/// Alg. 6, as printed and corrected, which changes twists and is for rigid bodies alone.
+/// Method by which rigid bodies answer what touches them: any [`Solver`], with the restitution of
+/// [`impact`], or Alg. 6, as printed and corrected, which changes twists and is for rigid bodies
+/// alone.
 pub trait Response {
-    /// Replaces the velocities of `bodies` by those after the impacts `touches`, with one coefficient of
-    /// `restitution`, 0 to 1. Tells how well the law of contacts is obeyed where that is known.
+    /// Replaces the velocities of `bodies` by those after the impacts `touches`, with one
+    /// coefficient of `restitution`, 0 to 1. Tells how well the law of contacts is obeyed where
+    /// that is known.
     ///
     /// # Errors
-    /// As [`impact`] or [`project`]. The bodies are then as before.
+    /// [`ContactError`] where [`impact`] or [`project`] fails. The bodies are then as before.
     fn collide(
         &mut self,
         bodies: &mut [RigidBody],
@@ -19,9 +21,10 @@ pub trait Response {
     ) -> Result<Option<Report>, ContactError>;
 }
 
-/// As [`project`]: with `scope` corrected all contacts are one dense program, for a few hundred at most; as
-/// printed each body has its own, in parallel: the partners of a contact feel different impulses, and where a
-/// body is squeezed between others what it must not do may leave nothing, [`ContactError::Program`].
+/// Alg. 6, by [`project`]: with `scope` corrected all contacts are one dense program, for a few
+/// hundred at most; as printed each body has its own, in parallel: the partners of a contact feel
+/// different impulses, and where a body is squeezed between others what it must not do may leave
+/// nothing, [`ContactError::Program`].
 impl Response for Differences {
     fn collide(
         &mut self,
@@ -92,6 +95,7 @@ impl<S: Solver> Response for S {
     }
 }
 
+/// Contact of a touch, as a solver takes it, between the points `first` and `second`.
 fn contact(
     index: usize,
     touch: &Touch,

@@ -1,181 +1,114 @@
 //! As many contacts at once as a register holds.
 //!
-//! A projection onto a circle or its cone is a root, a quotient and a choice; one after another these wait
-//! for each other. Other curves are projected onto one by one.
+//! A projection onto a circle or its cone is a root, a quotient and a choice; one after another
+//! these wait for each other. Other curves are projected onto one by one.
 
-use super::shared::Shared;
-use crate::{Contact, LimitCurve};
+use super::contact_group::{ContactGroup, ContactNumbers, SideIndices};
+use super::shared_vectors::SharedVectors;
+use crate::{Contact, VectorLanes};
 use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::{LANES, Lane};
 use std::array::from_fn;
 use std::ops::Range;
 
-type Numbers = [f64; LANES];
+/// A vector of each contact of a register, by component.
+pub(super) type RegisterVectors<S> = [Lane<S>; 3];
 
-/// A vector of each contact of a group, by component.
-pub(super) type Eight = [Numbers; 3];
-
-/// Those of a register.
-pub(super) type Vectors<S> = [Lane<S>; 3];
-
-/// What it takes to solve eight contacts. Lanes that are left are of contacts that bear nothing and stay so.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-pub(super) struct Group {
-    /// Normals and first tangents, by component. To find the second anew is less than to read it.
-    axes: [Eight; 2],
-    /// Relative velocities, bias included, and impulses that were given, in the frames.
-    velocities: Eight,
-    pub(super) impulses: Eight,
-    /// Answers to their own impulses in the metric, 1/kg.
-    responses: Numbers,
-    /// Of what is wrong with velocities in reports, kg.
-    weights: Numbers,
-    pub(super) points: Places,
-    pub(super) sides: Places,
-    /// Coefficients of friction, if for all of them they are the same in all directions.
-    circles: Option<Numbers>,
-    /// Adhesion and compliance, if any has some.
-    soft: Option<Box<[Numbers; 2]>>,
-}
-
-/// Where something of the first side of each contact is, and of the second.
-pub(super) type Places = [[u32; LANES]; 2];
-
-impl Group {
-    /// At most eight contacts with the relative velocities of their sides, m/s, world, and impulses, N s, in their
-    /// frames, that were given; responses, 1/kg, and weights, kg.
-    pub(super) fn new(
-        contacts: &[Contact],
-        velocities: impl Iterator<Item = Vector3<f64>>,
-        impulses: &[Vector3<f64>],
-        responses: impl Iterator<Item = f64>,
-        weights: impl Iterator<Item = f64>,
-        [points, sides]: [Places; 2],
-    ) -> Self {
-        let mut group = Self {
-            axes: Default::default(),
-            velocities: Default::default(),
-            impulses: Default::default(),
-            soft: None,
-            responses: [1.0; LANES],
-            weights: [1.0; LANES],
-            circles: Some(Default::default()),
-            points,
-            sides,
-        };
-        let given = velocities.zip(impulses);
-        let own = responses.zip(weights);
-        for (lane, ((contact, given), own)) in contacts.iter().zip(given).zip(own).enumerate() {
-            let velocity = contact.frame.tr_mul(&given.0) + contact.bias;
-            for k in 0..3 {
-                for i in 0..2 {
-                    group.axes[i][k][lane] = contact.frame[(k, i)];
-                }
-                (group.velocities[k][lane], group.impulses[k][lane]) = (velocity[k], given.1[k]);
-            }
-            if contact.adhesion != 0.0 || contact.compliance != 0.0 {
-                let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
-                (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
-            }
-            (group.responses[lane], group.weights[lane]) = own;
-            match (&mut group.circles, &contact.friction) {
-                (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
-                (circles, _) => *circles = None,
-            }
-        }
-        group
-    }
-}
-
-/// Those of a group that share a register.
+/// Contacts of a group that share a register.
 #[derive(Clone, Copy)]
-pub(super) struct Wide<'a, S: Simd> {
+pub(super) struct ContactLanes<'a, S: Simd> {
     simd: S,
-    pub(super) group: &'a Group,
+    pub(super) group: &'a ContactGroup,
     contacts: &'a [Contact],
-    /// Which group, and which register of it.
-    pub(super) number: usize,
+    /// Index of the group.
+    pub(super) group_index: usize,
+    /// Index of the register in the group.
     register: usize,
-    /// The first, and how many there are.
+    /// Index of the first contact, and number of contacts.
     first: usize,
     count: usize,
 }
 
-impl<'a, S: Simd> Wide<'a, S> {
-    /// How many registers so many contacts fill.
+impl<'a, S: Simd> ContactLanes<'a, S> {
+    /// Number of registers that a number of contacts fills.
     #[inline(always)]
     pub(super) fn registers(contacts: usize) -> usize {
         contacts.div_ceil(S::F64_LANES)
     }
 
-    /// Those of some contacts and their groups that share this register of all.
+    /// Contacts of register number `register` among all of the `groups`.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
-        groups: &'a [Group],
+        groups: &'a [ContactGroup],
         contacts: &'a [Contact],
         register: usize,
     ) -> Self {
         let in_group = LANES / S::F64_LANES;
-        let (number, first) = (register / in_group, register * S::F64_LANES);
-        let (group, register) = (&groups[number], register % in_group);
+        let (group_index, first) = (register / in_group, register * S::F64_LANES);
+        let (group, register) = (&groups[group_index], register % in_group);
         let count = (contacts.len() - first).min(S::F64_LANES);
-        Self { simd, group, contacts, number, register, first, count }
+        Self { simd, group, contacts, group_index, register, first, count }
     }
 
-    /// Which contacts these are.
+    /// Indices of the contacts.
     #[inline(always)]
     pub(super) fn range(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
 
+    /// ContactNumbers of this register, from those of the whole group.
     #[inline(always)]
-    fn lane(&self, numbers: &Numbers) -> Lane<S> {
+    fn lane(&self, numbers: &ContactNumbers) -> Lane<S> {
         Lane::load(self.simd, numbers, self.register)
     }
 
+    /// One number for all contacts.
     #[inline(always)]
     pub(super) fn splat(&self, x: f64) -> Lane<S> {
         Lane::splat(self.simd, x)
     }
 
+    /// Tensile impulses that the contacts can bear, N s.
     #[inline(always)]
     pub(super) fn adhesion(&self) -> Lane<S> {
         self.group.soft.as_ref().map_or(self.splat(0.0), |soft| self.lane(&soft[0]))
     }
 
+    /// Compliances, 1/kg.
     #[inline(always)]
     pub(super) fn compliance(&self) -> Lane<S> {
         self.group.soft.as_ref().map_or(self.splat(0.0), |soft| self.lane(&soft[1]))
     }
 
+    /// Masses with which reports compare errors of velocities and of impulses, kg.
     #[inline(always)]
     pub(super) fn weights(&self) -> Lane<S> {
         self.lane(&self.group.weights)
     }
 
+    /// Answers of the relative velocities to the contacts' own impulses in the metric, 1/kg.
     #[inline(always)]
     pub(super) fn responses(&self) -> Lane<S> {
         self.lane(&self.group.responses)
     }
 
-    /// Those of this register.
+    /// RegisterVectors of this register, from those of the whole group.
     #[inline(always)]
-    pub(super) fn load(&self, [x, y, z]: &Eight) -> Vectors<S> {
+    pub(super) fn load(&self, [x, y, z]: &VectorLanes<f64>) -> RegisterVectors<S> {
         [self.lane(x), self.lane(y), self.lane(z)]
     }
 
     /// Puts vectors where [`Self::load`] finds them.
     #[inline(always)]
-    pub(super) fn store(&self, vectors: Vectors<S>, into: &mut Eight) {
+    pub(super) fn store(&self, vectors: RegisterVectors<S>, into: &mut VectorLanes<f64>) {
         vectors.into_iter().zip(into).for_each(|(x, into)| x.store(into, self.register));
     }
 
-    /// Vectors one after another, side by side.
+    /// Lanes of vectors that lie one after another.
     #[inline(always)]
-    fn pack(&self, vectors: &[Vector3<f64>; LANES]) -> Vectors<S> {
+    fn pack(&self, vectors: &[Vector3<f64>; LANES]) -> RegisterVectors<S> {
         let mut numbers = [[0.0; LANES]; 3];
         for (lane, vector) in vectors.iter().take(S::F64_LANES).enumerate() {
             for k in 0..3 {
@@ -186,9 +119,9 @@ impl<'a, S: Simd> Wide<'a, S> {
         [Lane::load(self.simd, x, 0), Lane::load(self.simd, y, 0), Lane::load(self.simd, z, 0)]
     }
 
-    /// Vectors side by side, one after another.
+    /// RegisterVectors one after another, from their lanes.
     #[inline(always)]
-    pub(super) fn unpack(&self, vectors: Vectors<S>) -> [Vector3<f64>; LANES] {
+    pub(super) fn unpack(&self, vectors: RegisterVectors<S>) -> [Vector3<f64>; LANES] {
         let mut numbers = [[0.0; LANES]; 3];
         for k in 0..3 {
             vectors[k].store(&mut numbers[k], 0);
@@ -197,19 +130,24 @@ impl<'a, S: Simd> Wide<'a, S> {
         from_fn(|lane| Vector3::new(x[lane], y[lane], z[lane]))
     }
 
-    /// The impulses that were given.
+    /// Impulses that were given, N s, in the frames.
     #[inline(always)]
-    pub(super) fn given(&self) -> Vectors<S> {
+    pub(super) fn given_impulses(&self) -> RegisterVectors<S> {
         self.load(&self.group.impulses)
     }
 
-    /// The relative velocities, bias included, where those at the places have changed so from what was given.
+    /// Relative velocities in the frames, bias included, m/s, after these changes, m/s, world, from
+    /// the given velocities at the sides or points of the `indices`.
     #[inline(always)]
-    pub(super) fn relative(&self, changes: &Shared, places: &Places) -> Vectors<S> {
+    pub(super) fn relative_velocities(
+        &self,
+        changes: &SharedVectors,
+        indices: &SideIndices,
+    ) -> RegisterVectors<S> {
         let from = self.register * S::F64_LANES;
         let mut between = [Vector3::zeros(); LANES];
         for lane in 0..S::F64_LANES {
-            let [first, second] = [places[0][from + lane], places[1][from + lane]];
+            let [first, second] = [indices[0][from + lane], indices[1][from + lane]];
             between[lane] = changes.get(first as usize) - changes.get(second as usize);
         }
         let [x, y, z] = self.pack(&between);
@@ -221,16 +159,16 @@ impl<'a, S: Simd> Wide<'a, S> {
         relative
     }
 
-    /// Normals and both tangents.
+    /// Normals and both tangents, world.
     #[inline(always)]
-    fn frame(&self) -> [Vectors<S>; 3] {
+    fn frame(&self) -> [RegisterVectors<S>; 3] {
         let [[a, b, c], [x, y, z]] = [0, 1].map(|axis| self.load(&self.group.axes[axis]));
         [[a, b, c], [x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
     }
 
-    /// Out of the frames.
+    /// RegisterVectors in the world frame, from those in the contacts' frames.
     #[inline(always)]
-    pub(super) fn world(&self, [n, s, t]: Vectors<S>) -> Vectors<S> {
+    pub(super) fn to_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
         let [a, b, c] = self.frame();
         let mut world = [self.splat(0.0); 3];
         for k in 0..3 {
@@ -239,7 +177,8 @@ impl<'a, S: Simd> Wide<'a, S> {
         world
     }
 
-    /// [`LimitCurve::dissipation`].
+    /// Power per normal force that friction takes out of slips, m/s, as
+    /// [`crate::LimitCurve::dissipation`].
     #[inline(always)]
     pub(super) fn dissipation(&self, [s, t]: [Lane<S>; 2]) -> Lane<S> {
         if let Some(circles) = &self.group.circles {
@@ -253,10 +192,12 @@ impl<'a, S: Simd> Wide<'a, S> {
         power
     }
 
-    /// [`LimitCurve::project`].
+    /// Friction within the curves scaled by `scale` nearest to another, as
+    /// [`crate::LimitCurve::project`].
     #[inline(always)]
     pub(super) fn project(&self, [s, t]: [Lane<S>; 2], scale: Lane<S>) -> [Lane<S>; 2] {
         if let Some(circles) = &self.group.circles {
+            // The disc: inside stays, outside shrinks onto the circle, without a load all is zero.
             let (zero, one) = (self.splat(0.0), self.splat(1.0));
             let (radius, size) = (self.lane(circles) * scale, norm([s, t]));
             let share = size.less_or_equal(radius).select(one, radius / size);
@@ -272,11 +213,13 @@ impl<'a, S: Simd> Wide<'a, S> {
         [s, t]
     }
 
-    /// [`LimitCurve::project_cone`].
+    /// Impulses within the cones nearest to others, as [`crate::LimitCurve::project_cone`].
     #[inline(always)]
-    pub(super) fn project_cone(&self, [n, s, t]: Vectors<S>) -> Vectors<S> {
+    pub(super) fn project_cone(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
         if let Some(circles) = &self.group.circles {
             let (zero, one, mu) = (self.splat(0.0), self.splat(1.0), self.lane(circles));
+            // Coulomb's cone: inside stays, the polar cone goes to the tip, the rest onto the
+            // border.
             let size = norm([s, t]);
             let (inside, outer) = (mu * n, n + mu * size);
             let normal = outer / (one + mu * mu);
@@ -296,6 +239,7 @@ impl<'a, S: Simd> Wide<'a, S> {
     }
 }
 
+/// Norms of tangential vectors.
 #[inline(always)]
 pub(super) fn norm<S: Simd>([s, t]: [Lane<S>; 2]) -> Lane<S> {
     (s * s + t * t).sqrt()
@@ -304,32 +248,32 @@ pub(super) fn norm<S: Simd>([s, t]: [Lane<S>; 2]) -> Lane<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Polygon;
+    use crate::{LimitCurve, Polygon};
     use proptest::prelude::*;
     use pulp::{Arch, Scalar, WithSimd};
     use std::iter::repeat;
 
-    /// What eight vectors become: projected onto cones, onto curves as large as the first number, and what
-    /// is dissipated.
-    struct All<'a>(&'a [Group], &'a [Contact], &'a [Vector3<f64>]);
+    /// All projections of vectors: onto cones, onto curves scaled by the first component, and the
+    /// dissipation.
+    struct ProjectAll<'a>(&'a [ContactGroup], &'a [Contact], &'a [Vector3<f64>]);
 
-    impl WithSimd for All<'_> {
+    impl WithSimd for ProjectAll<'_> {
         type Output = [Vec<Vector3<f64>>; 2];
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let Self(groups, contacts, q) = self;
             let mut found = [q.to_vec(), q.to_vec()];
-            for register in 0..Wide::<S>::registers(contacts.len()) {
-                let wide = Wide::new(simd, groups, contacts, register);
-                let own = &q[wide.range()];
-                let [n, s, t] = wide.pack(&from_fn(|i| own.get(i).copied().unwrap_or_default()));
-                let cone = wide.unpack(wide.project_cone([n, s, t]));
-                let power = wide.dissipation([s, t]);
-                let [s, t] = wide.project([s, t], n);
-                let others = wide.unpack([power, s, t]);
+            for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+                let lanes = ContactLanes::new(simd, groups, contacts, register);
+                let own = &q[lanes.range()];
+                let [n, s, t] = lanes.pack(&from_fn(|i| own.get(i).copied().unwrap_or_default()));
+                let cone = lanes.unpack(lanes.project_cone([n, s, t]));
+                let power = lanes.dissipation([s, t]);
+                let [s, t] = lanes.project([s, t], n);
+                let others = lanes.unpack([power, s, t]);
                 for (found, all) in found.iter_mut().zip([cone, others]) {
-                    found[wide.range()].copy_from_slice(&all[..own.len()]);
+                    found[lanes.range()].copy_from_slice(&all[..own.len()]);
                 }
             }
             found
@@ -356,7 +300,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the curves, and one by one or in registers, contacts are projected as each would be.
+        /// Whatever the curves, and one by one or in registers, contacts are projected as each
+        /// would be.
         #[test]
         fn contacts_side_by_side_are_projected_as_each_is(
             all in prop::collection::vec((curve(), vector()), 1..20),
@@ -378,12 +323,12 @@ mod tests {
                     let zeros = repeat(Vector3::zeros());
                     let given = [Vector3::zeros(); LANES];
                     let ones = repeat(1.0);
-                    Group::new(some, zeros, &given, ones.clone(), ones, Default::default())
+                    ContactGroup::new(some, zeros, &given, ones.clone(), ones, Default::default())
                 })
                 .collect();
             let both = [
-                Arch::new().dispatch(All(&groups, &contacts, &q)),
-                Scalar::new().vectorize(All(&groups, &contacts, &q)),
+                Arch::new().dispatch(ProjectAll(&groups, &contacts, &q)),
+                Scalar::new().vectorize(ProjectAll(&groups, &contacts, &q)),
             ];
             for [cones, others] in both {
                 for (i, (curve, q)) in all.iter().enumerate() {

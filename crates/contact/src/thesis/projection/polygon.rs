@@ -67,7 +67,7 @@ impl PolygonalCone {
     /// with coefficients down to `mu cos(pi / count)` between the directions.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// [`ContactError::Invalid`] where [`Self::new`] refuses.
     pub fn regular(mu: f64, count: usize) -> Result<Self, ContactError> {
         let spokes: Vec<_> = (0..count).map(|i| (2.0 * PI * i as f64 / count as f64, mu)).collect();
         Self::new(&spokes)

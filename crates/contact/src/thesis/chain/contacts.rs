@@ -1,54 +1,56 @@
 use super::CylinderChain;
-use crate::projection::{Partner, PolygonalCone, Touch};
 use crate::rigid::{angular, linear, stack};
-use crate::{ContactError, Report, Response, RigidBody};
+use crate::thesis::Response;
+use crate::thesis::projection::{Partner, PolygonalCone, Touch};
+use crate::{ContactError, Report, RigidBody};
 use nalgebra::{Point3, Vector3, Vector6};
 use std::collections::BTreeMap;
 
-/// What a segment touches.
+/// Other side of a contact of a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SegmentPartner {
     /// Something whose motion is given: its velocity at the point, world, m/s.
     Given(Vector3<f64>),
     /// Another segment.
     Segment {
-        /// Index of its chain.
+        /// Index of the other chain.
         chain: usize,
-        /// Its index there.
+        /// Index of the segment in the other chain.
         segment: usize,
     },
 }
 
 /// A contact of a chain's segment, as a collision test found it: at the chains' poses, or with
-/// [`ChainForm::contact_time`](super::ChainForm) as printed at those of [`CylinderChain::half_way`].
+/// [`ChainForm::contact_time`](super::ChainForm) as printed at those of
+/// [`CylinderChain::half_way`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentContact {
     /// Index of the chain.
     pub chain: usize,
-    /// Index of the segment there.
+    /// Index of the segment in the chain.
     pub segment: usize,
-    /// Where, world, m.
+    /// Point of the contact, world, m.
     pub point: Point3<f64>,
     /// Unit normal, world, from the partner to the segment.
     pub normal: Vector3<f64>,
     /// Gap, m. An open one may close in what is left of the step; a negative one is not repaired.
     pub gap: f64,
-    /// The other side.
+    /// Other side of the contact.
     pub partner: SegmentPartner,
     /// Limit curve, its angle zero along the segment's axis, root to tip.
     pub friction: PolygonalCone,
 }
 
-/// What its contacts do to a segment: the changes of its momenta, N s and N m s.
-pub(super) struct Change {
+/// Changes of the linear and angular momentum of a segment by its contacts, N s and N m s, world.
+pub(super) struct MomentumChange {
     pub(super) chain: usize,
     pub(super) segment: usize,
     pub(super) linear: Vector3<f64>,
     pub(super) angular: Vector3<f64>,
 }
 
-/// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act, `closing` the
-/// velocity at which a contact may close.
+/// The impacts of the touched segments: `ahead` gives a segment as it is before the contacts act,
+/// `closing` the velocity at which a contact may close.
 pub(super) fn resolve(
     chains: &[CylinderChain],
     contacts: &[SegmentContact],
@@ -56,7 +58,7 @@ pub(super) fn resolve(
     restitution: f64,
     response: &mut dyn Response,
     ahead: impl Fn(usize, usize) -> RigidBody,
-) -> Result<(Vec<Change>, Option<Report>), ContactError> {
+) -> Result<(Vec<MomentumChange>, Option<Report>), ContactError> {
     let mut touched = BTreeMap::new();
     for (index, contact) in contacts.iter().enumerate() {
         let mut touch = |chain: usize, segment: usize| {
@@ -104,13 +106,13 @@ pub(super) fn resolve(
         .zip(bodies.iter().zip(&before))
         .map(|((chain, segment), (body, before))| {
             let change = momenta(body) - before;
-            Change { chain, segment, linear: linear(&change), angular: angular(&change) }
+            MomentumChange { chain, segment, linear: linear(&change), angular: angular(&change) }
         })
         .collect();
     Ok((changes, report))
 }
 
-/// How fast the two sides of a contact part, m/s.
+/// Velocity along the normal at which the two sides of a contact part, m/s.
 pub(super) fn parting(chains: &[CylinderChain], contact: &SegmentContact) -> f64 {
     let of = |chain: usize, segment: usize| {
         let segment: &RigidBody = &chains[chain].segments[segment];

@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 const DEPENDENT: f64 = 1e-11;
 
 /// A slope below this share of the sizes that it is the sum of is rounding.
-const ROUNDING: f64 = 1e-13;
+const SLOPE_ROUNDING: f64 = 1e-13;
 
 /// `argmin 1/2 x^T G x + c^T x` over `x >= 0` for a symmetric positive semidefinite `G`, by an
 /// active set in the manner of Lawson and Hanson: variables enter by the steepest scaled descent, a
@@ -21,7 +21,7 @@ pub(super) fn minimize(g: &DMatrix<f64>, c: &DVector<f64>) -> Option<DVector<f64
     let sizes = g.abs();
     for _ in 0..10 * n + 20 {
         let slope = g * &x + c;
-        let rounding = (&sizes * x.abs() + c.abs()) * ROUNDING;
+        let rounding = (&sizes * x.abs() + c.abs()) * SLOPE_ROUNDING;
         let entering = (0..n)
             .filter(|i| !inside.contains(i) && slope[*i] < -rounding[*i])
             .map(|i| (i, scaled(i, slope[i])))
@@ -99,7 +99,7 @@ fn solve(g: &DMatrix<f64>, inside: &[usize], right: &DVector<f64>) -> Option<DVe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::projection::program;
+    use crate::thesis::projection::program;
     use proptest::prelude::*;
 
     proptest! {

@@ -2,12 +2,13 @@ use super::contacts::{SegmentContact, parting, resolve};
 use super::joints::{JointSums, Joints};
 use super::link::ChainLink;
 use super::{ChainForm, CylinderChain, JointMethod, half_way};
-use crate::projection::Form;
-use crate::{ContactError, Report, Response, RigidBody, closing};
+use crate::thesis::Response;
+use crate::thesis::projection::Form;
+use crate::{ContactError, Report, RigidBody, closing};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Which projection has the last word in Alg. 7.
+/// Order of the projections in Alg. 7.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LastWord {
     /// Joints, then contacts: contacts hold, joints open a little (the thesis's choice, 8.6.5.3).
@@ -17,50 +18,54 @@ pub enum LastWord {
     ContactsFirst,
 }
 
-/// How [`step`] works.
+/// Settings of [`step`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Length of the step, s.
     pub dt: f64,
     /// Acceleration of gravity, world, m/s^2.
     pub gravity: Vector3<f64>,
-    /// How joints are closed.
+    /// Method by which joints are closed.
     pub method: JointMethod,
-    /// Which projection comes first.
+    /// Order of the projections.
     pub order: LastWord,
-    /// How often both are done, at least 1; the thesis does 1 to 3.
+    /// Number of times that both projections are done, at least 1; the thesis does 1 to 3.
     pub harmonizations: usize,
     /// Coefficient of restitution, 0 to 1; see [`ChainForm::rebound`].
     pub restitution: f64,
-    /// The chains' text.
+    /// Text that the chains follow.
     pub form: ChainForm,
 }
 
-/// What a [`step`] did.
+/// Result of a [`step`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HarmonizationReport {
     /// Most linear solves that a chain's joints needed at once.
     pub iterations: usize,
     /// Widest gap of a joint after the step, m.
     pub widest_gap: f64,
-    /// How well contacts were solved the last time; nothing where that is not known.
+    /// Report of the last solution of the contacts; `None` where there is none.
     pub contacts: Option<Report>,
 }
 
-/// What acts on one chain in a step.
-struct Acting {
+/// Impulses on the segments of one chain in a step.
+struct ChainImpulses {
+    /// Angular impulses of the springs, by segment, N m s, world.
     springs: Vec<Vector3<f64>>,
+    /// Impulses of the joints, by segment.
     joints: JointSums,
+    /// Impulses of the contacts, by segment.
     contacts: JointSums,
 }
 
-/// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by `response`.
-/// Parallel over the chains, and over the touched segments where these are projected by themselves; the
-/// result does not depend on the number of threads. Costs O(segments) but for the contacts.
+/// One step of all `chains`: Alg. 7 with the contacts given, which the segments answer by
+/// `response`. Parallel over the chains, and over the touched segments where these are projected by
+/// themselves; the result does not depend on the number of threads. Costs O(segments) but for the
+/// contacts.
 ///
 /// # Errors
 /// [`ContactError::Joint`] where a chain's joints cannot be closed (turns of a radian and more in a
-/// step), [`ContactError::Invalid`] for the step's length and the restitution, and as
+/// step), [`ContactError::Invalid`] for the step's length and the restitution, and the errors of
 /// [`Response::collide`]. The chains are then as before.
 pub fn step(
     chains: &mut [CylinderChain],
@@ -77,12 +82,12 @@ pub fn step(
         let (why, value) = ("must be between 0 and 1", settings.restitution);
         return Err(ContactError::Invalid { what: "restitution", value, why });
     }
-    let mut acting: Vec<Acting> = chains
+    let mut acting: Vec<ChainImpulses> = chains
         .iter()
         .map(|chain| {
             let none = vec![[Vector3::zeros(); 2]; chain.segments.len()];
             let springs = chain.spring_impulses(dt, &settings.form);
-            Acting { springs, joints: none.clone(), contacts: none }
+            ChainImpulses { springs, joints: none.clone(), contacts: none }
         })
         .collect();
     let (mut iterations, mut report) = (0, None);
@@ -107,7 +112,7 @@ pub fn step(
     Ok(HarmonizationReport { iterations, widest_gap, contacts: report })
 }
 
-fn links(chain: &CylinderChain, acting: &Acting, settings: &Settings) -> Vec<ChainLink> {
+fn links(chain: &CylinderChain, acting: &ChainImpulses, settings: &Settings) -> Vec<ChainLink> {
     let link = |(i, segment): (usize, &RigidBody)| {
         let force = segment.mass() * settings.gravity;
         let (half, springs) = (chain.half_lengths[i], &acting.springs[i]);
@@ -119,7 +124,7 @@ fn links(chain: &CylinderChain, acting: &Acting, settings: &Settings) -> Vec<Cha
 
 fn close_joints(
     chains: &[CylinderChain],
-    acting: &mut [Acting],
+    acting: &mut [ChainImpulses],
     settings: &Settings,
 ) -> Result<usize, ContactError> {
     let counts: Vec<usize> = chains
@@ -139,7 +144,7 @@ fn close_joints(
 
 fn meet_contacts(
     chains: &[CylinderChain],
-    acting: &mut [Acting],
+    acting: &mut [ChainImpulses],
     contacts: &[SegmentContact],
     settings: &Settings,
     response: &mut dyn Response,
@@ -157,7 +162,7 @@ fn meet_contacts(
     };
     let time = if whole { dt } else { 0.5 * dt };
     let fall = settings.gravity.norm() * dt;
-    // Of the velocity at the start, and of that which the response finds.
+    // Restitution of the velocity at the start, and of the velocity that the response finds.
     let [first, found] = match form.rebound {
         Form::Corrected => [settings.restitution, 0.0],
         Form::AsPrinted => [0.0, settings.restitution],
@@ -172,7 +177,7 @@ fn meet_contacts(
     Ok(report)
 }
 
-fn integrate(chain: &mut CylinderChain, acting: &Acting, settings: &Settings) {
+fn integrate(chain: &mut CylinderChain, acting: &ChainImpulses, settings: &Settings) {
     let links = links(chain, acting, settings);
     let printed = !settings.form.curvature.is_corrected();
     let before = printed.then(|| chain.segments.clone());

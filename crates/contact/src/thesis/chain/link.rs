@@ -1,6 +1,6 @@
 use super::{ChainForm, CylinderChain, Root};
 use crate::RigidBody;
-use crate::projection::Form;
+use crate::thesis::projection::Form;
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, Vector3};
 use rapunzel_fiber::so3::{self, hat};
 
@@ -9,7 +9,8 @@ use rapunzel_fiber::so3::{self, hat};
 pub(super) struct ChainLink {
     dt: f64,
     pub(super) mass: f64,
-    /// The turn's rate per angular impulse, and the rate of the spin about the axis that is beside it.
+    /// The turn's rate per angular impulse, and the rate of the spin about the axis that is beside
+    /// it.
     inverse_inertia: Matrix3<f64>,
     spin_rate: f64,
     /// From the center to the end towards the tip at the start of the step.
@@ -23,7 +24,8 @@ pub(super) struct ChainLink {
     pub(super) center: Vector3<f64>,
     pub(super) frame: Rotation3<f64>,
     pub(super) arm: Vector3<f64>,
-    /// The turn at the end of the step per angular impulse: `dt J_l(phi) I^-1`, and the spin's part.
+    /// The turn at the end of the step per angular impulse: `dt J_l(phi) I^-1`, and the spin's
+    /// part.
     turn: Matrix3<f64>,
 }
 
@@ -75,15 +77,16 @@ impl ChainLink {
         self.turn += (self.dt * self.spin_rate * new) * axis.transpose();
     }
 
-    /// As [`Self::turn`] and the arm at the start of the step: the linearization of method II.
+    /// Sets `turn` and the arm to their values at the start of the step: the linearization of
+    /// method II.
     pub(super) fn linearize(&mut self) {
         self.arm = self.lever;
         let axis = self.rotation.matrix().column(2);
         self.turn = (self.inverse_inertia + (self.spin_rate * axis) * axis.transpose()) * self.dt;
     }
 
-    /// The rotation vector of the step under `angular`, and the angle about the segment's own axis that
-    /// comes before it.
+    /// The rotation vector of the step under `angular`, and the angle about the segment's own axis
+    /// that comes before it.
     pub(super) fn step_turn(&self, angular: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let turn = self.free_turn + self.dt * (self.inverse_inertia * angular);
         let along = self.rotation.matrix().column(2).dot(angular);
@@ -95,9 +98,9 @@ impl ChainLink {
         self.center + side * self.arm
     }
 
-    /// How the impulse at the joint at `from` changes the constraint of the joint at `at`; `bend` is
-    /// the derivative of the relative rotation vector. Sides are +1 (tip) and -1 (root), and these
-    /// are also the signs with which the segment enters either.
+    /// Derivative by the impulse at the joint at `from` of the constraint of the joint at `at`;
+    /// `bend` is the derivative of the relative rotation vector. Sides are +1 (tip) and -1 (root),
+    /// and these are also the signs with which the segment enters either.
     pub(super) fn couple<const D: usize>(
         &self,
         at: f64,
@@ -121,9 +124,9 @@ impl ChainLink {
 
 /// The rate of turning per angular momentum, and the rate of the spin about the axis beside it.
 ///
-/// Corrected: a free cylinder turns about its momentum with `L / I_1` and spins in its own frame with
-/// `(1/I_3 - 1/I_1) L_3`, both constant, however fast. The axial moment of a hair's segment is a
-/// thousandth of the other; friction that rolls it spins it by radians in a step, and a turn by
+/// Corrected: a free cylinder turns about its momentum with `L / I_1` and spins in its own frame
+/// with `(1/I_3 - 1/I_1) L_3`, both constant, however fast. The axial moment of a hair's segment is
+/// a thousandth of the other; friction that rolls it spins it by radians in a step, and a turn by
 /// `I^-1 L` as a whole would drag the axis along.
 fn inverse_inertia(segment: &RigidBody, form: &ChainForm) -> (Matrix3<f64>, f64) {
     let inverse = segment.inverse_inertia();
@@ -139,7 +142,7 @@ fn inverse_inertia(segment: &RigidBody, form: &ChainForm) -> (Matrix3<f64>, f64)
     }
 }
 
-/// Where the root is held, and in which frame.
+/// Point at which the root is held, world, m, and the frame in which it is clamped.
 pub(super) fn wall(chain: &CylinderChain) -> Option<(Point3<f64>, Option<Rotation3<f64>>)> {
     match chain.root {
         Root::Free => None,

@@ -1,0 +1,82 @@
+//! Eight contacts with all that the method reads of them.
+
+use crate::{Contact, LimitCurve, VectorLanes};
+use nalgebra::Vector3;
+use rapunzel_lanes::LANES;
+
+/// A number for each contact of a group.
+pub(super) type ContactNumbers = [f64; LANES];
+
+/// Indices of what belongs to the first point of each contact of a group, and to the second.
+pub(super) type SideIndices = [[u32; LANES]; 2];
+
+/// Data of eight contacts that the method reads in every iteration. Lanes that are left are of
+/// contacts that bear nothing and stay so.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(super) struct ContactGroup {
+    /// Normals and first tangents, world. To find the second tangent anew is less than to read it.
+    pub(super) axes: [VectorLanes<f64>; 2],
+    /// Given relative velocities in the frames, bias included, m/s.
+    pub(super) velocities: VectorLanes<f64>,
+    /// Given impulses in the frames, N s.
+    pub(super) impulses: VectorLanes<f64>,
+    /// Answers of the relative velocities to the contacts' own impulses in the metric, 1/kg.
+    pub(super) responses: ContactNumbers,
+    /// Masses with which reports compare errors of velocities and of impulses, kg.
+    pub(super) weights: ContactNumbers,
+    /// Points of the contacts.
+    pub(super) points: SideIndices,
+    /// Sides of the contacts.
+    pub(super) sides: SideIndices,
+    /// Coefficients of friction, if every contact has the same in all directions.
+    pub(super) circles: Option<ContactNumbers>,
+    /// Adhesion, N s, and compliance, 1/kg, if any contact has some.
+    pub(super) soft: Option<Box<[ContactNumbers; 2]>>,
+}
+
+impl ContactGroup {
+    /// A group of at most eight contacts with their given relative `velocities`, m/s, world, and
+    /// `impulses`, N s, in their frames; `responses`, 1/kg, and `weights`, kg.
+    pub(super) fn new(
+        contacts: &[Contact],
+        velocities: impl Iterator<Item = Vector3<f64>>,
+        impulses: &[Vector3<f64>],
+        responses: impl Iterator<Item = f64>,
+        weights: impl Iterator<Item = f64>,
+        [points, sides]: [SideIndices; 2],
+    ) -> Self {
+        let mut group = Self {
+            axes: Default::default(),
+            velocities: Default::default(),
+            impulses: Default::default(),
+            soft: None,
+            responses: [1.0; LANES],
+            weights: [1.0; LANES],
+            circles: Some(Default::default()),
+            points,
+            sides,
+        };
+        let given = velocities.zip(impulses);
+        let own = responses.zip(weights);
+        for (lane, ((contact, given), own)) in contacts.iter().zip(given).zip(own).enumerate() {
+            let velocity = contact.frame.tr_mul(&given.0) + contact.bias;
+            for k in 0..3 {
+                for i in 0..2 {
+                    group.axes[i][k][lane] = contact.frame[(k, i)];
+                }
+                (group.velocities[k][lane], group.impulses[k][lane]) = (velocity[k], given.1[k]);
+            }
+            if contact.adhesion != 0.0 || contact.compliance != 0.0 {
+                let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
+                (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
+            }
+            (group.responses[lane], group.weights[lane]) = own;
+            match (&mut group.circles, &contact.friction) {
+                (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
+                (circles, _) => *circles = None,
+            }
+        }
+        group
+    }
+}

@@ -1,0 +1,311 @@
+//! Phases in which every contact does something by itself, as many at once as a register holds.
+
+use super::admm_part::AdmmPart;
+use super::admm_state::AdmmState;
+use super::anderson::AndersonUpdate;
+use super::contact_lanes::{ContactLanes, RegisterVectors, norm};
+use crate::VectorLanes;
+use crate::metric;
+use crate::residual::ResidualSums;
+use pulp::{Arch, Simd, WithSimd};
+use rapunzel_lanes::{LANES, Lane};
+
+/// Step of the descent, relative to the largest with which it does not diverge.
+const STEP_MARGIN: f64 = 0.95;
+
+/// Work that every contact of a part does by itself.
+pub(super) enum ContactKernel<'p> {
+    /// Finds the impulse that obeys the law as the metric answers it, and keeps the velocity for
+    /// which it does if these are looked at.
+    Prox { keeps_velocities: bool },
+    /// Evaluates how far the velocities that contacts want are from those that the bodies have.
+    EvalSplitting,
+    /// Evaluates how far the velocities that have been evaluated are from the law.
+    EvalResidual,
+    /// Finds where the gradient leads, back into the cone, and the `increments` of the impulses
+    /// times the roots of the responses; with `evaluates_residual` also what [`Self::EvalResidual`]
+    /// does.
+    DescentGradient { evaluates_residual: bool, increments: &'p mut Vec<f64> },
+    /// Takes the accelerated step, back into the cone; the numbers are a buffer.
+    DescentUpdate(&'p AndersonUpdate, &'p mut Vec<f64>),
+}
+
+impl ContactKernel<'_> {
+    /// Runs the kernel on all contacts of a part, in the widest registers of the machine.
+    pub(super) fn run(self, part: &mut AdmmPart, state: &AdmmState) {
+        Arch::new().dispatch(KernelOnPart { kernel: self, part, state });
+    }
+}
+
+/// A kernel with what it works on, for any kind of machine.
+struct KernelOnPart<'p, 'a, 'b> {
+    kernel: ContactKernel<'p>,
+    part: &'p mut AdmmPart<'a, 'b>,
+    state: &'p AdmmState<'p>,
+}
+
+impl WithSimd for KernelOnPart<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { kernel, part, state } = self;
+        match kernel {
+            ContactKernel::Prox { keeps_velocities } => prox(simd, part, state, keeps_velocities),
+            ContactKernel::EvalSplitting => eval_splitting(simd, part, state),
+            ContactKernel::EvalResidual => eval_residual(simd, part, state),
+            ContactKernel::DescentGradient { evaluates_residual, increments } => {
+                descent_gradient(simd, part, state, evaluates_residual, increments);
+            }
+            ContactKernel::DescentUpdate(update, buffer) => {
+                descent_update(simd, part, state, update, buffer);
+            }
+        }
+    }
+}
+
+/// The proximal step `z` of the splitting: with a response that is a multiple of the identity,
+/// normal and friction are found one after another in closed form.
+#[inline(always)]
+fn prox<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState, keeps_velocities: bool) {
+    let contacts = &state.contacts[part.contacts.clone()];
+    for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+        let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
+        let (response, adhesion) = (lanes.responses(), lanes.adhesion());
+        // The velocity without the contact's own impulse, from the state h.
+        let velocity = lanes.relative_velocities(&state.h, &lanes.group.sides);
+        let q = less(velocity, times(lanes.given_impulses(), response));
+        // Signorini's law of the normal, then Coulomb's limit of the friction that would stop the
+        // slip.
+        let answer = (response + lanes.compliance()).recip();
+        let normal = (-q[0] * answer).max(-adhesion);
+        let [s, t] = lanes.project([-q[1] * answer, -q[2] * answer], normal + adhesion);
+        let r = [normal, s, t];
+        store_impulses(&lanes, r, &mut part.impulses, state, part.contacts.start);
+        if keeps_velocities {
+            lanes.store(sum(q, times(r, response)), &mut part.wanted[lanes.group_index]);
+        }
+    }
+}
+
+/// Errors of the splitting, `v - z`, as the measures of a report.
+#[inline(always)]
+fn eval_splitting<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
+    let contacts = &state.contacts[part.contacts.clone()];
+    let mut sums = LaneSums::zero(simd);
+    for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+        let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
+        let r = lanes.load(&part.impulses[lanes.group_index]);
+        let wanted = lanes.load(&part.wanted[lanes.group_index]);
+        let v = lanes.relative_velocities(&state.velocity_changes, &lanes.group.points);
+        let (zero, weight) = (lanes.splat(0.0), lanes.weights());
+        // Where nothing holds a contact, only what closes the gap is wrong.
+        let loose = -lanes.adhesion();
+        let off = [
+            r[0].less_or_equal(loose).select(v[0].min(zero), v[0] - wanted[0]),
+            r[0].less_or_equal(loose).select(zero, v[1] - wanted[1]),
+            r[0].less_or_equal(loose).select(zero, v[2] - wanted[2]),
+        ];
+        let u = sum(v, times(r, lanes.compliance()));
+        sums.wrong = sums.wrong + squared(off) * (weight * weight);
+        sums.all = sums.all + squared(r);
+        sums.normal_error = sums.normal_error.max(off[0].abs());
+        sums.slip_error = sums.slip_error.max(slip_error(&lanes, u, r, weight));
+    }
+    part.sums = sums.reduce();
+}
+
+/// Natural map of the law and errors of velocities, as the measures of a report.
+#[inline(always)]
+fn eval_residual<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
+    let contacts = &state.contacts[part.contacts.clone()];
+    let mut sums = LaneSums::zero(simd);
+    for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+        let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
+        let r = lanes.load(&part.impulses[lanes.group_index]);
+        sums.add(&lanes, relative_velocities(&lanes, state, r), r);
+    }
+    part.sums = sums.reduce();
+}
+
+/// The image `P(r - D (u + de Saxcé's term))` of the impulses (Tasora and Anitescu 2011).
+#[inline(always)]
+fn descent_gradient<S: Simd>(
+    simd: S,
+    part: &mut AdmmPart,
+    state: &AdmmState,
+    evaluates_residual: bool,
+    increments: &mut Vec<f64>,
+) {
+    let contacts = &state.contacts[part.contacts.clone()];
+    let image = part.descent_history.image_mut();
+    let [images, increments] = [image, increments].map(|all| {
+        // Nothing is written into registers that no contact of the last group is in: they must not
+        // hold what another part has left.
+        all.clear();
+        all.resize(part.groups.len() * 3 * LANES, 0.0);
+        all.as_chunks_mut::<LANES>().0.as_chunks_mut::<3>().0
+    });
+    let mut sums = LaneSums::zero(simd);
+    for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+        let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
+        let r = lanes.load(&part.impulses[lanes.group_index]);
+        let mut u = relative_velocities(&lanes, state, r);
+        if evaluates_residual {
+            sums.add(&lanes, u, r);
+        }
+        // D is the reciprocal of half the bound of what all contacts answer together.
+        let bound = lanes.splat(metric::largest_response(state.metric_weight)) * lanes.responses();
+        let mass = (bound / lanes.splat(2.0 * STEP_MARGIN) + lanes.compliance()).recip();
+        u[0] = u[0] + lanes.dissipation([u[1], u[2]]);
+        let next = nearest_in_cone(&lanes, less(r, times(u, mass)));
+        lanes.store(next, &mut images[lanes.group_index]);
+        let increment = times(less(next, r), lanes.responses().sqrt());
+        lanes.store(increment, &mut increments[lanes.group_index]);
+    }
+    if evaluates_residual {
+        part.sums = sums.reduce();
+    }
+}
+
+/// Relative velocities that have been evaluated, m/s, in the frames, with what compliance adds.
+#[inline(always)]
+fn relative_velocities<S: Simd>(
+    lanes: &ContactLanes<S>,
+    state: &AdmmState,
+    impulse: RegisterVectors<S>,
+) -> RegisterVectors<S> {
+    let velocity = lanes.relative_velocities(&state.velocity_changes, &lanes.group.points);
+    sum(velocity, times(impulse, lanes.compliance()))
+}
+
+/// The next impulses of the descent: the accelerated ones, back into the cones.
+#[inline(always)]
+fn descent_update<S: Simd>(
+    simd: S,
+    part: &mut AdmmPart,
+    state: &AdmmState,
+    update: &AndersonUpdate,
+    buffer: &mut Vec<f64>,
+) {
+    let contacts = &state.contacts[part.contacts.clone()];
+    let next = part.descent_history.apply(update, buffer);
+    let next = next.as_chunks::<LANES>().0.as_chunks::<3>().0;
+    for register in 0..ContactLanes::<S>::registers(contacts.len()) {
+        let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
+        let r = nearest_in_cone(&lanes, lanes.load(&next[lanes.group_index]));
+        store_impulses(&lanes, r, &mut part.impulses, state, part.contacts.start);
+    }
+}
+
+/// Stores impulses, N s, in the contacts' frames, and their changes from the given ones, world. The
+/// first contact of the part is number `start`.
+#[inline(always)]
+fn store_impulses<S: Simd>(
+    lanes: &ContactLanes<S>,
+    r: RegisterVectors<S>,
+    impulses: &mut [VectorLanes<f64>],
+    state: &AdmmState,
+    start: usize,
+) {
+    lanes.store(r, &mut impulses[lanes.group_index]);
+    let changes = lanes.unpack(lanes.to_world(less(r, lanes.given_impulses())));
+    for (i, change) in lanes.range().zip(&changes) {
+        state.impulse_changes.set(start + i, change);
+    }
+}
+
+/// Impulses within the cones, whose tips are at minus the adhesion, nearest to others, N s.
+#[inline(always)]
+fn nearest_in_cone<S: Simd>(
+    lanes: &ContactLanes<S>,
+    [n, s, t]: RegisterVectors<S>,
+) -> RegisterVectors<S> {
+    let tip = lanes.adhesion();
+    let [n, s, t] = lanes.project_cone([n + tip, s, t]);
+    [n - tip, s, t]
+}
+
+/// Slips that the friction does not allow, m/s, as the slip of [`crate::Violation`].
+#[inline(always)]
+fn slip_error<S: Simd>(
+    lanes: &ContactLanes<S>,
+    u: RegisterVectors<S>,
+    impulse: RegisterVectors<S>,
+    weight: Lane<S>,
+) -> Lane<S> {
+    let zero = lanes.splat(0.0);
+    let limit = (impulse[0] + lanes.adhesion()).max(zero);
+    let [_, s, t] = less(impulse, times(u, weight));
+    let [s, t] = lanes.project([s, t], limit);
+    let along = (impulse[1] - s) * u[1] + (impulse[2] - t) * u[2];
+    along.less_or_equal(zero).select(zero, along / norm([u[1], u[2]])) / weight
+}
+
+/// Sums of vectors.
+#[inline(always)]
+fn sum<S: Simd>(a: RegisterVectors<S>, b: RegisterVectors<S>) -> RegisterVectors<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Differences of vectors.
+#[inline(always)]
+fn less<S: Simd>(a: RegisterVectors<S>, b: RegisterVectors<S>) -> RegisterVectors<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Products of vectors and numbers.
+#[inline(always)]
+fn times<S: Simd>(a: RegisterVectors<S>, b: Lane<S>) -> RegisterVectors<S> {
+    [a[0] * b, a[1] * b, a[2] * b]
+}
+
+/// Squares of the norms of vectors.
+#[inline(always)]
+fn squared<S: Simd>([x, y, z]: RegisterVectors<S>) -> Lane<S> {
+    x * x + y * y + z * z
+}
+
+/// Sums and largest values of a [`ResidualSums`], by lane.
+struct LaneSums<S: Simd> {
+    wrong: Lane<S>,
+    all: Lane<S>,
+    normal_error: Lane<S>,
+    slip_error: Lane<S>,
+}
+
+impl<S: Simd> LaneSums<S> {
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self { wrong: zero, all: zero, normal_error: zero, slip_error: zero }
+    }
+
+    /// Adds contacts with their relative velocities, m/s, and impulses, N s, in their frames, as
+    /// [`crate::Violation`] does.
+    #[inline(always)]
+    fn add(&mut self, lanes: &ContactLanes<S>, u: RegisterVectors<S>, impulse: RegisterVectors<S>) {
+        let weight = lanes.weights();
+        // From the cone's tip.
+        let r = [impulse[0] + lanes.adhesion(), impulse[1], impulse[2]];
+        let saxce = [u[0] + lanes.dissipation([u[1], u[2]]), u[1], u[2]];
+        // The natural map of the law, with de Saxcé's term along the normal.
+        let projected = lanes.project_cone(less(r, times(saxce, weight)));
+        let normal_error = u[0].min(r[0] / weight).abs();
+        self.wrong = self.wrong + squared(less(r, projected));
+        self.all = self.all + squared(r);
+        self.normal_error = self.normal_error.max(normal_error);
+        self.slip_error = self.slip_error.max(slip_error(lanes, u, impulse, weight));
+    }
+
+    /// Sums and largest values over all lanes.
+    #[inline(always)]
+    fn reduce(self) -> ResidualSums {
+        ResidualSums {
+            wrong: self.wrong.reduce_sum(),
+            all: self.all.reduce_sum(),
+            normal_error: self.normal_error.reduce_max(),
+            slip_error: self.slip_error.reduce_max(),
+        }
+    }
+}
