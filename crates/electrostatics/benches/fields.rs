@@ -6,7 +6,7 @@ mod common;
 
 use common::{charges, cube, hair};
 use criterion::{Criterion, criterion_group, criterion_main};
-use rapunzel_electrostatics::{Accuracy, ChargedFibers, Direct, Method, Multipole, Plan};
+use rapunzel_electrostatics::{Accuracy, ChargedFibers, Direct, Method, Multipole, MultipolePlan};
 use rapunzel_fiber::Layout;
 use std::hint::black_box;
 
@@ -23,7 +23,7 @@ fn points(c: &mut Criterion) {
             group.bench_function(format!("{name} 100,000 first, {tolerance:e}"), |b| {
                 b.iter(|| method.fields(black_box(&points), &charges, &points));
             });
-            let plan = Plan::new(&points, &points, accuracy).expect("valid");
+            let plan = MultipolePlan::new(&points, &points, accuracy).expect("valid");
             group.bench_function(format!("{name} 100,000 repeat, {tolerance:e}"), |b| {
                 b.iter(|| plan.fields(black_box(&charges)));
             });

@@ -1,5 +1,5 @@
-//! Times and errors: `rates uniform|hair|tress|half-head n tolerance-or-order`; the tress has n segments, the
-//! half head n hairs of 100 segments.
+//! Times and errors: `rates uniform|hair|tress|half-head n tolerance-or-order`; the tress has n
+//! segments, the half head n hairs of 100 segments.
 #![expect(clippy::print_stdout, reason = "it is what the example is for")]
 
 #[allow(dead_code, reason = "it takes what it needs")]
@@ -10,7 +10,7 @@ use common::{charges, cube, hair};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{Mesh, shapes};
 use rapunzel_electrostatics::{
-    Accuracy, ChargedFibers, Condition, ConductingSurface, ElectrostaticsError, Plan,
+    Accuracy, ChargedFibers, Condition, ConductingSurface, ElectrostaticsError, MultipolePlan,
 };
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), ElectrostaticsError> {
     };
     let charges = charges(points.len(), arguments[0] != "hair", 3);
     let start = Instant::now();
-    let plan = Plan::new(&points, &points, accuracy(value))?;
+    let plan = MultipolePlan::new(&points, &points, accuracy(value))?;
     let planned = start.elapsed().as_secs_f64();
     let (_, certificate) = plan.fields(&charges)?;
     let all = start.elapsed().as_secs_f64();
@@ -47,7 +47,8 @@ fn accuracy(value: f64) -> Accuracy {
     if value < 1.0 { Accuracy::Tolerance(value) } else { Accuracy::Order(order) }
 }
 
-/// The thesis's tress with `segments` on each of 300 fibres: time, and error against a tolerance of 1e-8.
+/// The thesis's tress with `segments` on each of 300 fibres: time, and error against a tolerance of
+/// 1e-8.
 fn tress(segments: usize, accuracy: Accuracy) -> Result<(), ElectrostaticsError> {
     let layout = rapunzel_fiber::Layout::new([segments; 300]);
     let nodes = hair(300, segments + 1, 2).concat();
@@ -69,8 +70,8 @@ fn tress(segments: usize, accuracy: Accuracy) -> Result<(), ElectrostaticsError>
     Ok(())
 }
 
-/// `count` hairs of 10 cm and 100 segments on half of a conducting ball of 9 cm, which hang down more the
-/// farther they are from it: the times of all forces.
+/// `count` hairs of 10 cm and 100 segments on half of a conducting ball of 9 cm, which hang down
+/// more the farther they are from it: the times of all forces.
 fn half_head(count: usize, accuracy: Accuracy) -> Result<(), ElectrostaticsError> {
     let layout = rapunzel_fiber::Layout::new(vec![100; count]);
     let hair = |k: usize| {

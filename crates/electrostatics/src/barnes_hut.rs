@@ -1,20 +1,21 @@
 //! The tree code of Barnes and Hut.
 
+use crate::direct_sum::{Cloud, add_pairs, places};
 use crate::error::{check_charges, check_positions};
-use crate::harmonics::{Gradient, Tables, count, regular};
-use crate::method::{Fields, Method, places};
-use crate::multipole::engine::Multipoles;
-use crate::multipole::near::{Cloud, add_pairs};
-use crate::multipole::tree::Tree;
+use crate::harmonics::{Gradient, HarmonicTables, count, regular};
+use crate::method::{Fields, Method};
+use crate::multipole::tree::Octree;
+use crate::multipole::upward::Multipoles;
 use crate::{ElectrostaticsError, MAX_ORDER};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Barnes and Hut's method, a reference: each target on its own sums the multipoles of cells that
-/// are small for their distance. Cost O(n log n).
+/// Tree code of Barnes and Hut (1986), a reference: each target on its own sums the multipoles of
+/// cells that are small for their distance. Cost O(n log n).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BarnesHut {
-    /// Largest ratio of a cell's radius to its distance at which its multipole is used, in (0, 1).
+    /// Largest ratio of the radius of a cell to its distance at which its multipole is used, in (0,
+    /// 1).
     pub opening: f64,
     /// Degree of the multipoles, up to [`MAX_ORDER`].
     pub order: usize,
@@ -39,7 +40,7 @@ impl Method for BarnesHut {
         check_positions("source", sources)?;
         check_positions("target", targets)?;
         check_charges(charges, sources.len())?;
-        let tree = Tree::new(sources.len(), 32, |i| [sources[i]]);
+        let tree = Octree::new(sources.len(), 32, |i| [sources[i]]);
         let sorted = tree.order.par_iter().map(|&i| i as usize);
         let charge = sorted.clone().map(|i| charges[i]).collect();
         let cloud = Cloud::new(places(sorted.map(|i| sources[i])), charge);
@@ -49,7 +50,7 @@ impl Method for BarnesHut {
             .map(|cell| {
                 let mut gradient = Gradient::default();
                 let scale = tree.cells[cell].scale;
-                gradient.set(Tables::get(), order, scale, multipoles.moments(cell));
+                gradient.set(HarmonicTables::get(), order, scale, multipoles.moments(cell));
                 gradient
             })
             .collect();
@@ -61,14 +62,17 @@ impl Method for BarnesHut {
     }
 }
 
+/// Sources that targets walk through.
 struct Walk<'a> {
-    tree: &'a Tree,
+    tree: &'a Octree,
     gradients: &'a [Gradient],
     cloud: &'a Cloud,
     places: &'a [Vec<f64>; 3],
 }
 
 impl Walk<'_> {
+    /// Potential (1/m) and its gradient (1/m^2), for the charges of the sources, at the target
+    /// `index`.
     fn sum(&self, method: BarnesHut, index: usize, target: &Point3<f64>) -> [f64; 4] {
         let mut out = [[0.0; 4]];
         let mut near = Vec::new();
@@ -89,8 +93,8 @@ impl Walk<'_> {
     }
 }
 
-/// Adds the potential of a multipole and its gradient at `x` from its center. Of each degree, with
-/// `H_n = sum M_nm R_nm(x)`, the potential is `scale^n H_n / r^(2n+1)`.
+/// Adds the potential of a multipole and its gradient at `x` (m) from its center. Of each degree,
+/// with `H_n = sum M_nm R_nm(x)`, the potential is `scale^n H_n / r^(2n+1)`.
 fn add_multipole(
     order: usize,
     scale: f64,
@@ -101,7 +105,13 @@ fn add_multipole(
     let r = x.norm();
     let unit = x / r;
     let mut values = [0.0; count(MAX_ORDER)];
-    regular(pulp::Scalar::new(), Tables::get(), order, unit.into(), &mut values[..count(order)]);
+    regular(
+        pulp::Scalar::new(),
+        HarmonicTables::get(),
+        order,
+        unit.into(),
+        &mut values[..count(order)],
+    );
     // Degree n of the unit direction times scale^n / r^(n+1).
     let dot = |n: usize, c: usize| -> f64 {
         (n * n..count(n)).map(|k| gradient.terms[k][c] * values[k]).sum()

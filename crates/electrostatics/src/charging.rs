@@ -3,21 +3,21 @@
 use crate::ElectrostaticsError;
 use crate::error::{check_charges, check_count};
 
-/// In which steps a charge is dealt (thesis 4.5 and Algorithm 2, `COMPSTEP`).
+/// Steps in which a charge is dealt (thesis 4.5 and Algorithm 2, `COMPSTEP`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dealing {
-    /// All at once.
+pub enum ChargeDealing {
+    /// One step with the whole charge.
     Once,
-    /// In so many equal steps.
+    /// Number of equal steps.
     Equal(usize),
-    /// In so many steps that fall as the differences of a logarithm: after h of n steps the share
+    /// Number of steps that fall as the differences of a logarithm: after h of n steps the share
     /// `ln(1 + h)/ln(1 + n)` is dealt. The thesis says no more of its steps than "logarithmically
     /// falling".
     Falling(usize),
 }
 
-impl Dealing {
-    /// The share of the charge that each step deals, all together 1; no steps deal nothing.
+impl ChargeDealing {
+    /// Shares of the charge that the steps deal, all together 1; no steps deal nothing.
     #[must_use]
     pub fn shares(self) -> Vec<f64> {
         match self {
@@ -31,34 +31,33 @@ impl Dealing {
     }
 }
 
-/// Flow of charge along one fibre, `dq/dt = d/ds((1/r) dPhi/ds)`, with the potential `Phi = q/c` of its
-/// own charge per length and that of all others.
+/// Flow of charge along one fibre, `dq/dt = d/ds((1/r) dPhi/ds)`, with the potential `Phi = q/c` of
+/// its own charge per length and that of all others.
 ///
-/// For dry hair charge is frozen; this is for humid hair. A uniform fibre whose root is at the head loses
-/// its charge in the time `4 r c L^2/pi^2` by a factor of e.
+/// For dry hair charge is frozen; this is for humid hair. A uniform fibre whose root is at the head
+/// loses its charge in the time `4 r c L^2/pi^2` by a factor of e.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChargeFlow {
     /// Resistance a length, ohm/m.
     pub resistance: f64,
     /// Capacity a length, F/m: about `2 pi epsilon0/ln(L/a)`, 19 pF/m for hair.
     pub capacity: f64,
-    /// Potential of the head, V, if the root (the start of the first segment) touches it; the tip is
-    /// insulated.
+    /// Potential of the head, V, if the root (the start of the first segment) touches it; the tip
+    /// is insulated.
     pub head: Option<f64>,
 }
 
 impl ChargeFlow {
-    /// Moves the `charges` (C) of segments of the given `lengths` (m), root first, on by the time `step`
-    /// (s), while the charges of others make the potentials `outer` (V) at them. Returns the charge (C)
-    /// that has gone to the head.
+    /// Moves the `charges` (C) of segments of the given `lengths` (m), root first, on by the time
+    /// `step` (s), while the charges of others make the potentials `outer` (V) at them. Returns the
+    /// charge (C) that has gone to the head.
     ///
-    /// Implicit Euler: stable for any step, with an error of first order; an insulated fibre keeps its
-    /// charge to rounding.
-    /// Cost: O(segments).
+    /// Implicit Euler: stable for any step, with an error of first order; an insulated fibre keeps
+    /// its charge to rounding. Cost: O(segments).
     ///
     /// # Errors
-    /// Numbers that are not finite, arrays that do not fit, and a resistance, capacity, length or time
-    /// that is not positive.
+    /// Numbers that are not finite, arrays that do not fit, and a resistance, capacity, length or
+    /// time that is not positive.
     pub fn advance(
         &self,
         lengths: &[f64],
@@ -88,8 +87,9 @@ impl ChargeFlow {
         };
         let capacity = |k: usize| self.capacity * lengths[k];
         let head = self.head.unwrap_or(0.0);
-        // For the potentials V: C (V - outer) - q = step * what flows in. Thomas's algorithm, of whose
-        // pivots the part beyond the next conductance is kept, so that nothing cancels in long steps.
+        // For the potentials V: C (V - outer) - q = step * what flows in. Thomas's algorithm, of
+        // whose pivots the part beyond the next conductance is kept, so that nothing cancels in
+        // long steps.
         let (mut pivots, mut right) = (vec![0.0; count], vec![0.0; count]);
         let before = step * conductance(0);
         let mut beyond = capacity(0) + before;
@@ -112,6 +112,7 @@ impl ChargeFlow {
         Ok(if self.head.is_some() { start - left } else { 0.0 })
     }
 
+    /// Refuses numbers that are not finite or not positive, and arrays that do not fit.
     fn check(
         &self,
         lengths: &[f64],

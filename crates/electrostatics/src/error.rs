@@ -1,7 +1,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// What can be wrong with charges, where they are, or what is asked of them.
+/// Errors in charges, in where they are, or in what is asked of them.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ElectrostaticsError {
@@ -11,11 +11,11 @@ pub enum ElectrostaticsError {
         position[0], position[1], position[2]
     )]
     Position {
-        /// Source, target, node, vertex or center.
+        /// Kind of the position: source, target, node, vertex or center.
         what: &'static str,
-        /// Its index.
+        /// Index of the position.
         index: usize,
-        /// The position that was given (world), m.
+        /// Position that was given (world), m.
         position: [f64; 3],
     },
     /// A charge is no number.
@@ -23,27 +23,27 @@ pub enum ElectrostaticsError {
     Charge {
         /// Index of the source.
         index: usize,
-        /// The charge that was given, C.
+        /// Charge that was given, C.
         charge: f64,
     },
     /// Two arrays do not fit each other.
     #[error("{what}: {given} were given, but {needed} are needed")]
     Count {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// Length of the array.
         given: usize,
-        /// The length that it must have.
+        /// Length that the array must have.
         needed: usize,
     },
     /// A setting is outside of its range.
     #[error("{what} is {value}, but must be {range}")]
     Setting {
-        /// Which setting.
+        /// Name of the setting.
         what: &'static str,
-        /// The value that was given.
+        /// Value that was given.
         value: f64,
-        /// What it may be.
+        /// Range of the setting.
         range: &'static str,
     },
     /// The tolerance was not reached by the highest order.
@@ -52,11 +52,11 @@ pub enum ElectrostaticsError {
          {tolerance:e}; ask for less, or take the direct sum"
     )]
     OutOfReach {
-        /// What was asked for.
+        /// Relative error that was asked for.
         tolerance: f64,
-        /// What was reached at sampled targets.
+        /// Relative error that was reached at sampled targets.
         reached: f64,
-        /// The highest degree that was tried.
+        /// Highest degree that was tried.
         order: usize,
     },
     /// A grid was not written.
@@ -68,7 +68,7 @@ pub enum ElectrostaticsError {
          iterations; its triangles are too uneven"
     )]
     NoConvergence {
-        /// Iterations that were made.
+        /// Number of iterations that were made.
         iterations: usize,
         /// Relative residual of the potentials.
         residual: f64,
@@ -83,7 +83,7 @@ pub enum ElectrostaticsError {
     Inside {
         /// Index of the point.
         index: usize,
-        /// How deep at least, m.
+        /// Depth below the surface at least, m.
         depth: f64,
     },
 }
@@ -103,7 +103,7 @@ pub(crate) fn check_positions(
     }
 }
 
-/// The first of `items` that is not `right`.
+/// Index of the first of `items` that is not `right`.
 fn first_not<T: Sync>(items: &[T], right: impl Fn(&T) -> bool + Sync) -> Option<usize> {
     const PART: usize = 4096;
     let wrong =

@@ -5,19 +5,19 @@ use crate::{ElectrostaticsError, Fields};
 use nalgebra::{Point3, Vector3};
 use std::io::Write;
 
-/// A lattice of points, x fastest.
+/// Lattice of points, x fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldGrid {
-    /// The first point (world), m.
+    /// Position of the first point (world), m.
     pub origin: Point3<f64>,
-    /// From point to point along each axis, m.
+    /// Steps from point to point along each axis (world), m.
     pub spacing: Vector3<f64>,
-    /// Points along each axis; one for a plane.
+    /// Numbers of points along each axis; one for a plane.
     pub counts: [usize; 3],
 }
 
 impl FieldGrid {
-    /// All points, x fastest: the targets of a [`Method`](crate::Method).
+    /// Positions of all points (world, m), x fastest: the targets of a [`Method`](crate::Method).
     #[must_use]
     pub fn points(&self) -> Vec<Point3<f64>> {
         let [nx, ny, nz] = self.counts;
@@ -30,8 +30,8 @@ impl FieldGrid {
             .collect()
     }
 
-    /// Writes the fields at the points as a VTK image (`.vti`), raw binary in double precision, with
-    /// the point data `potential` (V) and `field` (V/m). 32 bytes a point.
+    /// Writes the fields at the points as a VTK image (`.vti`), raw binary in double precision,
+    /// with the point data `potential` (V) and `field` (V/m). 32 bytes a point.
     ///
     /// # Errors
     /// Fields that are not of as many points, and a writer that fails.
@@ -46,6 +46,7 @@ impl FieldGrid {
         self.write(out, fields).map_err(|error| ElectrostaticsError::Write(error.to_string()))
     }
 
+    /// Writes the header, the potentials and the fields.
     fn write(&self, out: &mut dyn Write, fields: &Fields) -> std::io::Result<()> {
         let [i, j, k] = self.counts.map(|n| n.saturating_sub(1));
         let extent = format!("0 {i} 0 {j} 0 {k}");
@@ -58,7 +59,7 @@ impl FieldGrid {
 <VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
   <ImageData WholeExtent="{extent}" Origin="{x} {y} {z}" Spacing="{dx} {dy} {dz}">
     <Piece Extent="{extent}">
-      <PointData Scalars="potential" Vectors="field">
+      <PointData Scalars="potential" LaneVector="field">
         <DataArray type="Float64" Name="potential" format="appended" offset="0"/>
         <DataArray type="Float64" Name="field" NumberOfComponents="3" format="appended" offset="{second}"/>
       </PointData>

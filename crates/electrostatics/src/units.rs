@@ -4,8 +4,8 @@
 //! constant of 1 they are read as statcoulomb per centimeter, because then the field inside of its
 //! tress is the "about 13 kV/m" that it states. Nanocoulomb per centimeter would give 38 kV/m,
 //! coulomb per meter more than air can bear by a factor of 1e5. What follows: that is the field
-//! *inside*; at the 12 cm at which Patel measured 20 to 120 kV/m the same charges make 0.86 kV/m, so
-//! the agreement that the thesis states is a mix-up.
+//! *inside*; at the 12 cm at which Patel measured 20 to 120 kV/m the same charges make 0.86 kV/m,
+//! so the agreement that the thesis states is a mix-up.
 
 /// Coulomb's constant `1/(4 pi epsilon0)`, N m^2/C^2 (CODATA 2018).
 pub const COULOMB_CONSTANT: f64 = 8.987_551_792_3e9;

@@ -273,9 +273,9 @@ impl Dealing {
     /// The share of the charge that each portion deals.
     pub fn shares(self) -> Vec<f64> {
         match self {
-            Self::Once => electrostatics::Dealing::Once,
-            Self::Equal(portions) => electrostatics::Dealing::Equal(portions),
-            Self::Falling(portions) => electrostatics::Dealing::Falling(portions),
+            Self::Once => electrostatics::ChargeDealing::Once,
+            Self::Equal(portions) => electrostatics::ChargeDealing::Equal(portions),
+            Self::Falling(portions) => electrostatics::ChargeDealing::Falling(portions),
         }
         .shares()
     }

@@ -1,15 +1,15 @@
 //! Values of the harmonics at points, and expansions that are the gradient of another.
 
-use super::tables::{Tables, count};
+use super::tables::{HarmonicTables, count};
 use pulp::Simd;
 
-/// The values of all `R_nm` up to degree `order` at `point`, a point in each lane, into `out`.
+/// Values of all `R_nm` up to degree `order` at `point`, a point in each lane, into `out`.
 ///
 /// Cost: 3 operations a harmonic.
 #[inline(always)]
 pub(crate) fn regular<S: Simd>(
     simd: S,
-    tables: &Tables,
+    tables: &HarmonicTables,
     order: usize,
     [x, y, z]: [S::f64s; 3],
     out: &mut [S::f64s],
@@ -22,6 +22,7 @@ pub(crate) fn regular<S: Simd>(
         if m > order {
             return;
         }
+        // R_mm from R_(m-1)(m-1), as the product of complex numbers with x + i y.
         if m > 0 {
             let (c, s, scale) = (cosine, sine, simd.splat_f64s(*diagonal));
             let [x, y] = [simd.mul_f64s(x, scale), simd.mul_f64s(y, scale)];
@@ -29,6 +30,7 @@ pub(crate) fn regular<S: Simd>(
             sine = simd.mul_add_e_f64s(c, y, simd.mul_f64s(s, x));
         }
         let [mut last, mut now] = [[zero; 2], [cosine, sine]];
+        // Recurrence of the Legendre functions in the degree, n here from m on.
         for (n, step) in steps[..=order - m].iter().enumerate() {
             if n > 0 {
                 let up = simd.mul_f64s(simd.splat_f64s(step.z_factor), z);
@@ -46,16 +48,18 @@ pub(crate) fn regular<S: Simd>(
     }
 }
 
-/// The local expansions of a potential and its three derivatives.
+/// Local expansions of a potential and of its three derivatives.
 #[derive(Debug, Default)]
 pub(crate) struct Gradient {
-    /// Coefficients, each with its derivatives by x, y and z.
+    /// Coefficients of the potential, each with those of the derivatives by x, y and z at the same
+    /// place.
     pub(crate) terms: Vec<[f64; 4]>,
 }
 
 impl Gradient {
-    /// Takes `local` (degree up to `order`, radius `scale`) apart.
-    pub(crate) fn set(&mut self, tables: &Tables, order: usize, scale: f64, local: &[f64]) {
+    /// Sets the terms from the coefficients `local` (degree up to `order`, lengths over `scale`, m)
+    /// of the potential.
+    pub(crate) fn set(&mut self, tables: &HarmonicTables, order: usize, scale: f64, local: &[f64]) {
         self.terms.clear();
         self.terms.extend(local[..count(order)].iter().map(|&c| [c, 0.0, 0.0, 0.0]));
         let inverse = 1.0 / scale;

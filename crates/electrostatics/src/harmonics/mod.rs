@@ -7,15 +7,19 @@
 //! `r^n`. Lengths are divided by the radius of the cell, so that no order overflows.
 
 mod kernels;
+mod shift;
 mod tables;
 #[cfg(test)]
 mod tests;
 mod translate;
+mod translation_tables;
 mod turn;
 
 pub(crate) use kernels::{Gradient, regular};
-pub(crate) use tables::{Coefficient, Tables, count};
-pub(crate) use translate::{Kind, Shift, Translator};
+pub(crate) use shift::{Shift, TranslationKind};
+pub(crate) use tables::{HarmonicTables, count};
+pub(crate) use translate::Translator;
+pub(crate) use translation_tables::Coefficient;
 
 /// The highest degree of an expansion.
 pub const MAX_ORDER: usize = 40;

@@ -9,7 +9,7 @@ fn expansion(order: usize, points: &[Vector3<f64>], scale: f64, outside: bool) -
     for point in points {
         let mut values = vec![0.0; count(order)];
         let x = (if outside { point / point.norm_squared() } else { point / scale }).into();
-        regular(pulp::Scalar::new(), Tables::get(), order, x, &mut values);
+        regular(pulp::Scalar::new(), HarmonicTables::get(), order, x, &mut values);
         for n in 0..=order {
             let factor = if outside { scale.powf(n as f64) / point.norm() } else { 1.0 };
             for k in n * n..count(n) {
@@ -56,7 +56,7 @@ fn multipoles_shift_exactly_for_every_pair_of_orders() {
             let mut out = vec![0.0; count(q)];
             let shift =
                 Shift { coefficients: &before, degrees: [p, q], offset, scales: [0.5, 0.9] };
-            translator.sum(Kind::Multipole, &[shift], &mut out);
+            translator.sum(TranslationKind::Multipole, &[shift], &mut out);
             let exact = count(p.min(q));
             assert_close(&out[..exact], &after[..exact], 1e-11, &format!("{p} to {q}"));
         }
@@ -79,7 +79,7 @@ fn local_expansions_shift_exactly_for_every_pair_of_orders() {
                 scales: [0.8, 0.4],
             };
             let mut full = vec![0.0; count(30)];
-            translator.sum(Kind::Local, &[shift(30)], &mut full);
+            translator.sum(TranslationKind::Local, &[shift(30)], &mut full);
             assert!(full[count(p)..].iter().all(|c| c.abs() < 1e-13), "{p}: no new degrees");
             let at = |x: Vector3<f64>, scale: f64, c: &[f64]| -> f64 {
                 let values = expansion(30, &[x], scale, false);
@@ -91,7 +91,7 @@ fn local_expansions_shift_exactly_for_every_pair_of_orders() {
             }
             for q in 0..=30 {
                 let mut out = vec![0.0; count(q)];
-                translator.sum(Kind::Local, &[shift(q)], &mut out);
+                translator.sum(TranslationKind::Local, &[shift(q)], &mut out);
                 assert_close(&out, &full[..count(q)], 1e-13, &format!("{p} to {q}"));
             }
         }
@@ -121,7 +121,7 @@ fn far_multipoles_become_local_for_every_pair_of_orders() {
             let mut out = vec![0.0; count(q)];
             let shift =
                 Shift { coefficients: &multipole, degrees: [p, q], offset, scales: [0.5, 0.4] };
-            translator.sum(Kind::Far(0), &[shift], &mut out);
+            translator.sum(TranslationKind::Far(0), &[shift], &mut out);
             for n in 0..=q {
                 let bound = bounds[p][n];
                 for k in n * n..count(n) {
@@ -139,16 +139,18 @@ fn low_and_higher_degrees_are_moved_apart() {
     let (p, cloud) = (9, cloud(3));
     let multipole = expansion(p, &cloud, 0.5, false);
     for direction in directions() {
-        let moved = |kind: Kind, degree: usize| {
+        let moved = |kind: TranslationKind, degree: usize| {
             let (degrees, offset, scales) = ([degree; 2], direction * 2.0, [0.5, 0.4]);
             let shift = Shift { coefficients: &multipole, degrees, offset, scales };
             let mut out = vec![0.0; count(p)];
             Translator::new(p).sum(kind, &[shift], &mut out);
             out
         };
-        let all = moved(Kind::Far(0), p);
+        let all = moved(TranslationKind::Far(0), p);
         for low in 1..=p {
-            let sum = moved(Kind::Far(low), p).into_iter().zip(moved(Kind::Far(0), low - 1));
+            let sum = moved(TranslationKind::Far(low), p)
+                .into_iter()
+                .zip(moved(TranslationKind::Far(0), low - 1));
             let sum: Vec<_> = sum.map(|(higher, lower)| higher + lower).collect();
             assert_close(&sum, &all, 1e-13, &format!("below {low}"));
         }

@@ -1,101 +1,88 @@
 //! Expansions moved from one center to another, many at a time, one in each SIMD lane.
 //!
 //! All three operators turn the offset onto the z axis, shift along it, and turn back. A turn about
-//! z mixes cosine and sine of one m; a turn about y is a turn about z between two exchanges of y and
-//! z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the plain
-//! double sum takes `p^4`.
+//! z mixes cosine and sine of one m; a turn about y is a turn about z between two exchanges of y
+//! and z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the
+//! plain double sum takes `p^4`.
 
-use super::tables::{Coefficient, count};
-use super::turn::{Block, Turn, turn_size};
+use super::shift::{Shift, TranslationKind};
+use super::tables::count;
+use super::translation_tables::Coefficient;
+use super::turn::{AxisTurn, TurnBlock, turn_size};
 use aligned_vec::{AVec, ConstAlign, avec};
-use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES_F32, Machine, Ways, dispatch};
 
-/// Highest order of which four registers are faster than two, from measured rates.
+/// Highest degree at which four registers are faster than two, from measured rates.
 const LOW: usize = 8;
 
-/// What becomes of the expansion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// A multipole about another center (M2M).
-    Multipole,
-    /// A local expansion of a multipole (M2L), without what degrees below this one do to each other.
-    Far(usize),
-    /// A local expansion about another center (L2L).
-    Local,
-}
-
-/// One expansion that is moved.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shift<'a, E> {
-    /// Its coefficients, at least up to the degree in use.
-    pub(crate) coefficients: &'a [E],
-    /// Degree up to which it is taken, and that of what it becomes.
-    pub(crate) degrees: [usize; 2],
-    /// From its center to the new one.
-    pub(crate) offset: Vector3<f64>,
-    /// Lengths that the coefficients are scaled with, before and after.
-    pub(crate) scales: [f64; 2],
-}
-
-/// Coefficients up to degree `order` with what fills the last register.
+/// Number of coefficients up to degree `order`, with what fills the last register.
 pub(crate) const fn padded(order: usize) -> usize {
     count(order).next_multiple_of(LANES_F32)
 }
 
-/// Registers of expansions that are moved at once, which share the constants.
+/// Number of registers of expansions that are moved at once, which share the constants.
 const fn most_registers(order: usize) -> usize {
     if order <= LOW { 4 } else { 2 }
 }
 
-/// Scratch space for moving expansions.
+/// Scratch space for moving expansions of degree up to `order`.
 pub(crate) struct Translator<E> {
     order: usize,
     work: AVec<E, ConstAlign<64>>,
 }
 
 impl<E: Coefficient> Translator<E> {
-    /// For expansions of degree up to `order`.
+    /// Space for expansions of degree up to `order`.
     pub(crate) fn new(order: usize) -> Self {
         let most = most_registers(order);
         let size = (count(order) + most * (padded(order) + turn_size(order))) * LANES_F32;
         Self { order, work: avec![[64]| E::from_f64(0.0); size] }
     }
 
-    /// Adds the moved `shifts` to `out`. As many as some registers have lanes are moved at once, by the
-    /// highest of their degrees: it is fastest to have like degrees together.
-    pub(crate) fn sum(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
+    /// Adds the moved `shifts` to `out`. As many as some registers have lanes are moved at once, by
+    /// the highest of their degrees: it is fastest to have like degrees together.
+    pub(crate) fn sum(&mut self, kind: TranslationKind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
-        dispatch(Sum { order: *order, kind, shifts, work, out: Out::Sum(out) });
+        dispatch(TranslationSum {
+            order: *order,
+            kind,
+            shifts,
+            work,
+            out: Out::TranslationSum(out),
+        });
     }
 
-    /// Moves each of `shifts` to an expansion of its own, all of one degree; those stand in `out` one
-    /// after another.
-    pub(crate) fn each(&mut self, kind: Kind, shifts: &[Shift<E>], out: &mut [E]) {
+    /// Moves each of `shifts` to an expansion of its own, all of one degree; those stand in `out`
+    /// one after another.
+    pub(crate) fn each(&mut self, kind: TranslationKind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
-        dispatch(Sum { order: *order, kind, shifts, work, out: Out::Each(out) });
+        dispatch(TranslationSum { order: *order, kind, shifts, work, out: Out::Each(out) });
     }
 }
 
+/// Place of the moved expansions: one sum of all, or one after another.
 enum Out<'a, E> {
-    Sum(&'a mut [E]),
+    TranslationSum(&'a mut [E]),
     Each(&'a mut [E]),
 }
 
-struct Sum<'a, E> {
+/// Expansions that are moved by one call, and where they go.
+struct TranslationSum<'a, E> {
     order: usize,
-    kind: Kind,
+    kind: TranslationKind,
     shifts: &'a [Shift<'a, E>],
     work: &'a mut [E],
     out: Out<'a, E>,
 }
 
-impl<E: Coefficient> Kernel for Sum<'_, E> {
+impl<E: Coefficient> Kernel for TranslationSum<'_, E> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { order, kind, shifts, work, mut out } = self;
         let lanes = E::lanes::<S>();
+        // Sums stay in registers, a lane for each expansion, and are added over the lanes at the
+        // end.
         let (total, work) = E::registers_mut::<S>(work).split_at_mut(count(order));
         total.fill(E::splat(simd, E::from_f64(0.0)));
         let mut rest = shifts;
@@ -110,7 +97,7 @@ impl<E: Coefficient> Kernel for Sum<'_, E> {
             }
             rest = later;
         }
-        if let Out::Sum(out) = out {
+        if let Out::TranslationSum(out) = out {
             for (out, total) in out.iter_mut().zip(&*total) {
                 *out = E::from_f64(out.to_f64() + E::reduce_sum(simd, *total).to_f64());
             }
@@ -118,13 +105,13 @@ impl<E: Coefficient> Kernel for Sum<'_, E> {
     }
 }
 
-/// Moves as many expansions as `C` registers have lanes, and adds them to `total` or puts each into its
-/// place.
+/// Moves as many expansions as `C` registers have lanes, and adds them to `total` or puts each into
+/// its place.
 #[inline(always)]
 fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
     simd: S,
     machine: M,
-    kind: Kind,
+    kind: TranslationKind,
     shifts: &[Shift<E>],
     work: &mut [E::Register<S>],
     total: &mut [E::Register<S>],
@@ -134,7 +121,8 @@ fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
     let [p, q] = [0, 1].map(|k| shifts.iter().map(|shift| shift.degrees[k]).max().unwrap_or(0));
     let order = p.max(q);
     let (a, work) = work.as_chunks_mut::<C>().0.split_at_mut(padded(order));
-    let mut turn = Turn::new(simd, kind, order, shifts, work);
+    // Three steps: the frame is turned until the offset is along z, ...
+    let mut turn = AxisTurn::new(simd, kind, order, shifts, work);
     let mut loaded = 0;
     for n in 0..=p {
         while loaded < count(n) {
@@ -143,13 +131,15 @@ fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
         }
         turn.forth(n, &mut a[n * n..count(n)]);
     }
+    // ... expansions are shifted along z, which mixes degrees of one m only, ...
     for m in 0..=q {
         turn.along(m, [p, q]);
     }
+    // ... and the frame is turned back.
     for n in 0..=q {
         let degree = turn.back(n);
         match out {
-            Out::Sum(_) => {
+            Out::TranslationSum(_) => {
                 for (total, block) in total[n * n..].iter_mut().zip(degree) {
                     for a in block {
                         *total = E::add(simd, *total, *a);
@@ -179,7 +169,7 @@ fn load<S: Simd, E: Ways, M: Machine<S>, const C: usize>(
     machine: M,
     first: usize,
     shifts: &[Shift<E>],
-    a: &mut [Block<S, E, C>],
+    a: &mut [TurnBlock<S, E, C>],
 ) {
     let lanes = E::lanes::<S>();
     let none = [E::from_f64(0.0); LANES_F32];

@@ -1,49 +1,53 @@
 //! Turns about an axis and shifts along it, of some registers of expansions at once.
 
-use super::tables::{Coefficient, Matrix, Moves, Swap};
-use super::translate::{Kind, Shift};
+use super::shift::{Shift, TranslationKind};
+use super::translation_tables::{Coefficient, Matrix, Swap, TranslationTables};
 use pulp::Simd;
 use rapunzel_lanes::{LANES_F32, Real};
 
-/// A coefficient of the expansions: `C` registers side by side, which share the constants.
-/// Bare registers and not lanes: the space for them is cut out of one array of numbers.
-pub(super) type Block<S, E, const C: usize> = [<E as Real>::Register<S>; C];
+/// Coefficient of the expansions in `C` registers side by side, which share the constants. Bare
+/// registers and not lanes: the space for them is cut out of one array of numbers.
+pub(super) type TurnBlock<S, E, const C: usize> = [<E as Real>::Register<S>; C];
 
-/// Numbers in each lane of a block that [`Turn`] needs for degrees up to `order`.
+/// Count of the numbers in each lane of a block that [`AxisTurn`] needs for degrees up to `order`.
 pub(super) const fn turn_size(order: usize) -> usize {
-    // Two angles, three powers, three sets of one degree or m, all coefficients with sines for m = 0.
+    // Two angles, three powers, three sets of one degree or m, all coefficients with sines for m =
+    // 0.
     4 * (order + 1) + 3 * (order + 1) + 3 * (2 * order + 2) + (order + 1) * (order + 2)
 }
 
-/// The turn that takes the offsets onto the z axis, and the shift along it.
-pub(super) struct Turn<'a, S: Simd, E: Coefficient, const C: usize> {
+/// Rotation that takes the offsets onto the z axis, and the shift along it.
+pub(super) struct AxisTurn<'a, S: Simd, E: Coefficient, const C: usize> {
     simd: S,
-    moves: &'static Moves<E>,
-    kind: Kind,
+    moves: &'static TranslationTables<E>,
+    kind: TranslationKind,
     order: usize,
     /// Cosines and sines of the multiples of the azimuth, and of the negative polar angle.
-    angles: [&'a mut [[Block<S, E, C>; 2]]; 2],
-    /// Factors of each degree before and after the shift, and powers of its length.
-    before: &'a mut [Block<S, E, C>],
-    after: &'a mut [Block<S, E, C>],
-    steps: &'a mut [Block<S, E, C>],
-    /// Coefficients of one degree.
-    degree: [&'a mut [Block<S, E, C>]; 2],
-    /// Cosines and sines of one m.
-    rows: &'a mut [[Block<S, E, C>; 2]],
-    /// Cosines and sines, by m and then by the degree.
-    axis: &'a mut [[Block<S, E, C>; 2]],
+    angles: [&'a mut [[TurnBlock<S, E, C>; 2]]; 2],
+    /// Factors of each degree before the shift.
+    before: &'a mut [TurnBlock<S, E, C>],
+    /// Factors of each degree after the shift.
+    after: &'a mut [TurnBlock<S, E, C>],
+    /// Powers of the length of the shift.
+    steps: &'a mut [TurnBlock<S, E, C>],
+    /// Coefficients of one degree, before and after an exchange of y and z.
+    degree: [&'a mut [TurnBlock<S, E, C>]; 2],
+    /// Cosines and sines of one m, for each degree from m on.
+    rows: &'a mut [[TurnBlock<S, E, C>; 2]],
+    /// Cosines and sines of all degrees in the frame of the axis, by m and then by the degree.
+    axis: &'a mut [[TurnBlock<S, E, C>; 2]],
 }
 
-impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
-    /// For expansions of degree up to `order`, in the space `work` for that or more.
+impl<'a, S: Simd, E: Coefficient, const C: usize> AxisTurn<'a, S, E, C> {
+    /// Rotation for the `shifts` of expansions of degree up to `order`, in the space `work` for
+    /// this degree or more.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
-        kind: Kind,
+        kind: TranslationKind,
         order: usize,
         shifts: &[Shift<E>],
-        work: &'a mut [Block<S, E, C>],
+        work: &'a mut [TurnBlock<S, E, C>],
     ) -> Self {
         let size = order + 1;
         let (azimuth, rest) = work.split_at_mut(2 * size);
@@ -74,7 +78,8 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
         turn
     }
 
-    /// Finds angles and powers for the first of the `shifts`, in the registers `c`.
+    /// Finds angles and powers of the first of the `shifts`, one for each lane, in the registers
+    /// `c`.
     #[inline(always)]
     fn prepare(&mut self, c: usize, shifts: &[Shift<E>]) {
         let simd = self.simd;
@@ -90,6 +95,8 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
             *value = E::registers::<S>(row)[0];
         }
         let [x, y, z, from, to] = values;
+        // Polar angles of the offset: a turn by the azimuth about z and by the negative polar angle
+        // about y takes it onto z. Their multiples are by the addition theorem.
         let (flat, azimuth) = polar::<S, E>(simd, [x, y]);
         let (distance, [cosine, sine]) = polar::<S, E>(simd, [z, flat]);
         multiples::<S, E, C>(simd, azimuth, c, self.angles[0]);
@@ -99,23 +106,25 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
         // Factors per degree before and after, and the length of the shift.
         let (before, first, after, step) = match self.kind {
             // The charges move backward as the center moves forward.
-            Kind::Multipole => {
+            TranslationKind::Multipole => {
                 (E::div(simd, from, to), one, one, { E::neg(simd, E::div(simd, distance, to)) })
             }
-            Kind::Far(_) => {
+            TranslationKind::Far(_) => {
                 let inverse = E::div(simd, one, distance);
                 (E::mul(simd, from, inverse), inverse, E::mul(simd, to, inverse), one)
             }
-            Kind::Local => (one, one, E::div(simd, to, from), E::div(simd, distance, from)),
+            TranslationKind::Local => {
+                (one, one, E::div(simd, to, from), E::div(simd, distance, from))
+            }
         };
         powers::<S, E, C>(simd, before, one, c, self.before);
         powers::<S, E, C>(simd, after, first, c, self.after);
         powers::<S, E, C>(simd, step, one, c, self.steps);
     }
 
-    /// Turns the degree `n`, which is `a`, into the frame whose z axis is the offset.
+    /// Turns the coefficients `a` of the degree `n` into the frame whose z axis is the offset.
     #[inline(always)]
-    pub(super) fn forth(&mut self, n: usize, a: &mut [Block<S, E, C>]) {
+    pub(super) fn forth(&mut self, n: usize, a: &mut [TurnBlock<S, E, C>]) {
         let (simd, places) = (self.simd, &self.moves.places[n]);
         let [x, y] = self.degree.each_mut().map(|degree| &mut degree[..2 * n + 1]);
         about_z::<S, E, C, false>(simd, places, self.angles[0], a);
@@ -133,9 +142,9 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
         }
     }
 
-    /// Turns the degree `n` back from there.
+    /// Coefficients of the degree `n` turned back from the frame of the axis.
     #[inline(always)]
-    pub(super) fn back(&mut self, n: usize) -> &[Block<S, E, C>] {
+    pub(super) fn back(&mut self, n: usize) -> &[TurnBlock<S, E, C>] {
         let (simd, places) = (self.simd, &self.moves.places[n]);
         for m in (0..=n).rev() {
             let [i, j] = places[m];
@@ -163,11 +172,12 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
         let x = &self.axis[first..first + (p + 1).saturating_sub(m)];
         let y = &mut self.rows[..q + 1 - m];
         match self.kind {
-            Kind::Far(least) => {
+            TranslationKind::Far(least) => {
                 let left_out = least.saturating_sub(m).min(x.len());
                 for (block, y) in y.chunks_mut(4).enumerate() {
                     let columns = self.moves.far[m].block(block);
-                    // A block of rows that are partly without the first columns is made in both ways.
+                    // A block of rows that are partly without the first columns is made in both
+                    // ways.
                     let without = left_out.saturating_sub(4 * block).min(y.len());
                     let mut rest = [[[E::splat(simd, E::from_f64(0.0)); C]; 2]; 4];
                     if without > 0 {
@@ -192,12 +202,13 @@ impl<'a, S: Simd, E: Coefficient, const C: usize> Turn<'a, S, E, C> {
     }
 }
 
-/// Where `m` of the degree `n` stands in the frame of the axis.
+/// Place of `m` of the degree `n` in the frame of the axis.
 const fn place(order: usize, n: usize, m: usize) -> usize {
     m * (2 * order + 1 - m) / 2 + n
 }
 
-/// Length of a vector, and cosine and sine of its angle; an angle that is not defined is none.
+/// Length of the vector `[x, y]`, and cosine and sine of its angle; without length the angle is
+/// zero.
 #[inline(always)]
 fn polar<S: Simd, E: Real>(
     simd: S,
@@ -210,13 +221,14 @@ fn polar<S: Simd, E: Real>(
     (length, [cosine, E::select(simd, defined, E::div(simd, y, length), zero)])
 }
 
-/// Cosines and sines of the multiples of an angle from none, in the registers `c`.
+/// Cosines and sines of the multiples 0, 1, 2, ... of the `angle` with this cosine and sine, in the
+/// registers `c`.
 #[inline(always)]
 fn multiples<S: Simd, E: Real, const C: usize>(
     simd: S,
     angle: [E::Register<S>; 2],
     c: usize,
-    out: &mut [[Block<S, E, C>; 2]],
+    out: &mut [[TurnBlock<S, E, C>; 2]],
 ) {
     let [mut cosine, mut sine] =
         [E::splat(simd, E::from_f64(1.0)), E::splat(simd, E::from_f64(0.0))];
@@ -226,14 +238,14 @@ fn multiples<S: Simd, E: Real, const C: usize>(
     }
 }
 
-/// `first` times the powers of `base`, in the registers `c`.
+/// Products of `first` with the powers 0, 1, 2, ... of `base`, in the registers `c`.
 #[inline(always)]
 fn powers<S: Simd, E: Real, const C: usize>(
     simd: S,
     base: E::Register<S>,
     first: E::Register<S>,
     c: usize,
-    out: &mut [Block<S, E, C>],
+    out: &mut [TurnBlock<S, E, C>],
 ) {
     let mut power = first;
     for out in out {
@@ -242,7 +254,8 @@ fn powers<S: Simd, E: Real, const C: usize>(
     }
 }
 
-/// The vector `[x, y]` turned back by the angle with this cosine and sine, or forward.
+/// Vector `[x, y]` turned by the angle with the cosine c and the sine s: forward if `FORWARD`, else
+/// backward.
 #[inline(always)]
 fn turned<S: Simd, E: Real, const FORWARD: bool>(
     simd: S,
@@ -262,8 +275,8 @@ fn turned<S: Simd, E: Real, const FORWARD: bool>(
 fn about_z<S: Simd, E: Real, const C: usize, const FORWARD: bool>(
     simd: S,
     places: &[[usize; 2]],
-    angle: &[[Block<S, E, C>; 2]],
-    x: &mut [Block<S, E, C>],
+    angle: &[[TurnBlock<S, E, C>; 2]],
+    x: &mut [TurnBlock<S, E, C>],
 ) {
     for (&[i, j], [cosine, sine]) in places[1..].iter().zip(&angle[1..]) {
         for c in 0..C {
@@ -278,21 +291,21 @@ fn about_z<S: Simd, E: Real, const C: usize, const FORWARD: bool>(
 fn swap<S: Simd, E: Real, const C: usize>(
     simd: S,
     swaps: &[Swap<E>; 4],
-    x: &[Block<S, E, C>],
-    out: &mut [Block<S, E, C>],
+    x: &[TurnBlock<S, E, C>],
+    out: &mut [TurnBlock<S, E, C>],
 ) {
     for Swap { from, to, matrix } in swaps {
         product::<S, E, C>(simd, matrix, &x[from.clone()], &mut out[to.clone()]);
     }
 }
 
-/// `out = matrix x`.
+/// Product `out = matrix x`, by blocks of eight rows.
 #[inline(always)]
 fn product<S: Simd, E: Real, const C: usize>(
     simd: S,
     matrix: &Matrix<E, 8>,
-    x: &[Block<S, E, C>],
-    out: &mut [Block<S, E, C>],
+    x: &[TurnBlock<S, E, C>],
+    out: &mut [TurnBlock<S, E, C>],
 ) {
     for (block, out) in out.chunks_mut(8).enumerate() {
         let columns = matrix.block(block);
@@ -309,12 +322,13 @@ fn product<S: Simd, E: Real, const C: usize>(
     }
 }
 
+/// Product of `R` rows of a matrix and `x`.
 #[inline(always)]
 fn rows<S: Simd, E: Real, const R: usize, const C: usize>(
     simd: S,
     columns: &[[E; 8]],
-    x: &[Block<S, E, C>],
-    out: &mut [Block<S, E, C>],
+    x: &[TurnBlock<S, E, C>],
+    out: &mut [TurnBlock<S, E, C>],
 ) {
     let mut sums = [[E::splat(simd, E::from_f64(0.0)); C]; R];
     for (column, x) in columns.iter().zip(x) {
@@ -331,13 +345,14 @@ fn rows<S: Simd, E: Real, const R: usize, const C: usize>(
     }
 }
 
-/// Rows of the matrix that takes a multipole along z to a local expansion, times cosines and sines.
+/// Product of `R` rows of the matrix that takes a multipole along z to a local expansion, and the
+/// cosines and sines `x`.
 #[inline(always)]
 fn far<S: Simd, E: Real, const R: usize, const C: usize>(
     simd: S,
     columns: &[[E; 4]],
-    x: &[[Block<S, E, C>; 2]],
-    out: &mut [[Block<S, E, C>; 2]],
+    x: &[[TurnBlock<S, E, C>; 2]],
+    out: &mut [[TurnBlock<S, E, C>; 2]],
 ) {
     let mut sums = [[[E::splat(simd, E::from_f64(0.0)); C]; 2]; R];
     for (column, x) in columns.iter().zip(x) {
@@ -356,24 +371,26 @@ fn far<S: Simd, E: Real, const R: usize, const C: usize>(
     }
 }
 
-/// The shift of a multipole, or of a local expansion, whose matrix is the transpose.
+/// Product of the triangular `matrix` that shifts a multipole along z, or of its transpose, which
+/// shifts a local expansion, and the cosines and sines `x`.
 #[inline(always)]
 fn triangle<S: Simd, E: Real, const C: usize>(
     simd: S,
     matrix: &[Vec<E>],
-    kind: Kind,
-    steps: &[Block<S, E, C>],
-    x: &[[Block<S, E, C>; 2]],
-    y: &mut [[Block<S, E, C>; 2]],
+    kind: TranslationKind,
+    steps: &[TurnBlock<S, E, C>],
+    x: &[[TurnBlock<S, E, C>; 2]],
+    y: &mut [[TurnBlock<S, E, C>; 2]],
 ) {
     for (n, y) in y.iter_mut().enumerate() {
         *y = [[E::splat(simd, E::from_f64(0.0)); C]; 2];
         let range = match kind {
-            Kind::Multipole => 0..x.len().min(n + 1),
+            TranslationKind::Multipole => 0..x.len().min(n + 1),
             _ => n.min(x.len())..x.len(),
         };
         for l in range {
-            let entry = if kind == Kind::Multipole { matrix[n][l] } else { matrix[l][n] };
+            let entry =
+                if kind == TranslationKind::Multipole { matrix[n][l] } else { matrix[l][n] };
             for c in 0..C {
                 let factor = E::mul(simd, steps[n.abs_diff(l)][c], E::splat(simd, entry));
                 for part in 0..2 {

@@ -2,53 +2,55 @@
 
 use super::Condition;
 use super::elements::Elements;
-use super::iteration::{MOST, solve};
-use super::outside::{Add, Outside};
+use super::iteration::{MOST_ITERATIONS, solve};
+use super::outside::{Add, ExteriorBodies};
+use crate::direct_sum::{Cloud, places};
 use crate::error::{check_charges, check_count, check_positions};
 use crate::harmonics::Coefficient;
-use crate::method::places;
-use crate::multipole::engine::{Multipoles, scaled};
-use crate::multipole::near::Cloud;
 use crate::multipole::solver::{check_accuracy, unit};
-use crate::multipole::tree::Tree;
+use crate::multipole::tree::Octree;
+use crate::multipole::upward::{Multipoles, scaled};
 use crate::{Accuracy, COULOMB_CONSTANT, ElectrostaticsError, Fields};
 use nalgebra::Point3;
 use rapunzel_collision::field::{DistanceField, Grid, Mesh};
 use rayon::prelude::*;
 
-/// Relative residual to which charges are found.
+/// Relative residual to which the charges are found.
 const RESIDUAL: f64 = 1e-6;
 
-/// Nodes of the distance field along the longest side of the mesh.
+/// Number of nodes of the distance field along the longest side of the mesh.
 const NODES: f64 = 64.0;
 
 /// Points in a leaf, where they are by themselves.
-const CAPACITY: usize = 100;
+const POINTS_PER_LEAF: usize = 100;
 
 /// A conductor whose surface is a mesh.
 ///
 /// The charge density is constant on each triangle, and the potential is right at their centers. A
-/// triangle acts on other charges and feels them by seven points within the multipole method, where they
-/// are close by exact integrals; on other triangles further than three of its sides away it acts as one
-/// point. The error falls as the square of the triangles' size where the surface is smooth. A charge must
-/// be seen by more than one triangle for its image to be right: closer to the surface than a triangle is
-/// large it is drawn too weakly.
+/// triangle acts on other charges and feels them by seven points within the multipole method, where
+/// they are close by exact integrals; on other triangles further than three of its sides away it
+/// acts as one point. The error falls as the square of the triangles' size where the surface is
+/// smooth. A charge must be seen by more than one triangle for its image to be right: closer to the
+/// surface than a triangle is large it is drawn too weakly.
 ///
-/// Cost: for each solution some tens of calls of the multipole method; no limit on triangles. A mesh
-/// that is open or inside out is refused by [`Mesh::new`].
+/// Cost: for each solution some tens of calls of the multipole method; no limit on triangles. A
+/// mesh that is open or inside out is refused by [`Mesh::new`].
 #[derive(Debug)]
 pub struct ConductingSurface {
+    /// Triangles and what they do to each other.
     elements: Elements,
+    /// Signed distance from the surface.
     distance: Grid,
     /// Charges of the triangles at a potential of 1 V, C.
     unit: Vec<f64>,
 }
 
 impl ConductingSurface {
-    /// A closed surface.
+    /// Conductor with the closed surface `mesh`.
     ///
     /// # Errors
-    /// A mesh that cannot be scanned for its inside, or for which the iteration does not converge.
+    /// A mesh that cannot be scanned for its inside, or for which the iteration does not
+    /// converge.
     pub fn new(mesh: &Mesh) -> Result<Self, ElectrostaticsError> {
         let [low, high] = mesh.bounds();
         let spacing = (high - low).max() / NODES;
@@ -59,26 +61,26 @@ impl ConductingSurface {
         Ok(Self { elements, distance, unit })
     }
 
-    /// The centers of the triangles (world), m.
+    /// Centers of the triangles (world), m.
     #[must_use]
     pub fn centers(&self) -> &[Point3<f64>] {
         self.elements.centers()
     }
 
-    /// Its capacity, F.
+    /// Capacity of the conductor, F.
     #[must_use]
     pub fn capacity(&self) -> f64 {
         self.unit.iter().sum()
     }
 
-    /// The charges of the triangles at a potential of 1 V without any other charge, C.
+    /// Charges of the triangles at a potential of 1 V without any other charge, C.
     #[must_use]
     pub fn unit_charges(&self) -> &[f64] {
         &self.unit
     }
 
-    /// Refuses points (world, m) that are inside, by more than the error of a distance field of 64 nodes
-    /// along the mesh.
+    /// Refuses points (world, m) that are inside, by more than the error of a distance field of 64
+    /// nodes along the mesh.
     ///
     /// # Errors
     /// [`ElectrostaticsError::Inside`] with the first of them.
@@ -93,7 +95,7 @@ impl ConductingSurface {
         Ok(())
     }
 
-    /// The potentials (V) that `charges` (C) at `sources` (world, m) make at the triangles: means over
+    /// Potentials (V) that `charges` (C) at `sources` (world, m) make at the triangles: means over
     /// those that are close, else at their centers, by the multipole method of this accuracy.
     ///
     /// # Errors
@@ -109,7 +111,7 @@ impl ConductingSurface {
         check_charges(charges, sources.len())?;
         let unit = unit(charges);
         let (tree, cloud) = sorted(sources, |i| charges[i] / unit);
-        let outside = Outside { tree: &tree, cloud: &cloud, per_body: 1 };
+        let outside = ExteriorBodies { tree: &tree, cloud: &cloud, per_body: 1 };
         Ok(self.potentials_of(&self.elements.felt::<f64>(outside, None, accuracy)?, unit))
     }
 
@@ -122,7 +124,7 @@ impl ConductingSurface {
         potentials
     }
 
-    /// The charges of the triangles (C) when the other charges make `potentials` (V) at them.
+    /// Charges of the triangles (C) when the other charges make `potentials` (V) at them.
     ///
     /// # Errors
     /// Potentials that are not finite or not one for each triangle, and no convergence.
@@ -136,8 +138,9 @@ impl ConductingSurface {
         Ok(self.respond(potentials, condition)?.0)
     }
 
-    /// The same, and its energy (J) beside half of that of the other charges in the potential that it
-    /// makes: with a given potential less the work of what holds it, and without that of its own charge.
+    /// Charges of the triangles (C), and the energy of the conductor (J) beside half of that of the
+    /// other charges in the potential that it makes: with a given potential less the work of what
+    /// holds it, and without that of its own charge.
     fn respond(
         &self,
         potentials: &[f64],
@@ -155,13 +158,14 @@ impl ConductingSurface {
         Ok((charges.collect(), 0.5 * own * drawn))
     }
 
-    /// Adds to `out` what this conductor does to bodies outside, as [`Elements::make`] does, where their
-    /// charges (in units of `unit`, C) have these multipoles and degree `known`. Its energy (J), as
-    /// [`respond`](Self::respond) tells it, and the relative error are returned.
+    /// Adds to `out` the action of this conductor on bodies outside, as [`Elements::make`] does,
+    /// where their charges (in units of `unit`, C) have these multipoles and degree `known`.
+    /// Returns the energy of the conductor (J), as [`respond`](Self::respond) tells it, and the
+    /// relative error.
     pub(crate) fn act<E: Coefficient, const N: usize>(
         &self,
         condition: Condition,
-        (outside, unit): (Outside, f64),
+        (outside, unit): (ExteriorBodies, f64),
         known: (&Multipoles<E>, usize),
         accuracy: Accuracy,
         add: Add<N>,
@@ -173,9 +177,10 @@ impl ConductingSurface {
         Ok([energy, self.elements.make(&charges, outside, accuracy, add, out)?])
     }
 
-    /// Refuses bodies of which a point is inside, as [`check_outside`](Self::check_outside) does points.
-    pub(crate) fn check_bodies(&self, outside: Outside) -> Result<(), ElectrostaticsError> {
-        let Outside { tree, cloud, per_body } = outside;
+    /// Refuses bodies of which a point is inside, as [`check_outside`](Self::check_outside) does
+    /// points.
+    pub(crate) fn check_bodies(&self, outside: ExteriorBodies) -> Result<(), ElectrostaticsError> {
+        let ExteriorBodies { tree, cloud, per_body } = outside;
         for cell in tree.cells.iter().filter(|cell| cell.is_leaf()) {
             let reach = self.distance.lipschitz() * cell.radius;
             if self.distance.value(&cell.center) > reach {
@@ -192,9 +197,9 @@ impl ConductingSurface {
         Ok(())
     }
 
-    /// The potentials and fields that triangles with the `charges` of a solution (C) make at `targets`
-    /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there are the
-    /// gradient of their energy in the [`potentials`](Self::potentials) that they make.
+    /// Potentials and fields that triangles with the `charges` of a solution (C) make at `targets`
+    /// (world, m) outside, by the multipole method of this accuracy; the forces on charges there
+    /// are the gradient of their energy in the [`potentials`](Self::potentials) that they make.
     ///
     /// # Errors
     /// Targets that are inside or not finite, and charges that do not fit.
@@ -210,7 +215,7 @@ impl ConductingSurface {
         let unit = unit(charges);
         let charges: Vec<_> = charges.iter().map(|charge| charge / unit).collect();
         let (tree, cloud) = sorted(targets, |_| 0.0);
-        let outside = Outside { tree: &tree, cloud: &cloud, per_body: 1 };
+        let outside = ExteriorBodies { tree: &tree, cloud: &cloud, per_body: 1 };
         let add = |_: usize, sums: &[[f64; 4]], out: &mut [f64; 4]| {
             out.iter_mut().zip(&sums[0]).for_each(|(out, sum)| *out += sum);
         };
@@ -221,21 +226,21 @@ impl ConductingSurface {
     }
 }
 
-/// Points in the order of a tree over them.
-fn sorted(points: &[Point3<f64>], charge: impl Fn(usize) -> f64 + Sync + Send) -> (Tree, Cloud) {
-    let tree = Tree::new(points.len(), CAPACITY, |i| [points[i]]);
+/// Tree over `points` (world, m), and the points with their charges in its order.
+fn sorted(points: &[Point3<f64>], charge: impl Fn(usize) -> f64 + Sync + Send) -> (Octree, Cloud) {
+    let tree = Octree::new(points.len(), POINTS_PER_LEAF, |i| [points[i]]);
     let order = tree.order.par_iter().map(|&i| i as usize);
     let charge = order.clone().map(charge).collect();
     let cloud = Cloud::new(places(order.map(|i| points[i])), charge);
     (tree, cloud)
 }
 
-/// The charges (C) that make `potentials` (V) at the triangles.
+/// Charges (C) of the triangles that make `potentials` (V) at them.
 fn charges(elements: &Elements, potentials: &[f64]) -> Result<Vec<f64>, ElectrostaticsError> {
     let apply = |charges: &[f64]| elements.apply(charges);
     let (charges, residual) = solve(apply, elements.diagonal(), potentials, RESIDUAL)?;
     if residual > RESIDUAL {
-        return Err(ElectrostaticsError::NoConvergence { iterations: MOST, residual });
+        return Err(ElectrostaticsError::NoConvergence { iterations: MOST_ITERATIONS, residual });
     }
     Ok(charges)
 }

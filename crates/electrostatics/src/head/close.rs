@@ -1,14 +1,14 @@
 //! Charged triangles and points near them, a point in each lane.
 
 use super::triangle::Triangle;
-use crate::multipole::near::Cloud;
-use crate::vectors::Vectors;
+use crate::direct_sum::Cloud;
+use crate::vectors::LaneVector;
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES, Lane, Machine, dispatch};
 use std::ops::Range;
 
-/// Adds to `out` what `triangles` with their charges make at the `targets` of `places`: `q/r` and its
-/// gradient.
+/// Adds to `out` the potentials `q/r` and their gradients that `triangles` with their charges make
+/// at the `targets` of `places` (world, m).
 ///
 /// Cost: 10 ns for each point that is close to a triangle.
 pub(super) fn add_fields(
@@ -17,17 +17,18 @@ pub(super) fn add_fields(
     targets: Range<usize>,
     out: &mut [[f64; 4]],
 ) {
-    dispatch(Fields { triangles, places, targets, out });
+    dispatch(TriangleFields { triangles, places, targets, out });
 }
 
-struct Fields<'a> {
+/// Arguments of [`add_fields`].
+struct TriangleFields<'a> {
     triangles: &'a [(&'a Triangle, f64)],
     places: &'a [Vec<f64>; 3],
     targets: Range<usize>,
     out: &'a mut [[f64; 4]],
 }
 
-impl Kernel for Fields<'_> {
+impl Kernel for TriangleFields<'_> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { triangles, places, targets, out } = self;
@@ -49,25 +50,26 @@ impl Kernel for Fields<'_> {
     }
 }
 
-/// Adds to `out` what the charges `ranges` of `cloud` make at a triangle: the mean of `q/r` over it, and
-/// its gradient by its place.
+/// Adds to `out` the mean of `q/r` of the charges `ranges` of `cloud` over a triangle, and the
+/// gradient of the mean by the place of the triangle.
 pub(super) fn add_mean(
     triangle: &Triangle,
     cloud: &Cloud,
     ranges: &[Range<usize>],
     out: &mut [f64; 4],
 ) {
-    dispatch(Mean { triangle, cloud, ranges, out });
+    dispatch(TriangleMean { triangle, cloud, ranges, out });
 }
 
-struct Mean<'a> {
+/// Arguments of [`add_mean`].
+struct TriangleMean<'a> {
     triangle: &'a Triangle,
     cloud: &'a Cloud,
     ranges: &'a [Range<usize>],
     out: &'a mut [f64; 4],
 }
 
-impl Kernel for Mean<'_> {
+impl Kernel for TriangleMean<'_> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { triangle, cloud, ranges, out } = self;
@@ -91,9 +93,9 @@ impl Kernel for Mean<'_> {
     }
 }
 
-/// A point in each lane; those without one repeat the first.
+/// Points `range` of `places` (world, m), one in each lane; lanes without one repeat the first.
 #[inline(always)]
-fn points<S: Simd>(simd: S, places: &[Vec<f64>; 3], range: Range<usize>) -> Vectors<S> {
+fn points<S: Simd>(simd: S, places: &[Vec<f64>; 3], range: Range<usize>) -> LaneVector<S> {
     let mut x = [Lane::splat(simd, 0.0); 3];
     for (x, places) in x.iter_mut().zip(places) {
         let mut lanes = [places[range.start]; LANES];

@@ -3,10 +3,10 @@
 use crate::ElectrostaticsError;
 
 /// Most iterations; each keeps a vector.
-pub(super) const MOST: usize = 200;
+pub(super) const MOST_ITERATIONS: usize = 200;
 
-/// Solves `apply(x) = right` with the preconditioner `1/diagonal`, until the preconditioned residual is
-/// below `tolerance` of that of zero, and returns the relative residual as well.
+/// Solution of `apply(x) = right` with the preconditioner `1/diagonal`, until the preconditioned
+/// residual is below `tolerance` of that of zero, and its relative residual.
 pub(super) fn solve(
     apply: impl Fn(&[f64]) -> Result<Vec<f64>, ElectrostaticsError>,
     diagonal: &[f64],
@@ -21,9 +21,11 @@ pub(super) fn solve(
         return Ok((solution, 0.0));
     }
     let mut basis = vec![scaled(&start, 1.0 / size)];
-    // Columns of a triangular matrix, the rotations that made it so, and the rotated right-hand side.
+    // Columns of a triangular matrix, the rotations that made it so, and the rotated right-hand
+    // side.
     let (mut columns, mut turns, mut rest) = (Vec::new(), Vec::<[f64; 2]>::new(), vec![size]);
-    for k in 0..MOST {
+    for k in 0..MOST_ITERATIONS {
+        // Arnoldi step by modified Gram-Schmidt.
         let mut next = over(apply(&basis[k])?);
         let mut column = Vec::with_capacity(k + 2);
         for vector in &basis {
@@ -31,6 +33,8 @@ pub(super) fn solve(
             next.iter_mut().zip(vector).for_each(|(x, v)| *x -= share * v);
             column.push(share);
         }
+        // Givens rotations keep the Hessenberg matrix triangular, and the last entry of the
+        // right-hand side is the residual.
         let length = norm(&next);
         for (i, [c, s]) in turns.iter().enumerate() {
             let [a, b] = [column[i], column[i + 1]];
@@ -48,6 +52,7 @@ pub(super) fn solve(
         }
         basis.push(scaled(&next, 1.0 / length));
     }
+    // Back substitution.
     let count = columns.len();
     let mut shares = rest[..count].to_vec();
     for k in (0..count).rev() {
@@ -65,14 +70,17 @@ pub(super) fn solve(
     Ok((solution, rest[count].abs() / size))
 }
 
+/// Scalar product.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Euclidean norm.
 fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// Product `factor a`.
 fn scaled(a: &[f64], factor: f64) -> Vec<f64> {
     a.iter().map(|a| factor * a).collect()
 }

@@ -13,11 +13,12 @@ pub use boundary::ConductingSurface;
 pub use sphere::ConductingSphere;
 pub use thesis::thesis_repulsion;
 
-/// What is known of a conductor.
+/// Known potential or charge of a conductor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {
-    /// Its potential, V: zero if it is earthed, that of the generator if it stands on one.
+    /// Potential of the conductor, V: zero if it is earthed, that of the generator if it stands on
+    /// one.
     Potential(f64),
-    /// Its total charge, C: it is insulated.
+    /// Total charge of the conductor, C: it is insulated.
     Charge(f64),
 }

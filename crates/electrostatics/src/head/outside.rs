@@ -3,51 +3,55 @@
 use super::close::{add_fields, add_mean};
 use super::elements::Elements;
 use super::triangle::{POINTS, RULED, Triangle};
+use crate::direct_sum::Cloud;
 use crate::harmonics::Coefficient;
-use crate::multipole::engine::{self, Degrees, Descent, Far, Leaf, Multipoles, Task, scaled};
-use crate::multipole::near::Cloud;
+use crate::multipole::downward::{BODIES_PER_TASK, Degrees, Descent, Far, Leaf, Task};
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{MARGIN, find_order, guess, thinning};
-use crate::multipole::tree::{Cell, Tree};
+use crate::multipole::tree::{Cell, Octree};
+use crate::multipole::upward::{Multipoles, scaled};
 use crate::{Accuracy, ElectrostaticsError};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.7;
+/// Largest ratio of radii to distance at which expansions of triangles are used.
+const CONDUCTOR_OPENING: f64 = 0.7;
 
-/// Tolerances from which a triangle's points may stand for it also where it is close, as far as the opening
-/// lets them: that errs by some 2e-5.
-const COARSE: f64 = 1e-4;
+/// Tolerance from which on the points of a triangle may stand for it also where it is close, as far
+/// as the opening lets them: that errs by some 2e-5.
+const COARSE_TRIANGLES: f64 = 1e-4;
 
-/// Triangles below which a subtree is one task.
-const GRAIN: usize = 64;
+/// Number of triangles below which a subtree is one task.
+const TRIANGLES_PER_TASK: usize = 64;
 
-/// Pairs up to which the direct sum is taken of all.
+/// Number of pairs up to which the direct sum is taken of all.
 const DIRECT: usize = 4_000_000;
 
-/// Pairs of charges outside and sampled triangles, about.
+/// Number of pairs of charges outside and sampled triangles, about.
 const SAMPLED: usize = 100_000_000;
 
-/// Bodies outside of the conductor in the order of their tree, each with as many points of the cloud.
+/// Bodies outside of the conductor.
 #[derive(Clone, Copy)]
-pub(crate) struct Outside<'a> {
-    pub(crate) tree: &'a Tree,
+pub(crate) struct ExteriorBodies<'a> {
+    /// Tree of the bodies.
+    pub(crate) tree: &'a Octree,
+    /// Points of the bodies, in the order of the tree.
     pub(crate) cloud: &'a Cloud,
+    /// Number of points of each body.
     pub(crate) per_body: usize,
 }
 
-/// Adds the potentials and gradients at the points of a body to what is found for it.
+/// Action that adds the potentials and gradients at the points of a body to the result for it.
 pub(crate) type Add<'a, const N: usize> = &'a (dyn Fn(usize, &[[f64; 4]], &mut [f64; N]) + Sync);
 
 impl Elements {
-    /// The means of `q/r` of all charges outside over each triangle, in the order of the tree, and their
-    /// gradients, which are found to `accuracy`: with the multipoles and the degree that are `known`, if
-    /// these do.
+    /// Means of `q/r` of all charges outside over each triangle, in the order of the tree of
+    /// triangles, and their gradients, which are found to `accuracy`: with the multipoles and the
+    /// degree that are `known`, if these do.
     pub(super) fn felt<E: Coefficient>(
         &self,
-        outside: Outside,
+        outside: ExteriorBodies,
         known: Option<(&Multipoles<E>, usize)>,
         accuracy: Accuracy,
     ) -> Result<Vec<[f64; 4]>, ElectrostaticsError> {
@@ -66,7 +70,7 @@ impl Elements {
         let felt = |sources: &Multipoles<E>, order, samples: Option<&[usize]>| {
             let mut out = vec![[0.0; 4]; count];
             let leaf = &Felt { elements: self, outside };
-            let grain = GRAIN;
+            let grain = TRIANGLES_PER_TASK;
             let task = Descent {
                 grain,
                 samples,
@@ -95,12 +99,13 @@ impl Elements {
         Ok(felt(&sources, order, None))
     }
 
-    /// What the `charges` of the triangles make at the points outside, of which `add` makes what is added
-    /// to `out`: in the order of their tree. The relative error of it at samples is returned.
+    /// Adds the action of the `charges` of the triangles on the bodies outside to `out`, in the
+    /// order of their tree; `add` makes it of the potentials and gradients at the points of a body.
+    /// Returns the relative error at samples.
     pub(super) fn make<const N: usize>(
         &self,
         charges: &[f64],
-        outside: Outside,
+        outside: ExteriorBodies,
         accuracy: Accuracy,
         add: Add<N>,
         out: &mut [[f64; N]],
@@ -152,39 +157,41 @@ impl Elements {
         Ok(reached)
     }
 
+    /// Descent for triangles as sources or targets, on all targets.
     fn descent<'a, L: Leaf, E: Coefficient>(
         &self,
         sources: &'a Multipoles<'a, E>,
-        targets: &'a Tree,
+        targets: &'a Octree,
         leaf: &'a L,
         order: usize,
         accuracy: Accuracy,
     ) -> Descent<'a, L, E> {
-        let coarse = matches!(accuracy, Accuracy::Tolerance(tolerance) if tolerance >= COARSE);
+        let coarse =
+            matches!(accuracy, Accuracy::Tolerance(tolerance) if tolerance >= COARSE_TRIANGLES);
         Descent {
             sources,
             targets,
             leaf,
             order,
-            opening: OPENING,
-            degrees: Degrees::new(order, OPENING, thinning(accuracy)),
+            opening: CONDUCTOR_OPENING,
+            degrees: Degrees::new(order, CONDUCTOR_OPENING, thinning(accuracy)),
             clearance: if coarse { 0.0 } else { RULED * self.longest },
             direct: 0,
-            grain: engine::GRAIN,
+            grain: BODIES_PER_TASK,
             samples: None,
         }
     }
 
-    /// A triangle in the order of the tree.
+    /// Triangle `k` in the order of the tree.
     fn ordered(&self, k: usize) -> &Triangle {
         &self.triangles[self.tree.order[k] as usize]
     }
 }
 
-/// Triangles that feel the charges outside.
+/// Leaf action on triangles that feel the charges outside.
 struct Felt<'a> {
     elements: &'a Elements,
-    outside: Outside<'a>,
+    outside: ExteriorBodies<'a>,
 }
 
 impl Leaf for Felt<'_> {
@@ -207,17 +214,19 @@ impl Leaf for Felt<'_> {
     }
 }
 
-/// Bodies outside that feel the triangles.
+/// Leaf action on bodies outside that feel the triangles.
 struct Made<'a, const N: usize> {
     elements: &'a Elements,
-    /// In the order of the tree.
+    /// Charges of the triangles, in the order of their tree.
     charges: &'a [f64],
-    outside: Outside<'a>,
+    outside: ExteriorBodies<'a>,
+    /// Action at the points of a body.
     add: Add<'a, N>,
 }
 
 impl<const N: usize> Made<'_, N> {
-    /// Adds what triangles that are not far make at the points of `bodies`.
+    /// Adds to `out` the potentials and gradients that the triangles `near`, which are not far,
+    /// make at the points of `bodies`.
     fn add_triangles(
         &self,
         near: impl Iterator<Item = Range<usize>>,
@@ -235,7 +244,7 @@ impl<const N: usize> Leaf for Made<'_, N> {
     type Out = [f64; N];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; N]>) {
-        let Outside { cloud, per_body, .. } = self.outside;
+        let ExteriorBodies { cloud, per_body, .. } = self.outside;
         let own = scaled(&cell.bodies, per_body);
         let mut sums = vec![[0.0; 4]; own.len()];
         far.add(cell, &cloud.x, own, &mut sums);

@@ -5,14 +5,14 @@ use crate::error::{check_charges, check_positions};
 use crate::{COULOMB_CONSTANT, ElectrostaticsError};
 use nalgebra::Point3;
 
-/// A conducting sphere: exact, as one more set of charges.
+/// Conducting sphere: exact, as one more set of charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConductingSphere {
-    /// Its center (world), m.
+    /// Center of the sphere (world), m.
     pub center: Point3<f64>,
-    /// Its radius, m.
+    /// Radius of the sphere, m.
     pub radius: f64,
-    /// What is known of it.
+    /// Known potential or charge of the sphere.
     pub condition: Condition,
 }
 

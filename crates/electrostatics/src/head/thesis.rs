@@ -5,8 +5,8 @@ use crate::{COULOMB_CONSTANT, ElectrostaticsError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::DistanceField;
 
-/// The force (world, N) on each charge (C) at `points` (world, m) off a `head` with the charge
-/// `total` (C): (4.13) with Coulomb's constant and a signed distance d, `k q Q/d^2` along the
+/// Force (world, N) on each charge (C) at `points` (world, m) off a `head` with the charge `total`
+/// (C): (4.13) of the thesis with Coulomb's constant and a signed distance d, `k q Q/d^2` along the
 /// gradient of d.
 ///
 /// For comparison only: a conductor attracts what is close, whatever its charge, and this force is

@@ -1,43 +1,50 @@
 //! A triangle with its charge spread evenly, as seen from a point in each lane.
 
-use crate::vectors::{Vectors, along, dot, log, minus};
+use crate::vectors::{LaneVector, along, dot, log, minus};
 use nalgebra::{Point3, Vector3};
 use pulp::{Scalar, Simd};
 use rapunzel_lanes::{Lane, Portable, Roots, angle};
 
-/// A triangle.
+/// Triangle with its charge spread evenly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
+    /// Corners (world), m.
     corners: [Point3<f64>; 3],
+    /// Unit normal (world), by the order of the corners.
     normal: Vector3<f64>,
-    /// Unit vectors along each side and outward from it, in the plane.
+    /// Unit vectors (world) along each side and outward from it, in the plane.
     sides: [[Vector3<f64>; 2]; 3],
+    /// Area, m^2.
     area: f64,
+    /// Center (world), m.
     center: Point3<f64>,
+    /// Longest side, m.
     longest: f64,
-    /// The points of [`RULE`], and their shares of the triangle.
+    /// Points (world, m) of [`RULE`], and their shares of the triangle.
     points: [(Point3<f64>, f64); POINTS],
 }
 
-/// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle: with
-/// errors below those of its center beyond three.
+/// Distance from the center, over the longest side, from where on [`RULE`] stands for the triangle:
+/// with errors below those of its center beyond three.
 pub(super) const RULED: f64 = 1.2;
 
-/// Points of [`RULE`].
+/// Number of points of [`RULE`].
 pub(super) const POINTS: usize = 7;
 
-/// Radon's rule of fifth degree: barycentric coordinates of points, the first once and the others with
-/// all corners in turn, and weights.
+/// Radon's rule of fifth degree: barycentric coordinates of points, the first once and the others
+/// with all corners in turn, and weights.
 const RULE: [([f64; 2], f64); 3] = [
     ([1.0 / 3.0, 1.0 / 3.0], 0.225),
     ([0.059_715_871_789_769_82, 0.470_142_064_105_115_1], 0.132_394_152_788_506_2),
     ([0.797_426_985_353_087_3, 0.101_286_507_323_456_34], 0.125_939_180_544_827_15),
 ];
 
-/// Means over a triangle of `1/r` from the points in all lanes, and its gradients by them.
-pub(super) type Means<S> = [Lane<S>; 4];
+/// Means over a triangle of `1/r` from the points in all lanes, 1/m, and the gradients by these
+/// points, 1/m^2.
+pub(super) type TriangleMeans<S> = [Lane<S>; 4];
 
 impl Triangle {
+    /// Triangle with these corners (world, m), which do not lie on a line.
     pub(super) fn new(corners: [Point3<f64>; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a));
@@ -60,32 +67,40 @@ impl Triangle {
         Self { corners, normal, sides, area, center, longest, points }
     }
 
+    /// Corners (world), m.
     pub(super) fn corners(&self) -> [Point3<f64>; 3] {
         self.corners
     }
 
+    /// Center (world), m.
     pub(super) fn center(&self) -> Point3<f64> {
         self.center
     }
 
+    /// Longest side, m.
     pub(super) fn longest(&self) -> f64 {
         self.longest
     }
 
-    /// The points that stand for it where it is not close, and their shares of it.
+    /// Points (world, m) that stand for the triangle where it is not close, and their shares of it.
     pub(super) fn points(&self) -> [(Point3<f64>, f64); POINTS] {
         self.points
     }
 
-    /// The mean of `1/r` over the triangle as seen from one point.
+    /// Mean of `1/r` over the triangle as seen from the point `x` (world, m), 1/m.
     pub(super) fn mean(&self, x: &Point3<f64>) -> f64 {
         let x = lanes(Scalar::new(), &x.coords);
         self.means(Portable, &x)[0].reduce_sum()
     }
 
-    /// By [`points`](Self::points) where the triangle is not close to the points `x`, else exact.
+    /// Means at the points `x` (world, m): by [`points`](Self::points) where the triangle is not
+    /// close to them, else exact.
     #[inline(always)]
-    pub(super) fn means<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+    pub(super) fn means<S: Simd, R: Roots<S>>(
+        &self,
+        roots: R,
+        x: &LaneVector<S>,
+    ) -> TriangleMeans<S> {
         let r = minus(x, &lanes(x[0].simd(), &self.center.coords));
         let (r2, close) = (dot(&r, &r), x[0].lift((RULED * self.longest).powi(2)));
         if !r2.less_than(close).any() {
@@ -100,9 +115,9 @@ impl Triangle {
         means
     }
 
-    /// By [`points`](Self::points), which do not act on their own places.
+    /// Means at `x` (world, m) by [`points`](Self::points), which do not act on their own places.
     #[inline(always)]
-    fn by_points<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+    fn by_points<S: Simd, R: Roots<S>>(&self, roots: R, x: &LaneVector<S>) -> TriangleMeans<S> {
         let mut means = [x[0].lift(0.0); 4];
         for (point, weight) in &self.points {
             let r = minus(x, &lanes(x[0].simd(), &point.coords));
@@ -117,11 +132,11 @@ impl Triangle {
         means
     }
 
-    /// Everywhere exact (Wilton and others, 1984): a logarithm for each side and the solid angle (van
-    /// Oosterom and Strackee, 1983). In the plane, where the gradient jumps across the triangle, it is the
-    /// mean of both sides.
+    /// Means at `x` (world, m), exact everywhere (Wilton and others, 1984): a logarithm for each
+    /// side and the solid angle (van Oosterom and Strackee, 1983). In the plane, where the gradient
+    /// jumps across the triangle, it is the mean of both sides.
     #[inline(always)]
-    fn exact<S: Simd, R: Roots<S>>(&self, roots: R, x: &Vectors<S>) -> Means<S> {
+    fn exact<S: Simd, R: Roots<S>>(&self, roots: R, x: &LaneVector<S>) -> TriangleMeans<S> {
         let (simd, zero) = (x[0].simd(), x[0].lift(0.0));
         let mut to = [[zero; 3]; 3];
         let mut lengths = [zero; 3];
@@ -133,6 +148,8 @@ impl Triangle {
         let height = -dot(&to[0], &normal);
         let [a, b, c] = &to;
         let [ra, rb, rc] = lengths;
+        // Solid angle: twice the angle whose tangent is the triple product over this sum (van
+        // Oosterom and Strackee).
         let spread = dot(a, c).mul_add(rb, dot(b, c).mul_add(ra, ra * rb * rc));
         let spread = dot(a, b).mul_add(rc, spread);
         let half = angle(roots, spread, height.abs() * zero.lift(2.0 * self.area));
@@ -159,9 +176,9 @@ impl Triangle {
     }
 }
 
-/// The same vector in all lanes.
+/// Vector `v` in all lanes.
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, v: &Vector3<f64>) -> Vectors<S> {
+fn lanes<S: Simd>(simd: S, v: &Vector3<f64>) -> LaneVector<S> {
     [Lane::splat(simd, v.x), Lane::splat(simd, v.y), Lane::splat(simd, v.z)]
 }
 
@@ -169,7 +186,7 @@ fn lanes<S: Simd>(simd: S, v: &Vector3<f64>) -> Vectors<S> {
 mod tests {
     use super::*;
 
-    fn numbers(means: Means<Scalar>) -> (f64, Vector3<f64>) {
+    fn numbers(means: TriangleMeans<Scalar>) -> (f64, Vector3<f64>) {
         let [potential, x, y, z] = means.map(|mean| mean.reduce_sum());
         (potential, Vector3::new(x, y, z))
     }

@@ -1,12 +1,12 @@
 //! The fast multipole method.
 
-pub(crate) mod engine;
-pub(crate) mod near;
+pub(crate) mod downward;
 mod points;
 mod reference;
 pub(crate) mod samples;
 mod single;
 pub(crate) mod solver;
 pub(crate) mod tree;
+pub(crate) mod upward;
 
-pub use solver::{Accuracy, Certificate, Multipole, Plan};
+pub use solver::{Accuracy, Certificate, Multipole, MultipolePlan};

@@ -1,22 +1,23 @@
 //! Points into expansions and expansions at points, points in the lanes.
 
-use super::near::Cloud;
 use super::tree::Cell;
-use crate::harmonics::{Gradient, Tables, count, regular};
+use crate::direct_sum::Cloud;
+use crate::harmonics::{Gradient, HarmonicTables, count, regular};
 use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::{Arch, Simd, WithSimd};
 use rapunzel_lanes::LANES;
 use std::ops::Range;
 
-/// Scratch space for the harmonics of some points.
+/// Scratch space for the harmonics of some points, aligned to registers.
 pub(super) type Work = AVec<f64, ConstAlign<64>>;
 
-/// Space for two sets of harmonics up to `order`.
+/// Scratch space for two sets of harmonics up to degree `order`.
 pub(super) fn work(order: usize) -> Work {
     avec![[64]| 0.0; 2 * count(order) * LANES]
 }
 
-/// Sets `moments` to the multipole of the points `range` about the center of `cell` (P2M).
+/// Sets `moments` to the coefficients of the multipole of the points `range` of `cloud` about the
+/// center of `cell` (P2M): sums of charge times `R_nm`.
 ///
 /// Cost: 4 operations a point and coefficient.
 pub(super) fn multipole(
@@ -27,10 +28,11 @@ pub(super) fn multipole(
     work: &mut Work,
     moments: &mut [f64],
 ) {
-    Arch::new().dispatch(Multipole { order, cell, cloud, range, work, moments });
+    Arch::new().dispatch(PointMultipole { order, cell, cloud, range, work, moments });
 }
 
-struct Multipole<'a> {
+/// Arguments of [`multipole`].
+struct PointMultipole<'a> {
     order: usize,
     cell: &'a Cell,
     cloud: &'a Cloud,
@@ -39,7 +41,7 @@ struct Multipole<'a> {
     moments: &'a mut [f64],
 }
 
-impl WithSimd for Multipole<'_> {
+impl WithSimd for PointMultipole<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -56,7 +58,7 @@ impl WithSimd for Multipole<'_> {
             let mut charges = [0.0; LANES];
             charges[..end - first].copy_from_slice(&cloud.charge[first..end]);
             let charge = S::as_simd_f64s(&charges).0[0];
-            regular(simd, Tables::get(), order, x, values);
+            regular(simd, HarmonicTables::get(), order, x, values);
             for (total, value) in totals.iter_mut().zip(&*values) {
                 *total = simd.mul_add_e_f64s(charge, *value, *total);
             }
@@ -67,8 +69,8 @@ impl WithSimd for Multipole<'_> {
     }
 }
 
-/// Positions of the points `range` in the frame of `cell`, at most one in each lane; lanes without
-/// a point hold the center.
+/// Positions of the points `range` of `places` from the center of `cell`, over its scale, at most
+/// one in each lane; lanes without a point hold the center.
 #[inline(always)]
 fn places<S: Simd>(
     simd: S,
@@ -87,7 +89,8 @@ fn places<S: Simd>(
     out
 }
 
-/// Adds to `out` the potential and its gradient at the points `range` (L2P).
+/// Adds to `out` the potential (1/m) and its gradient (1/m^2), for the charges of the sources, of
+/// the expansion `local` at the points `range` (L2P).
 ///
 /// Cost: 7 operations a point and coefficient.
 pub(super) fn add_local(
@@ -99,10 +102,11 @@ pub(super) fn add_local(
     work: &mut Work,
     out: &mut [[f64; 4]],
 ) {
-    Arch::new().dispatch(Local { order, cell, local, points, range, work, out });
+    Arch::new().dispatch(LocalEvaluation { order, cell, local, points, range, work, out });
 }
 
-struct Local<'a> {
+/// Arguments of [`add_local`].
+struct LocalEvaluation<'a> {
     order: usize,
     cell: &'a Cell,
     local: &'a Gradient,
@@ -112,7 +116,7 @@ struct Local<'a> {
     out: &'a mut [[f64; 4]],
 }
 
-impl WithSimd for Local<'_> {
+impl WithSimd for LocalEvaluation<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -122,7 +126,7 @@ impl WithSimd for Local<'_> {
         let values = &mut work[..count(order)];
         for (first, out) in range.step_by(S::F64_LANES).zip(out.chunks_mut(S::F64_LANES)) {
             let x = places(simd, cell, points, first..first + out.len());
-            regular(simd, Tables::get(), order, x, values);
+            regular(simd, HarmonicTables::get(), order, x, values);
             let mut sums = [simd.splat_f64s(0.0); 4];
             for (terms, value) in local.terms.iter().zip(&*values) {
                 for (sum, term) in sums.iter_mut().zip(terms) {

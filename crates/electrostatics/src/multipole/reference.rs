@@ -1,29 +1,31 @@
 //! What the certificate is made of.
 
-use super::near::Cloud;
-use crate::method::direct_sums;
+use crate::direct_sum::{Cloud, direct_sums};
+
 use rayon::prelude::*;
 
-/// Targets that are looked at one by one if there is a sample among them.
-const PART: usize = 256;
+/// Number of targets that are looked at one by one if there is a sample among them.
+const TARGETS_PER_PART: usize = 256;
 
-/// The direct sums at some of the targets.
+/// Direct sums at some of the targets.
 pub(super) struct Reference {
+    /// Indices of the sampled targets, ascending.
     pub(super) samples: Vec<usize>,
-    /// For how many targets each sample stands.
+    /// Number of targets that each sample stands for.
     weights: Vec<f64>,
+    /// Potential and its gradient at each sample.
     sums: Vec<[f64; 4]>,
 }
 
 impl Reference {
-    /// Takes samples all over the targets at `places`, given about the squares of their fields. A third of
-    /// them is uniform, a third as frequent as the field is strong and a third as its square, because few
-    /// targets may hold most of the sum of squares.
+    /// Reference at samples all over the targets at `places`, given about the squares of their
+    /// fields as `strengths`. A third of them is uniform, a third as frequent as the field is
+    /// strong and a third as its square, because few targets may hold most of the sum of squares.
     pub(super) fn new(cloud: &Cloud, places: &[Vec<f64>; 3], strengths: &[f64]) -> Self {
         let targets = strengths.len();
         let wanted = (100_000_000 / cloud.len().max(1)).clamp(64, 2048).min(targets);
         let totals = |part: &[f64]| part.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
-        let parts: Vec<_> = strengths.par_chunks(PART).map(totals).collect();
+        let parts: Vec<_> = strengths.par_chunks(TARGETS_PER_PART).map(totals).collect();
         let all = parts.iter().fold([0.0; 2], |[a, b], part| [a + part[0], b + part[1]]);
         let share = |part: f64, total: f64| if total > 0.0 { part / total } else { 0.0 };
         let chance = |count: usize, [a, b]: [f64; 2]| {
@@ -33,7 +35,9 @@ impl Reference {
         let (mut picks, mut end) = (0, 0.0);
         // The golden ratio spreads the places within equal parts evenly.
         let place = |k: usize| (k as f64 + (k as f64 * 0.618_033_988_75).fract()) / wanted as f64;
-        for (k, (part, totals)) in strengths.chunks(PART).zip(parts).enumerate() {
+        // Targets are passed in their order, each as long as its chance; a sample is taken wherever
+        // a place of the golden sequence is passed, and weighs the inverse of its chance.
+        for (k, (part, totals)) in strengths.chunks(TARGETS_PER_PART).zip(parts).enumerate() {
             let mut passed = end;
             end += chance(part.len(), totals);
             if place(picks) >= end {
@@ -47,7 +51,7 @@ impl Reference {
                     picks += 1;
                 }
                 if picks > before {
-                    samples.push(k * PART + i);
+                    samples.push(k * TARGETS_PER_PART + i);
                     weights.push((picks - before) as f64 / (chance * wanted as f64));
                 }
             }
@@ -57,7 +61,7 @@ impl Reference {
         Self { samples, weights, sums }
     }
 
-    /// The relative error of the gradients.
+    /// Relative error of the gradients `out` of all targets, by the weighted samples.
     pub(super) fn error(&self, out: &[[f64; 4]]) -> f64 {
         let [mut errors, mut squares] = [0.0; 2];
         for ((sample, weight), exact) in self.samples.iter().zip(&self.weights).zip(&self.sums) {

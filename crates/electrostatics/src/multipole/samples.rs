@@ -1,15 +1,16 @@
 //! Bodies at which expansions are compared with the direct sum.
 
-/// Usually as many.
+/// Usual number of samples.
 pub(crate) const SAMPLES: usize = 48;
 
-/// Samples all over some bodies, at most `wanted`.
+/// Indices of at most `wanted` samples, evenly spread over `count` bodies.
 pub(crate) fn samples(count: usize, wanted: usize) -> Vec<usize> {
     let samples = count.min(wanted);
     (0..samples).map(|k| (2 * k + 1) * count / (2 * samples)).collect()
 }
 
-/// Relative error at `samples` of all numbers but the first, which is an energy or a potential.
+/// Relative error at `samples`, by root sums of squares, of all numbers but the first, which is an
+/// energy or a potential.
 pub(crate) fn error<const N: usize>(
     samples: &[usize],
     found: &[[f64; N]],

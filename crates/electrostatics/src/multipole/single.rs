@@ -1,20 +1,22 @@
 //! The direct sum over pairs of points in single precision.
 //!
-//! Each coordinate is a sum of two numbers, the second as small as the rounding of the first, so that
-//! points that are close to each other are at the right distance.
+//! Each coordinate is a sum of two numbers, the second as small as the rounding of the first, so
+//! that points that are close to each other are at the right distance.
 
-use super::near::Cloud;
 use super::tree::Cell;
+use crate::direct_sum::Cloud;
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES_F32, Lane, Roots, dispatch};
 use std::ops::Range;
 
-/// Sources whose sum is made before it is added to that of all, so that few roundings add up.
-const TILE: usize = 64;
+/// Number of sources whose sum is made before it is added to that of all, so that few roundings add
+/// up.
+const SOURCES_PER_SUM: usize = 64;
 
-/// As [`add_pairs`](super::near::add_pairs) without softening, for targets in `cell`, to some 1e-6 of
-/// each pair, if `fine`; else coordinates are rounded to single precision. Lengths are divided by the larger of the cell's radius and `least`, which keeps all
-/// powers of distances within range.
+/// Adds to `out[k]` the potential (1/m) and the negative field (1/m^2) that the `ranges` of
+/// `sources` make at the target k of `cell`, for their charges, to some 1e-6 of each pair, if
+/// `fine`; else coordinates are rounded to single precision. Lengths are divided by the larger of
+/// the radius of the cell and `least` (m), which keeps all powers of distances within range.
 ///
 /// Cost: 0.2 ns a pair with AVX-512.
 pub(crate) fn add_pairs_single(
@@ -26,10 +28,11 @@ pub(crate) fn add_pairs_single(
     fine: bool,
     out: &mut [[f64; 4]],
 ) {
-    dispatch(Pairs { sources, ranges, places, cell, least, fine, out });
+    dispatch(SinglePairs { sources, ranges, places, cell, least, fine, out });
 }
 
-struct Pairs<'a> {
+/// Arguments of [`add_pairs_single`].
+struct SinglePairs<'a> {
     sources: &'a Cloud,
     ranges: &'a [Range<usize>],
     places: &'a [Vec<f64>; 3],
@@ -39,40 +42,43 @@ struct Pairs<'a> {
     out: &'a mut [[f64; 4]],
 }
 
-/// A point: coordinates, what their rounding leaves, and charge.
+/// Source: coordinates in the frame of the cell, what their rounding leaves, and half of the
+/// charge.
 #[derive(Clone, Copy)]
-struct Point {
+struct SplitPoint {
     x: [f32; 3],
     rest: [f32; 3],
     charge: f32,
 }
 
-/// Coordinates from a center, in units of a length.
-struct Frame {
+/// Frame of a cell: coordinates from its center, in units of a length.
+struct CellFrame {
+    /// Center (world), m.
     center: [f64; 3],
+    /// Inverse of the unit of length, 1/m.
     inverse: f64,
 }
 
-impl Frame {
-    /// The point `k` of some, with half of its charge.
+impl CellFrame {
+    /// Point `k` of `places` (world, m), with half of its charge.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is meant; charges are about one")]
-    fn point(&self, places: &[Vec<f64>; 3], charge: f64, k: usize) -> Point {
+    fn point(&self, places: &[Vec<f64>; 3], charge: f64, k: usize) -> SplitPoint {
         let [mut x, mut rest] = [[0.0; 3]; 2];
         for d in 0..3 {
             let exact = (places[d][k] - self.center[d]) * self.inverse;
             x[d] = exact as f32;
             rest[d] = (exact - f64::from(x[d])) as f32;
         }
-        Point { x, rest, charge: 0.5 * charge as f32 }
+        SplitPoint { x, rest, charge: 0.5 * charge as f32 }
     }
 }
 
-impl Kernel for Pairs<'_> {
+impl Kernel for SinglePairs<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
         let Self { sources, ranges, places, cell, least, fine, out } = self;
-        let frame = Frame { center: cell.center.into(), inverse: 1.0 / cell.scale.max(least) };
+        let frame = CellFrame { center: cell.center.into(), inverse: 1.0 / cell.scale.max(least) };
         let mut points = Vec::with_capacity(ranges.iter().map(Range::len).sum());
         for range in ranges {
             for k in range.clone() {
@@ -105,14 +111,13 @@ impl Kernel for Pairs<'_> {
     }
 }
 
-/// The sums of `points` at a register of targets, without what the rounding of coordinates leaves unless
-/// `FINE`, in units of
-/// [`double_rsqrt`](Roots::double_rsqrt).
+/// Sums of `points` at a register of targets, without what the rounding of coordinates leaves
+/// unless `FINE`, in units of [`double_rsqrt`](Roots::double_rsqrt).
 #[inline(always)]
 fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
     simd: S,
     roots: R,
-    points: &[Point],
+    points: &[SplitPoint],
     targets: &[[f32; LANES_F32]; 6],
 ) -> [Lane<S, f32>; 4] {
     let zero = Lane::splat(simd, 0.0);
@@ -122,7 +127,7 @@ fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
         rest[d] = Lane::load(simd, &targets[3 + d], 0);
     }
     let mut totals = [zero; 4];
-    for tile in points.chunks(TILE) {
+    for tile in points.chunks(SOURCES_PER_SUM) {
         let mut sums = [zero; 4];
         for point in tile {
             let mut r = [zero; 3];

@@ -1,48 +1,50 @@
 //! The fast multipole method for point charges.
 
-use super::engine::{Degrees, Descent, Far, GRAIN, Leaf, Multipoles, Task, nothing, parts};
-use super::near::{Cloud, add_pairs};
+use super::downward::{BODIES_PER_TASK, Degrees, Descent, Far, Leaf, Task};
 use super::reference::Reference;
 use super::single::add_pairs_single;
-use super::tree::{Cell, Tree};
+use super::tree::{Cell, Octree};
+use super::upward::{Multipoles, nothing, parts};
 use crate::ElectrostaticsError;
+use crate::direct_sum::{Cloud, add_pairs, direct_sums, places};
 use crate::error::{check_charges, check_positions};
 use crate::harmonics::{Coefficient, MAX_ORDER};
-use crate::method::{Fields, Method, direct_sums, places};
+use crate::method::{Fields, Method};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How exact a sum must be.
+/// Required accuracy of a sum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accuracy {
-    /// Expansions of this degree, from 1 to [`MAX_ORDER`]: the thesis's number of terms p, less one.
+    /// Degree of the expansions, from 1 to [`MAX_ORDER`]: the number of terms p of the thesis, less
+    /// one.
     Order(usize),
-    /// The relative error of the fields over all targets: the root of the sum of their squared
-    /// errors over that of their squares. From 1e-12 to 0.1.
+    /// Relative error of the fields over all targets: the root of the sum of their squared errors
+    /// over that of their squares. From 1e-12 to 0.1.
     Tolerance(f64),
 }
 
-/// What was found about the error of fields.
+/// Error of fields, as it was found at sampled targets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Certificate {
     /// Degree of the expansions; `None` where all pairs were summed.
     pub order: Option<usize>,
-    /// Targets whose fields were compared with the direct sum.
+    /// Number of targets whose fields were compared with the direct sum.
     pub samples: usize,
     /// Relative error of the fields over these targets.
     pub error: f64,
 }
 
-/// The fast multipole method.
+/// Fast multipole method (Greengard and Rokhlin, 1987, in the real solid harmonics of the thesis).
 ///
-/// Cost: see the table in the README; memory beside the points about 60 bytes a point and
-/// 4 to 12 times `(order + 1)^2` bytes a cell, of which there are fewer than one for thirty points.
+/// Cost: see the table in the README; memory beside the points about 60 bytes a point and 4 to 12
+/// times `(order + 1)^2` bytes a cell, of which there are fewer than one for thirty points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multipole {
-    /// How exact the fields must be.
+    /// Required accuracy of the fields.
     pub accuracy: Accuracy,
 }
 
@@ -53,27 +55,31 @@ impl Method for Multipole {
         charges: &[f64],
         targets: &[Point3<f64>],
     ) -> Result<Fields, ElectrostaticsError> {
-        let plan = Plan::new(sources, targets, self.accuracy)?;
+        let plan = MultipolePlan::new(sources, targets, self.accuracy)?;
         Ok(plan.fields(charges)?.0)
     }
 }
 
 /// Sources and targets in their trees, for any charges.
 #[derive(Debug)]
-pub struct Plan {
+pub struct MultipolePlan {
     accuracy: Accuracy,
-    sources: Tree,
+    /// Tree of the sources.
+    sources: Octree,
+    /// Coordinates of the sources (world, m), in the order of their tree.
     places: Arc<[Vec<f64>; 3]>,
-    /// The tree of the targets; without, those are the sources.
-    targets: Option<(Tree, Arc<[Vec<f64>; 3]>)>,
+    /// Tree of the targets and their coordinates (world, m) in its order; `None` if the targets are
+    /// the sources.
+    targets: Option<(Octree, Arc<[Vec<f64>; 3]>)>,
 }
 
-impl Plan {
-    /// Sorts `sources` and `targets` (world, m) into trees. Targets that are equal to the sources
-    /// cost nothing.
+impl MultipolePlan {
+    /// Plan for `sources` and `targets` (world, m), which are sorted into trees. Targets that are
+    /// equal to the sources cost nothing.
     ///
     /// # Errors
-    /// Positions that are not finite, more than 2^32 of them, and an accuracy outside of its range.
+    /// Positions that are not finite, more than 2^32 of them, and an accuracy outside of
+    /// its range.
     pub fn new(
         sources: &[Point3<f64>],
         targets: &[Point3<f64>],
@@ -84,7 +90,7 @@ impl Plan {
         check_positions("target", targets)?;
         let capacity = capacity(accuracy);
         let plant = |points: &[Point3<f64>]| {
-            let tree = Tree::new(points.len(), capacity, |i| [points[i]]);
+            let tree = Octree::new(points.len(), capacity, |i| [points[i]]);
             let sorted = places(tree.order.par_iter().map(|&i| points[i as usize]));
             (tree, Arc::new(sorted))
         };
@@ -93,10 +99,11 @@ impl Plan {
         Ok(Self { accuracy, sources: tree, places: sorted, targets })
     }
 
-    /// The fields of `charges` (C) at the targets, and how exact they are.
+    /// Fields of `charges` (C) at the targets, and how exact they are.
     ///
     /// # Errors
-    /// Charges that are not finite or not one for each source, and a tolerance out of reach.
+    /// Charges that are not finite or not one for each source, and a tolerance out of
+    /// reach.
     pub fn fields(&self, charges: &[f64]) -> Result<(Fields, Certificate), ElectrostaticsError> {
         check_charges(charges, self.sources.order.len())?;
         let unit = unit(charges);
@@ -108,11 +115,11 @@ impl Plan {
         // What is found in single precision, or partly so, may be too inexact or overflow.
         let single = || {
             let real = PhantomData::<f32>;
-            Sum { plan, cloud, targets: tree, places, low: None, real }.run()
+            PointSum { plan, cloud, targets: tree, places, low: None, real }.run()
         };
         let double = |low| {
             let real = PhantomData::<f64>;
-            Sum { plan, cloud, targets: tree, places, low, real }.run()
+            PointSum { plan, cloud, targets: tree, places, low, real }.run()
         };
         let finite = |(sums, _): &(Vec<[f64; 4]>, Certificate)| {
             sums.par_chunks(PART).all(|part| part.as_flattened().iter().all(|x| x.is_finite()))
@@ -131,11 +138,11 @@ impl Plan {
     }
 }
 
-/// Numbers that a thread looks at without a break.
+/// Count of numbers that a thread looks at without a break.
 const PART: usize = 4096;
 
-/// The unit in which the largest of `charges` is near one, so that squares of fields stay within range; a
-/// power of two keeps their bits.
+/// Unit (C) in which the largest of `charges` is near one, so that squares of fields stay within
+/// range; a power of two keeps their bits.
 pub(crate) fn unit(charges: &[f64]) -> f64 {
     let largest = |part: &[f64]| part.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
     let parts: Vec<_> = charges.par_chunks(PART).map(largest).collect();
@@ -143,7 +150,7 @@ pub(crate) fn unit(charges: &[f64]) -> f64 {
     if most > 0.0 { most.log2().floor().exp2() } else { 1.0 }
 }
 
-/// Refuses what no expansion can give.
+/// Refuses an accuracy that no expansion can give.
 pub(crate) fn check_accuracy(accuracy: Accuracy) -> Result<(), ElectrostaticsError> {
     match accuracy {
         Accuracy::Order(order) if !(1..=MAX_ORDER).contains(&order) => {
@@ -158,18 +165,18 @@ pub(crate) fn check_accuracy(accuracy: Accuracy) -> Result<(), ElectrostaticsErr
     }
 }
 
-/// Bodies in a leaf at which pairs and expansions cost the same, from measured rates.
+/// Number of bodies in a leaf at which pairs and expansions cost the same, from measured rates.
 fn capacity(accuracy: Accuracy) -> usize {
     60 + 8 * guess(accuracy)
 }
 
-/// Pairs that take as long as one move of an expansion, from measured rates.
+/// Number of pairs that take as long as one move of an expansion, from measured rates.
 fn pairs_per_shift(order: usize) -> usize {
     let p = order + 1;
     60 + p * p + p * p * p / 16
 }
 
-/// The degree that a tolerance usually needs.
+/// Degree that a tolerance usually needs.
 pub(crate) fn guess(accuracy: Accuracy) -> usize {
     match accuracy {
         Accuracy::Order(order) => order,
@@ -183,24 +190,24 @@ pub(crate) fn guess(accuracy: Accuracy) -> usize {
 /// Logarithm of the factor by which one degree more reduces the error, usually.
 const SLOPE: f64 = 0.66;
 
-/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77 and
-/// 0.8 for a million uniform points.
-const OPENING: f64 = 0.75;
+/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77
+/// and 0.8 for a million uniform points.
+const POINT_OPENING: f64 = 0.75;
 
-/// Tolerances from which single precision is usually enough: it errs by some 2e-7.
+/// Tolerance from which on single precision is usually enough: it errs by some 2e-7.
 pub(crate) const SINGLE: f64 = 5e-7;
 
-/// Tolerances from which coordinates of single precision are enough for close pairs.
-const COARSE: f64 = 1e-4;
+/// Tolerance from which on coordinates of single precision are enough for close pairs.
+const COARSE_COORDINATES: f64 = 1e-4;
 
-/// Degree from which on single precision is enough where `tolerance` is asked: what higher degrees add
-/// is some 1e6 of it.
+/// Degree from which on single precision is enough where `tolerance` is asked: what higher degrees
+/// add is some 1e6 of it.
 fn low(tolerance: f64) -> usize {
     guess(Accuracy::Tolerance((1e6 * tolerance).min(0.1))) + 1
 }
 
-/// Power of the share of the degree that distant cells are left. For a tolerance it is less than one,
-/// because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
+/// Exponent of the share of the degree that distant cells are left. For a tolerance it is less than
+/// one, because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
 pub(crate) fn thinning(accuracy: Accuracy) -> f64 {
     if matches!(accuracy, Accuracy::Tolerance(_)) { 0.8 } else { 0.0 }
 }
@@ -212,17 +219,25 @@ const LEAST: f64 = 1e-8;
 /// Share of the tolerance that the samples may use up, since they are not all targets.
 pub(crate) const MARGIN: f64 = 0.5;
 
-struct Sum<'a, E> {
-    plan: &'a Plan,
+/// Sum of the fields of all sources at all targets, with expansions of the type `E`.
+struct PointSum<'a, E> {
+    /// Accuracy and trees.
+    plan: &'a MultipolePlan,
+    /// Sources in the order of their tree.
     cloud: &'a Cloud,
-    targets: &'a Tree,
+    /// Tree of the targets.
+    targets: &'a Octree,
+    /// Coordinates of the targets (world, m), in the order of their tree.
     places: &'a [Vec<f64>; 3],
     /// Degree from which on expansions are moved in single precision, if that is not `E`.
     low: Option<usize>,
+    /// Precision of the expansions.
     real: PhantomData<E>,
 }
 
-impl<E: Coefficient> Sum<'_, E> {
+impl<E: Coefficient> PointSum<'_, E> {
+    /// Potential and its gradient at each target, in the order of their tree, and the error at
+    /// samples.
     fn run(&self) -> Result<(Vec<[f64; 4]>, Certificate), ElectrostaticsError> {
         let (n, m) = (self.cloud.len(), self.places[0].len());
         let direct = || {
@@ -264,8 +279,8 @@ impl<E: Coefficient> Sum<'_, E> {
         Ok((out, Certificate { order: Some(order), samples, error }))
     }
 
-    /// About the square of the field at each target: what its own leaf makes, where targets are
-    /// sources, else what quadrupoles make.
+    /// Estimates of the square of the field at each target: what its own leaf makes, where targets
+    /// are sources, else what quadrupoles make.
     fn strengths(&self) -> Vec<f64> {
         let square = |[_, x, y, z]: [f64; 4]| x * x + y * y + z * z;
         if self.plan.targets.is_none() {
@@ -290,17 +305,20 @@ impl<E: Coefficient> Sum<'_, E> {
         }
     }
 
-    /// Adds what the bodies `near` do to those of `cell`.
+    /// Adds the action of the bodies `near` on those of `cell`.
     fn add_near(&self, cell: &Cell, near: &[Range<usize>], out: &mut [[f64; 4]]) {
         if size_of::<E>() == size_of::<f64>() {
             add_pairs(self.cloud, near, 0.0, self.places, cell.bodies.clone(), out);
         } else {
             let least = LEAST * self.targets.cells[0].scale;
-            let fine = !matches!(self.plan.accuracy, Accuracy::Tolerance(t) if t >= COARSE);
+            let fine =
+                !matches!(self.plan.accuracy, Accuracy::Tolerance(t) if t >= COARSE_COORDINATES);
             add_pairs_single(self.cloud, near, self.places, cell, least, fine, out);
         }
     }
 
+    /// Adds to `out` the sums of all sources at the targets, or at the sampled ones, by expansions
+    /// of degree `order`.
     fn descend(
         &self,
         multipoles: &Multipoles<E>,
@@ -313,18 +331,18 @@ impl<E: Coefficient> Sum<'_, E> {
             targets: self.targets,
             leaf: self,
             order,
-            opening: OPENING,
-            degrees: Degrees::new(order, OPENING, thinning(self.plan.accuracy)),
+            opening: POINT_OPENING,
+            degrees: Degrees::new(order, POINT_OPENING, thinning(self.plan.accuracy)),
             clearance: 0.0,
             direct: pairs_per_shift(order),
-            grain: GRAIN,
+            grain: BODIES_PER_TASK,
             samples,
         }
         .run(out);
     }
 }
 
-impl<E: Coefficient> Leaf for Sum<'_, E> {
+impl<E: Coefficient> Leaf for PointSum<'_, E> {
     type Out = [f64; 4];
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<[f64; 4]>) {
@@ -334,8 +352,8 @@ impl<E: Coefficient> Leaf for Sum<'_, E> {
     }
 }
 
-/// The smallest order whose error at the samples is within the tolerance, its multipoles (of that
-/// order or more) and the error, with `start` as the first order that is tried.
+/// Smallest degree whose error at the samples is within the tolerance, with multipoles of this
+/// degree or more and the error; `start` is the first degree that is tried.
 pub(crate) fn find_order<'a, E: Coefficient>(
     start: usize,
     tolerance: f64,
@@ -360,8 +378,8 @@ pub(crate) fn find_order<'a, E: Coefficient>(
             }
             order -= 1;
         } else {
-            // An error that two degrees more leave as it is has another cause; one that is no number is
-            // that of single precision out of its range.
+            // An error that two degrees more leave as it is has another cause; one that is no
+            // number is that of single precision out of its range.
             let earlier =
                 errors[..order.saturating_sub(1)].iter().copied().fold(f64::INFINITY, f64::min);
             if order == MAX_ORDER || reached > 0.9 * earlier || !reached.is_finite() {

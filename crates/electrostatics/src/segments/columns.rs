@@ -1,30 +1,33 @@
 //! Segments as sources, a register of them at a time.
 
-use super::lines::{Lines, Loads};
+use super::lines::{Loads, SegmentLines};
 use rapunzel_lanes::{LANES_F32, Real};
 use std::ops::Range;
 
-/// What fills a block: a segment far from all others, of unit length and without charge.
+/// Values of a segment that fills a block: far from all others, of unit length and without charge.
 const NOTHING: [f64; 9] = [1e9, 1e9, 1e9, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
 
 /// Rows of numbers of as many segments as the widest register has lanes.
-pub(super) type Block<E, const ROWS: usize> = [[E; LANES_F32]; ROWS];
+pub(super) type ColumnBlock<E, const ROWS: usize> = [[E; LANES_F32]; ROWS];
 
 /// Segments as sources, with places from a center.
-pub(super) struct Columns<E> {
+pub(super) struct SegmentColumns<E> {
+    /// Center (world), m.
     pub(super) center: [f64; 3],
-    /// Rows as those of [`Lines::bars`].
-    pub(super) blocks: Vec<Block<E, 9>>,
+    /// Rows of [`SegmentLines::bars`], with middles from the center.
+    pub(super) blocks: Vec<ColumnBlock<E, 9>>,
+    /// Index of each segment in the order of the tree, `usize::MAX` for what fills a block.
     pub(super) indices: Vec<usize>,
-    /// Blocks of those that act on the targets and feel nothing, which come first.
+    /// Number of the blocks of segments that act on the targets and feel nothing, which come first.
     pub(super) alone: usize,
-    /// What the others feel: forces and moments.
-    pub(super) felt: Vec<Block<E, 6>>,
+    /// Forces and moments that the other blocks feel, doubled, over Coulomb's constant.
+    pub(super) felt: Vec<ColumnBlock<E, 6>>,
 }
 
-impl<E: Real> Columns<E> {
-    /// The segments `alone`, which act on the targets, and those that are `mutual`, which also feel them.
-    pub(super) fn new(lines: &Lines, center: [f64; 3], parts: [&[Range<usize>]; 2]) -> Self {
+impl<E: Real> SegmentColumns<E> {
+    /// Sources of two `parts` of segments: those that act on the targets only, and those that also
+    /// feel them.
+    pub(super) fn new(lines: &SegmentLines, center: [f64; 3], parts: [&[Range<usize>]; 2]) -> Self {
         let blocks =
             |part: &[Range<usize>]| part.iter().map(Range::len).sum::<usize>().div_ceil(LANES_F32);
         let [alone, mutual] = parts.map(blocks);
@@ -45,8 +48,8 @@ impl<E: Real> Columns<E> {
         columns
     }
 
-    /// Puts the segments `range` from `place` on.
-    fn fill(&mut self, lines: &Lines, mut place: usize, mut range: Range<usize>) {
+    /// Puts the segments `range` into the lanes from `place` on.
+    fn fill(&mut self, lines: &SegmentLines, mut place: usize, mut range: Range<usize>) {
         while !range.is_empty() {
             let lane = place % LANES_F32;
             let count = range.len().min(LANES_F32 - lane);
@@ -63,7 +66,7 @@ impl<E: Real> Columns<E> {
         }
     }
 
-    /// Those that are mutual, and their loads.
+    /// Indices of the segments that feel the targets, and their loads.
     pub(super) fn felt(&self) -> impl Iterator<Item = (usize, Loads)> {
         let loads = move |k: usize| {
             let felt = |row: usize| 0.5 * self.felt[k / LANES_F32][row][k % LANES_F32].to_f64();

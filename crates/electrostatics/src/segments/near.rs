@@ -1,33 +1,35 @@
 //! Pairs of close segments in closed form, a source in each lane.
 
-use super::lines::{Lines, Loads};
+use super::lines::{Loads, SegmentLines};
 use super::parallel::Parallel;
-use super::skew::{Means, skew};
-use crate::multipole::engine::Task;
+use super::skew::{LineMeans, skew};
+use crate::multipole::downward::Task;
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES, Lane, Machine, dispatch};
 
-/// Adds to the loads of `task` those of the `pairs` of its bodies with others, those of one body after
-/// each other. Of a pair within a complete task, which stands in `pairs` once, it adds both.
+/// Adds to the loads of `task` the actions of the `pairs` of its bodies with others; pairs of one
+/// body stand after each other. Of a pair within a complete task, which stands in `pairs` once, it
+/// adds both.
 ///
 /// Pairs that are nearly `parallel` are taken as such.
 pub(super) fn add_close(
-    lines: &Lines,
+    lines: &SegmentLines,
     pairs: &[[usize; 2]],
     parallel: &Parallel,
     task: Task<Loads>,
 ) {
-    dispatch(Close { lines, pairs, parallel, task });
+    dispatch(ClosePairs { lines, pairs, parallel, task });
 }
 
-struct Close<'a> {
-    lines: &'a Lines,
+/// Arguments of [`add_close`].
+struct ClosePairs<'a> {
+    lines: &'a SegmentLines,
     pairs: &'a [[usize; 2]],
     parallel: &'a Parallel,
     task: Task<'a, Loads>,
 }
 
-impl Kernel for Close<'_> {
+impl Kernel for ClosePairs<'_> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { lines, pairs, parallel, mut task } = self;
@@ -43,7 +45,7 @@ impl Kernel for Close<'_> {
             }
             let mut loads = [Lane::splat(simd, 0.0); 7];
             for pairs in askew.chunks(S::F64_LANES) {
-                let batch = Batch::new(lines, pairs, &task);
+                let batch = NearBatch::new(lines, pairs, &task);
                 let second = lines.gather(simd, &batch.indices[1]);
                 let means = skew(machine, &first, &second, Lane::load(simd, &batch.softening, 0));
                 for (sum, load) in loads.iter_mut().zip(batch.add(pairs, &means, &mut task)) {
@@ -55,7 +57,7 @@ impl Kernel for Close<'_> {
             }
         }
         for pairs in aligned.chunks(S::F64_LANES) {
-            let batch = Batch::new(lines, pairs, &task);
+            let batch = NearBatch::new(lines, pairs, &task);
             let [first, second] = batch.indices.map(|k| lines.gather(simd, &k));
             let softening = Lane::load(simd, &batch.softening, 0);
             let means = parallel.means(machine, &first, &second, softening);
@@ -69,17 +71,21 @@ impl Kernel for Close<'_> {
     }
 }
 
-/// A pair in each lane; those without one repeat the first, without charge.
-struct Batch {
+/// Pairs of close segments, one in each lane; lanes without one repeat the first, without charge.
+struct NearBatch {
+    /// Indices of the first and of the second of each pair.
     indices: [[usize; LANES]; 2],
+    /// Product of the charges of each pair.
     charges: [f64; LANES],
+    /// Square of the length that the distance of each pair is softened with, m^2.
     softening: [f64; LANES],
-    /// The share of the energy that is added.
+    /// Share of the energy of each pair that is added to the first.
     shares: [f64; LANES],
 }
 
-impl Batch {
-    fn new(lines: &Lines, pairs: &[[usize; 2]], task: &Task<Loads>) -> Self {
+impl NearBatch {
+    /// Batch of the `pairs`, at most one for each lane.
+    fn new(lines: &SegmentLines, pairs: &[[usize; 2]], task: &Task<Loads>) -> Self {
         let pair = |k: usize| pairs.get(k).copied().unwrap_or(pairs[0]);
         let charge =
             |k: usize| pairs.get(k).map_or(0.0, |[i, j]| lines.charge(*i) * lines.charge(*j));
@@ -91,12 +97,13 @@ impl Batch {
         }
     }
 
-    /// The loads of the first of each pair; adds those of the second where they are found here as well.
+    /// Loads of the first of each pair; adds those of the second to `task` where they are found
+    /// here as well.
     #[inline(always)]
     fn add<S: Simd>(
         &self,
         pairs: &[[usize; 2]],
-        means: &Means<S>,
+        means: &LineMeans<S>,
         task: &mut Task<Loads>,
     ) -> [Lane<S>; 7] {
         let charges = Lane::load(means.energy.simd(), &self.charges, 0);

@@ -1,67 +1,78 @@
 //! Pairs of segments by the points of Gauss's rules, a source in each lane.
 
-use super::columns::{Block, Columns};
-use super::lines::{Lines, Loads, SOFTENING};
+use super::columns::{ColumnBlock, SegmentColumns};
+use super::lines::{Loads, SOFTENING, SegmentLines};
 use super::rules::{Node, Rules};
-use crate::vectors::{Vectors, along, dot, minus, scaled};
+use crate::vectors::{LaneVector, along, dot, minus, scaled};
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES_F32, Lane, Machine, Ways, dispatch};
 
-impl<E: Ways> Columns<E> {
-    /// Adds to `out` the loads of the `targets` by all, each pair by the rule that serves it, and returns
-    /// the pairs that are too close for any. A target among those that are alone is no pair.
+impl<E: Ways> SegmentColumns<E> {
+    /// Adds to `out` the loads of the `targets` by all sources, each pair by the rule that serves
+    /// it, and returns the pairs that are too close for any. A target among the sources that feel
+    /// nothing is no pair.
     pub(super) fn act(
         &mut self,
-        lines: &Lines,
+        lines: &SegmentLines,
         rules: &Rules<E>,
         targets: &[usize],
         out: &mut [Loads],
     ) -> Vec<[usize; 2]> {
         let mut close = Vec::new();
-        dispatch(Pairs { lines, rules, columns: self, targets, close: &mut close, out });
+        dispatch(BarPairs { lines, rules, columns: self, targets, close: &mut close, out });
         close
     }
 }
 
-struct Pairs<'a, E> {
-    lines: &'a Lines,
+/// Arguments of [`SegmentColumns::act`], with the list of close pairs.
+struct BarPairs<'a, E> {
+    lines: &'a SegmentLines,
     rules: &'a Rules<E>,
-    columns: &'a mut Columns<E>,
+    columns: &'a mut SegmentColumns<E>,
     targets: &'a [usize],
     close: &'a mut Vec<[usize; 2]>,
     out: &'a mut [Loads],
 }
 
-/// Segments by their middles and halves.
+/// Segments by their middles and halves, one in each lane.
 #[derive(Clone, Copy)]
 struct Bars<S: Simd, E: Ways> {
-    middle: Vectors<S, E>,
-    half: Vectors<S, E>,
+    /// Middles, from the center of the sources (m).
+    middle: LaneVector<S, E>,
+    /// Halves of the vectors from start to end, m.
+    half: LaneVector<S, E>,
+    /// Lengths, m.
     length: Lane<S, E>,
+    /// Inverse lengths, 1/m.
     inverse_length: Lane<S, E>,
+    /// Charges.
     charge: Lane<S, E>,
 }
 
 impl<S: Simd, E: Ways> Bars<S, E> {
+    /// Segments from the rows of [`SegmentLines::bars`].
     #[inline(always)]
     fn new([x, y, z, a, b, c, length, inverse_length, charge]: [Lane<S, E>; 9]) -> Self {
         Self { middle: [x, y, z], half: [a, b, c], length, inverse_length, charge }
     }
 }
 
-/// Sums over pairs: of `1/r`, of `r/r^3`, and of the latter times the place on the target.
+/// Sums over the pairs of a target.
 #[derive(Clone, Copy)]
 struct Sums<S: Simd, E: Ways> {
+    /// Sum of `1/r`, 1/m.
     energy: Lane<S, E>,
-    force: Vectors<S, E>,
-    moment: Vectors<S, E>,
+    /// Sum of `r/r^3`, 1/m^2.
+    force: LaneVector<S, E>,
+    /// Sum of `r/r^3` times the place on the target, from -1 to 1.
+    moment: LaneVector<S, E>,
 }
 
-impl<E: Ways> Kernel for Pairs<'_, E> {
+impl<E: Ways> Kernel for BarPairs<'_, E> {
     #[inline(always)]
     fn run<S: Simd, M: Machine<S>>(self, simd: S, machine: M) {
         let Self { lines, rules, columns, targets, close, out } = self;
-        let Columns { center, blocks, indices, alone, felt } = columns;
+        let SegmentColumns { center, blocks, indices, alone, felt } = columns;
         let zero = Lane::<S, E>::splat(simd, E::from_f64(0.0));
         let [sum, difference] = rules.reach();
         let reach = [Lane::splat(simd, sum), Lane::splat(simd, difference)];
@@ -74,14 +85,14 @@ impl<E: Ways> Kernel for Pairs<'_, E> {
             }
             let own = Bars::new(own);
             let sums = Sums { energy: zero, force: [zero; 3], moment: [zero; 3] };
-            let mut seen = Seen { rules, reach, own, sums, list: &mut list, count: 0 };
+            let mut seen = TargetView { rules, reach, own, sums, list: &mut list, count: 0 };
             for (k, block) in blocks.iter().enumerate() {
                 for part in 0..LANES_F32 / E::lanes::<S>() {
                     let felt = if k < *alone { None } else { Some(&mut felt[k - *alone]) };
                     seen.add(machine, block, [k, part], felt);
                 }
             }
-            let Seen { sums, count, .. } = seen;
+            let TargetView { sums, count, .. } = seen;
             close.extend(list[..count].iter().map(|&k| [i, indices[k]]).filter(|[i, j]| i != j));
             out[0] += sums.energy.reduce_sum().to_f64();
             for c in 0..3 {
@@ -94,27 +105,32 @@ impl<E: Ways> Kernel for Pairs<'_, E> {
     }
 }
 
-/// What a target sees.
-struct Seen<'a, S: Simd, E: Ways> {
+/// Sources as a target sees them.
+struct TargetView<'a, S: Simd, E: Ways> {
+    /// Rules for pairs.
     rules: &'a Rules<E>,
-    /// As [`Rules::reach`].
+    /// Factors of [`Rules::reach`] in all lanes.
     reach: [Lane<S, E>; 2],
+    /// Target, in all lanes.
     own: Bars<S, E>,
+    /// Sums over the sources so far, a part in each lane.
     sums: Sums<S, E>,
-    /// The sources that no rule serves, and how many they are.
+    /// Lanes of the sources that no rule serves.
     list: &'a mut [usize],
+    /// Number of the sources that no rule serves.
     count: usize,
 }
 
-impl<'a, S: Simd, E: Ways> Seen<'a, S, E> {
-    /// Adds the sources in a register: `part` of `block`, which is the `k`th; and to `felt` what they feel.
+impl<'a, S: Simd, E: Ways> TargetView<'a, S, E> {
+    /// Adds the sources in a register, `part` of `block`, which is the `k`th; and to `felt` the
+    /// forces and moments of these sources.
     #[inline(always)]
     fn add<M: Machine<S>>(
         &mut self,
         machine: M,
-        block: &Block<E, 9>,
+        block: &ColumnBlock<E, 9>,
         [k, part]: [usize; 2],
-        felt: Option<&mut Block<E, 6>>,
+        felt: Option<&mut ColumnBlock<E, 6>>,
     ) {
         let simd = self.own.charge.simd();
         let mut other = [self.own.charge; 9];
@@ -131,6 +147,8 @@ impl<'a, S: Simd, E: Ways> Seen<'a, S, E> {
         };
         // Inverse roots are doubled.
         let charge = other.charge * other.charge.lift(0.125);
+        // The vector between two points is `r + u own - v other`, so force and moments are
+        // combinations of the three vectors with the means of `u^i v^j/r^3`.
         let [none, v, vv] = scaled(&[sums[0], sums[2], sums[5]], charge);
         let [u, uv, uu] = scaled(&[sums[1], sums[4], sums[3]], charge);
         let vectors = [&r, &self.own.half, &other.half];
@@ -152,12 +170,12 @@ impl<'a, S: Simd, E: Ways> Seen<'a, S, E> {
         }
     }
 
-    /// The rule that serves all of `other`; what none serves is listed and loses its charge.
+    /// Rule that serves all of `other`; what none serves is listed and loses its charge.
     #[inline(always)]
     fn rule<M: Machine<S>>(
         &mut self,
         machine: M,
-        r: &Vectors<S, E>,
+        r: &LaneVector<S, E>,
         other: &mut Bars<S, E>,
         first: usize,
     ) -> &'a [Node<E>] {
@@ -189,15 +207,15 @@ impl<'a, S: Simd, E: Ways> Seen<'a, S, E> {
     }
 }
 
-/// At most the square of the sum of the distances of a point of one segment from the ends of the other,
-/// over the length of this; the less of both ways round. With the distance p across the axis and g
-/// beyond the end it is `((2 g + L)^2 + 4 p^2)/L^2` by the triangle inequality.
+/// Lower bound of the square of the sum of the distances of a point of one segment from the ends of
+/// the other, over the length of this; the less of both ways round. With the distance p across the
+/// axis and g beyond the end it is `((2 g + L)^2 + 4 p^2)/L^2` by the triangle inequality.
 #[inline(always)]
 fn nearness<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     own: &Bars<S, E>,
     other: &Bars<S, E>,
-    r: &Vectors<S, E>,
+    r: &LaneVector<S, E>,
 ) -> Lane<S, E> {
     let (zero, two, four) = (r[0].lift(0.0), r[0].lift(2.0), r[0].lift(4.0));
     let r2 = dot(r, r);
@@ -228,18 +246,18 @@ fn nearness<S: Simd, E: Ways, M: Machine<S>>(
     least
 }
 
-/// Means over both segments, whose middles are `r` from each other, by a rule: of `u^i v^j/r^3`, times 8,
-/// for (i, j) = (0, 0), (1, 0), (0, 1), (2, 0), (1, 1) and (0, 2); and of `1/r`, times 2.
+/// Means over both segments, whose middles are `r` from each other, by a rule: of `u^i v^j/r^3`,
+/// times 8, for (i, j) = (0, 0), (1, 0), (0, 1), (2, 0), (1, 1) and (0, 2); and of `1/r`, times 2.
 ///
-/// Two points with the places u and v are `r + u own - v other` from each other. Only the part of it along
-/// `other` depends on v.
+/// Two points with the places u and v are `r + u own - v other` from each other. Only the part of
+/// it along `other` depends on v.
 #[inline(always)]
 fn sums<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     rule: &[Node<E>],
     own: &Bars<S, E>,
     other: &Bars<S, E>,
-    r: &Vectors<S, E>,
+    r: &LaneVector<S, E>,
 ) -> [Lane<S, E>; 7] {
     let (zero, softening) = (other.charge.lift(0.0), other.charge.lift(SOFTENING));
     let simd = zero.simd();
@@ -280,15 +298,15 @@ fn sums<S: Simd, E: Ways, M: Machine<S>>(
     sums
 }
 
-/// The same by the rule of two points, of which `node` is one, for segments that are not close: all four
-/// distances are from the products of the three vectors.
+/// Means as those of [`sums`], by the rule of two points, of which `node` is one, for segments that
+/// are not close: all four distances are from the products of the three vectors.
 #[inline(always)]
 fn of_two<S: Simd, E: Ways, M: Machine<S>>(
     machine: M,
     node: &Node<E>,
     own: &Bars<S, E>,
     other: &Bars<S, E>,
-    r: &Vectors<S, E>,
+    r: &LaneVector<S, E>,
 ) -> [Lane<S, E>; 7] {
     let simd = r[0].simd();
     let (place, square) = (Lane::splat(simd, node.place), Lane::splat(simd, node.square));
@@ -319,17 +337,17 @@ fn of_two<S: Simd, E: Ways, M: Machine<S>>(
     [none * quarter, u, v, uu, uv, uu, energy * quarter]
 }
 
-/// Adds to a register of a row.
+/// Adds `values` to the register `part` of a row.
 #[inline(always)]
 fn add_to<S: Simd, E: Ways>(row: &mut [E; LANES_F32], part: usize, values: Lane<S, E>) {
     (Lane::load(values.simd(), row, part) + values).store(row, part);
 }
 
-/// `a x + b y - c z`.
+/// Combination `a x + b y - c z` of vectors.
 #[inline(always)]
 fn combined<S: Simd, E: Ways>(
-    [a, b, c]: [&Vectors<S, E>; 3],
+    [a, b, c]: [&LaneVector<S, E>; 3],
     [x, y, z]: [Lane<S, E>; 3],
-) -> Vectors<S, E> {
+) -> LaneVector<S, E> {
     along(&along(&scaled(a, x), b, y), c, -z)
 }

@@ -1,73 +1,75 @@
 //! Two nearly parallel charged lines, a pair in each lane.
 //!
 //! The closed form of [`skew`](super::skew::skew) loses digits here. So only the second line is
-//! integrated in closed form, which for one line has no such loss, and the first by Gauss's rule. The
-//! integrand has poles beside the ends of the second, p from the first, and where lines cross, their
-//! distance over the sine of their angle from it. With `y = p (z - 1/z)/2` from there on they lie at
-//! `z = i` and `-i`; panels in which z grows threefold leave Gauss's rule of m points an error of
-//! [`RATE`] to the power -2m, however close the lines are.
+//! integrated in closed form, which for one line has no such loss, and the first by Gauss's rule.
+//! The integrand has poles beside the ends of the second, p from the first, and where lines cross,
+//! their distance over the sine of their angle from it. With `y = p (z - 1/z)/2` from there on they
+//! lie at `z = i` and `-i`; panels in which z grows threefold leave Gauss's rule of m points an
+//! error of [`RATE`] to the power -2m, however close the lines are.
 
-use super::skew::{Line, Means, ROUNDINGS};
+use super::skew::{ChargedLine, LineMeans, ROUNDINGS};
 use crate::quadrature::gauss_legendre;
-use crate::vectors::{Vectors, along, dot, minus, scaled};
+use crate::vectors::{LaneVector, along, dot, minus, scaled};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, Roots, ln};
 
-/// Most that z grows in a panel.
+/// Most growth of z in a panel.
 const GROWTH: f64 = 3.0;
 
-/// The sum of the half axes of the ellipse through `i` about the first panel, from 1 to 3, over half of
+/// Sum of the half axes of the ellipse through `i` about the first panel, from 1 to 3, over half of
 /// the panel.
 const RATE: f64 = 4.3;
 
 /// Most points of a rule: they are exact to rounding.
-const MOST: i32 = 14;
+const MOST_POINTS: i32 = 14;
 
 /// Most panels: they are enough for distances of 1e-7 of the length.
-const PANELS: i32 = 16;
+const MOST_PANELS: i32 = 16;
 
-/// Distance of the poles of a crossing, over the length, beyond which the widest panels need not heed them:
-/// those are two thirds as long, and from their middle the ellipse of [`RATE`] is half as wide again.
+/// Distance of the poles of a crossing, over the length, beyond which the widest panels need not
+/// heed them: those are two thirds as long, and from their middle the ellipse of [`RATE`] is half
+/// as wide again.
 const HEEDED: f64 = 0.7;
 
-/// What keeps the square of a sine from zero.
-const TINY: f64 = 1e-30;
+/// Smallest square of a sine, which keeps its inverse finite.
+const LEAST_SINE_SQUARE: f64 = 1e-30;
 
-/// Lines that are nearly parallel.
+/// Integrals over pairs of lines that are nearly parallel.
 pub(super) struct Parallel {
+    /// Sine of the angle up to which lines are nearly parallel.
     sine: f64,
-    /// Places and weights on a panel from -1 to 1.
+    /// Places on a panel from -1 to 1, and weights.
     rule: Vec<[f64; 2]>,
 }
 
 impl Parallel {
-    /// For forces within `tolerance`, of which rules and rounding may take a tenth each.
+    /// Integrals for forces within `tolerance`, of which rules and rounding may take a tenth each.
     pub(super) fn new(tolerance: f64) -> Self {
         let allowed = 0.1 * tolerance;
         // The derivative of a pole errs by the square of the number of points more.
         let error = |points: i32| 0.5 * f64::from(points * points) * RATE.powi(-2 * points);
         let enough = |points: &i32| error(*points) <= allowed;
-        let points = (2..MOST).find(enough).unwrap_or(MOST);
+        let points = (2..MOST_POINTS).find(enough).unwrap_or(MOST_POINTS);
         let sine = (ROUNDINGS / allowed).cbrt().clamp(1e-3, 0.05);
         Self { sine, rule: gauss_legendre(points.unsigned_abs() as usize) }
     }
 
-    /// The sine of the angle up to which lines are nearly parallel.
+    /// Sine of the angle up to which lines are nearly parallel.
     pub(super) fn sine(&self) -> f64 {
         self.sine
     }
 
-    /// The means over two lines. Cost: some 100 operations a point of the rule and panel, of which there are
-    /// four or more.
+    /// Means over two lines. Cost: some 100 operations a point of the rule and panel, of which
+    /// there are four or more.
     #[inline(always)]
     pub(super) fn means<S: Simd, R: Roots<S>>(
         &self,
         roots: R,
-        first: &Line<S>,
-        second: &Line<S>,
+        first: &ChargedLine<S>,
+        second: &ChargedLine<S>,
         softening: Lane<S>,
-    ) -> Means<S> {
-        let pair = Pair::new(roots, *first, *second, softening);
+    ) -> LineMeans<S> {
+        let pair = LinePair::new(roots, *first, *second, softening);
         // Places on the first beside the ends of the second.
         let start = -dot(&pair.r, &first.tangent);
         let end = second.length.mul_add(dot(&first.tangent, &second.tangent), start);
@@ -77,6 +79,8 @@ impl Parallel {
         let half = low.lift(0.5);
         let middles = [(low + crossing) * half, (crossing + high) * half];
         let mut sums = [low.lift(0.0); 10];
+        // Panels begin where the integrand is steepest: beside the ends of the second line and at
+        // the crossing.
         for [from, to] in [
             [low, low.lift(0.0)],
             [low, middles[0]],
@@ -90,12 +94,13 @@ impl Parallel {
         pair.means(roots, &sums)
     }
 
-    /// Adds the part of the first line between two places, in panels that grow from the first of them on.
+    /// Adds the part of the first line between the places `from` and `to` (m), in panels that grow
+    /// from the first of them on.
     #[inline(always)]
     fn add<S: Simd, R: Roots<S>>(
         &self,
         roots: R,
-        pair: &Pair<S>,
+        pair: &LinePair<S>,
         [from, to]: [Lane<S>; 2],
         sums: &mut [Lane<S>; 10],
     ) {
@@ -104,11 +109,13 @@ impl Parallel {
         if !zero.less_than(span.abs()).any() {
             return;
         }
+        // The substitution `y = p (z - 1/z)/2` with the distance p of the nearest pole; z grows
+        // from 1 by the same factor in each panel.
         let unit = pair.pole(roots, from);
         let steep = span.abs() * roots.recip(unit);
         let mut growth = steep + roots.sqrt(steep.mul_add(steep, one));
         let mut panels = 1;
-        while panels < PANELS && from.lift(GROWTH).less_than(growth).any() {
+        while panels < MOST_PANELS && from.lift(GROWTH).less_than(growth).any() {
             growth = roots.sqrt(growth);
             panels *= 2;
         }
@@ -130,56 +137,70 @@ impl Parallel {
     }
 }
 
-/// The nearest number from 0 to `most`.
+/// Nearest number from 0 to `most`.
 #[inline(always)]
 fn within<S: Simd>(x: Lane<S>, most: Lane<S>) -> Lane<S> {
     let x = x.less_than(x.lift(0.0)).select(x.lift(0.0), x);
     x.less_than(most).select(x, most)
 }
 
-struct Pair<S: Simd> {
-    first: Line<S>,
-    second: Line<S>,
+/// Pair of lines in each lane.
+struct LinePair<S: Simd> {
+    /// Line that is integrated by a rule.
+    first: ChargedLine<S>,
+    /// Line that is integrated in closed form.
+    second: ChargedLine<S>,
+    /// Square of the length that distances are softened with, m^2.
     softening: Lane<S>,
-    /// From the start of the second to that of the first.
-    r: Vectors<S>,
-    /// What the tangent of the first has across the second, and the inverse of its square.
-    lean: Vectors<S>,
+    /// Vector from the start of the second line to that of the first, m.
+    r: LaneVector<S>,
+    /// Part of the tangent of the first line across the second.
+    lean: LaneVector<S>,
+    /// Inverse of the square of that part.
     steepness: Lane<S>,
 }
 
-/// How a place on the first is seen from the second.
-struct Seen<S: Simd> {
-    /// Its way beyond the start of the second, along that.
+/// Place on the first line as seen from the second.
+struct PlaceView<S: Simd> {
+    /// Way (m) of the place beyond the start of the second line, along that.
     beyond: Lane<S>,
-    /// The way from the line of the second to it, and the square of that with the softening.
-    across: Vectors<S>,
+    /// Vector (m) from the line through the second to the place.
+    across: LaneVector<S>,
+    /// Square of that vector with the softening, m^2.
     across2: Lane<S>,
-    /// The squares of the distances from the start and the end of the second.
+    /// Squares of the distances from the start and the end of the second line, m^2.
     squares: [Lane<S>; 2],
 }
 
-impl<S: Simd> Pair<S> {
+impl<S: Simd> LinePair<S> {
+    /// Pair with the vector between both lines.
     #[inline(always)]
-    fn new<R: Roots<S>>(roots: R, first: Line<S>, second: Line<S>, softening: Lane<S>) -> Self {
+    fn new<R: Roots<S>>(
+        roots: R,
+        first: ChargedLine<S>,
+        second: ChargedLine<S>,
+        softening: Lane<S>,
+    ) -> Self {
         let lean = across(&first.tangent, &second.tangent);
-        let steepness = roots.recip(dot(&lean, &lean) + softening.lift(TINY));
+        let steepness = roots.recip(dot(&lean, &lean) + softening.lift(LEAST_SINE_SQUARE));
         let r = minus(&first.start, &second.start);
         Self { first, second, softening, r, lean, steepness }
     }
 
+    /// View of the `place` (m) on the first line.
     #[inline(always)]
-    fn seen(&self, place: Lane<S>) -> Seen<S> {
+    fn seen(&self, place: Lane<S>) -> PlaceView<S> {
         let r = along(&self.r, &self.first.tangent, place);
         let beyond = dot(&r, &self.second.tangent);
         let across = along(&r, &self.second.tangent, -beyond);
         let across2 = dot(&across, &across) + self.softening;
         let rest = beyond - self.second.length;
         let squares = [beyond.mul_add(beyond, across2), rest.mul_add(rest, across2)];
-        Seen { beyond, across, across2, squares }
+        PlaceView { beyond, across, across2, squares }
     }
 
-    /// The place of `low` to `high` nearest to where the lines cross, if that is heeded; else `low`.
+    /// Place from `low` to `high` that is nearest to where the lines cross, if that is heeded; else
+    /// `low`.
     #[inline(always)]
     fn crossing(&self, [low, high]: [Lane<S>; 2]) -> Lane<S> {
         let place = -(dot(&self.lean, &self.r) * self.steepness);
@@ -190,25 +211,25 @@ impl<S: Simd> Pair<S> {
         pole2.less_than(reach * reach).select(place, low)
     }
 
-    /// How far from a `place` on the first the nearest pole is.
+    /// Distance (m) of the nearest pole from a `place` (m) on the first line.
     #[inline(always)]
     fn pole<R: Roots<S>>(&self, roots: R, place: Lane<S>) -> Lane<S> {
-        let Seen { across2, squares: [a2, b2], .. } = self.seen(place);
+        let PlaceView { across2, squares: [a2, b2], .. } = self.seen(place);
         let crossing2 = across2 * self.steepness;
         let end2 = a2.less_than(b2).select(a2, b2);
         roots.sqrt(end2.less_than(crossing2).select(end2, crossing2))
     }
 
-    /// Adds what the second makes at a `place` on the first: the potential, the means of `r/r^3`, those times
-    /// the place, and those of `v r/r^3`.
+    /// Adds the action of the second line on a `place` (m) on the first: the potential, the means
+    /// of `r/r^3`, those times the place, and those of `v r/r^3`.
     ///
     /// With the distances A and B of the place from start and end of the second, whose product as
-    /// vectors is w, the means of `v/r^3` and `(1 - v)/r^3` are `1/(B (A B + w))` and `1/(A (A B + w))`,
-    /// and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the second, those of `r/r^3` and
-    /// `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
+    /// vectors is w, the means of `v/r^3` and `(1 - v)/r^3` are `1/(B (A B + w))` and `1/(A (A B +
+    /// w))`, and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the second, those
+    /// of `r/r^3` and `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
     #[inline(always)]
     fn add<R: Roots<S>>(&self, roots: R, place: Lane<S>, share: Lane<S>, sums: &mut [Lane<S>; 10]) {
-        let Seen { beyond, across, across2, squares } = self.seen(place);
+        let PlaceView { beyond, across, across2, squares } = self.seen(place);
         let length = self.second.length;
         let inverses = [roots.rsqrt(squares[0]), roots.rsqrt(squares[1])];
         let [a, b] = [squares[0] * inverses[0], squares[1] * inverses[1]];
@@ -234,12 +255,12 @@ impl<S: Simd> Pair<S> {
         }
     }
 
-    /// The means over both lines from the sums over all places.
+    /// Means over both lines from the sums over all places.
     #[inline(always)]
-    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lane<S>; 10]) -> Means<S> {
+    fn means<R: Roots<S>>(&self, roots: R, sums: &[Lane<S>; 10]) -> LineMeans<S> {
         let over = roots.recip(self.first.length);
         let [energy, a, b, c, d, e, f, g, h, i] = *sums;
-        Means {
+        LineMeans {
             energy: energy * over,
             force: scaled(&[a, b, c], over),
             first_end: scaled(&[d, e, f], over * over),
@@ -248,9 +269,9 @@ impl<S: Simd> Pair<S> {
     }
 }
 
-/// What of a vector is across the unit vector `axis`.
+/// Part of `vector` across the unit vector `axis`.
 #[inline(always)]
-fn across<S: Simd>(vector: &Vectors<S>, axis: &Vectors<S>) -> Vectors<S> {
+fn across<S: Simd>(vector: &LaneVector<S>, axis: &LaneVector<S>) -> LaneVector<S> {
     along(vector, axis, -dot(vector, axis))
 }
 
@@ -261,8 +282,8 @@ mod tests {
     use nalgebra::Vector3;
     use rapunzel_lanes::{Kernel, dispatch};
 
-    /// A line of `parallel.csv`: start and end of the second line, softening, and the means. Lines that lean
-    /// far enough for the closed form are compared with that as well.
+    /// A line of `parallel.csv`: start and end of the second line, softening, and the means. Lines
+    /// that lean far enough for the closed form are compared with that as well.
     struct Check<'a> {
         values: &'a [f64],
         tolerance: f64,
@@ -274,7 +295,7 @@ mod tests {
             let line = |a: Vector3<f64>, b: Vector3<f64>| {
                 let lanes = |v: Vector3<f64>| [of(v.x), of(v.y), of(v.z)];
                 let tangent = lanes((b - a).normalize());
-                Line { start: lanes(a), tangent, length: of((b - a).norm()) }
+                ChargedLine { start: lanes(a), tangent, length: of((b - a).norm()) }
             };
             let vector = |k: usize| Vector3::from_column_slice(&self.values[k..k + 3]);
             let (first, second) =
@@ -292,7 +313,7 @@ mod tests {
     }
 
     impl Check<'_> {
-        fn check<S: Simd>(&self, means: &Means<S>, most: f64) {
+        fn check<S: Simd>(&self, means: &LineMeans<S>, most: f64) {
             let exact = &self.values[7..];
             let error = (means.energy.numbers()[0] / exact[0] - 1.0).abs();
             assert!(error < most, "{:?}: {error:e}", self.values);
@@ -305,9 +326,9 @@ mod tests {
         }
     }
 
-    /// Lines beside each other, against each other, across each other and one behind the other, at angles from
-    /// none to those of the closed form, some as close as a thousandth of their length, where they cross
-    /// as a ten thousandth.
+    /// Lines beside each other, against each other, across each other and one behind the other, at
+    /// angles from none to those of the closed form, some as close as a thousandth of their length,
+    /// where they cross as a ten thousandth.
     #[test]
     fn nearly_parallel_lines_are_the_integrals() {
         let table = include_str!("../../tests/data/parallel.csv");

@@ -1,63 +1,67 @@
 //! Two straight charged lines in closed form, a pair in each lane.
 
-use crate::vectors::{Vectors, along, cross, dot, log, minus, scaled};
+use crate::vectors::{LaneVector, along, cross, dot, log, minus, scaled};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, Roots, angle};
 
-/// Roundings that [`skew`] errs by, times the cube of the sine.
+/// Rounding error of [`skew`], relative, times the cube of the sine.
 pub(super) const ROUNDINGS: f64 = 10.0 * f64::EPSILON;
 
-/// Lines from `start` along the unit vector `tangent`.
+/// Lines from `start` along the unit vector `tangent`, one in each lane.
 #[derive(Clone, Copy)]
-pub(super) struct Line<S: Simd> {
-    pub(super) start: Vectors<S>,
-    pub(super) tangent: Vectors<S>,
+pub(super) struct ChargedLine<S: Simd> {
+    /// Start (world), m.
+    pub(super) start: LaneVector<S>,
+    /// Unit tangent (world).
+    pub(super) tangent: LaneVector<S>,
+    /// Length, m.
     pub(super) length: Lane<S>,
 }
 
-/// What two lines with a charge of 1 each do to each other, with the kernel
-/// `1/sqrt(r^2 + softening)`, r from the second to the first: means over both lines, whose shares u
-/// and v run from 0 at the start to 1 at the end.
+/// Means over two lines of the actions of unit charges, with the kernel `1/sqrt(r^2 + softening)`,
+/// r from the second to the first; the shares u and v of the first and the second run from 0 at the
+/// start to 1 at the end.
 #[derive(Clone, Copy)]
-pub(super) struct Means<S: Simd> {
-    /// Of `1/r`: their energy.
+pub(super) struct LineMeans<S: Simd> {
+    /// Mean of `1/r`, 1/m: the energy.
     pub(super) energy: Lane<S>,
-    /// Of `r/r^3`: the force on the first.
-    pub(super) force: Vectors<S>,
-    /// Of `u r/r^3`: the part of it that the end of the first takes.
-    pub(super) first_end: Vectors<S>,
-    /// Of `v r/r^3`: less the force on the end of the second.
-    pub(super) second_end: Vectors<S>,
+    /// Mean of `r/r^3` (world), 1/m^2: the force on the first.
+    pub(super) force: LaneVector<S>,
+    /// Mean of `u r/r^3` (world), 1/m^2: the part of the force that the end of the first takes.
+    pub(super) first_end: LaneVector<S>,
+    /// Mean of `v r/r^3` (world), 1/m^2: the negative force on the end of the second.
+    pub(super) second_end: LaneVector<S>,
 }
 
-/// The product of complex numbers.
+/// Product of complex numbers.
 #[inline(always)]
 fn product<S: Simd>(a: [Lane<S>; 2], b: [Lane<S>; 2]) -> [Lane<S>; 2] {
     [a[1].negate_mul_add(b[1], a[0] * b[0]), a[0].mul_add(b[1], a[1] * b[0])]
 }
 
-/// `n a + s y + t z`.
+/// Combination `n a + s y + t z` of the axes n, s and t.
 #[inline(always)]
-fn combined<S: Simd>(axes: &[Vectors<S>; 3], [a, y, z]: [Lane<S>; 3]) -> Vectors<S> {
+fn combined<S: Simd>(axes: &[LaneVector<S>; 3], [a, y, z]: [Lane<S>; 3]) -> LaneVector<S> {
     along(&along(&scaled(&axes[0], a), &axes[1], y), &axes[2], z)
 }
 
-/// The means over two lines that are not parallel. Relative error: [`ROUNDINGS`] over the cube
-/// of the sine of their angle. Cost: some 350 operations.
+/// Means over two lines that are not parallel. Relative error: [`ROUNDINGS`] over the cube of the
+/// sine of their angle. Cost: some 350 operations.
 ///
 /// With the second line reversed, `r = h n + y s + z t`: n is the common normal, s and t are the
-/// tangents with the product c, and `R^2 = d^2 + y^2 + z^2 + 2 c y z` with `d^2 = h^2 +
-/// softening`. Of `1/R^3` the integral is an angle, `A = atan((y z q^2 - c d^2)/(d q R))/(d q)` with
-/// `q^2 = 1 - c^2`; all others follow from it and from the logarithms `M = ln(R + z + c y)`
-/// and `N = ln(R + y + c z)` by integration by parts: the derivatives of `1/R`, `y/R` and `z/R` by y
-/// and z give `Y + c Z = -M` and so on. All are differences over the four corners.
+/// tangents with the product c, and `R^2 = d^2 + y^2 + z^2 + 2 c y z` with `d^2 = h^2 + softening`.
+/// Of `1/R^3` the integral is an angle, `A = atan((y z q^2 - c d^2)/(d q R))/(d q)` with `q^2 = 1 -
+/// c^2`; all others follow from it and from the logarithms `M = ln(R + z + c y)` and `N = ln(R + y
+/// + c z)` by integration by parts: the derivatives of `1/R`, `y/R` and `z/R` by y and z give `Y +
+/// c Z = -M` and so on. All are differences over the four corners.
 #[inline(always)]
 pub(super) fn skew<S: Simd, R: Roots<S>>(
     roots: R,
-    first: &Line<S>,
-    second: &Line<S>,
+    first: &ChargedLine<S>,
+    second: &ChargedLine<S>,
     softening: Lane<S>,
-) -> Means<S> {
+) -> LineMeans<S> {
+    // The frame of both lines: the feet of the common normal, and their square distance d2.
     let s = first.tangent;
     let t = scaled(&second.tangent, softening.lift(-1.0));
     let r = minus(&first.start, &second.start);
@@ -73,6 +77,7 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
     let (y, z) = ([y0, y0 + first.length], [z0, z0 + second.length]);
     let dq = roots.sqrt(d2 * q2);
 
+    // The angle A, from the product of the four complex numbers of the corners.
     let mut radius = [[y0; 2]; 2];
     // The cosine and sine of the four angles, not normalized; their product has the sum of them.
     let mut turn = [y0.lift(1.0), y0.lift(0.0)];
@@ -86,6 +91,7 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
         }
     }
     let a = angle(roots, turn[0], turn[1]) * roots.recip(dq);
+    // The logarithms M and N at the corners of the other line.
     let (mut m, mut n) = ([y0; 2], [y0; 2]);
     for k in 0..2 {
         let w = [c.mul_add(y[k], z[0]), c.mul_add(y[k], z[1])];
@@ -94,6 +100,7 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
         n[k] = log(roots, w, [radius[0][k], radius[1][k]]);
     }
 
+    // Integration by parts: energy, first moments iy and iz, and second moments yy, zz and yz.
     let (dm, dn) = (m[1] - m[0], n[1] - n[0]);
     let ym = y[1].mul_add(m[1], -(y0 * m[0]));
     let zn = z[1].mul_add(n[1], -(z0 * n[0]));
@@ -115,7 +122,7 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
         [y0.negate_mul_add(a, iy), y0.negate_mul_add(iy, yy), y0.negate_mul_add(iz, yz)];
     let second_end =
         [z0.negate_mul_add(a, iz), z0.negate_mul_add(iy, yz), z0.negate_mul_add(iz, zz)];
-    Means {
+    LineMeans {
         energy: energy * over,
         force: scaled(&combined(&axes, [a, iy, iz]), over),
         first_end: scaled(&combined(&axes, first_end), over_first),
@@ -144,7 +151,7 @@ mod tests {
             let line = |[a, b]: Ends| {
                 let tangent = (b - a).normalize();
                 let lanes = |v: Vector3<f64>| [of(v.x), of(v.y), of(v.z)];
-                Line { start: lanes(a), tangent: lanes(tangent), length: of((b - a).norm()) }
+                ChargedLine { start: lanes(a), tangent: lanes(tangent), length: of((b - a).norm()) }
             };
             let [first, second] = self.lines.map(line);
             let means = skew(roots, &first, &second, of(self.softening));

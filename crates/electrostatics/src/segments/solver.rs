@@ -1,68 +1,75 @@
 //! What segments do to each other, and a conductor to them.
 
-use super::columns::Columns;
-use super::lines::{Lines, Loads};
+use super::columns::SegmentColumns;
+use super::lines::{Loads, SegmentLines};
 use super::near::add_close;
 use super::parallel::Parallel;
 use super::reference::{STRICTEST, exact};
 use super::rules::{Node, Rules};
+use crate::direct_sum::Cloud;
 use crate::harmonics::{Coefficient, MAX_ORDER};
-use crate::head::outside::Outside;
-use crate::multipole::engine::{Degrees, Descent, Far, Leaf, Multipoles, Task, nothing, scaled};
-use crate::multipole::near::Cloud;
+use crate::head::outside::ExteriorBodies;
+use crate::multipole::downward::{Degrees, Descent, Far, Leaf, Task};
 use crate::multipole::samples::{SAMPLES, error, samples};
 use crate::multipole::solver::{SINGLE, find_order, guess, thinning};
-use crate::multipole::tree::{Cell, Tree};
+use crate::multipole::tree::{Cell, Octree};
+use crate::multipole::upward::{Multipoles, nothing, scaled};
 use crate::{Accuracy, Certificate, Condition, ConductingSurface, ElectrostaticsError};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Largest ratio of radii to distance at which expansions are used.
-const OPENING: f64 = 0.79;
+/// Largest ratio of radii to distance at which expansions of segments are used.
+const SEGMENT_OPENING: f64 = 0.79;
 
-/// Least and most bodies below which a subtree is one task: pairs within one need be looked at once, and
-/// there must be tasks enough for all threads.
+/// Least and most number of bodies below which a subtree is one task: pairs within one need be
+/// looked at once, and there must be tasks enough for all threads.
 const TASK: [usize; 2] = [8192, 131_072];
 
-/// Subtrees that are one task each, about, if they have that many bodies.
+/// Number of subtrees that are one task each, about, if they have that many bodies.
 const TASKS: usize = 16;
 
-/// Bodies below which a subtree is one task, of this many.
+/// Number of bodies below which a subtree is one task, for a tree of so many `bodies`.
 fn grain(bodies: usize) -> usize {
     (bodies / TASKS).clamp(TASK[0], TASK[1])
 }
 
-/// A conductor beside the segments, whose charges are in units of `unit` (C).
+/// Conductor beside the segments.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<'a> {
+    /// Surface of the conductor.
     pub(super) surface: &'a ConductingSurface,
+    /// Known potential or charge of the conductor.
     pub(super) condition: Condition,
+    /// Unit of the charges of the segments, C.
     pub(super) unit: f64,
 }
 
-/// What was found.
-pub(super) struct Found {
-    /// Of the segments in the order of their tree.
+/// Solution for all segments.
+pub(super) struct SegmentSolution {
+    /// Loads of the segments, in the order of their tree.
     pub(super) loads: Vec<Loads>,
     /// Energy of the conductor beside that of the segments, J.
     pub(super) energy: f64,
+    /// Error of the loads at sampled segments.
     pub(super) certificate: Certificate,
 }
 
-/// The loads of `lines`, which are in the order of `tree`; with stricter rules where these are not enough.
+/// Loads of `lines`, which are in the order of `tree`; with stricter rules where these are not
+/// enough.
 pub(super) fn loads(
-    tree: &Tree,
-    lines: &Lines,
+    tree: &Octree,
+    lines: &SegmentLines,
     beside: Option<Beside>,
     accuracy: Accuracy,
-) -> Result<Found, ElectrostaticsError> {
+) -> Result<SegmentSolution, ElectrostaticsError> {
     let (tolerance, adaptive) = match accuracy {
         Accuracy::Tolerance(tolerance) => (tolerance, true),
         Accuracy::Order(_) => (1e-6, false),
     };
     if adaptive && tolerance >= SINGLE {
-        let found = Sum::<f32>::new(tree, lines, beside, tolerance, accuracy).run();
-        let finite = |found: &Found| found.loads.as_flattened().iter().all(|x| x.is_finite());
+        let found = SegmentSum::<f32>::new(tree, lines, beside, tolerance, accuracy).run();
+        let finite =
+            |found: &SegmentSolution| found.loads.as_flattened().iter().all(|x| x.is_finite());
         if let Some(found) = found.ok().filter(finite) {
             return Ok(found);
         }
@@ -70,7 +77,7 @@ pub(super) fn loads(
     let mut strictness = 1.0;
     loop {
         let error = strictness * tolerance;
-        match Sum::<f64>::new(tree, lines, beside, error, accuracy).run() {
+        match SegmentSum::<f64>::new(tree, lines, beside, error, accuracy).run() {
             Err(ElectrostaticsError::OutOfReach { .. }) if error > STRICTEST => {
                 strictness *= 0.03;
             }
@@ -79,35 +86,43 @@ pub(super) fn loads(
     }
 }
 
-/// Error of rules over the tolerance of the forces, from measured errors.
-const SHARE: f64 = 0.7;
+/// Error of rules over the tolerance of the forces, from measured errors of both.
+const RULE_SHARE: f64 = 0.7;
 
 /// Relative error of closed forms at worst: with a smaller tolerance the certificate says what was
 /// reached.
 const CLOSED: f64 = 2e-11;
 
-struct Sum<'a, E> {
-    tree: &'a Tree,
-    lines: &'a Lines,
+/// Sum of the actions of all segments on each other, with expansions of the type `E`.
+struct SegmentSum<'a, E> {
+    tree: &'a Octree,
+    lines: &'a SegmentLines,
+    /// Conductor beside the segments, if there is one.
     beside: Option<Beside<'a>>,
+    /// Rules for pairs that are not close.
     rules: Rules<E>,
-    /// Each segment as the points of the rule for those far away.
+    /// Points of each segment by the rule for those far away.
     cloud: Cloud,
+    /// Integrals for close pairs that are nearly parallel.
     parallel: Parallel,
-    /// Least distance of cells whose expansions are used.
+    /// Least gap (m) between cells whose expansions are used.
     clearance: f64,
+    /// Required accuracy of the forces.
     accuracy: Accuracy,
 }
 
-impl<'a, E: Coefficient> Sum<'a, E> {
+impl<'a, E: Coefficient> SegmentSum<'a, E> {
+    /// Sum with rules that err by about `error`.
     fn new(
-        tree: &'a Tree,
-        lines: &'a Lines,
+        /// Tree of the segments.
+        tree: &'a Octree,
+        /// Segments in the order of the tree.
+        lines: &'a SegmentLines,
         beside: Option<Beside<'a>>,
         error: f64,
         accuracy: Accuracy,
     ) -> Self {
-        let rules = Rules::<E>::new((SHARE * error).min(0.1));
+        let rules = Rules::<E>::new((RULE_SHARE * error).min(0.1));
         let points = rules.far();
         let each = |value: &(dyn Fn(usize, &Node<E>) -> f64 + Sync)| {
             let at = |k: usize| value(k / points.len(), &points[k % points.len()]);
@@ -124,23 +139,25 @@ impl<'a, E: Coefficient> Sum<'a, E> {
         Self { tree, lines, beside, rules, cloud, parallel, clearance, accuracy }
     }
 
-    fn run(&self) -> Result<Found, ElectrostaticsError> {
+    /// Loads of all segments, by each other and by the conductor.
+    fn run(&self) -> Result<SegmentSolution, ElectrostaticsError> {
         let (mut loads, mut certificate, multipoles, order) = self.mutual()?;
         let Some(Beside { surface, condition, unit }) = self.beside else {
-            return Ok(Found { loads, energy: 0.0, certificate });
+            return Ok(SegmentSolution { loads, energy: 0.0, certificate });
         };
         let per_body = self.rules.far().len();
-        let outside = Outside { tree: self.tree, cloud: &self.cloud, per_body };
+        let outside = ExteriorBodies { tree: self.tree, cloud: &self.cloud, per_body };
         surface.check_bodies(outside)?;
         let add = |i: usize, sums: &[[f64; 4]], out: &mut Loads| self.add_points(i, sums, out);
         let (charged, sources) = ((outside, unit), (&multipoles, order));
         let [energy, error] =
             surface.act(condition, charged, sources, self.accuracy, &add, &mut loads)?;
         certificate.error = certificate.error.max(error);
-        Ok(Found { loads, energy, certificate })
+        Ok(SegmentSolution { loads, energy, certificate })
     }
 
-    /// What segments do to each other, with their multipoles and the degree of these.
+    /// Loads of the segments by each other, with the multipoles of the segments and the degree of
+    /// these.
     fn mutual(
         &self,
     ) -> Result<(Vec<Loads>, Certificate, Multipoles<'_, E>, usize), ElectrostaticsError> {
@@ -187,6 +204,8 @@ impl<'a, E: Coefficient> Sum<'a, E> {
         }
     }
 
+    /// Adds to `out` the loads of all segments, or of the sampled ones, by expansions of degree
+    /// `order` and by close pairs.
     fn descend(
         &self,
         sources: &Multipoles<E>,
@@ -194,7 +213,7 @@ impl<'a, E: Coefficient> Sum<'a, E> {
         samples: Option<&[usize]>,
         out: &mut [Loads],
     ) {
-        let (targets, opening, clearance) = (self.tree, OPENING, self.clearance);
+        let (targets, opening, clearance) = (self.tree, SEGMENT_OPENING, self.clearance);
         let (leaf, direct) = (self, 0);
         let degrees = Degrees::new(order, opening, thinning(self.accuracy));
         let grain = grain(targets.order.len());
@@ -213,7 +232,8 @@ impl<'a, E: Coefficient> Sum<'a, E> {
         .run(out);
     }
 
-    /// Adds the loads of segment `i` in the potentials and gradients at its points.
+    /// Adds to `out` the loads of segment `i` by the potentials and gradients `sums` at its points:
+    /// the force at a point is shared by the ends as a lever.
     fn add_points(&self, i: usize, sums: &[[f64; 4]], out: &mut Loads) {
         let rule = self.rules.far();
         let charges = &self.cloud.charge[i * rule.len()..];
@@ -229,11 +249,12 @@ impl<'a, E: Coefficient> Sum<'a, E> {
     }
 }
 
-impl<E: Coefficient> Leaf for Sum<'_, E> {
+impl<E: Coefficient> Leaf for SegmentSum<'_, E> {
     type Out = Loads;
 
     fn receive(&self, cell: &Cell, far: &Far, near: &[Range<usize>], mut task: Task<Loads>) {
         let points = self.rules.far().len();
+        // Far field: local expansions at the points of the rule.
         let own = scaled(&cell.bodies, points);
         let mut sums = vec![[0.0; 4]; own.len()];
         far.add(cell, &self.cloud.x, own, &mut sums);
@@ -259,7 +280,8 @@ impl<E: Coefficient> Leaf for Sum<'_, E> {
                 within(cell.bodies.end..last).collect(),
             ),
         };
-        let mut columns = Columns::new(self.lines, cell.center.into(), [&alone, &mutual]);
+        // Near field: rules where one serves, else closed forms.
+        let mut columns = SegmentColumns::new(self.lines, cell.center.into(), [&alone, &mutual]);
         let targets = task.wanted(cell);
         let mut loads = vec![[0.0; 7]; targets.len()];
         let mut pairs = columns.act(self.lines, &self.rules, &targets, &mut loads);

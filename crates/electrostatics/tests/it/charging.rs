@@ -1,21 +1,26 @@
 //! Charge dealt in steps, and charge that flows.
 
 use proptest::prelude::*;
-use rapunzel_electrostatics::{ChargeFlow, Dealing, ElectrostaticsError};
+use rapunzel_electrostatics::{ChargeDealing, ChargeFlow, ElectrostaticsError};
 
 /// All of the charge is dealt, in steps that fall.
 #[test]
 fn shares_are_the_whole() {
     for steps in [1, 2, 8, 64] {
-        for dealing in [Dealing::Once, Dealing::Equal(steps), Dealing::Falling(steps)] {
+        for dealing in
+            [ChargeDealing::Once, ChargeDealing::Equal(steps), ChargeDealing::Falling(steps)]
+        {
             let shares = dealing.shares();
             assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{dealing:?}");
             assert!(shares.windows(2).all(|pair| pair[1] <= pair[0]), "{dealing:?}");
         }
-        assert_eq!(Dealing::Falling(steps).shares().len(), steps);
+        assert_eq!(ChargeDealing::Falling(steps).shares().len(), steps);
     }
-    assert!(Dealing::Falling(8).shares()[0] > 2.0 * Dealing::Falling(8).shares()[3]);
-    assert!(Dealing::Equal(0).shares().is_empty() && Dealing::Falling(0).shares().is_empty());
+    assert!(ChargeDealing::Falling(8).shares()[0] > 2.0 * ChargeDealing::Falling(8).shares()[3]);
+    assert!(
+        ChargeDealing::Equal(0).shares().is_empty()
+            && ChargeDealing::Falling(0).shares().is_empty()
+    );
 }
 
 /// T22: the first mode of a hair whose root touches an earthed head, `sin(pi s/2L)`, falls as
@@ -69,8 +74,8 @@ fn nonsense_is_refused() {
 }
 
 proptest! {
-    /// An insulated fibre keeps its charge for any step, and after a long time has one potential: that
-    /// of its own charge and of the others is everywhere the same.
+    /// An insulated fibre keeps its charge for any step, and after a long time has one potential:
+    /// that of its own charge and of the others is everywhere the same.
     #[test]
     fn insulated_fibres_come_to_one_potential(
         parts in prop::collection::vec((0.2f64..3.0, -1.0f64..1.0, -50.0f64..50.0), 1..30),

@@ -103,8 +103,8 @@ fn boundary_elements_converge() {
     assert!((capacity / exact - 1.0).abs() < 2e-2, "{capacity}, not {exact}");
 }
 
-/// T10 through the multipole method: capacity and force of a sphere, also on charges as close to it as
-/// its triangles are large.
+/// T10 through the multipole method: capacity and force of a sphere, also on charges as close to it
+/// as its triangles are large.
 #[test]
 fn boundary_elements_use_the_multipole_method() {
     check_sphere(16, 2048);
@@ -134,8 +134,9 @@ fn check_sphere(n: i32, least: usize) {
         let fields = surface.fields(&charges, &at, EXACT).expect("outside");
         let force = q * fields.fields[0].dot(&direction);
         let exact = exact_force(q, 3e-12, radius, r);
-        // Of the triangles' size over the distance, and over the radius, by their second powers: charge that
-        // is constant on a triangle. On the triangle itself a third of the pull may be missing.
+        // Of the triangles' size over the distance, and over the radius, by their second powers:
+        // charge that is constant on a triangle. On the triangle itself a third of the pull may be
+        // missing.
         let tolerance = 1.0 / (gap * gap + 2.0) + (size / radius).powi(2);
         // Repulsion and image may cancel each other.
         let scale = exact.abs().max(COULOMB_CONSTANT * q * 3e-12 / (r * r));
@@ -143,9 +144,9 @@ fn check_sphere(n: i32, least: usize) {
     }
 }
 
-/// T13: a conducting needle of length L and radius a that stands on a plane in the field E is drawn by
-/// `E^2 L^2 (ln(L/a) - 1/2)/(4 (ln(2L/a) - 1)^2)` (Gaussian units; Felici): half of an ellipsoid with
-/// its mirror image.
+/// T13: a conducting needle of length L and radius a that stands on a plane in the field E is drawn
+/// by `E^2 L^2 (ln(L/a) - 1/2)/(4 (ln(2L/a) - 1)^2)` (Gaussian units; Felici): half of an ellipsoid
+/// with its mirror image.
 #[test]
 fn a_needle_is_lifted() {
     let (length, thick, field) = (1.0, 0.1, 1e4);
@@ -201,8 +202,8 @@ fn triangles_feel_what_they_do() {
 /// Charges for which direct sums are taken.
 const FEW: usize = 1000;
 
-/// The charges of fibres beside a conductor are those of Gauss's points on their segments, in direct sums
-/// of all pairs, and energy and forces belong together.
+/// The charges of fibres beside a conductor are those of Gauss's points on their segments, in
+/// direct sums of all pairs, and energy and forces belong together.
 #[test]
 fn fibers_feel_the_conductor_beside_them() {
     let mesh = Mesh::new(shapes::sphere(0.09, 8)).expect("closed");
@@ -223,8 +224,8 @@ fn fibers_feel_the_conductor_beside_them() {
         let forces = beside.forces.iter().zip(alone.forces).map(|(f, g)| f - g);
         (beside.energy - alone.energy, forces.collect::<Vec<_>>(), beside.certificate)
     };
-    // Gauss's two points err by (half length/distance)^4/135: 5e-4 for the root of each fibre, 1 mm above
-    // the edges of triangles, and a tenth of it for all.
+    // Gauss's two points err by (half length/distance)^4/135: 5e-4 for the root of each fibre, 1 mm
+    // above the edges of triangles, and a tenth of it for all.
     let points = |k: usize| {
         let [a, b] = layout.segment_nodes(k).map(|node| nodes[node]);
         [0.211_324_865_405_187, 0.788_675_134_594_813].map(|t| a + t * (b - a))

@@ -2,7 +2,9 @@
 
 mod charging;
 mod common;
+mod fiber_properties;
 mod grid;
 mod head;
+mod point_properties;
 mod points;
 mod segments;

@@ -3,7 +3,8 @@
 use crate::common::{charges, cube, hair, normal, random, relative, sphere, unit};
 use nalgebra::{Point3, Vector3};
 use rapunzel_electrostatics::{
-    Accuracy, BarnesHut, COULOMB_CONSTANT, Direct, ElectrostaticsError, Method, Multipole, Plan,
+    Accuracy, BarnesHut, COULOMB_CONSTANT, Direct, ElectrostaticsError, Method, Multipole,
+    MultipolePlan,
 };
 
 /// Barnes and Hut's method and the multipole method converge to the direct sum as the order grows.
@@ -72,8 +73,8 @@ fn sets(seed: u64) -> Vec<(&'static str, Vec<Point3<f64>>)> {
     ]
 }
 
-/// The tolerance that is asked for holds over all targets of 60 sets, and is not beaten by more than
-/// ten times, save by expansions of the lowest degree and by the direct sum.
+/// The tolerance that is asked for holds over all targets of 60 sets, and is not beaten by more
+/// than ten times, save by expansions of the lowest degree and by the direct sum.
 #[test]
 fn tolerances_are_met_and_not_beaten() {
     let mut failures = Vec::new();
@@ -81,7 +82,7 @@ fn tolerances_are_met_and_not_beaten() {
         for (name, points) in sets(seed) {
             for mixed in [false, true] {
                 let charges = charges(points.len(), mixed, seed + 10);
-                let plan = Plan::new(&points, &points, Accuracy::Tolerance(tolerance));
+                let plan = MultipolePlan::new(&points, &points, Accuracy::Tolerance(tolerance));
                 let (fields, certificate) =
                     plan.and_then(|plan| plan.fields(&charges)).expect("met");
                 let exact = Direct.fields(&points, &charges, &points).expect("valid");
@@ -98,8 +99,9 @@ fn tolerances_are_met_and_not_beaten() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// What no degree reaches is refused, and the error says how far it got: the fields of an evenly charged
-/// sphere cancel within, so what is left of them has fewer digits than their terms, by the ratio of both.
+/// What no degree reaches is refused, and the error says how far it got: the fields of an evenly
+/// charged sphere cancel within, so what is left of them has fewer digits than their terms, by the
+/// ratio of both.
 #[test]
 fn tolerances_beyond_reach_are_refused() {
     let place = |k: usize| {
@@ -178,7 +180,8 @@ fn fields_of_rings_and_lines_are_exact() {
         let charges = vec![h; line.len()];
         Direct.fields(&line, &charges, &[Point3::new(d, 0.0, 0.0)]).expect("valid").fields[0].x
     };
-    // The ripple is the sum of 2 x K1(x) over multiples of x = 2 pi d/h, K1 by its asymptotic series.
+    // The ripple is the sum of 2 x K1(x) over multiples of x = 2 pi d/h, K1 by its asymptotic
+    // series.
     let term = |n: f64| {
         let x = std::f64::consts::TAU * n;
         let series = 1.0 + 3.0 / (8.0 * x) - 15.0 / (128.0 * x * x) + 315.0 / (3072.0 * x.powi(3))
@@ -234,7 +237,7 @@ fn degenerate_input_is_answered() {
         assert!(matches!(result, Err(ElectrostaticsError::Count { given: 1, needed: 2, .. })));
     }
     for accuracy in [Accuracy::Tolerance(0.0), Accuracy::Tolerance(f64::NAN), Accuracy::Order(99)] {
-        let result = Plan::new(&points, &points, accuracy);
+        let result = MultipolePlan::new(&points, &points, accuracy);
         assert!(matches!(result, Err(ElectrostaticsError::Setting { .. })));
     }
 }

@@ -77,9 +77,9 @@ fn parallel_lines_repel_by_the_closed_form() {
     assert!((deflection / 1.843e-6 - 1.0).abs() < 1e-3, "{deflection} m");
 }
 
-/// T1, T3 for parallel fibres as dense as hair, whose segments are all parallel to their neighbors. A nodal
-/// load is the mean over two segments of the field of lines, the second difference of its second
-/// integral.
+/// T1, T3 for parallel fibres as dense as hair, whose segments are all parallel to their neighbors.
+/// A nodal load is the mean over two segments of the field of lines, the second difference of its
+/// second integral.
 #[test]
 fn dense_parallel_fibers_repel_by_the_closed_form() {
     let (density, length, segments, tolerance) = (2.6e-11, 0.06, 30, 1e-8);
@@ -179,8 +179,8 @@ fn forces_are_a_gradient_without_net_force_or_moment() {
 }
 
 /// T16: two charged rigid strings that hang from hinges side by side lean by the angle at which the
-/// moment of their repulsion is that of their weight. The moments of the nodal forces are those of a
-/// double integral, and for distant hinges the angle is that of parallel strings, T1.
+/// moment of their repulsion is that of their weight. The moments of the nodal forces are those of
+/// a double integral, and for distant hinges the angle is that of parallel strings, T1.
 #[test]
 fn hanging_strings_lean_by_their_repulsion() {
     let (length, weight, density) = (0.1, 6.5e-5, 1e-9);

@@ -14,9 +14,9 @@ const INPUTS: usize = 9 + 18 + 6 + 8 + 1;
 const BOUND: f64 = 9.0 * 125.0 * f64::EPSILON;
 
 /// All operations on some things in each lane.
-struct All<'a>(&'a [[f64; LANES]]);
+struct AllComposites<'a>(&'a [[f64; LANES]]);
 
-impl WithSimd for All<'_> {
+impl WithSimd for AllComposites<'_> {
     type Output = Vec<Vec<f64>>;
 
     /// What each operation gives, number by number, for each lane.
@@ -202,7 +202,7 @@ proptest! {
     ) {
         let numbers: Vec<_> =
             (0..INPUTS).map(|k| std::array::from_fn(|lane| things[lane][k])).collect();
-        for found in by_all_widths(|| All(&numbers)) {
+        for found in by_all_widths(|| AllComposites(&numbers)) {
             for (found, x) in found.iter().zip(&things) {
                 let expected = expected(x);
                 prop_assert_eq!(found.len(), expected.len());

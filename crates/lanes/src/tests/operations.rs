@@ -6,13 +6,13 @@ use proptest::prelude::*;
 use pulp::{Simd, WithSimd};
 
 /// All operations on three numbers in each lane.
-struct All<'a, E>([&'a [E; LANES_F32]; 3]);
+struct AllOperations<'a, E>([&'a [E; LANES_F32]; 3]);
 
 /// Results of the operations, by lane, of comparisons in any lane of every register, sum and
 /// largest.
 type Found<E> = ([[E; LANES_F32]; 20], [bool; 2], [f64; 2]);
 
-impl<E: Ways> WithSimd for All<'_, E> {
+impl<E: Ways> WithSimd for AllOperations<'_, E> {
     type Output = Found<E>;
 
     #[inline(always)]
@@ -94,7 +94,9 @@ fn check<E: Ways>(all: [[f64; LANES_F32]; 3], unit: f64) {
     let exact = rounded.map(|all| all.map(E::to_f64));
     let [first, second, _] = &exact;
     let pairs = || first.iter().zip(second);
-    for (found, any, over) in by_all_widths(|| All([&rounded[0], &rounded[1], &rounded[2]])) {
+    for (found, any, over) in
+        by_all_widths(|| AllOperations([&rounded[0], &rounded[1], &rounded[2]]))
+    {
         for i in 0..LANES_F32 {
             let [a, b, c] = [0, 1, 2].map(|k| exact[k][i]);
             for (k, expected) in expected([a, b, c]).into_iter().enumerate() {

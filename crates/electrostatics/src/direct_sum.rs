@@ -1,23 +1,29 @@
 //! The direct sum over pairs of points, targets in the lanes.
 
-use crate::vectors::Vectors;
+use crate::vectors::LaneVector;
+use nalgebra::Point3;
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES, Lane, Roots, dispatch};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Positions, coordinate by coordinate, which may be shared, and charges.
+/// Point charges: positions, coordinate by coordinate, which may be shared, and charges.
 #[derive(Debug, Clone)]
 pub(crate) struct Cloud {
+    /// Coordinates (world), m.
     pub(crate) x: Arc<[Vec<f64>; 3]>,
+    /// Charges in a unit of the caller.
     pub(crate) charge: Vec<f64>,
 }
 
 impl Cloud {
+    /// Charges at the places `x`.
     pub(crate) fn new(x: [Vec<f64>; 3], charge: Vec<f64>) -> Self {
         Self { x: Arc::new(x), charge }
     }
 
+    /// Number of points.
     pub(crate) fn len(&self) -> usize {
         self.charge.len()
     }
@@ -36,10 +42,11 @@ pub(crate) fn add_pairs(
     targets: Range<usize>,
     out: &mut [[f64; 4]],
 ) {
-    dispatch(Pairs { sources, ranges, softening, places, targets, out });
+    dispatch(PointPairs { sources, ranges, softening, places, targets, out });
 }
 
-struct Pairs<'a> {
+/// Arguments of [`add_pairs`].
+struct PointPairs<'a> {
     sources: &'a Cloud,
     ranges: &'a [Range<usize>],
     softening: f64,
@@ -48,11 +55,12 @@ struct Pairs<'a> {
     out: &'a mut [[f64; 4]],
 }
 
-impl Kernel for Pairs<'_> {
+impl Kernel for PointPairs<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S>>(self, simd: S, roots: R) {
         let Self { sources, ranges, softening, places, targets, out } = self;
         let softening = Lane::splat(simd, softening);
+        // Targets are taken two registers at a time.
         let block = 2 * S::F64_LANES;
         let mut buffer = [[0.0; 2 * LANES]; 3];
         for (first, out) in targets.step_by(block).zip(out.chunks_mut(block)) {
@@ -94,11 +102,13 @@ impl Kernel for Pairs<'_> {
     }
 }
 
+/// Adds the action of one source on a register of targets: `q/r` and `q d/r^3` with the vector d
+/// from the target to the source.
 #[inline(always)]
 fn pair<S: Simd, R: Roots<S>>(
     roots: R,
-    place: &Vectors<S>,
-    source: &Vectors<S>,
+    place: &LaneVector<S>,
+    source: &LaneVector<S>,
     [charge, softening]: [Lane<S>; 2],
     sums: &mut [Lane<S>; 4],
 ) {
@@ -111,4 +121,39 @@ fn pair<S: Simd, R: Roots<S>>(
     for k in 0..3 {
         sums[k + 1] = force.mul_add(d[k], sums[k + 1]);
     }
+}
+
+/// Coordinates of points (world, m), one array for each axis.
+pub(crate) fn places(points: impl IndexedParallelIterator<Item = Point3<f64>>) -> [Vec<f64>; 3] {
+    // Points may stand anywhere in memory: they are fetched once.
+    let points: Vec<_> = points.collect();
+    [0, 1, 2].map(|d| points.par_iter().map(|x| x[d]).collect())
+}
+
+/// Sums of `q/sqrt(r^2 + softening)` and their gradients at `targets` (world, m), for all charges
+/// of `cloud`; the same bits for any number of threads.
+pub(crate) fn direct_sums(cloud: &Cloud, softening: f64, targets: &[Vec<f64>; 3]) -> Vec<[f64; 4]> {
+    // Sources are taken a level-2 cache at a time.
+    const SOURCES_PER_TILE: usize = 16_384;
+    const TARGETS: usize = 64;
+    let tiles = cloud.len().div_ceil(SOURCES_PER_TILE);
+    let mut sums = vec![[0.0; 4]; targets[0].len()];
+    sums.par_chunks_mut(TARGETS).enumerate().for_each(|(k, out)| {
+        let range = k * TARGETS..k * TARGETS + out.len();
+        let part = |k: usize| {
+            let (tile, mut part) = (
+                k * SOURCES_PER_TILE..cloud.len().min((k + 1) * SOURCES_PER_TILE),
+                [[0.0; 4]; TARGETS],
+            );
+            let part = &mut part[..out.len()];
+            add_pairs(cloud, &[tile], softening, targets, range.clone(), part);
+            part.to_vec()
+        };
+        let parts: Vec<_> = (0..tiles).into_par_iter().map(part).collect();
+        for part in parts {
+            let sums = out.as_flattened_mut().iter_mut();
+            sums.zip(part.as_flattened()).for_each(|(sum, part)| *sum += part);
+        }
+    });
+    sums
 }
