@@ -57,7 +57,7 @@ fn wandering(fibers: usize, steps: usize, spacing: f64, seed: u64) -> Tuft {
     Tuft { layout, nodes, charges }
 }
 
-/// From one segment to some hundred, of which more than 48 are summed by expansions.
+/// Tufts of one segment to some hundred, of which more than 48 are summed by expansions.
 fn tuft() -> impl Strategy<Value = Tuft> {
     (1..16_usize, 1..13_usize, 0.005..0.05, 0..1000_u64)
         .prop_map(|(fibers, steps, spacing, seed)| wandering(fibers, steps, spacing, seed))
