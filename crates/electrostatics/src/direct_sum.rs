@@ -30,8 +30,9 @@ impl Cloud {
 }
 
 /// Adds to `out[k]` the potential and the negative field, over Coulomb's constant, that the
-/// `ranges` of `sources` make at target `targets.start + k`, with the kernel `1/sqrt(r^2 +
-/// softening)`. Without softening, targets that coincide with a source do not feel it.
+/// `ranges` of `sources` make at target `targets.start + k`, with the kernel
+/// `1/sqrt(r^2 + softening)`. Without softening, targets that coincide with a source do not feel
+/// it.
 ///
 /// Cost: 0.4 ns a pair with AVX-512.
 pub(crate) fn add_pairs(

@@ -78,7 +78,8 @@ pub enum ElectrostaticsError {
     Mesh(rapunzel_collision::CollisionError),
     /// A fibre is where only the conductor can be.
     #[error(
-        "point {index} is inside of the conductor, at least {depth} m below its surface; move it out"
+        "point {index} is inside of the conductor, at least {depth} m below its surface; \
+         move it out"
     )]
     Inside {
         /// Index of the point.

@@ -53,6 +53,12 @@ impl FieldGrid {
         let ([x, y, z], [dx, dy, dz]): ([f64; 3], [f64; 3]) =
             (self.origin.into(), self.spacing.into());
         let second = 8 + 8 * fields.potentials.len();
+        let array = |name: &str, more: &str, offset: usize| {
+            let what = format!(r#"type="Float64" Name="{name}"{more}"#);
+            format!(r#"<DataArray {what} format="appended" offset="{offset}"/>"#)
+        };
+        let potential = array("potential", "", 0);
+        let field = array("field", r#" NumberOfComponents="3""#, second);
         write!(
             out,
             r#"<?xml version="1.0"?>
@@ -60,8 +66,8 @@ impl FieldGrid {
   <ImageData WholeExtent="{extent}" Origin="{x} {y} {z}" Spacing="{dx} {dy} {dz}">
     <Piece Extent="{extent}">
       <PointData Scalars="potential" LaneVector="field">
-        <DataArray type="Float64" Name="potential" format="appended" offset="0"/>
-        <DataArray type="Float64" Name="field" NumberOfComponents="3" format="appended" offset="{second}"/>
+        {potential}
+        {field}
       </PointData>
     </Piece>
   </ImageData>

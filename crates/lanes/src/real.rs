@@ -77,7 +77,7 @@ pub trait Real: Pod + Send + Sync + PartialOrd {
     /// The largest of all lanes.
     fn reduce_max<S: Simd>(simd: S, a: Self::Register<S>) -> Self;
 
-    /// How many lanes a register has.
+    /// Number of lanes of a register.
     #[inline(always)]
     fn lanes<S: Simd>() -> usize {
         size_of::<Self::Register<S>>() / size_of::<Self>()

@@ -15,7 +15,7 @@ pub trait Roots<S: Simd, E: Real = f64>: Copy {
     fn recip(self, x: Lane<S, E>) -> Lane<S, E>;
 }
 
-/// By division and square roots.
+/// Roots and reciprocals by division and square roots.
 #[derive(Clone, Copy)]
 pub struct Portable;
 
@@ -43,7 +43,8 @@ impl<S: Simd, E: Real> Roots<S, E> for Portable {
     }
 }
 
-/// By estimates of 14 bits and iterations: the inverse root by one of third order.
+/// Roots and reciprocals by estimates of 14 bits and iterations: the inverse root by one of third
+/// order.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub(crate) struct Estimate;

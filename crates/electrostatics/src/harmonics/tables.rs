@@ -89,9 +89,9 @@ impl HarmonicTables {
 }
 
 /// Shares of the coefficients of degree `n` in the derivatives; `norm(n, m)` is `R_nm` over the
-/// unscaled harmonic. The derivatives of the unscaled harmonic `(n, m)` are `d/dz (n, m) = (n-1,
-/// m)`, and `d/dx` and `d/dy` are half the difference and half the sum of `(n-1, m-1)` and `(n-1,
-/// m+1)`; a part is its cosine (0) or its sine (1).
+/// unscaled harmonic. The derivatives of the unscaled harmonic `(n, m)` are
+/// `d/dz (n, m) = (n-1, m)`, and `d/dx` and `d/dy` are half the difference and half the sum of
+/// `(n-1, m-1)` and `(n-1, m+1)`; a part is its cosine (0) or its sine (1).
 fn slopes(n: usize, norm: impl Fn(usize, usize) -> f64) -> Vec<Slope> {
     let mut slopes = Vec::new();
     for m in (0..=n).filter(|_| n > 0) {

@@ -5,10 +5,11 @@
 //! and z, whose matrices do not depend on the angle. This takes `2 p^3` multiply-adds where the
 //! plain double sum takes `p^4`.
 
+use super::products::TurnBlock;
 use super::shift::{Shift, TranslationKind};
 use super::tables::count;
 use super::translation_tables::Coefficient;
-use super::turn::{AxisTurn, TurnBlock, turn_size};
+use super::turn::{AxisTurn, turn_size};
 use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES_F32, Machine, Ways, dispatch};

@@ -21,7 +21,7 @@ const RESIDUAL: f64 = 1e-6;
 /// Number of nodes of the distance field along the longest side of the mesh.
 const NODES: f64 = 64.0;
 
-/// Points in a leaf, where they are by themselves.
+/// Number of points in a leaf, where they are by themselves.
 const POINTS_PER_LEAF: usize = 100;
 
 /// A conductor whose surface is a mesh.

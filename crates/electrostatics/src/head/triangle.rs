@@ -159,6 +159,7 @@ impl Triangle {
         let mut potential = -(height.abs() * solid_angle);
         let mut gradient = along(&[zero; 3], &normal, -(sign * solid_angle));
         for k in 0..3 {
+            // A logarithm for each side (Wilton and others).
             let [tangent, outward] = &self.sides[k];
             let (tangent, outward) = (lanes(simd, tangent), lanes(simd, outward));
             let (next, p) = ((k + 1) % 3, dot(&to[k], &outward));

@@ -85,8 +85,8 @@ impl SegmentLines {
         if self.chain[i].abs_diff(self.chain[j]) == 1 { self.softening[i] } else { SOFTENING }
     }
 
-    /// Adds to `loads` the energy and the tension of segment `i` by itself: `q^2/L^2 (L asinh(L/a)
-    /// - sqrt(L^2+a^2) + a)`, the mean of the kernel over both places on it.
+    /// Adds to `loads` the energy and the tension of segment `i` by itself:
+    /// `q^2/L^2 (L asinh(L/a) - sqrt(L^2+a^2) + a)`, the mean of the kernel over both places on it.
     pub(super) fn add_self(&self, i: usize, loads: &mut Loads) {
         let (length, a2) = (self.length(i), self.softening[i]);
         let (a, q) = (a2.sqrt(), self.charge(i));

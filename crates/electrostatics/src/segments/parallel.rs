@@ -224,9 +224,9 @@ impl<S: Simd> LinePair<S> {
     /// of `r/r^3`, those times the place, and those of `v r/r^3`.
     ///
     /// With the distances A and B of the place from start and end of the second, whose product as
-    /// vectors is w, the means of `v/r^3` and `(1 - v)/r^3` are `1/(B (A B + w))` and `1/(A (A B +
-    /// w))`, and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the second, those
-    /// of `r/r^3` and `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
+    /// vectors is w, the means of `v/r^3` and `(1 - v)/r^3` are `1/(B (A B + w))` and
+    /// `1/(A (A B + w))`, and that of `1/r` is `P = ln((A + B + L)^2/(2 A B + 2 w))/L`. Along the
+    /// second, those of `r/r^3` and `v r/r^3` are `(1/B - 1/A)/L` and `(1/B - P)/L`.
     #[inline(always)]
     fn add<R: Roots<S>>(&self, roots: R, place: Lane<S>, share: Lane<S>, sums: &mut [Lane<S>; 10]) {
         let PlaceView { beyond, across, across2, squares } = self.seen(place);

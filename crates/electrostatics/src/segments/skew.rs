@@ -50,10 +50,10 @@ fn combined<S: Simd>(axes: &[LaneVector<S>; 3], [a, y, z]: [Lane<S>; 3]) -> Lane
 ///
 /// With the second line reversed, `r = h n + y s + z t`: n is the common normal, s and t are the
 /// tangents with the product c, and `R^2 = d^2 + y^2 + z^2 + 2 c y z` with `d^2 = h^2 + softening`.
-/// Of `1/R^3` the integral is an angle, `A = atan((y z q^2 - c d^2)/(d q R))/(d q)` with `q^2 = 1 -
-/// c^2`; all others follow from it and from the logarithms `M = ln(R + z + c y)` and `N = ln(R + y
-/// + c z)` by integration by parts: the derivatives of `1/R`, `y/R` and `z/R` by y and z give `Y +
-/// c Z = -M` and so on. All are differences over the four corners.
+/// Of `1/R^3` the integral is an angle, `A = atan((y z q^2 - c d^2)/(d q R))/(d q)` with
+/// `q^2 = 1 - c^2`; all others follow from it and from the logarithms `M = ln(R + z + c y)` and
+/// `N = ln(R + y + c z)` by integration by parts: the derivatives of `1/R`, `y/R` and `z/R` by y
+/// and z give `Y + c Z = -M` and so on. All are differences over the four corners.
 #[inline(always)]
 pub(super) fn skew<S: Simd, R: Roots<S>>(
     roots: R,

@@ -95,7 +95,9 @@ const CLOSED: f64 = 2e-11;
 
 /// Sum of the actions of all segments on each other, with expansions of the type `E`.
 struct SegmentSum<'a, E> {
+    /// Tree of the segments.
     tree: &'a Octree,
+    /// Segments in the order of the tree.
     lines: &'a SegmentLines,
     /// Conductor beside the segments, if there is one.
     beside: Option<Beside<'a>>,
@@ -114,9 +116,7 @@ struct SegmentSum<'a, E> {
 impl<'a, E: Coefficient> SegmentSum<'a, E> {
     /// Sum with rules that err by about `error`.
     fn new(
-        /// Tree of the segments.
         tree: &'a Octree,
-        /// Segments in the order of the tree.
         lines: &'a SegmentLines,
         beside: Option<Beside<'a>>,
         error: f64,

@@ -57,7 +57,7 @@ fn wandering(fibers: usize, steps: usize, spacing: f64, seed: u64) -> Tuft {
     Tuft { layout, nodes, charges }
 }
 
-/// From one segment to some hundred, of which more than 48 are summed by expansions.
+/// Tufts of one segment to some hundred, of which more than 48 are summed by expansions.
 fn tuft() -> impl Strategy<Value = Tuft> {
     (1..16_usize, 1..13_usize, 0.005..0.05, 0..1000_u64)
         .prop_map(|(fibers, steps, spacing, seed)| wandering(fibers, steps, spacing, seed))
@@ -197,10 +197,10 @@ proptest! {
     /// `k lambda^2 ln((g + a)(g + b)/(g (g + a + b)))` for the lengths a and b and the gap g.
     #[test]
     fn collinear_fibers_repel_by_the_closed_form(
-        lengths in proptest::array::uniform2(0.01..0.1),
-        gap in 0.002..0.1,
+        lengths in proptest::array::uniform2(0.01..0.1_f64),
+        gap in 0.002..0.1_f64,
         steps in proptest::array::uniform2(1..12_usize),
-        way in proptest::array::uniform3(0.1..1.0),
+        way in proptest::array::uniform3(0.1..1.0_f64),
         tolerance in tolerance(),
     ) {
         let (way, [a, b], density) = (Vector3::from(way).normalize(), lengths, 2.6e-11);

@@ -110,7 +110,7 @@ proptest! {
     /// The fields of two sets of charges add up, to the rounding of sums of up to 60 terms:
     /// distances and their inverse roots are the same in all three sums.
     #[test]
-    fn direct_fields_are_superposed(cloud in small_cloud(), factor in -3.0..3.0) {
+    fn direct_fields_are_superposed(cloud in small_cloud(), factor in -3.0..3.0_f64) {
         let (points, first) = split(&cloud);
         let second: Vec<_> = first.iter().rev().copied().collect();
         let both: Vec<_> = first.iter().zip(&second).map(|(a, b)| a + factor * b).collect();

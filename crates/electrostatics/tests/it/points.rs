@@ -129,7 +129,7 @@ fn tolerances_beyond_reach_are_refused() {
     assert!(order > 10, "{order}");
 }
 
-/// The same bits with one thread, two and three, and other targets than sources.
+/// Results have equal bits with one thread, two and three, also at other targets than sources.
 #[test]
 fn threads_change_no_bit() {
     let (points, targets) = (hair(80, 200, 5).concat(), cube(3000, 6));

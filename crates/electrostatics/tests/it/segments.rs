@@ -250,7 +250,7 @@ fn the_tress_has_the_field_that_the_thesis_states() {
     assert!((far - 860.0).abs() < 30.0, "{far} V/m");
 }
 
-/// The same bits with one thread, two and three.
+/// Results have equal bits with one thread, two and three.
 #[test]
 fn threads_change_no_bit() {
     let fibers = hair(200, 61, 5);

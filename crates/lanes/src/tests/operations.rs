@@ -56,7 +56,7 @@ impl<E: Ways> WithSimd for AllOperations<'_, E> {
     }
 }
 
-/// The same, number by number, without rounding twice.
+/// Expected results of all operations, number by number, without rounding twice.
 fn expected([a, b, c]: [f64; 3]) -> [f64; 20] {
     [
         a + b,
@@ -87,8 +87,8 @@ fn numbers() -> impl Strategy<Value = [f64; LANES_F32]> {
     prop::array::uniform16(prop_oneof![4 => -1e3..1e3, 1 => special])
 }
 
-/// One by one and by as many as a register has: all are rounded once, by half of `unit`, but
-/// those that a machine composes.
+/// Results one by one and by as many as a register has: all are rounded once, by half of `unit`,
+/// but those that a machine composes.
 fn check<E: Ways>(all: [[f64; LANES_F32]; 3], unit: f64) {
     let rounded = all.map(|all| all.map(E::from_f64));
     let exact = rounded.map(|all| all.map(E::to_f64));

@@ -4,7 +4,7 @@ use crate::machine::Usual;
 use crate::{Kernel, dispatch};
 use pulp::{Arch, NullaryFnOnce, Scalar, Scalar128b, Scalar512b, Simd, WithSimd};
 
-/// By registers of one width, with the instructions that they need.
+/// Work by registers of one width, with the instructions that they need.
 struct At<S, W>(S, W);
 
 impl<S: Simd, W: WithSimd> NullaryFnOnce for At<S, W> {
@@ -16,7 +16,7 @@ impl<S: Simd, W: WithSimd> NullaryFnOnce for At<S, W> {
     }
 }
 
-/// By registers of every width that this machine can have.
+/// Results of work by registers of every width that this machine can have.
 pub(super) fn by_all_widths<W: WithSimd>(work: impl Fn() -> W) -> Vec<W::Output> {
     fn at<S: Simd, W: WithSimd>(simd: S, work: W) -> W::Output {
         simd.vectorize(At(simd, work))
