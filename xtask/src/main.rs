@@ -5,6 +5,7 @@ mod bench;
 mod ci;
 mod formats;
 mod fuzz;
+mod reference;
 mod repro;
 mod structure;
 mod tidy;
@@ -17,6 +18,7 @@ const USAGE: &str = "\
 usage: cargo xtask <command>
   ci        everything a change must pass: formatting, clippy, tidy, tests, documentation, a run
   tidy      the house rules that no other tool checks
+  reference write docs/scene.md, all that a scene and a case can say, from the types that read it
   bench     the benchmarks as one table: measured, budget, thesis
   repro     draw the figures of the thesis anew and compare (repro CHAPTER, or all; what follows
             CHAPTER goes to it: --full for the sizes of the thesis in ch7 and ch8, or numbers of
@@ -40,8 +42,12 @@ fn run() -> Result<()> {
     match (arguments.next().as_deref(), arguments.next()) {
         (Some("ci"), None) => ci::run(),
         (Some("tidy"), None) => tidy::run(),
+        (Some("reference"), None) => reference::run(),
         (Some("bench"), None) => bench::run(),
-        (Some("repro"), chapter) => repro::run(chapter.as_deref(), &arguments.collect::<Vec<_>>()),
+        (Some("repro"), chapter) => {
+            let chapter = chapter.filter(|chapter| chapter != "all");
+            repro::run(chapter.as_deref(), &arguments.collect::<Vec<_>>())
+        }
         (Some("formats"), None) => formats::run(),
         (Some("fuzz"), reader) => {
             fuzz::run(&reader.into_iter().chain(arguments).collect::<Vec<_>>())

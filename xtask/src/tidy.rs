@@ -1,3 +1,4 @@
+use crate::reference::{self, REFERENCE};
 use crate::root;
 use crate::structure::broken_structure;
 use anyhow::{Context, Result, bail};
@@ -71,6 +72,9 @@ pub(crate) fn run() -> Result<()> {
         }
     }
     broken.extend(broken_structure(&sources)?);
+    if sh.read_file(REFERENCE).ok() != Some(reference::text(&sh)?) {
+        broken.push(format!("{REFERENCE} is not what the types say: run cargo xtask reference"));
+    }
     if broken.is_empty() {
         return Ok(());
     }
