@@ -45,13 +45,7 @@ impl<E: Coefficient> Translator<E> {
     /// the highest of their degrees: it is fastest to have like degrees together.
     pub(crate) fn sum(&mut self, kind: TranslationKind, shifts: &[Shift<E>], out: &mut [E]) {
         let Self { order, work } = self;
-        dispatch(TranslationSum {
-            order: *order,
-            kind,
-            shifts,
-            work,
-            out: Out::TranslationSum(out),
-        });
+        dispatch(TranslationSum { order: *order, kind, shifts, work, out: Out::Sum(out) });
     }
 
     /// Moves each of `shifts` to an expansion of its own, all of one degree; those stand in `out`
@@ -64,7 +58,7 @@ impl<E: Coefficient> Translator<E> {
 
 /// Place of the moved expansions: one sum of all, or one after another.
 enum Out<'a, E> {
-    TranslationSum(&'a mut [E]),
+    Sum(&'a mut [E]),
     Each(&'a mut [E]),
 }
 
@@ -98,7 +92,7 @@ impl<E: Coefficient> Kernel for TranslationSum<'_, E> {
             }
             rest = later;
         }
-        if let Out::TranslationSum(out) = out {
+        if let Out::Sum(out) = out {
             for (out, total) in out.iter_mut().zip(&*total) {
                 *out = E::from_f64(out.to_f64() + E::reduce_sum(simd, *total).to_f64());
             }
@@ -140,7 +134,7 @@ fn moved<S: Simd, E: Coefficient, M: Machine<S>, const C: usize>(
     for n in 0..=q {
         let degree = turn.back(n);
         match out {
-            Out::TranslationSum(_) => {
+            Out::Sum(_) => {
                 for (total, block) in total[n * n..].iter_mut().zip(degree) {
                     for a in block {
                         *total = E::add(simd, *total, *a);

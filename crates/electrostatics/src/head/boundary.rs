@@ -146,6 +146,8 @@ impl ConductingSurface {
         potentials: &[f64],
         condition: Condition,
     ) -> Result<(Vec<f64>, f64), ElectrostaticsError> {
+        // Linear superposition: the charges that cancel the potentials of the others, and those of
+        // a constant potential, which meets the condition.
         let induced = charges(&self.elements, potentials)?;
         let drawn = induced.iter().sum::<f64>();
         let (potential, own) = match condition {

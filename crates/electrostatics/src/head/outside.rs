@@ -62,6 +62,7 @@ impl Elements {
             add_mean(self.ordered(triangle), outside.cloud, all, &mut sum);
             sum
         };
+        // Few pairs are summed directly.
         if count * outside.cloud.len() < DIRECT {
             return Ok((0..count).into_par_iter().map(direct).collect());
         }
@@ -79,6 +80,8 @@ impl Elements {
             task.run(&mut out);
             out
         };
+        // Otherwise charges outside are the sources of the multipole method and triangles its
+        // targets, with the degree at which sampled triangles feel what the direct sum makes.
         let tolerance = match accuracy {
             Accuracy::Order(order) => return Ok(felt(&multipoles(order), order, None)),
             Accuracy::Tolerance(tolerance) => tolerance,
@@ -110,6 +113,7 @@ impl Elements {
         add: Add<N>,
         out: &mut [[f64; N]],
     ) -> Result<f64, ElectrostaticsError> {
+        // Far away a triangle acts by its points, which share its charge.
         let ordered: Vec<_> = self.tree.order.iter().map(|&j| charges[j as usize]).collect();
         let shares = self.points.charge.iter().enumerate();
         let shared = shares.map(|(k, share)| ordered[k / POINTS] * share).collect();
@@ -127,6 +131,8 @@ impl Elements {
                 let task = self.descent(multipoles, outside.tree, leaf, order, accuracy);
                 Descent { samples, ..task }.run(out);
             };
+        // Few pairs are summed directly; otherwise the degree is the one at which sampled bodies
+        // feel what the direct sum makes.
         if ordered.len() * outside.cloud.len() < DIRECT {
             out.par_iter_mut().enumerate().for_each(|(body, out)| direct(body, out));
             return Ok(0.0);

@@ -248,6 +248,7 @@ impl<E: Coefficient> PointSum<'_, E> {
             Accuracy::Tolerance(tolerance) => tolerance,
             Accuracy::Order(_) => 0.0,
         };
+        // Few pairs are summed directly.
         if tolerance > 0.0 && n * m < 4_000_000 {
             return Ok(direct());
         }
