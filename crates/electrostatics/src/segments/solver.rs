@@ -114,7 +114,9 @@ struct SegmentSum<'a, E> {
 }
 
 impl<'a, E: Coefficient> SegmentSum<'a, E> {
+    /// Sum with rules that err by about `error`.
     fn new(
+        tree: &'a Octree,
         lines: &'a SegmentLines,
         beside: Option<Beside<'a>>,
         error: f64,
