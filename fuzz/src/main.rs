@@ -4,7 +4,9 @@
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_sim::statics::Case;
-use rapunzel_sim::{Cancel, Control, MemoryEstimate, Existing, RunFolder, Scene, SimError, World, run};
+use rapunzel_sim::{
+    Cancel, Control, Existing, MemoryEstimate, RunFolder, Scene, SimError, World, run,
+};
 use std::fs;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
