@@ -23,7 +23,7 @@ pub(crate) fn run() -> Result<()> {
     })?;
     parts.time("documentation", || {
         let _strict = sh.push_env("RUSTDOCFLAGS", "-D warnings");
-        Ok(cmd!(sh, "cargo doc {workspace...} --no-deps").run()?)
+        Ok(cmd!(sh, "cargo doc {workspace...} --no-deps --all-features").run()?)
     })?;
     parts.time("build of tests and program", || {
         Ok(cmd!(sh, "cargo test {workspace...} --no-run").run()?)

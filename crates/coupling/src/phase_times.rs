@@ -1,8 +1,9 @@
 use std::ops::AddAssign;
 use std::time::Duration;
 
-/// What the phases of steps with contacts took by the [stopwatch](crate::World::set_stopwatch),
-/// zero without one. Measured, so never twice the same: no file of a run has it.
+/// What the phases of steps with contacts took by the
+/// [stopwatch](crate::FibersInContact::set_stopwatch), zero without one. Measured, so never twice
+/// the same: no file of a run has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ContactTimes {
     /// Lists of what touches, or may.

@@ -20,8 +20,8 @@ use rapunzel_keratin::lab::Instrument;
 /// Measures a sample. Costs milliseconds (tensile test) to some ten seconds (combing).
 ///
 /// # Errors
-/// [`SimError::Laboratory`] where the sample is not known in the climate; [`SimError::Step`] and
-/// others if its hair cannot be moved.
+/// [`SimError::Laboratory`] where the sample is not known in the climate; [`SimError::Coupling`]
+/// and others if its hair cannot be moved.
 pub fn measure(instrument: Instrument, sample: &LabSample) -> Result<Reading, SimError> {
     match instrument {
         Instrument::Tensile => tension::tensile(sample),
