@@ -65,7 +65,7 @@ pub(crate) enum AndersonUpdate {
     Mix(Vec<f64>),
 }
 
-/// HistorySlot of the newest difference in the history.
+/// Place of the newest difference in the history.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HistorySlot {
     newest: usize,
