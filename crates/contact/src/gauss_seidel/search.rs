@@ -253,7 +253,7 @@ fn relaxed(
     Vector3::new(normal - contact.adhesion, friction.x, friction.y)
 }
 
-/// PassBounds that solves contacts that are wrong until none is, and returns the number of solves.
+/// Pass that solves contacts that are wrong until none is, and returns the number of solves.
 struct RelaxationPass<'s, 'a> {
     search: &'s mut ImpulseSearch<'a>,
     pass: PassBounds,

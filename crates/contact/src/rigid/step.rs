@@ -36,8 +36,8 @@ impl RigidBody {
         Ok(())
     }
 
-    /// The rotation vector of the step in the body's frame, `theta`, from `I theta = dt
-    /// exp(-theta/2) R^T L_m`.
+    /// The rotation vector of the step in the body's frame, `theta`, from
+    /// `I theta = dt exp(-theta/2) R^T L_m`.
     fn midpoint_turn(
         &self,
         momentum: &Vector3<f64>,

@@ -86,7 +86,7 @@ pub(super) struct TangentialProgram<'a> {
     pub(super) slip: DVector<f64>,
     /// Amount by which each normal velocity may fall, m/s; less than zero is none.
     pub(super) room: Vec<f64>,
-    /// NormalProjection impulses, and the limit curves for a unit of each.
+    /// Normal impulses, and the limit curves for a unit of each.
     pub(super) limits: Vec<(f64, &'a PolygonalCone)>,
     /// Text whose half planes bound the friction.
     pub(super) set: Form,

@@ -54,9 +54,9 @@ pub struct Differences {
     /// (8.65). Printed: the six-dimensional normal is divided by its norm, while the bound (8.67)
     /// is a velocity along the normal in space. Corrected: `J = (n, r x n)`.
     pub normal: Form,
-    /// Line 7 and (8.27). Printed: the impulse at a contact is the norm of `[n^T M (u+ - u-)] n`,
-    /// counted twice where normals are not orthogonal, and without restitution. Corrected: `(1 +
-    /// e)` times the multiplier of the projection.
+    /// Line 7 and (8.27). Printed: the impulse at a contact is the norm of
+    /// `[n^T M (u+ - u-)] n`, counted twice where normals are not orthogonal, and without
+    /// restitution. Corrected: `(1 + e)` times the multiplier of the projection.
     pub impulse: Form,
     /// Line 10 and (8.64). Printed: `(1 + e) u+ + e u- + u_f`. Corrected: `(1 + e) u+ - e u- + u_f`
     /// as in (8.30).

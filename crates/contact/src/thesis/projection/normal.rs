@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Vector6};
 pub(super) struct NormalProjection {
     /// Twists after a plastic impact, `u+`.
     pub(super) twists: Vec<Vector6<f64>>,
-    /// NormalProjection impulses on which friction's bounds rest, N s.
+    /// Normal impulses on which friction's bounds rest, N s.
     pub(super) impulses: Vec<f64>,
 }
 

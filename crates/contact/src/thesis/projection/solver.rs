@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// The corrected Alg. 6 as a [`Solver`], for bodies of any kind: what they answer to impulses at
 /// the contacts is all that its two projections need.
 ///
-/// It does one pass and then looks how good that is. NormalProjection impulses pull nothing, let
+/// It does one pass and then looks how good that is. Normal impulses pull nothing, let
 /// nothing approach and do not know of friction; friction is within the limits that they set and
 /// leaves the least energy. Without biases and adhesion no energy is gained. Where impulses along
 /// tangents do not move points along normals it is the law, of polygons; else it is not, and the
