@@ -209,7 +209,7 @@ fn store_impulses<S: Simd>(
     start: usize,
 ) {
     lanes.store(r, &mut impulses[lanes.group_index]);
-    let changes = lanes.unpack(lanes.to_world(less(r, lanes.given_impulses())));
+    let changes = lanes.unpack(lanes.in_world(less(r, lanes.given_impulses())));
     for (i, change) in lanes.range().zip(&changes) {
         state.impulse_changes.set(start + i, change);
     }

@@ -168,7 +168,7 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
 
     /// Vectors in the world frame, from those in the contacts' frames.
     #[inline(always)]
-    pub(super) fn to_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
+    pub(super) fn in_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
         let [a, b, c] = self.frame();
         let mut world = [self.splat(0.0); 3];
         for k in 0..3 {
