@@ -175,6 +175,7 @@ pub fn impact_in_turn(
     Ok(ImpactReport { impulses, velocities, energy, share: least, report })
 }
 
+/// Refuses arrays that do not fit and coefficients of restitution outside of [0, 1].
 fn validate(
     bodies: &[&mut dyn Body],
     contacts: &[Contact],
@@ -209,15 +210,17 @@ fn relative(contacts: &[Contact], velocities: &[Vector3<f64>]) -> Vec<Vector3<f6
     contacts.iter().map(of).collect()
 }
 
-/// Work of impulses that change the contacts' velocities from `before` to `after`.
+/// Work, J, of impulses that change the contacts' velocities from `before` to `after`.
 fn work(impulses: &[Vector3<f64>], before: &[Vector3<f64>], after: &[Vector3<f64>]) -> f64 {
     0.5 * (dot(impulses, before) + dot(impulses, after))
 }
 
+/// Sum of the products of all vectors.
 fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     std::iter::zip(a, b).map(|(a, b)| a.dot(b)).sum()
 }
 
+/// Linear combination of vectors.
 fn mixed(a: &[Vector3<f64>], b: &[Vector3<f64>], of_a: f64, of_b: f64) -> Vec<Vector3<f64>> {
     std::iter::zip(a, b).map(|(a, b)| a * of_a + b * of_b).collect()
 }

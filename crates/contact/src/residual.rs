@@ -125,9 +125,9 @@ pub fn report<C: Borrow<Contact>>(
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ResidualSums {
     /// Sum of the squares of the natural maps, (N s)^2.
-    pub(crate) wrong: f64,
+    pub(crate) residual_squares: f64,
     /// Sum of the squares of the impulses from the cones' tips, (N s)^2.
-    pub(crate) all: f64,
+    pub(crate) impulse_squares: f64,
     /// Largest error of a normal velocity, m/s.
     pub(crate) normal_error: f64,
     /// Largest slip that the friction does not allow, m/s.
@@ -144,8 +144,8 @@ impl ResidualSums {
         weight: f64,
     ) {
         let violation = Violation::new(contact, velocity, impulse, weight);
-        self.wrong += violation.impulse * violation.impulse;
-        self.all += (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
+        self.residual_squares += violation.impulse * violation.impulse;
+        self.impulse_squares += (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
         self.normal_error = self.normal_error.max(violation.normal);
         self.slip_error = self.slip_error.max(violation.slip);
     }
@@ -153,8 +153,8 @@ impl ResidualSums {
     /// Sums and largest values over all parts, in their order.
     pub(crate) fn sum(parts: &[Self]) -> Self {
         parts.iter().fold(Self::default(), |sum, part| Self {
-            wrong: sum.wrong + part.wrong,
-            all: sum.all + part.all,
+            residual_squares: sum.residual_squares + part.residual_squares,
+            impulse_squares: sum.impulse_squares + part.impulse_squares,
             normal_error: sum.normal_error.max(part.normal_error),
             slip_error: sum.slip_error.max(part.slip_error),
         })
@@ -163,7 +163,8 @@ impl ResidualSums {
     /// Report of the sums. Without any impulse the natural maps are the measure: all is wrong, or
     /// nothing.
     pub(crate) fn report(&self) -> Report {
-        let Self { wrong, all, normal_error, slip_error } = *self;
+        let Self { residual_squares: wrong, impulse_squares: all, normal_error, slip_error } =
+            *self;
         let all = if all > 0.0 { all } else { wrong };
         if !(wrong.is_finite() && all.is_finite()) {
             let [residual, normal_error, slip_error] = [f64::INFINITY; 3];

@@ -114,8 +114,8 @@ impl<'a, 'b> AdmmPart<'a, 'b> {
         }
     }
 
-    /// Lets the bodies move as near to `2 z - h` as they can, and relaxes the state, `h <- h +
-    /// alpha (v - z)`.
+    /// Lets the bodies move as near to `2 z - h` as they can, and relaxes the state,
+    /// `h <- h + alpha (v - z)`.
     pub(super) fn respond(
         &mut self,
         state: &AdmmState,

@@ -65,7 +65,7 @@ pub(crate) enum AndersonUpdate {
     Mix(Vec<f64>),
 }
 
-/// HistorySlot of the newest difference in the history.
+/// Place of the newest difference in the history.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HistorySlot {
     newest: usize,
@@ -180,7 +180,7 @@ impl AndersonHistory {
 pub(crate) struct ResidualProducts {
     /// Square of the norm of the residual.
     norm: f64,
-    /// ResidualProducts of every difference of residuals with the residual and with the newest
+    /// Products of every difference of residuals with the residual and with the newest
     /// difference.
     with: Vec<[f64; 2]>,
 }
@@ -250,7 +250,7 @@ fn sum_of_squares(a: &[f64]) -> f64 {
     total(sums) + rest.iter().map(|a| a * a).sum::<f64>()
 }
 
-/// ResidualProducts of a difference with a residual and with another difference.
+/// Products of a difference with a residual and with another difference.
 #[inline(always)]
 fn dots(difference: &[f32], residual: &[f64], other: &[f32]) -> [f64; 2] {
     let mut sums = [[0.0; SUMS]; 2];

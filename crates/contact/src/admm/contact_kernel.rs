@@ -107,8 +107,8 @@ fn eval_splitting<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
             r[0].less_or_equal(loose).select(zero, v[2] - wanted[2]),
         ];
         let u = sum(v, times(r, lanes.compliance()));
-        sums.wrong = sums.wrong + squared(off) * (weight * weight);
-        sums.all = sums.all + squared(r);
+        sums.residual_squares = sums.residual_squares + squared(off) * (weight * weight);
+        sums.impulse_squares = sums.impulse_squares + squared(r);
         sums.normal_error = sums.normal_error.max(off[0].abs());
         sums.slip_error = sums.slip_error.max(slip_error(&lanes, u, r, weight));
     }
@@ -154,7 +154,7 @@ fn descent_gradient<S: Simd>(
         if evaluates_residual {
             sums.add(&lanes, u, r);
         }
-        // D is the reciprocal of half the bound of what all contacts answer together.
+        // Plain descent does not diverge with D below twice the reciprocal of the largest response.
         let bound = lanes.splat(metric::largest_response(state.metric_weight)) * lanes.responses();
         let mass = (bound / lanes.splat(2.0 * STEP_MARGIN) + lanes.compliance()).recip();
         u[0] = u[0] + lanes.dissipation([u[1], u[2]]);
@@ -209,7 +209,7 @@ fn store_impulses<S: Simd>(
     start: usize,
 ) {
     lanes.store(r, &mut impulses[lanes.group_index]);
-    let changes = lanes.unpack(lanes.to_world(less(r, lanes.given_impulses())));
+    let changes = lanes.unpack(lanes.in_world(less(r, lanes.given_impulses())));
     for (i, change) in lanes.range().zip(&changes) {
         state.impulse_changes.set(start + i, change);
     }
@@ -268,8 +268,8 @@ fn squared<S: Simd>([x, y, z]: RegisterVectors<S>) -> Lane<S> {
 
 /// Sums and largest values of a [`ResidualSums`], by lane.
 struct LaneSums<S: Simd> {
-    wrong: Lane<S>,
-    all: Lane<S>,
+    residual_squares: Lane<S>,
+    impulse_squares: Lane<S>,
     normal_error: Lane<S>,
     slip_error: Lane<S>,
 }
@@ -278,7 +278,7 @@ impl<S: Simd> LaneSums<S> {
     #[inline(always)]
     fn zero(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
-        Self { wrong: zero, all: zero, normal_error: zero, slip_error: zero }
+        Self { residual_squares: zero, impulse_squares: zero, normal_error: zero, slip_error: zero }
     }
 
     /// Adds contacts with their relative velocities, m/s, and impulses, N s, in their frames, as
@@ -286,14 +286,14 @@ impl<S: Simd> LaneSums<S> {
     #[inline(always)]
     fn add(&mut self, lanes: &ContactLanes<S>, u: RegisterVectors<S>, impulse: RegisterVectors<S>) {
         let weight = lanes.weights();
-        // From the cone's tip.
+        // The impulse from the cone's tip.
         let r = [impulse[0] + lanes.adhesion(), impulse[1], impulse[2]];
         let saxce = [u[0] + lanes.dissipation([u[1], u[2]]), u[1], u[2]];
         // The natural map of the law, with de Saxcé's term along the normal.
         let projected = lanes.project_cone(less(r, times(saxce, weight)));
         let normal_error = u[0].min(r[0] / weight).abs();
-        self.wrong = self.wrong + squared(less(r, projected));
-        self.all = self.all + squared(r);
+        self.residual_squares = self.residual_squares + squared(less(r, projected));
+        self.impulse_squares = self.impulse_squares + squared(r);
         self.normal_error = self.normal_error.max(normal_error);
         self.slip_error = self.slip_error.max(slip_error(lanes, u, impulse, weight));
     }
@@ -302,8 +302,8 @@ impl<S: Simd> LaneSums<S> {
     #[inline(always)]
     fn reduce(self) -> ResidualSums {
         ResidualSums {
-            wrong: self.wrong.reduce_sum(),
-            all: self.all.reduce_sum(),
+            residual_squares: self.residual_squares.reduce_sum(),
+            impulse_squares: self.impulse_squares.reduce_sum(),
             normal_error: self.normal_error.reduce_max(),
             slip_error: self.slip_error.reduce_max(),
         }

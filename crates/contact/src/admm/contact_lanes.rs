@@ -58,7 +58,7 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         self.first..self.first + self.count
     }
 
-    /// ContactNumbers of this register, from those of the whole group.
+    /// Numbers of this register, from those of the whole group.
     #[inline(always)]
     fn lane(&self, numbers: &ContactNumbers) -> Lane<S> {
         Lane::load(self.simd, numbers, self.register)
@@ -94,7 +94,7 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         self.lane(&self.group.responses)
     }
 
-    /// RegisterVectors of this register, from those of the whole group.
+    /// Vectors of this register, from those of the whole group.
     #[inline(always)]
     pub(super) fn load(&self, [x, y, z]: &VectorLanes<f64>) -> RegisterVectors<S> {
         [self.lane(x), self.lane(y), self.lane(z)]
@@ -119,7 +119,7 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         [Lane::load(self.simd, x, 0), Lane::load(self.simd, y, 0), Lane::load(self.simd, z, 0)]
     }
 
-    /// RegisterVectors one after another, from their lanes.
+    /// Vectors one after another, from their lanes.
     #[inline(always)]
     pub(super) fn unpack(&self, vectors: RegisterVectors<S>) -> [Vector3<f64>; LANES] {
         let mut numbers = [[0.0; LANES]; 3];
@@ -166,9 +166,9 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         [[a, b, c], [x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
     }
 
-    /// RegisterVectors in the world frame, from those in the contacts' frames.
+    /// Vectors in the world frame, from those in the contacts' frames.
     #[inline(always)]
-    pub(super) fn to_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
+    pub(super) fn in_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
         let [a, b, c] = self.frame();
         let mut world = [self.splat(0.0); 3];
         for k in 0..3 {

@@ -10,7 +10,7 @@ type PointLanes = [f64; LANES];
 /// Delassus operator of all touched points of some bodies, and their velocities as impulses act.
 #[derive(Debug)]
 pub(crate) struct Delassus<'b> {
-    patches: Vec<Patch<'b>>,
+    patches: Vec<PointPatch<'b>>,
     /// Velocities of points, patch by patch, m/s, world; the last register is of what is not moved.
     velocities: Vec<VectorLanes<f64>>,
     /// Change of each velocity since a contact there was looked at, summed over all impulses, m/s;
@@ -25,16 +25,19 @@ const WAITS: f64 = f64::NEG_INFINITY;
 
 /// Points that answer each other and no others.
 #[derive(Debug)]
-struct Patch<'b> {
+struct PointPatch<'b> {
     /// Registers of the points' velocities.
     registers: Range<usize>,
+    /// Operator of the points, dense.
     blocks: Cow<'b, DelassusBlocks>,
 }
 
 /// A point: its patch, and its number among all places for points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PatchPoint {
+    /// Index of the patch.
     pub(crate) patch: usize,
+    /// Number among all places for points, lane by lane of all registers.
     pub(crate) point: usize,
 }
 
@@ -136,7 +139,7 @@ impl<'b> Delassus<'b> {
                 self.velocities[register][axis][lane] = velocities[start + i][axis];
             }
         }
-        self.patches.push(Patch { registers, blocks });
+        self.patches.push(PointPatch { registers, blocks });
     }
 
     /// Places of the points of a contact.
@@ -157,8 +160,9 @@ impl<'b> Delassus<'b> {
     /// Diagonal block of a contact, 1/kg, in its frame: the answer of its relative velocity to its
     /// own impulse, `W_11 + W_22 - W_12 - W_21`; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
+        // W_ij of two points; zero where they are in different patches.
         let block = |of: PatchPoint, to: PatchPoint| {
-            let Patch { registers, blocks } = &self.patches[to.patch];
+            let PointPatch { registers, blocks } = &self.patches[to.patch];
             if of.patch != to.patch || registers.is_empty() {
                 return Matrix3::zeros();
             }
@@ -175,6 +179,7 @@ impl<'b> Delassus<'b> {
                 return Matrix3::zeros();
             }
         }
+        // In the contact's frame, symmetric to the last bit.
         let local = contact.frame.transpose() * world * contact.frame;
         0.5 * (local + local.transpose())
     }
@@ -211,7 +216,7 @@ impl<'b> Delassus<'b> {
 
     #[inline(always)]
     fn push_one(&mut self, PatchPoint { patch, point }: PatchPoint, impulse: &Vector3<f64>) {
-        let Patch { registers, blocks } = &self.patches[patch];
+        let PointPatch { registers, blocks } = &self.patches[patch];
         if registers.is_empty() {
             return;
         }

@@ -21,17 +21,19 @@ const UNSEEN_CHANGE: f64 = 0.05;
 /// search gives up.
 const FRUITLESS_CHECKS: usize = 2;
 
-/// A contact, with what is read where it is looked at side by side.
+/// A contact with its points, impulse and weight side by side, as they are read together.
 #[repr(align(64))]
-struct Site {
+struct ContactSite {
     contact: Contact,
+    /// Places of the two points.
     places: [PatchPoint; 2],
+    /// Impulse found so far, N s, in the contact's frame.
     impulse: Vector3<f64>,
     /// Mass that compares errors of the impulse and of the velocity, kg.
     weight: f64,
 }
 
-impl Borrow<Contact> for Site {
+impl Borrow<Contact> for ContactSite {
     fn borrow(&self) -> &Contact {
         &self.contact
     }
@@ -41,14 +43,14 @@ impl Borrow<Contact> for Site {
 pub(super) struct ImpulseSearch<'a> {
     solver: &'a GaussSeidel,
     delassus: Delassus<'a>,
-    sites: Vec<Site>,
+    sites: Vec<ContactSite>,
     /// Local problems, by contact.
     locals: Vec<LocalProblem>,
     /// First entry of `contacts_at`, by point, and the number of all.
     starts: Vec<u32>,
     /// Contacts, by the points they are at.
     contacts_at: Vec<u32>,
-    /// Sum of the squares of all impulses from the tips of their cones.
+    /// Sum of the squares of all impulses from the tips of their cones, (N s)^2.
     squares: f64,
     queue: ContactQueue,
     /// Buffer for the points of a patch that have changed.
@@ -57,7 +59,7 @@ pub(super) struct ImpulseSearch<'a> {
 
 /// Bounds of the errors that contacts may leave in one pass.
 #[derive(Clone, Copy)]
-struct Pass {
+struct PassBounds {
     /// Part of the residual that a contact may leave, if all left as much; the first pass looks at
     /// velocities alone, as few need more.
     share: f64,
@@ -65,8 +67,8 @@ struct Pass {
     most_solves: usize,
 }
 
-impl Pass {
-    /// Pass that looks at velocities alone.
+impl PassBounds {
+    /// First pass, which looks at velocities alone.
     const FIRST: Self = Self { share: f64::INFINITY, most_solves: usize::MAX };
 
     /// Part of the tolerances of velocities that a contact may leave.
@@ -74,8 +76,8 @@ impl Pass {
         PASSED_PART.min(self.share)
     }
 
-    /// Pass that asks for more, as the tolerance is missed although no contact leaves more than it
-    /// may. Few contacts have most of the residual.
+    /// Next pass, which asks for more, as the tolerance is missed although no contact leaves more
+    /// than it may. Few contacts have most of the residual.
     fn next(&self) -> Self {
         let share = if self.share.is_finite() { 0.5 * self.share } else { FIRST_SHARE };
         Self { share, ..*self }
@@ -94,7 +96,12 @@ impl<'a> ImpulseSearch<'a> {
             let trace = local.response.trace() + 3.0 * contact.compliance;
             // What cannot move has no weight of its own: any will do.
             let weight = if trace > 0.0 { 3.0 / trace } else { 1.0 };
-            Site { contact: contact.clone(), places: delassus.places(contact), impulse, weight }
+            ContactSite {
+                contact: contact.clone(),
+                places: delassus.places(contact),
+                impulse,
+                weight,
+            }
         };
         let local = |contact| LocalProblem::new(contact, &delassus.own_response(contact));
         let locals: Vec<_> = contacts.iter().map(local).collect();
@@ -128,7 +135,7 @@ impl<'a> ImpulseSearch<'a> {
         order.sort_by_key(|&i| self.sites[i as usize].contact.first);
         let most = tolerance.iterations.saturating_mul(count);
         let stride = (self.solver.patience / FRUITLESS_CHECKS).max(1).saturating_mul(count);
-        let (mut pass, mut solved, mut before) = (Pass::FIRST, 0, None);
+        let (mut pass, mut solved, mut before) = (PassBounds::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
         loop {
             for (impulse, site) in impulses.iter_mut().zip(&self.sites) {
@@ -165,16 +172,16 @@ impl<'a> ImpulseSearch<'a> {
 
     /// Relative velocity of a contact, m/s, in its frame, with what its compliance adds.
     #[inline(always)]
-    fn velocity(&self, site: &Site) -> Vector3<f64> {
+    fn velocity(&self, site: &ContactSite) -> Vector3<f64> {
         let compressed = site.impulse * site.contact.compliance;
         self.delassus.relative_at(&site.contact, site.places) + compressed
     }
 
     /// Whether a contact is farther from the law than a pass lets it be.
     #[inline(always)]
-    fn is_wrong(&self, site: &Site, pass: &Pass) -> bool {
+    fn is_wrong(&self, site: &ContactSite, pass: &PassBounds) -> bool {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
-        let Site { contact, impulse, weight, .. } = site;
+        let ContactSite { contact, impulse, weight, .. } = site;
         let (velocity, load) = (self.velocity(site), impulse.x + contact.adhesion);
         if load <= 0.0 && velocity.x >= 0.0 {
             return false;
@@ -192,7 +199,7 @@ impl<'a> ImpulseSearch<'a> {
     }
 
     /// Change of the velocity of a point, m/s, up to which its contacts are not looked at again.
-    fn unseen_change(&self, pass: &Pass) -> f64 {
+    fn unseen_change(&self, pass: &PassBounds) -> f64 {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
         let heaviest = self.sites.iter().map(|site| site.weight).fold(0.0, f64::max);
         let by_impulse = pass.share * residual * self.mean() / heaviest;
@@ -204,7 +211,7 @@ impl<'a> ImpulseSearch<'a> {
     /// Solves a contact by itself. Tells whether that changes anything.
     #[inline(always)]
     fn solve(&mut self, i: usize) -> bool {
-        let Site { contact, places, impulse, .. } = &mut self.sites[i];
+        let ContactSite { contact, places, impulse, .. } = &mut self.sites[i];
         let (local, old) = (&self.locals[i], *impulse);
         // The velocity without the contact's own impulse, the exact solution, and what it changes.
         let free = self.delassus.relative_at(contact, *places) - local.response * old;
@@ -249,7 +256,7 @@ fn relaxed(
 /// Pass that solves contacts that are wrong until none is, and returns the number of solves.
 struct RelaxationPass<'s, 'a> {
     search: &'s mut ImpulseSearch<'a>,
-    pass: Pass,
+    pass: PassBounds,
 }
 
 impl NullaryFnOnce for RelaxationPass<'_, '_> {

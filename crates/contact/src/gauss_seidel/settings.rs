@@ -28,6 +28,8 @@ impl GaussSeidel {
         Self { tolerance, relaxation: 1.0, patience: usize::MAX }
     }
 
+    /// Checks tolerances and relaxation.
+    ///
     /// # Errors
     /// [`ContactError::Invalid`] for a tolerance or relaxation out of range.
     pub(super) fn validate(&self) -> Result<(), ContactError> {

@@ -74,6 +74,8 @@ fn merged(a: f64, b: f64) -> f64 {
     if small <= 0.0 { 0.0 } else { small * (2.0 / (1.0 + (small / large).powi(2))).sqrt() }
 }
 
+/// Limit curve of two surfaces as a polygon, whose vertices are points of the curve in directions
+/// at most [`LARGEST_STEP`] apart.
 fn polygon(
     first: &LimitCurve,
     second: &LimitCurve,

@@ -56,10 +56,12 @@ impl Polygon {
         (0..self.vertices.len()).map(|i| self.edge(i))
     }
 
+    /// The polygon reflected at the origin.
     pub(super) fn reflected(&self) -> Self {
         Self::with_vertices(self.vertices.iter().map(|v| -v).collect())
     }
 
+    /// The polygon with these vertices, counterclockwise and convex.
     fn with_vertices(vertices: Arc<[Vector2<f64>]>) -> Self {
         let size = vertices.iter().map(Vector2::amax).fold(0.0, f64::max);
         let mut polygon = Self { vertices, half: 0 };
@@ -83,10 +85,12 @@ impl Polygon {
         (from + passed + self.vertices.len() - 1) % self.vertices.len()
     }
 
+    /// Vertex number `i` and the next.
     fn edge(&self, i: usize) -> (Vector2<f64>, Vector2<f64>) {
         (self.vertices[i], self.vertices[(i + 1) % self.vertices.len()])
     }
 
+    /// Point of the polygon scaled by `scale` that is nearest to `p`.
     pub(super) fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         if self.half == 0 {
             return self.project_by_search(p, scale);
@@ -121,6 +125,7 @@ impl Polygon {
         self.project_by_search(p, scale)
     }
 
+    /// Point of the scaled polygon that is nearest to `p`, by a look at every edge.
     fn project_by_search(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
         let mut inside = self.vertices.len() > 2;
         let (mut nearest, mut distance) = (*p, f64::INFINITY);
@@ -135,6 +140,7 @@ impl Polygon {
         if inside { *p } else { nearest }
     }
 
+    /// Vertex farthest along `direction`, the first if there are two; zero if that is zero.
     pub(super) fn support(&self, direction: &Vector2<f64>) -> Vector2<f64> {
         if direction.amax() <= 0.0 {
             return Vector2::zeros();
@@ -158,6 +164,7 @@ impl Polygon {
         }
     }
 
+    /// Factor by which the polygon must be scaled to pass through `p`; infinite where none does.
     pub(super) fn gauge(&self, p: &Vector2<f64>) -> f64 {
         if p.amax() <= 0.0 {
             return 0.0;

@@ -143,7 +143,7 @@ impl CurveQuarter {
     }
 }
 
-/// CurveQuarter in which the friction lies: there is one, since for a given `alpha` the problem is
+/// Quarter in which the friction lies: there is one, since for a given `alpha` the problem is
 /// strictly convex with a continuous gradient.
 fn containing<'a>(
     problem: &PressedContact,

@@ -95,7 +95,7 @@ mod tests {
         let mut contacts = Vec::new();
         let same = |_: &Pair, _: &Pair| false;
         let all = |found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| {
-            stay.extend_from_slice(found)
+            stay.extend_from_slice(found);
         };
         contacts_of_groups(&end, &[[0, 1], [1, 2]], 0.1, same, all, &mut contacts)
             .expect("lengths");

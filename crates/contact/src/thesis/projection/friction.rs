@@ -45,7 +45,7 @@ pub(super) fn project(
         Form::Corrected => link.normal.velocity(velocity) + link.closing,
     };
     let limit = |&i: &usize| (impulses[i], group.links[i].friction);
-    let friction = Tangential {
+    let friction = TangentialProgram {
         answers: group.gram(Form::Corrected, &tangents, &tangents),
         coupling: group.gram(Form::Corrected, &normals, &tangents),
         normals: normals.iter().map(|row| group.own(row)).collect(),
@@ -74,7 +74,7 @@ pub(super) fn project(
 }
 
 /// Friction of contacts that bear impulses, in their own coordinates: two unknowns for each.
-pub(super) struct Tangential<'a> {
+pub(super) struct TangentialProgram<'a> {
     /// Velocities along the tangents per impulse along them, `D^T M^-1 D`, 1/kg.
     pub(super) answers: DMatrix<f64>,
     /// Velocities along the normals of all contacts per impulse along the tangents, `J M^-1 D`,
@@ -92,7 +92,7 @@ pub(super) struct Tangential<'a> {
     pub(super) set: Form,
 }
 
-impl Tangential<'_> {
+impl TangentialProgram<'_> {
     /// Impulses along the tangents that leave the least energy, N s.
     pub(super) fn solve(&self) -> Result<DVector<f64>, ContactError> {
         let (a, b) = self.constraints();

@@ -4,7 +4,7 @@ use crate::ContactError;
 use nalgebra::{DMatrix, DVector, Vector6};
 
 /// Result of the first projection.
-pub(super) struct Normal {
+pub(super) struct NormalProjection {
     /// Twists after a plastic impact, `u+`.
     pub(super) twists: Vec<Vector6<f64>>,
     /// Normal impulses on which friction's bounds rest, N s.
@@ -18,7 +18,7 @@ pub(super) fn project(
     before: &[Vector6<f64>],
     restitution: f64,
     form: &Differences,
-) -> Result<Normal, ContactError> {
+) -> Result<NormalProjection, ContactError> {
     let rows: Vec<&TwistForm> = group.links.iter().map(|link| &link.normal).collect();
     let gram = group.gram(form.metric, &rows, &rows);
     let slack = DVector::from_iterator(
@@ -48,7 +48,7 @@ pub(super) fn project(
         }
     };
     let twists = before.iter().zip(&change).map(|(u, du)| u + du).collect();
-    Ok(Normal { twists, impulses })
+    Ok(NormalProjection { twists, impulses })
 }
 
 /// `argmin 1/2 l^T G l + l^T c` over `l >= 0`.

@@ -1,4 +1,4 @@
-use super::friction::Tangential;
+use super::friction::TangentialProgram;
 use super::{Form, PolygonalCone, normal};
 use crate::solver::{check, respond};
 use crate::{Body, Contact, ContactError, LimitCurve, Report, Solver, Tolerance, report};
@@ -8,11 +8,12 @@ use std::f64::consts::TAU;
 /// The corrected Alg. 6 as a [`Solver`], for bodies of any kind: what they answer to impulses at
 /// the contacts is all that its two projections need.
 ///
-/// It does one pass and then looks how good that is. Normal impulses pull nothing, let nothing
-/// approach and do not know of friction; friction is within the limits that they set and leaves the
-/// least energy. Without biases and adhesion no energy is gained. Where impulses along tangents do
-/// not move points along normals it is the law, of polygons; else it is not, and the report says
-/// how far from it. Where nothing keeps all contacts apart, the impulses that were given stay.
+/// It does one pass and then looks how good that is. Normal impulses pull nothing, let
+/// nothing approach and do not know of friction; friction is within the limits that they set and
+/// leaves the least energy. Without biases and adhesion no energy is gained. Where impulses along
+/// tangents do not move points along normals it is the law, of polygons; else it is not, and the
+/// report says how far from it. Where nothing keeps all contacts apart, the impulses that were
+/// given stay.
 ///
 /// Only `friction_set` of [`Differences`](super::Differences) can be as printed here. `metric`,
 /// `normal`, `impulse` and `objective` need inner products of twists, which no [`Body`] tells;
@@ -88,7 +89,7 @@ impl TwoProjections {
         }
         let after = before + &all * pressed;
         let sideways = answers.select_columns(&tangents);
-        let friction = Tangential {
+        let friction = TangentialProgram {
             answers: sideways.select_rows(&tangents),
             coupling: sideways.select_rows(&normals),
             normals: normals.iter().map(|&i| answers[(i, i)]).collect(),

@@ -16,11 +16,11 @@ pub(crate) struct Dense {
     pub(crate) mobility: DMatrix<f64>,
     pub(crate) jacobian: DMatrix<f64>,
     pub(crate) velocity: DVector<f64>,
-    /// `H A^-1 H^T`.
+    /// Answer without weights, `H A^-1 H^T`, 1/kg.
     bare: DMatrix<f64>,
-    /// The same with weights.
+    /// Answer with weights, 1/kg.
     response: DMatrix<f64>,
-    /// Its points, if it writes out how they answer.
+    /// Points and dense operator, if the body is to have one at hand.
     written: Option<(Vec<usize>, DelassusBlocks)>,
 }
 
@@ -31,7 +31,7 @@ impl Dense {
         Self { mobility, jacobian, velocity, response: bare.clone(), bare, written: None }
     }
 
-    /// The same, with its answers written out.
+    /// This body with its dense operator at hand.
     pub(crate) fn written(self) -> Self {
         let answers = DelassusBlocks::new(&self.bare).expect("a square of finite numbers");
         Self { written: Some(((0..self.points()).collect(), answers)), ..self }
@@ -154,7 +154,7 @@ pub(crate) fn contact(
     along(first, second, normal, &help, friction)
 }
 
-/// The same with `t1` along `axis`, as far as that is at a right angle to the normal.
+/// A contact with `t1` along `axis`, as far as that is at a right angle to the normal.
 pub(crate) fn along(
     first: usize,
     second: Option<usize>,
