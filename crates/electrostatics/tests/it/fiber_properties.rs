@@ -223,8 +223,9 @@ proptest! {
         prop_assert!(error <= allowed, "{second}, not {exact}, by more than {allowed} N");
     }
 
-    /// Without charge there is no force and no energy; fibres at one place have finite forces; one
-    /// segment only pushes its ends apart; a segment without length is refused.
+    /// Without charge there is no force and no energy; fibres at one place have finite forces or
+    /// are out of reach; one segment only pushes its ends apart; a segment without length is
+    /// refused.
     #[test]
     fn degenerate_fibers_are_answered(tuft in tuft(), tolerance in tolerance()) {
         let none = tuft.solve(&vec![0.0; tuft.charges.len()], tolerance).expect("defined");
@@ -242,11 +243,13 @@ proptest! {
             nodes: tuft.nodes.repeat(2),
             charges: tuft.charges.repeat(2),
         };
-        let result = doubled.solve(&doubled.charges, tolerance);
-        let finite = |found: Electrostatics| found.forces.iter().all(|f| f.norm().is_finite());
-        prop_assert!(
-            result.is_ok_and(finite)
-        );
+        // Coinciding lines act as if 1e-9 m apart, for which panels are barely enough: a tolerance
+        // may be out of reach, and then the error says so.
+        let answered = match doubled.solve(&doubled.charges, tolerance) {
+            Ok(found) => found.forces.iter().all(|f| f.norm().is_finite()),
+            Err(error) => matches!(error, ElectrostaticsError::OutOfReach { .. }),
+        };
+        prop_assert!(answered);
 
         let mut shrunk = tuft.clone();
         shrunk.nodes[1] = shrunk.nodes[0];
