@@ -207,7 +207,7 @@ impl Module {
                 group.items.iter().for_each(|tree| self.take_use(prefix, tree, passed_on));
             }
             UseTree::Name(name) if name.ident == "self" => {
-                self.take_import(prefix.to_vec(), None, passed_on)
+                self.take_import(prefix.to_vec(), None, passed_on);
             }
             UseTree::Name(name) => self.take_import(with(&name.ident), None, passed_on),
             UseTree::Rename(name) => {

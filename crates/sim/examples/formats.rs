@@ -73,7 +73,8 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     usd::root(&mut create("scene.usda")?, &timeline, &["fibers.usda"])?;
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.pov")?, &frames[4], &[])?;
-    let pictures = frames.iter().cloned().map(|frame| preview::Picture::new(frame, Vec::new()));
+    let pictures =
+        frames.iter().cloned().map(|frame| preview::PreviewFrame::new(frame, Vec::new()));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
     preview::write(&mut create("preview.png")?, &pictures, &[], &[])?;
     Ok(())
