@@ -57,8 +57,8 @@ impl<const D: usize> System<D> {
     }
 
     /// Power that drag and dampers take from the motion, and that the wind gives back through the
-    /// drag, W; negative where the wind gives more. The [total](Energy::total) energy falls at this
-    /// rate less [that of the supports](Self::support_power).
+    /// drag, W; negative where the wind gives more. The [total](SpringEnergy::total) energy falls
+    /// at this rate less [that of the supports](Self::support_power).
     ///
     /// Not in this ledger are what happens at once (contacts, springs that give way, supports that
     /// take a node which moves), the controller of an [`Enclosure`](crate::Enclosure), loads and
@@ -83,8 +83,8 @@ impl<const D: usize> System<D> {
     }
 
     /// Power that supports put into what they move, W: they give what the forces on its nodes lack.
-    /// Costs an evaluation of forces. The tensions of a [`RigidChain`](crate::Chain) count with
-    /// [its own](crate::Chain::support_power).
+    /// Costs an evaluation of forces. The tensions of a [`RigidChain`](crate::RigidChain) count
+    /// with [its own](crate::RigidChain::support_power).
     #[must_use]
     pub fn support_power(&self) -> f64 {
         let (x, v) = (&self.positions, &self.velocities);

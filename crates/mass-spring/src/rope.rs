@@ -5,7 +5,7 @@ use nalgebra::{Point, SVector};
 /// The rope of the first text: masses in a row, the first one fixed.
 ///
 /// For a chain, which does not stretch, take [`rigid`](Self::rigid) springs and a
-/// [`RigidChain`](crate::Chain) to move it.
+/// [`RigidChain`](crate::RigidChain) to move it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rope {
     /// Number of nodes with the fixed one, at least two.

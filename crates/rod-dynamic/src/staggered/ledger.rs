@@ -2,11 +2,12 @@
 //!
 //! A node obeys `m A = n_(a+1) - n_a + F + R` at the end of the step, `A` its acceleration there,
 //! `F` what loads it and `R` the reaction of a support; a segment obeys
-//! `sum I d_k x A_k = h d3 x n + M_(j=e) - M_(j=e-1)`. The first is multiplied with the displacement
-//! `u`, the second with a vector `c` that turns the segment's directors over the step but for terms of
-//! higher order, `c = sum d_k x d_k' / 2`, and all are added. Nodes being where the segments put them,
-//! forces leave only `h n (d d3 - c x d3)` of each segment: the chord for the tangent.
-//! The same is left of the
+//! `sum I d_k x A_k = h d3 x n + M_(j=e) - M_(j=e-1)`. The first is multiplied with the
+//! displacement `u`, the second with a vector `c` that turns the segment's directors over the step
+//! but for terms of higher order,
+//! `c = sum d_k x d_k' / 2`, and all are added. Nodes being where the
+//! segments put them, forces leave only `h n (d d3 - c x d3)` of each segment: the chord for the
+//! tangent. The same is left of the
 //! inertia of directors, and of a joint `M (c_(j+1) - c_j)` against `m dphi`.
 //!
 //! With `m` the joint's moment at the end, elastic energy grows by `m_elastic dphi - dphi K
