@@ -56,6 +56,17 @@ pub enum SimError {
     /// Fibres with charge do not come to rest.
     #[error(transparent)]
     Charging(#[from] ChargingError),
+    /// A stepper of the user's own cannot go on.
+    #[error(transparent)]
+    Stepper(#[from] Box<dyn std::error::Error + Send + Sync>),
+    /// A fibre cannot be put into a state.
+    #[error("fibre {fiber}: {source}")]
+    State {
+        /// Index of the fibre, over all bundles.
+        fiber: usize,
+        /// What is wrong with the state.
+        source: RodError,
+    },
     /// A state is given to what is no fibre.
     #[error("a state can only be given to fibres, and only to those that are no charged ones")]
     NoFibers,

@@ -18,8 +18,8 @@ pub trait Stepper: Send + Sync {
     /// Moves everything by `dt`, s. The result must not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SimError`]; some may have been moved then and others not: [restore](Self::restore) what
-    /// was saved before going on.
+    /// [`SimError`], of which [`SimError::Stepper`] takes any error; some may have been moved then
+    /// and others not: [restore](Self::restore) what was saved before going on.
     fn step(&mut self, around: &mut Surroundings, dt: f64) -> Result<StepReport, SimError>;
 
     /// Energy, J, in a gravity, m/s^2, zero at the world's origin.
@@ -97,8 +97,8 @@ pub trait Stepper: Send + Sync {
     /// Puts a fibre into a state.
     ///
     /// # Errors
-    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] where nothing can be
-    /// put so.
+    /// [`SimError::State`] for a state of another fibre, [`SimError::NoFibers`] where nothing can
+    /// be put so.
     fn set_state(&mut self, _fiber: usize, _state: &RodState) -> Result<(), SimError> {
         Err(SimError::NoFibers)
     }

@@ -183,8 +183,8 @@ impl World {
     /// Puts fibre `i` into a state.
     ///
     /// # Errors
-    /// [`SimError::Rod`] for a state of another fibre, [`SimError::NoFibers`] if nothing can be put
-    /// so.
+    /// [`SimError::State`] for a state of another fibre, [`SimError::NoFibers`] if nothing can be
+    /// put so.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -327,7 +327,7 @@ impl World {
     /// Goes back to a snapshot of this world.
     ///
     /// # Errors
-    /// [`SimError::Rod`] and others if it is one of another scene.
+    /// [`SimError::Coupling`], [`SimError::Charging`] and others if it is one of another scene.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
         self.stepper.restore(&snapshot.stepper, snapshot.clock.time())?;
         let mut numbers = &snapshot.objects[..];

@@ -124,7 +124,7 @@ impl Stepper for InContact {
 
     fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), SimError> {
         let set = self.fibers.fibers_mut().set_state(fiber, state);
-        set.map_err(|source| SimError::Rod { bundle: 0, source })
+        set.map_err(|source| SimError::State { fiber, source })
     }
 
     fn in_contact(&self) -> Option<&FibersInContact> {

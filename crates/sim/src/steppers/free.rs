@@ -98,6 +98,6 @@ impl Stepper for Free {
 
     fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), SimError> {
         let set = self.fibers.set_state(fiber, state);
-        set.map_err(|source| SimError::Rod { bundle: 0, source })
+        set.map_err(|source| SimError::State { fiber, source })
     }
 }

@@ -81,8 +81,9 @@ impl Stepper for Pendulum {
     }
 
     fn restore(&mut self, saved: &[Vec<f64>], _: f64) -> Result<(), SimError> {
-        let [numbers] = saved else { return Err(SimError::NoFibers) };
-        let &[angle, rate, steps] = &numbers[..] else { return Err(SimError::NoFibers) };
+        let &[angle, rate, steps] = &saved.concat()[..] else {
+            return Err(SimError::Stepper("three numbers are a pendulum".into()));
+        };
         *self = Self { angle, rate, steps };
         Ok(())
     }
