@@ -56,6 +56,9 @@ pub fn modes(
 ) -> Result<Modes, VibrationError> {
     let (k, m) = pair(stiffness, mass)?;
     let count = count.min(k.nrows());
+    if count == 0 {
+        return Ok(Modes { squares: Vec::new(), shapes: DMatrix::zeros(k.nrows(), 0) });
+    }
     let (squares, mut shapes) = if let Some(Reduced { factor, eigen }) = reduce(k, m, STIFF)? {
         let inverses: Vec<f64> = eigen.S().column_vector().iter().rev().copied().collect();
         let rounding = inverses.first().map_or(0.0, |largest| f64::EPSILON * largest);
@@ -89,9 +92,13 @@ pub fn modes(
 /// # Errors
 /// As [`modes`], but for what concerns the mass.
 pub fn eigen(stiffness: &DMatrix<f64>) -> Result<Modes, VibrationError> {
-    let eigen = square("stiffness", stiffness, stiffness.nrows())?
-        .self_adjoint_eigen(Side::Lower)
-        .map_err(|_| VibrationError::NotConverged)?;
+    let stiffness = square("stiffness", stiffness, stiffness.nrows())?;
+    // The library counts down from the number of rows.
+    if stiffness.nrows() == 0 {
+        return Ok(Modes { squares: Vec::new(), shapes: DMatrix::zeros(0, 0) });
+    }
+    let eigen =
+        stiffness.self_adjoint_eigen(Side::Lower).map_err(|_| VibrationError::NotConverged)?;
     let squares = eigen.S().column_vector().iter().copied().collect();
     Ok(Modes { squares, shapes: owned(eigen.U()) })
 }
@@ -102,9 +109,12 @@ pub fn eigen(stiffness: &DMatrix<f64>) -> Result<Modes, VibrationError> {
 /// # Errors
 /// As [`eigen`].
 pub fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> Result<f64, VibrationError> {
-    let values = square("matrix", matrix, matrix.nrows())?
-        .self_adjoint_eigenvalues(Side::Lower)
-        .map_err(|_| VibrationError::NotConverged)?;
+    let matrix = square("matrix", matrix, matrix.nrows())?;
+    if matrix.nrows() == 0 {
+        return Ok(f64::INFINITY);
+    }
+    let values =
+        matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| VibrationError::NotConverged)?;
     Ok(values.first().copied().unwrap_or(f64::INFINITY))
 }
 
@@ -122,6 +132,9 @@ pub fn characteristic_exponents(
     mass: &DMatrix<f64>,
 ) -> Result<Vec<Complex<f64>>, VibrationError> {
     let (k, m) = pair(stiffness, mass)?;
+    if k.nrows() == 0 {
+        return Ok(Vec::new());
+    }
     let mut matrix = k.partial_piv_lu().solve(m);
     let inverse = matrix.is_all_finite();
     if !inverse {
