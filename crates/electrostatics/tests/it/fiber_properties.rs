@@ -140,8 +140,8 @@ proptest! {
     }
 
     /// Forces turn with the fibres and do not depend on where these are, to the tolerance of both:
-    /// as strictly as here only where every segment is a sample of the certificate. Coordinates of up to 1 m are rounded by 1e-16 m, which is nothing beside distances of 1e-5
-    /// m.
+    /// as strictly as here only where every segment is a sample of the certificate. Coordinates of
+    /// up to 1 m are rounded by 1e-16 m, which is nothing beside distances of 1e-5 m.
     #[test]
     fn forces_move_with_the_fibers(
         tuft in few(),
