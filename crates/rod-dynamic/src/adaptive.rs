@@ -1,16 +1,16 @@
-//! Steps of a length that the error asks for, with any integrator.
+//! Adaptive step size for any integrator, controlled by the estimated position error.
 
 use crate::{Conditions, RodIntegrator, StepError};
 use nalgebra::Point3;
 
-/// Attempts to make a step smaller end at this fraction of the duration.
+/// Smallest step size, as a fraction of the duration.
 const SMALLEST: f64 = 1.0 / 1_048_576.0;
-/// Steps aim at this share of the error allowed.
+/// Safety factor on the step size that the error estimate suggests.
 const SAFETY: f64 = 0.8;
-/// A step is followed by one at most this many times as long, or short.
+/// Largest factor by which the step size may grow or shrink from one step to the next.
 const GROWTH: f64 = 4.0;
 
-/// What an adaptive advance did.
+/// Statistics of an adaptive advance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AdaptiveReport {
     /// Steps accepted, each made of two halves.
@@ -26,11 +26,11 @@ pub struct AdaptiveReport {
     /// Sum of the estimated errors of the steps, m: an estimate of the error at the end where
     /// neighbouring motions do not diverge.
     pub error: f64,
-    /// The shortest step accepted, s.
+    /// Shortest step accepted, s.
     pub shortest: f64,
 }
 
-/// Moves `integrator` by `duration` (s) in steps chosen so that the estimated errors of all node
+/// Advances `integrator` by `duration` (s) in steps chosen so that the estimated errors of all node
 /// positions add up to at most `tolerance` (m).
 ///
 /// Every step is done once whole and once in two halves; for a method of second order a third of
@@ -107,7 +107,8 @@ fn run(
     }
 }
 
-/// One step and, from the same start, its two halves, which stay. Returns the estimated error.
+/// Takes one whole step and, from the same start, two half steps, whose result is kept. Returns the
+/// estimated error, m.
 fn double(
     integrator: &mut dyn RodIntegrator,
     dt: f64,

@@ -60,9 +60,9 @@ impl End {
 /// Linear drag coefficients of a fibre in slow flow, force per length and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drag {
-    /// Across the fibre, N s / m^2.
+    /// Drag coefficient across the fibre, N s / m^2.
     pub normal: f64,
-    /// Along the fibre, N s / m^2.
+    /// Drag coefficient along the fibre, N s / m^2.
     pub tangential: f64,
 }
 
@@ -94,7 +94,7 @@ impl Drag {
 pub struct Air {
     /// Wind velocity, m/s, world frame.
     pub wind: Vector3<f64>,
-    /// Drag of the fibre relative to the wind.
+    /// Drag coefficients of the fibre, for its velocity relative to the wind.
     pub drag: Drag,
 }
 
@@ -105,11 +105,11 @@ pub struct Instant {
     pub gravity: Vector3<f64>,
     /// Uniform force per length, N/m, world frame.
     pub distributed: Vector3<f64>,
-    /// The end at arc length 0.
+    /// Boundary condition at the root (arc length 0).
     pub root: End,
-    /// The end at arc length L.
+    /// Boundary condition at the tip (arc length L).
     pub tip: End,
-    /// The air, if it acts.
+    /// Wind and drag, `None` for no air.
     pub air: Option<Air>,
 }
 
@@ -127,9 +127,9 @@ impl Instant {
     }
 }
 
-/// The conditions over time. Any `Fn(f64) -> Instant` is one.
+/// Conditions as a function of time. Any `Fn(f64) -> Instant` is one.
 ///
-/// Must be a pure function of time: steps that are halved and steps that are repeated ask again.
+/// Must be a pure function of time: steps that are halved or repeated evaluate it again.
 pub trait Conditions: Sync {
     /// The conditions at time `t`, s.
     fn at(&self, t: f64) -> Instant;
@@ -141,7 +141,7 @@ impl<F: Fn(f64) -> Instant + Sync> Conditions for F {
     }
 }
 
-/// Conditions that do not change.
+/// Conditions that are constant in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steady(pub Instant);
 

@@ -9,7 +9,7 @@ pub enum RodError {
     /// An argument that makes no sense.
     #[error("{what}: {why}")]
     Invalid {
-        /// Which argument.
+        /// Name of the argument.
         what: &'static str,
         /// What is wrong and what is allowed.
         why: &'static str,
@@ -17,14 +17,14 @@ pub enum RodError {
     /// An array of the wrong length.
     #[error("{what} has {found} entries, but the rod needs {expected}")]
     Length {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
-        /// Entries needed.
+        /// Number of entries needed.
         expected: usize,
-        /// Entries given.
+        /// Number of entries given.
         found: usize,
     },
-    /// Eigenvalues of a stiffness and a mass that were not found.
+    /// The eigenvalue problem of the small vibrations could not be solved.
     #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
     Vibration(#[from] VibrationError),
@@ -42,9 +42,9 @@ pub enum StepError {
     Conditions {
         /// Index of the fibre in its batch, 0 for a single rod.
         fiber: usize,
-        /// Which condition.
+        /// Name of the condition.
         what: &'static str,
-        /// When, s.
+        /// Time of the invalid condition, s.
         time: f64,
         /// What is wrong and what is allowed.
         why: &'static str,
@@ -67,13 +67,13 @@ pub enum StepError {
     },
 }
 
-/// Numbers with two digits.
+/// Formats residuals with two digits each, separated by commas.
 fn brief(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(", ")
 }
 
 impl StepError {
-    /// The same error of another fibre: `index` gives the new number for the old.
+    /// The error with the fibre index `i` replaced by `index(i)`.
     #[must_use]
     pub fn renumbered(mut self, index: impl Fn(usize) -> usize) -> Self {
         match &mut self {

@@ -1,20 +1,20 @@
-//! The joints of the staggered rod: bending and torsion of what lies between two middles.
+//! Joints of the staggered rod: bending and torsion of the rod between two segment midpoints.
 
 use nalgebra::Vector3;
 use rapunzel_fiber::Fiber;
 
-/// What a joint stands for.
+/// Length, stiffness and natural rotation of one joint.
 pub(crate) struct Joint {
-    /// Length of that, m: half a segment at the ends.
+    /// Length of rod that the joint stands for, m: half a segment at the two ends.
     pub(crate) length: f64,
-    /// Stiffness over length, N m.
+    /// Stiffness about the material axes divided by `length`, N m.
     pub(crate) stiffness: Vector3<f64>,
-    /// Rotation vector at rest, rad.
+    /// Natural rotation vector from one segment to the next, rad, material frame.
     pub(crate) rest: Vector3<f64>,
 }
 
 impl Joint {
-    /// Joint `j` of `0..=n`, with the properties at the middle of what it stands for.
+    /// Joint `j` of `0..=n`, with properties interpolated to the middle of its length.
     pub(crate) fn new(fiber: &Fiber, j: usize) -> Self {
         let (nodes, h, n) = (fiber.nodes(), fiber.segment_lengths(), fiber.segments());
         let (length, inner) = match j {

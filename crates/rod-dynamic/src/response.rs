@@ -1,36 +1,36 @@
 use crate::RodError;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// A point of a fibre.
+/// A point on a segment of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Index of the fibre in its batch.
     pub fiber: u32,
     /// Index of the segment.
     pub segment: u32,
-    /// Where on the segment, 0 at its root end and 1 at its tip end.
+    /// Position on the segment, 0 at its root end and 1 at its tip end.
     pub fraction: f64,
 }
 
-/// How the points of one fibre answer impulses on each other.
+/// Response of points on one fibre to impulses on each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointResponses {
-    /// Indices of the points, from root to tip.
+    /// Indices of the points in the caller's list, sorted from root to tip.
     pub points: Vec<usize>,
-    /// The change of the mean velocities (m/s) that impulses of 1 N s cause: symmetric, three rows
-    /// and three columns a point.
+    /// Change of the mean velocities (m/s) per impulse (N s), 1/kg: symmetric, three rows and three
+    /// columns per point in the order of `points`.
     pub matrix: DMatrix<f64>,
 }
 
-/// How fibres whose step has been solved, but not finished, answer impulses.
+/// Response to impulses of fibres whose step has been solved, but not committed.
 ///
-/// An impulse is a jump of velocity at the start of the step, the answer the change of the mean
+/// An impulse is a jump of velocity at the start of the step, the response the change of the mean
 /// velocity over the step: the map is symmetric and positive semidefinite. An impulse `P` at the
 /// fraction `f` of a segment is `(1 - f) P` on the node before and `f P` on the node behind, and
 /// the velocity there is interpolated alike. Vectors are in the world frame; arrays hold the nodes
 /// of the first fibre, then those of the second, and so on.
 pub trait ImpulseResponse {
-    /// Fibres times nodes: the length of the arrays.
+    /// Number of nodes of all fibres together: the length of the arrays.
     fn nodes(&self) -> usize;
 
     /// Writes the change of the mean velocities (m/s) that `impulses` (N s) cause to first order.
@@ -38,18 +38,19 @@ pub trait ImpulseResponse {
     ///
     /// # Errors
     /// [`RodError::Length`] for arrays of the wrong length, [`RodError::Invalid`] if no step is
-    /// under way; so of all that follow.
+    /// under way.
     fn respond(
         &mut self,
         impulses: &[Vector3<f64>],
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
-    /// Writes the change of the mean velocities of points that impulses on them cause.
+    /// Writes the change of the mean velocities (m/s) at points that `impulses` (N s) on these
+    /// points cause to first order; both arrays have one entry per point.
     ///
     /// # Errors
     /// [`RodError::Length`] for arrays that do not fit, [`RodError::Invalid`] for a point that is
-    /// not on a fibre.
+    /// not on a fibre or if no step is under way.
     fn respond_at(
         &mut self,
         points: &[Point],
@@ -57,7 +58,8 @@ pub trait ImpulseResponse {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
-    /// The same for the fibres with the masses of [`ImpulseResponse::set_weights`] added.
+    /// Writes the response at points like [`ImpulseResponse::respond_at`], for the fibres with the
+    /// masses of [`ImpulseResponse::set_weights`] added.
     ///
     /// # Errors
     /// As [`ImpulseResponse::respond_at`].
@@ -68,26 +70,30 @@ pub trait ImpulseResponse {
         velocities: &mut [Vector3<f64>],
     ) -> Result<(), RodError>;
 
-    /// Writes out how points answer impulses on each other, for every fibre with any, in the order
-    /// of the fibres. One pass over the fibre a point, three columns at once: worth it for a few
-    /// points that are asked often.
+    /// Response matrices of the points of every fibre that has any, in the order of the fibres. One
+    /// pass over the fibre per point, three columns at once: worth it for a few points whose
+    /// response is needed often.
     ///
     /// # Errors
-    /// [`RodError::Invalid`] for a point that is not on a fibre.
+    /// [`RodError::Invalid`] for a point that is not on a fibre or if no step is under way.
     fn write_out(&mut self, points: &[Point]) -> Result<Vec<PointResponses>, RodError>;
 
-    /// Writes the answer of every node to an impulse on itself (1/kg), by selected inversion.
+    /// Writes the 3 x 3 response of every node to an impulse on itself (1/kg), by selected
+    /// inversion.
     ///
     /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
+    /// [`RodError::Length`] for an array of the wrong length, [`RodError::Invalid`] if no step is
+    /// under way.
     fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
 
-    /// Adds masses (kg, that is impulse per velocity) at points, in place of all added before, and
-    /// factorises again for [`ImpulseResponse::weighted_respond_at`]: its response is the inverse
-    /// of `W^-1 + H^T M H`, `H` the interpolation to the points. To be called after each solve.
+    /// Adds masses (kg, that is impulse per velocity) at points, in place of all masses added
+    /// before, and factorises again for [`ImpulseResponse::weighted_respond_at`], whose response is
+    /// the inverse of `W^-1 + H^T M H`: `W` the response without them, `H` the interpolation to the
+    /// points. To be called after each solve.
     ///
     /// # Errors
     /// [`RodError::Length`] unless there is a mass for each point, [`RodError::Invalid`] for a
-    /// point that is not on a fibre or a mass that is negative or not finite.
+    /// point that is not on a fibre, a mass that is negative or not finite, or if no step is under
+    /// way.
     fn set_weights(&mut self, points: &[Point], masses: &[f64]) -> Result<(), RodError>;
 }

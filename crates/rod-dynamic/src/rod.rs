@@ -11,8 +11,8 @@ pub struct Rod {
     pub fiber: Fiber,
     /// Kelvin-Voigt retardation time, s: the moment is `K (kappa - kappa0 + tau d(kappa)/dt)`.
     pub damping_time: f64,
-    /// What its sections do in place of `K (kappa - kappa0)`. Only [`crate::Staggered`] and
-    /// [`crate::StaggeredBatch`] have other laws than the linear one.
+    /// Constitutive laws of the sections in place of `K (kappa - kappa0)`. Only
+    /// [`crate::Staggered`] and [`crate::StaggeredBatch`] support laws other than the linear one.
     pub laws: SectionLaws,
 }
 
@@ -30,15 +30,15 @@ impl Rod {
     }
 }
 
-/// The laws of a rod's sections.
+/// Constitutive laws of a rod's sections.
 #[derive(Debug, Clone, Default)]
 pub enum SectionLaws {
-    /// The stiffness of the fibre, and the damping time of the rod.
+    /// The linear law, with the stiffness of the fibre and the damping time of the rod.
     #[default]
     Linear,
     /// One law for all sections.
     Same(Arc<dyn SectionLaw>),
-    /// One for each node.
+    /// One law per node, `n + 1` of them.
     Each(Vec<Arc<dyn SectionLaw>>),
 }
 
@@ -53,7 +53,7 @@ impl SectionLaws {
     }
 }
 
-/// Laws are equal where they are the same ones.
+/// Two sets of laws are equal if they share the same law objects (pointer equality).
 impl PartialEq for SectionLaws {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -67,22 +67,22 @@ impl PartialEq for SectionLaws {
     }
 }
 
-/// Where a rod is and how it moves: what every integrator can be started from and read as.
+/// Configuration and velocities of a rod: what every integrator can be started from and read as.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodState {
     /// Time, s.
     pub time: f64,
     /// Positions of the `n + 1` nodes, m, world.
     pub positions: Vec<Point3<f64>>,
-    /// Velocities of the nodes, m/s, world.
+    /// Velocities of the `n + 1` nodes, m/s, world.
     pub velocities: Vec<Vector3<f64>>,
-    /// Material frames at the midpoints of the `n` segments.
+    /// Material frames `[d1 d2 d3]` at the midpoints of the `n` segments.
     pub frames: Vec<Rotation3<f64>>,
-    /// Angular velocities of the segments, rad/s, material frame.
+    /// Angular velocities of the `n` segments, rad/s, material frame.
     pub angular_velocities: Vec<Vector3<f64>>,
-    /// Force in each segment that the part beyond exerts on the part before, N, world.
+    /// Force in each of the `n` segments that the part beyond exerts on the part before, N, world.
     pub forces: Vec<Vector3<f64>>,
-    /// Darboux vectors at the nodes, 1/m, material frame.
+    /// Darboux vectors at the `n + 1` nodes, 1/m, material frame.
     pub curvatures: Vec<Vector3<f64>>,
 }
 
@@ -107,16 +107,16 @@ impl RodState {
 /// Mechanical energy of a rod, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// Of translation and rotation.
+    /// Kinetic energy of translation and rotation, J.
     pub kinetic: f64,
-    /// Of bending and torsion.
+    /// Elastic energy of bending and torsion, J.
     pub elastic: f64,
-    /// In the gravity that was asked about, zero at the world's origin.
+    /// Potential energy in the given gravity, J, zero at the world's origin.
     pub gravitational: f64,
 }
 
 impl Energy {
-    /// The sum.
+    /// Sum of kinetic, elastic and gravitational energy, J.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.gravitational
@@ -126,9 +126,10 @@ impl Energy {
 /// Momentum of a rod or of many.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Momentum {
-    /// Mass times velocity, kg m/s, world.
+    /// Linear momentum, kg m/s, world.
     pub linear: Vector3<f64>,
-    /// About the world's origin, kg m^2/s, world: of the nodes, and of the spin of the sections.
+    /// Angular momentum about the world's origin, kg m^2/s, world: of the nodes and of the spin of
+    /// the sections.
     pub angular: Vector3<f64>,
 }
 
@@ -139,7 +140,7 @@ impl AddAssign for Momentum {
     }
 }
 
-/// What a step cost.
+/// Cost and final residual of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RodStepReport {
     /// Newton iterations, over all sub-steps.
@@ -154,43 +155,43 @@ pub struct RodStepReport {
 ///
 /// A step that returns an error leaves the rod as it was.
 pub trait RodIntegrator: Send {
-    /// The rod that moves.
+    /// The rod that is integrated.
     fn rod(&self) -> &Rod;
 
-    /// Time, s.
+    /// Current time, s.
     fn time(&self) -> f64;
 
-    /// Where the rod is, read out. Allocates; costs one pass over the nodes.
+    /// Current state of the rod. Allocates; costs one pass over the nodes.
     fn state(&self) -> RodState;
 
-    /// Starts again from `state`. Positions are rebuilt from the root position and the frames, so
-    /// that segments have exactly their length; forces and curvatures are recomputed.
+    /// Restarts from `state`. Positions are rebuilt from the root position and the frames, so that
+    /// segments have exactly their length; forces and curvatures are recomputed.
     ///
     /// # Errors
     /// [`RodError::Length`] for arrays that do not fit the rod, [`RodError::Invalid`] for numbers
     /// that are not finite.
     fn set_state(&mut self, state: &RodState) -> Result<(), RodError>;
 
-    /// Additional forces on the nodes, N, world, constant until set again.
+    /// Sets additional forces on the nodes, N, world, one per node, constant until set again.
     ///
     /// # Errors
     /// [`RodError::Length`] unless there is one per node.
     fn set_node_forces(&mut self, forces: &[Vector3<f64>]) -> Result<(), RodError>;
 
-    /// Energy now, in the given gravity (m/s^2).
+    /// Energy of the current state in the given gravity (m/s^2), J.
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
 
-    /// Moves the rod by `dt` seconds. Halves the step where Newton's method fails.
+    /// Advances the rod by `dt` seconds. Halves the step where Newton's method fails.
     ///
     /// # Errors
     /// [`StepError`]; the rod is then as before.
     fn step(&mut self, dt: f64, conditions: &dyn Conditions) -> Result<RodStepReport, StepError>;
 
-    /// Appends all numbers that determine what follows, so that [`RodIntegrator::restore`]
+    /// Appends all numbers that determine the further motion, so that [`RodIntegrator::restore`]
     /// continues bit for bit.
     fn save(&self, numbers: &mut Vec<f64>);
 
-    /// Takes back what [`RodIntegrator::save`] wrote.
+    /// Restores the state from the numbers that [`RodIntegrator::save`] wrote.
     ///
     /// # Errors
     /// [`RodError::Length`] when the count is not that of this rod.

@@ -91,7 +91,7 @@ impl Coefficients {
         self.gamma
     }
 
-    /// When the stage is, as a fraction of the step.
+    /// Time of the stage, as a fraction of the step.
     pub(super) fn stage(&self) -> f64 {
         1.0 - self.beta
     }

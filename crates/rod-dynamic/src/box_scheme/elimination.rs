@@ -3,7 +3,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Unknowns per node.
 pub(super) const N: usize = 12;
-/// Rows carried from the left: the root conditions, then what is left of them.
+/// Rows carried from segment to segment: the root conditions, reduced by every elimination.
 const CARRIED: usize = 6;
 /// Rows among which pivots are sought.
 const ACTIVE: usize = CARRIED + N;
@@ -119,9 +119,9 @@ impl Elimination {
         }
     }
 
-    /// Increments of all nodes, root first. `root_rotation` is d theta / d omega at the root;
-    /// `segment(i, panel)` writes the equations of segment `i`, blocks that are always zero left
-    /// out. Where the system is singular the increments are not finite.
+    /// Solves for the increments of all nodes, root first. `root_rotation` is d theta / d omega at
+    /// the root; `segment(i, panel)` writes the equations of segment `i`, blocks that are always
+    /// zero left out. Where the system is singular the increments are not finite.
     pub(super) fn solve(
         &mut self,
         root: &EndRows,
@@ -138,8 +138,10 @@ impl Elimination {
                 theta[i][3 + j] = root_rotation[(i, j)];
             }
         }
+        // Conditions of the root with its rotation substituted.
         let mut carried = close(root, &theta, &minus_t);
         for i in 0..self.factors.len() {
+            // Assemble the panel: new equations, carried rows, and the rotation of the first node.
             for row in &mut panel.rows {
                 *row = [0.0; WIDTH];
             }
@@ -149,6 +151,7 @@ impl Elimination {
                 panel.rhs[r] = *rhs;
             }
             panel.turn(&turning, &theta, &minus_t);
+            // Eliminate the first node's unknowns, and carry what is left to the next segment.
             self.arch.dispatch(Reduce { panel, factor: &mut self.factors[i] });
             for r in 0..CARRIED {
                 carried[r].0.copy_from_slice(&panel.rows[N + r][N..]);
@@ -159,6 +162,7 @@ impl Elimination {
                 minus_t[r] = panel.rhs[ACTIVE + r];
             }
         }
+        // The last node from carried rows and tip conditions, then back substitution.
         let last = solve_corner(&carried, &close(tip, &theta, &minus_t));
         let nodes = self.solution.len();
         self.solution[nodes - 1] = last;
@@ -169,7 +173,7 @@ impl Elimination {
 
 type PivotRow = ([f64; N], f64);
 
-/// The rows of an end with its rotation substituted.
+/// Rows of an end's conditions with its rotation increment substituted.
 fn close(end: &EndRows, theta: &[[f64; N]; 3], minus_t: &[f64; 3]) -> [PivotRow; 6] {
     std::array::from_fn(|r| {
         let (mut row, mut rhs) = (end.unknowns[r], end.rhs[r]);
@@ -297,7 +301,7 @@ impl WithSimd for BackSubstitute<'_> {
     }
 }
 
-/// The last node: six carried rows and six of the tip.
+/// Solves for the last node, from six carried rows and six rows of the tip.
 fn solve_corner(carried: &[PivotRow; 6], tip: &[PivotRow; 6]) -> Increment {
     let mut rows: [PivotRow; N] =
         std::array::from_fn(|r| if r < CARRIED { carried[r] } else { tip[r - CARRIED] });

@@ -13,7 +13,7 @@ pub(super) struct MixedLoad {
 }
 
 impl MixedLoad {
-    /// A load, in the given unit.
+    /// A load divided by `unit`.
     pub(super) fn new(load: &Load, unit: f64) -> Self {
         let zero = Vector3::zeros();
         match load {
@@ -23,7 +23,7 @@ impl MixedLoad {
     }
 }
 
-/// What an end of the rod does at the stage of a step, in the units of the solver.
+/// Boundary condition of an end at the stage of a step, in the units of the solver.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum StageEnd {
     /// Velocity (world) and angular velocity (material frame) are prescribed.
@@ -35,7 +35,7 @@ pub(super) enum StageEnd {
 }
 
 impl StageEnd {
-    /// Magnitudes that the two triples of conditions are measured by.
+    /// Scales of the two triples of conditions, by their kind.
     pub(super) fn scales(&self, scales: &Scales) -> [f64; 2] {
         let Scales { end_velocity, end_load, .. } = *scales;
         match self {
@@ -71,7 +71,7 @@ pub(super) fn residual(
     [a.x, a.y, a.z, b.x, b.y, b.z]
 }
 
-/// The linearised conditions of an end.
+/// The six conditions of an end, linearised.
 pub(super) fn rows(
     end: &StageEnd,
     side: f64,

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 /// A step is halved at most this often.
 const HALVINGS: usize = 12;
 
-/// How the box scheme steps.
+/// Options of the box scheme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxOptions {
     /// Weights of the time integration.
@@ -110,13 +110,13 @@ impl BoxIntegrator {
         })
     }
 
-    /// The options.
+    /// The options of the integrator.
     #[must_use]
     pub fn options(&self) -> &BoxOptions {
         &self.options
     }
 
-    /// Goes to time `end` in one step, or in two halves where that fails.
+    /// Advances to time `end` in one step, or in two halves where that fails.
     fn advance(
         &mut self,
         end: f64,
@@ -179,13 +179,14 @@ impl RodIntegrator for BoxIntegrator {
         self.state.time
     }
 
-    /// Forces are those at the stage of the last step, and zero before the first.
+    /// Current state of the rod. Forces are those at the stage of the last step, and zero before
+    /// the first step.
     fn state(&self) -> RodState {
         self.state.read(&self.rod)
     }
 
-    /// The root's frame and the curvatures are taken over where they agree with the frames, and
-    /// recomputed from the frames where they do not.
+    /// Restarts from `state`. The root's frame and the curvatures are taken over where they agree
+    /// with the frames, and recomputed from the frames where they do not.
     fn set_state(&mut self, state: &RodState) -> Result<(), RodError> {
         self.state = BoxState::from_read(state, &self.rod)?;
         Ok(())

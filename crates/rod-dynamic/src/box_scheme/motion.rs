@@ -52,7 +52,7 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    /// At rest.
+    /// A pose with the given frame and zero rates.
     pub(super) fn still(frame: Rotation3<f64>) -> Self {
         Self { frame, velocity: Vector3::zeros(), angular_velocity: Vector3::zeros() }
     }
@@ -63,7 +63,7 @@ impl HeldMotion {
         Self { start, middle, end }
     }
 
-    /// At the fraction `s` of the step; rates are per step.
+    /// Frame and rates at the fraction `s` of the step; rates are per step.
     pub(super) fn at(&self, s: f64) -> Moving {
         let turn = |p: &NodePose| so3::log(&(self.start.frame.inverse() * p.frame));
         let slope = |a: Vector3<f64>, b: Vector3<f64>| (4.0 * a - b) + 4.0 * s * (b - 2.0 * a);

@@ -63,6 +63,7 @@ impl Newton {
     fn advance(&mut self, stage: &StageEquations) -> bool {
         let Self { trial, candidate, elimination, .. } = self;
         let increments = increments(stage, trial, elimination);
+        // Line search: halve mu until the merit falls enough (3.172).
         let mut mu = 1.0;
         for _ in 0..=BACKTRACKS {
             for ((new, old), d) in candidate.x.iter_mut().zip(&trial.x).zip(increments) {

@@ -32,7 +32,7 @@ pub(super) struct Setup<'a> {
     acceleration: f64,
     units: Units,
     root_motion: Option<HeldMotion>,
-    /// Where the tip is at the start of the step.
+    /// Pose of the tip at the start of the step.
     tip_now: NodePose,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Writes the equations.
+    /// Writes the equations of the step into `stage`.
     pub(super) fn fill(&self, stage: &mut StageEquations) {
         stage.c = self.k.rate(self.dt) * self.units.time;
         self.fill_nodes(stage);
@@ -94,7 +94,7 @@ impl<'a> Setup<'a> {
         stage.scales = self.scales(stage);
     }
 
-    /// Newton's starting point: the old state.
+    /// Writes the starting point of Newton's method, the old state.
     pub(super) fn start(&self, x: &mut [Unknowns]) {
         let u = &self.units;
         for (x, s) in x.iter_mut().zip(&self.state.nodes) {
@@ -107,7 +107,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// What turns the solution into the new state.
+    /// The map from the solution at the stage to the state at the end of the step.
     pub(super) fn update(&self) -> StageUpdate {
         StageUpdate {
             k: self.k,
@@ -138,8 +138,8 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Residuals are measured by the loads and internal forces that act, but not finer than
-    /// rounding lets their largest terms cancel.
+    /// Scales of the residuals: the loads and internal forces that act, but not finer than rounding
+    /// lets the largest terms cancel.
     fn scales(&self, stage: &StageEquations) -> Scales {
         let u = &self.units;
         let nodes = &self.state.nodes;
@@ -209,7 +209,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Rates per step in the units of the solver.
+    /// Converts rates per step to the units of the solver.
     fn in_units(&self, m: Moving) -> Moving {
         let per_step = self.units.time / self.dt;
         Moving {
@@ -235,9 +235,9 @@ impl<'a> Setup<'a> {
         MixedLoad::new(moment, self.units.moment())
     }
 
-    /// The tip's conditions. The scheme prescribes a held tip's velocity, and its pose follows
-    /// from the curvatures; the distance between the two, which truncation errors feed, is
-    /// reduced in every step by a share of itself.
+    /// Boundary condition of the tip. The scheme prescribes a held tip's velocity, and its pose
+    /// follows from the curvatures; the distance between tip and support, which truncation errors
+    /// feed, is reduced in every step by a share of itself.
     fn tip(&self) -> StageEnd {
         let end = self.span.end(Side::Tip);
         if let End::Loaded { force, moment } = &end {
@@ -269,7 +269,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The largest acceleration that given loads cause, to choose units by.
+/// Largest acceleration that the given loads cause, m/s^2, to choose units by.
 fn acceleration(rod: &Rod, node_forces: &[Vector3<f64>], span: &Span) -> f64 {
     let mass = rod.fiber.mass();
     let pull = |side| match span.end(side) {

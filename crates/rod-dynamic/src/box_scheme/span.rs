@@ -3,17 +3,17 @@ use super::motion::{HeldMotion, NodePose};
 use crate::{Air, Conditions, End, Instant, Load, StepError};
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
-/// The conditions of one step: at its ends, its middle, and at its stage.
+/// Conditions of one step at its start, its middle, its end, and its stage.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     start: Instant,
     middle: Instant,
     end: Instant,
-    /// At the stage, where forces act.
+    /// Conditions at the stage, where forces act.
     pub(super) stage: Instant,
 }
 
-/// Which end of the rod.
+/// One of the two ends of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Side {
     Root,
@@ -50,8 +50,9 @@ impl Span {
         })
     }
 
-    /// What holds or loads an end in this step: that in the middle of it, for at its ends one
-    /// step's conditions touch the next one's. A load is that at the stage.
+    /// Boundary condition of an end in this step. Its kind is the one in the middle of the step,
+    /// since at the boundaries the conditions of neighbouring steps meet; a load has its value at
+    /// the stage.
     pub(super) fn end(&self, side: Side) -> End {
         match (side.of(&self.middle), side.of(&self.stage)) {
             (End::Loaded { .. }, load @ End::Loaded { .. })
@@ -60,7 +61,7 @@ impl Span {
         }
     }
 
-    /// The poses of a held or pinned end, at the beginning, in the middle and at the end.
+    /// Poses of a held or pinned end at the beginning, in the middle and at the end of the step.
     fn poses(&self, side: Side, now: &NodePose) -> Option<[NodePose; 3]> {
         let pose = |instant: &Instant| pose(&side.of(instant), now.frame);
         let middle = pose(&self.middle)?;
@@ -69,8 +70,8 @@ impl Span {
         Some([start, middle, end])
     }
 
-    /// The motion of a held or pinned root, from where it is. A support that starts the step
-    /// elsewhere has jumped: the root then travels on a straight line to where it is last.
+    /// Motion of a held or pinned root from its present pose. A support that starts the step
+    /// elsewhere has jumped: the root then travels on a straight line to the support's last pose.
     pub(super) fn root_motion(&self, now: &NodePose, length: f64) -> Option<HeldMotion> {
         let [start, middle, end] = self.poses(Side::Root, now)?;
         Some(if start.is(now, length) {
@@ -80,7 +81,7 @@ impl Span {
         })
     }
 
-    /// The motion of the support of a held or pinned tip, and where it starts.
+    /// Motion of the support of a held or pinned tip, and the pose where it starts.
     pub(super) fn tip_motion(&self, now: &NodePose) -> Option<(HeldMotion, NodePose)> {
         let [start, middle, end] = self.poses(Side::Tip, now)?;
         Some((HeldMotion::through(start, middle, end), start))

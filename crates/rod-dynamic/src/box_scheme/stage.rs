@@ -7,8 +7,8 @@ use rapunzel_fiber::so3;
 /// Frames are brought back to orthogonality after this many products.
 const PRODUCTS: usize = 64;
 
-/// What is known of a segment: length, mass and rotary inertia per length (means of its ends)
-/// and force per length (world).
+/// Known properties of a segment: length, mass and rotary inertia per length (means of its ends)
+/// and force per length (world), in units of the solver.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment {
     pub(super) h: f64,
@@ -17,13 +17,13 @@ pub(super) struct Segment {
     pub(super) force: Vector3<f64>,
 }
 
-/// The frame of the root at the stage.
+/// Frame of the root at the stage.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum RootFrame {
-    /// Prescribed.
+    /// A prescribed frame.
     Fixed(Rotation3<f64>),
-    /// `start exp(phi)` with `phi = (omega - b) / c`: the rotation of the step in the chart at
-    /// its start, advanced by the scheme itself.
+    /// A free frame, `start exp(phi)` with `phi = (omega - b) / c`: the rotation of the step in the
+    /// chart at its start, advanced by the scheme itself.
     Free { start: Rotation3<f64>, b: Vector3<f64> },
 }
 
@@ -53,7 +53,7 @@ pub(super) struct StageEquations {
     pub(super) scales: Scales,
 }
 
-/// A trial solution of a [`StageEquations`] and what follows from it.
+/// A trial solution of a [`StageEquations`] and the quantities that follow from it.
 #[derive(Debug, Clone)]
 pub(super) struct Trial {
     pub(super) x: Vec<Unknowns>,
@@ -105,12 +105,12 @@ pub(super) fn rebuild_frames(
 }
 
 impl StageEquations {
-    /// The rotation of a free root during the step, up to the stage.
+    /// Rotation vector of a free root from the start of the step to the stage.
     pub(super) fn root_turn(&self, omega: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         (omega - b) / self.c
     }
 
-    /// d theta / d omega at the root.
+    /// Derivative d theta / d omega of the root's rotation by its angular velocity.
     pub(super) fn root_rotation(&self, x: &Unknowns) -> Matrix3<f64> {
         match &self.root_frame {
             RootFrame::Fixed(_) => Matrix3::zeros(),
@@ -122,6 +122,7 @@ impl StageEquations {
     pub(super) fn evaluate(&self, trial: &mut Trial) {
         let Trial { x, frames, halves, middles, residuals, ends, merit } = trial;
         let segments = &self.segments;
+        // Frames of nodes and midpoints, from the root's frame and the curvatures.
         frames[0] = match &self.root_frame {
             RootFrame::Fixed(frame) => *frame,
             RootFrame::Free { start, b } => *start * so3::exp(&self.root_turn(&x[0].omega, b)),
@@ -138,6 +139,7 @@ impl StageEquations {
                 frames[i + 1] = frame;
             },
         );
+        // Residuals of the segments and the ends, and the merit, their weighted sum of squares.
         *merit = 0.0;
         let scales = self.scales.segment;
         for (i, s) in segments.iter().enumerate() {
@@ -171,17 +173,21 @@ impl StageEquations {
         let (kappa, n) = (mean(&a.kappa, &b.kappa), mean(&a.n, &b.n));
         let (ma, mb) = (la.moment(&a.kappa), lb.moment(&b.kappa));
         let c = self.c;
+        // Balance of momentum.
         let force = middle.inverse() * s.force
             - self.drag.component_mul(&(v - middle.inverse() * self.wind));
         let momentum = c * v + mean(&la.b_v, &lb.b_v) + omega.cross(&v);
         let f_v = s.h * (s.rho * momentum - kappa.cross(&n) - force) - (b.n - a.n);
+        // Balance of angular momentum.
         let spin = s.inertia.component_mul(&(c * omega + mean(&la.b_omega, &lb.b_omega)))
             + omega.cross(&s.inertia.component_mul(&omega));
         let d3_n = Vector3::new(-n.y, n.x, 0.0);
         let f_omega = s.h * (spin - kappa.cross(&mean(&ma, &mb)) - d3_n) - (mb - ma);
+        // Compatibility of curvature and angular velocity.
         let f_kappa = s.h * (c * kappa + mean(&la.b_kappa, &lb.b_kappa) - kappa.cross(&omega))
             - (b.omega - a.omega);
         let omega_d3 = Vector3::new(omega.y, -omega.x, 0.0);
+        // Inextensibility.
         let f_n = (b.v - a.v) + s.h * (kappa.cross(&v) - omega_d3);
         let mut rows = [0.0; 12];
         for (r, f) in [f_v, f_omega, f_kappa, f_n].iter().enumerate() {
@@ -190,7 +196,7 @@ impl StageEquations {
         rows
     }
 
-    /// The conditions of root and tip, linearised at `trial`.
+    /// Boundary conditions of root and tip, linearised at `trial`.
     pub(super) fn end_rows(&self, trial: &Trial) -> [super::elimination::EndRows; 2] {
         let last = self.segments.len();
         let law = &self.nodes;
@@ -200,7 +206,8 @@ impl StageEquations {
         ]
     }
 
-    /// Writes the equations of segment `i`, linearised at `trial`.
+    /// Writes the equations of segment `i`, linearised at `trial`, into `panel`. Returns how the
+    /// rotation increments of its ends enter.
     pub(super) fn linearise(&self, trial: &Trial, i: usize, panel: &mut Panel) -> Turning {
         let s = &self.segments[i];
         let (a, b) = (&trial.x[i], &trial.x[i + 1]);
@@ -214,6 +221,7 @@ impl StageEquations {
         let m = mean(&la.moment(&a.kappa), &lb.moment(&b.kappa));
         let (kappa_hat, omega_hat) = (k * so3::hat(&kappa), k * so3::hat(&omega));
 
+        // Derivatives of the four equations by the unknowns of a node, named equation_unknown.
         // theta at the middle = half^T theta_a + (h/2) J d kappa.
         let lever = k * so3::right_jacobian(&(k * kappa));
         let force = so3::hat(&(middle.inverse() * s.force))
@@ -230,6 +238,7 @@ impl StageEquations {
         let moment_hat = k * so3::hat(&m);
         let kappa_kappa = k * self.c * one + omega_hat;
         let n_kappa = -k * so3::hat(&v);
+        // Both nodes have the same blocks but for the sign of the differences.
         for (col, sign, law) in [(0, -1.0, la), (12, 1.0, lb)] {
             let e = Matrix3::from_diagonal(&law.stiffness);
             panel.set(0, col, &v_v);

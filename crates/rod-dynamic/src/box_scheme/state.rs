@@ -21,13 +21,14 @@ pub(super) struct NodeState {
     pub(super) n: Vector3<f64>,
 }
 
-/// What the integrator carries from step to step, SI.
+/// State that the integrator carries from step to step, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoxState {
     pub(super) time: f64,
     pub(super) root: NodePose,
-    /// Derivatives that the scheme carries for the root's position (world) and rotation.
+    /// Derivative of the root's position that the scheme carries, m/s, world.
     pub(super) root_velocity: Vector3<f64>,
+    /// Derivative of the root's rotation that the scheme carries, rad/s, material frame.
     pub(super) root_rate: Vector3<f64>,
     /// Whether the time derivatives are those of a previous step.
     pub(super) started: bool,
@@ -35,14 +36,14 @@ pub(super) struct BoxState {
 }
 
 impl BoxState {
-    /// Takes over `other` of as many nodes, without allocation.
+    /// Copies `other`, which has as many nodes, without allocation.
     pub(super) fn copy_from(&mut self, other: &Self) {
         let mut nodes = std::mem::take(&mut self.nodes);
         nodes.clone_from(&other.nodes);
         *self = Self { nodes, ..*other };
     }
 
-    /// The unloaded shape at rest.
+    /// Unloaded shape at rest at time 0.
     pub(super) fn rest(rod: &Rod) -> Self {
         let o = Vector3::zeros();
         let root = rod.fiber.root();
@@ -94,7 +95,7 @@ impl BoxState {
         );
     }
 
-    /// Where the tip is.
+    /// Pose of the tip.
     pub(super) fn tip(&self, rod: &Rod) -> NodePose {
         let mut tip = self.root;
         self.walk(rod, |_, _, frame, position| tip = NodePose { position, frame });
@@ -107,7 +108,7 @@ impl BoxState {
         middles
     }
 
-    /// The largest difference of the frames from those given.
+    /// Largest difference (Frobenius norm) between the frames of the segments and `frames`.
     fn misfit(&self, rod: &Rod, frames: &[Rotation3<f64>]) -> f64 {
         let middles = self.middles(rod);
         let gaps = middles.iter().zip(frames).map(|(a, b)| (a.matrix() - b.matrix()).norm());
@@ -135,7 +136,7 @@ impl BoxState {
         state
     }
 
-    /// The state that `read` reads as `state`.
+    /// The state for which [`BoxState::read`] returns `state`, up to forces and time derivatives.
     pub(super) fn from_read(state: &RodState, rod: &Rod) -> Result<Self, RodError> {
         check(state, rod.fiber.segments())?;
         let h = rod.fiber.segment_lengths();
@@ -197,7 +198,7 @@ impl BoxState {
         energy
     }
 
-    /// Appends everything as numbers.
+    /// Appends the whole state as numbers.
     pub(super) fn save(&self, numbers: &mut Vec<f64>) {
         numbers.push(self.time);
         numbers.push(f64::from(u8::from(self.started)));
@@ -212,12 +213,12 @@ impl BoxState {
         }
     }
 
-    /// How many numbers [`BoxState::save`] writes.
+    /// Number of scalars that [`BoxState::save`] appends.
     pub(super) fn saved_len(&self) -> usize {
         20 + 21 * self.nodes.len()
     }
 
-    /// Takes back [`BoxState::saved_len`] numbers.
+    /// Restores the state from the [`BoxState::saved_len`] numbers of [`BoxState::save`].
     pub(super) fn restore(&mut self, numbers: &[f64]) {
         let vector = |i: usize| Vector3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
         self.time = numbers[0];
@@ -286,7 +287,7 @@ fn extended(inner: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     all
 }
 
-/// The least rough values at the nodes whose means over the segments are those given.
+/// The least rough values at the nodes whose means over the segments are `means`.
 fn nodal(means: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     // x_0 = 0 gives one solution; all others differ by an alternating part (-1)^j a.
     let mut x = vec![Vector3::zeros()];

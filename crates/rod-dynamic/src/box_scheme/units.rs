@@ -12,7 +12,7 @@ pub(super) struct Units {
 }
 
 impl Units {
-    /// For a fibre under loads that accelerate its mass by `acceleration` (m/s^2).
+    /// Units for a fibre under loads that accelerate its mass by `acceleration` (m/s^2).
     pub(super) fn of(fiber: &Fiber, acceleration: f64) -> Self {
         let length = fiber.length();
         let line_density = fiber.mass() / length;
@@ -56,7 +56,7 @@ impl Units {
     }
 }
 
-/// The largest norm.
+/// Largest Euclidean norm of the vectors, 0 if there are none.
 pub(super) fn largest(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {
     vectors.map(|v| v.norm()).fold(0.0, f64::max)
 }

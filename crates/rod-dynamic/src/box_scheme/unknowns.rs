@@ -1,4 +1,4 @@
-//! Unknowns of a node, what is known there, and the scales of residuals.
+//! Unknowns and known terms of a node, and the scales of residuals.
 
 use nalgebra::Vector3;
 
@@ -29,7 +29,7 @@ impl Unknowns {
     }
 }
 
-/// What is known at a node: time derivatives at the stage are `c y + b` with these `b`, and the
+/// Known terms at a node: time derivatives at the stage are `c y + b` with these `b`, and the
 /// moment is `stiffness kappa + offset`, the Kelvin-Voigt term included.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeLaw {
@@ -46,12 +46,13 @@ impl NodeLaw {
     }
 }
 
-/// Magnitudes that residuals are measured by.
+/// Magnitudes that residuals are divided by.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scales {
-    /// Of the equations of a segment: force, moment, curvature rate and velocity per length.
+    /// Scales of the equations of a segment: force, moment, curvature rate and velocity per length.
     pub(super) segment: [f64; 4],
-    /// Of velocities, and of forces and moments, at the ends.
+    /// Scale of the velocity conditions at the ends.
     pub(super) end_velocity: f64,
+    /// Scale of the force and moment conditions at the ends.
     pub(super) end_load: f64,
 }

@@ -30,7 +30,7 @@ impl StageUpdate {
         state.started = true;
     }
 
-    /// The new value and derivative from the value at the stage.
+    /// Extrapolates a value and its derivative to the end of the step, from the value at the stage.
     fn extrapolate(
         &self,
         started: bool,

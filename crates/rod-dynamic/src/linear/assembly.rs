@@ -6,16 +6,16 @@ use crate::{End, Instant, Load, RodState};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::{Fiber, so3};
 
-/// A chain in equilibrium and what acts on it.
+/// A chain in equilibrium and the conditions on it.
 pub(super) struct LinearAssembly<'a> {
     fiber: &'a Fiber,
     conditions: &'a Instant,
     frames: &'a [Rotation3<f64>],
-    /// Force of the part beyond on each segment.
+    /// Force in each segment that the part beyond exerts on the part before, N, world.
     forces: Vec<Vector3<f64>>,
-    /// What joint `j` of `0..=n` does; nothing where an end is free to turn.
+    /// Moment and Hessian of joint `j` of `0..=n`; `None` where an end is free to turn.
     joints: Vec<Option<Action>>,
-    /// Row of the first segment.
+    /// First row of the segments: 3 behind the displacement of a free root, else 0.
     first: usize,
 }
 
@@ -45,7 +45,8 @@ impl<'a> LinearAssembly<'a> {
         chain
     }
 
-    /// Half of what acts along segment `e`: the part of each of its nodes.
+    /// Half of the weight and distributed load on segment `e`, N, world: the share of each of its
+    /// nodes.
     fn weight(&self, e: usize) -> Vector3<f64> {
         let h = self.fiber.segment_lengths()[e];
         let Instant { gravity, distributed, .. } = self.conditions;
@@ -60,13 +61,13 @@ impl<'a> LinearAssembly<'a> {
         self.first + 3 * e
     }
 
-    /// Segment `e` as a vector.
+    /// Vector along segment `e`, from its first to its second node, m, world.
     fn lever(&self, e: usize) -> Vector3<f64> {
         self.fiber.segment_lengths()[e] * self.frames[e].matrix().column(2)
     }
 
-    /// The largest torque that a segment is left with, or that the force on a free root has over
-    /// the rod's length, N m.
+    /// Largest imbalance, N m: of the torque on a segment, or of the force on a free root times the
+    /// rod's length.
     pub(super) fn imbalance(&self) -> f64 {
         let n = self.frames.len();
         let mut largest = 0.0_f64;
@@ -87,8 +88,8 @@ impl<'a> LinearAssembly<'a> {
         largest
     }
 
-    /// Second derivative of the energy of joints and dead forces in the increments; beside it,
-    /// what end loads without energy add.
+    /// Stiffness matrix: the second derivative of the energy of joints and dead forces by the
+    /// increments, and the terms of end loads without a potential.
     pub(super) fn stiffness(&self) -> DMatrix<f64> {
         let n = self.frames.len();
         let mut k = DMatrix::zeros(self.size(), self.size());
@@ -96,6 +97,7 @@ impl<'a> LinearAssembly<'a> {
             let mut view = k.fixed_view_mut::<3, 3>(i, j);
             view += block;
         };
+        // Joints: H on the diagonal, hat(M)/2 - H between neighbouring segments.
         for (j, action) in self.joints.iter().enumerate() {
             let Some(Action { moment, hessian }) = action else { continue };
             if j > 0 {
@@ -111,12 +113,14 @@ impl<'a> LinearAssembly<'a> {
                 add(self.row(j), self.row(j - 1), coupling.transpose());
             }
         }
+        // Forces p on the segment vectors d: (p d) E - sym(p d^T).
         for e in 0..n {
             let (p, d) = (self.forces[e], self.lever(e));
             let outer = p * d.transpose();
             let geometric = Matrix3::from_diagonal_element(p.dot(&d));
             add(self.row(e), self.row(e), geometric - 0.5 * (outer + outer.transpose()));
         }
+        // Moments and follower forces at the ends.
         for (e, end) in [(0, &self.conditions.root), (n - 1, &self.conditions.tip)] {
             let End::Loaded { force, moment } = end else { continue };
             let turning = match moment {
@@ -138,7 +142,7 @@ impl<'a> LinearAssembly<'a> {
         k
     }
 
-    /// Displacements of the nodes per increment.
+    /// Displacements of the nodes (three rows each, m) per increment (columns).
     pub(super) fn displacement(&self) -> DMatrix<f64> {
         let n = self.frames.len();
         let mut displacement = DMatrix::zeros(3 * (n + 1), self.size());
@@ -154,9 +158,11 @@ impl<'a> LinearAssembly<'a> {
         displacement
     }
 
-    /// Lumped masses of the nodes, and the director inertia `rho (I2 |d1'|^2 + I1 |d2'|^2)`.
+    /// Mass matrix of the lumped nodes and of the directors, whose inertia is in the kinetic energy
+    /// `rho (I2 |d1'|^2 + I1 |d2'|^2) / 2` of a section.
     pub(super) fn mass(&self, displacement: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, nodes) = (self.frames.len(), self.fiber.nodes());
+        // Lumped masses of the nodes.
         let mut weighted = displacement.clone();
         for a in 0..=n {
             let sides = [a.checked_sub(1), (a < n).then_some(a)];
@@ -165,6 +171,7 @@ impl<'a> LinearAssembly<'a> {
             weighted.rows_mut(3 * a, 3).scale_mut(lumped);
         }
         let mut mass = displacement.tr_mul(&weighted);
+        // Inertia of the directors.
         for e in 0..n {
             let density = 0.5 * (nodes[e].rotary_inertia + nodes[e + 1].rotary_inertia);
             let inertia = density * self.fiber.segment_lengths()[e];
@@ -178,7 +185,7 @@ impl<'a> LinearAssembly<'a> {
     }
 }
 
-/// A load at an end whose frame is `frame`, in the world.
+/// World components of a load at an end whose frame is `frame`.
 fn world(load: &Load, frame: &Rotation3<f64>) -> Vector3<f64> {
     match load {
         Load::World(v) => *v,

@@ -4,17 +4,18 @@ use crate::joint::Joint;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
 
-/// What a joint does, in the world frame.
+/// Moment and Hessian of a joint, world frame.
 pub(super) struct Action {
-    /// Moment on the segment before.
+    /// Moment on the segment before the joint, N m.
     pub(super) moment: Vector3<f64>,
-    /// Second derivative of the energy by a rotation of the segment behind.
+    /// Second derivative of the energy by a rotation of the segment behind the joint, N m.
     pub(super) hessian: Matrix3<f64>,
 }
 
 impl Joint {
-    /// Energy `(phi - rest)^T K (phi - rest) / 2` with `phi = log(a^T b)`, differentiated twice by
-    /// `b -> exp(hat(x)) b`: `phi` changes by `J^-1 y + ...` with `y = b^T x`.
+    /// Moment and Hessian of the energy `(phi - rest)^T K (phi - rest) / 2` with `phi = log(a^T
+    /// b)`, differentiated twice by `b -> exp(hat(x)) b`: `phi` changes by `J^-1 y + ...` with `y =
+    /// b^T x`.
     pub(super) fn act(&self, a: &Rotation3<f64>, b: &Rotation3<f64>) -> Action {
         let phi = so3::log(&(a.inverse() * b));
         let m = self.stiffness.component_mul(&(phi - self.rest));

@@ -19,9 +19,9 @@ use crate::{End, Instant, Load, Rod, RodError, RodState};
 use assembly::LinearAssembly;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Torques of a state that is an equilibrium, as a part of the stiffness per rad.
+/// Largest torque of a state that counts as an equilibrium, as a fraction of the stiffness per rad.
 const BALANCED: f64 = 1e-6;
-/// Constraints weaker than this part of the strongest are none: a straight rod's ends cannot
+/// Constraints weaker than this fraction of the strongest are dropped: a straight rod's ends cannot
 /// approach to first order.
 const RANK: f64 = 1e-9;
 
@@ -30,9 +30,9 @@ const RANK: f64 = 1e-9;
 pub struct Linearization {
     stiffness: DMatrix<f64>,
     mass: DMatrix<f64>,
-    /// Increments (columns of the whole chain) of each coordinate.
+    /// Increments of the whole chain (rows) of each reduced coordinate (columns).
     basis: DMatrix<f64>,
-    /// Displacements of the nodes per increment.
+    /// Displacements of the nodes (three rows each) per increment of the whole chain.
     displacement: DMatrix<f64>,
     root_free: bool,
     symmetric: bool,
@@ -40,10 +40,10 @@ pub struct Linearization {
 
 /// Linearises `rod` under `conditions` about `state`, which must be an equilibrium.
 ///
-/// Of the state, the frames count, and where the tip is held the force in the last segment: the
-/// loads determine the other forces. A straight rod between two held ends is so in equilibrium
-/// under any axial force, which the state prescribes. Damping, drag and wind are left out, and so
-/// are velocities.
+/// Of the state, only the frames are used, and where the tip is held the force in the last segment:
+/// the loads determine the other forces. A straight rod between two held ends is in equilibrium
+/// under any axial force, which the state prescribes. Damping, drag, wind and velocities are left
+/// out.
 ///
 /// # Errors
 /// [`RodError::Length`] for frames or forces that do not fit the rod, [`RodError::Invalid`] for a
@@ -70,6 +70,7 @@ pub fn linearize(
         return invalid("root", "a free root with a held tip: reverse the rod");
     }
     let chain = LinearAssembly::new(&rod.fiber, conditions, state);
+    // Stiffness matrix, and whether the torques of the state balance.
     let stiffness = chain.stiffness();
     if !stiffness.iter().all(|x| x.is_finite()) {
         return invalid("state or conditions", "all numbers must be finite");
@@ -78,6 +79,7 @@ pub fn linearize(
     if imbalance.is_nan() || imbalance > BALANCED * stiffness.amax() {
         return invalid("state", "torques do not balance: it must be an equilibrium");
     }
+    // Mass matrix, and a basis of the increments that a held tip leaves free.
     let displacement = chain.displacement();
     let mass = chain.mass(&displacement);
     let basis = if tip_held {
@@ -139,7 +141,7 @@ impl Linearization {
 
     /// The smallest eigenvalue of the stiffness (of its symmetric part) over its largest entry.
     ///
-    /// Negative says unstable, if the loads have a potential. A motion that costs no energy, as of
+    /// Negative means unstable, if the loads have a potential. A motion that costs no energy, as of
     /// a free rod, gives zero to about `1e-15`. Cost: `O(N^3)`.
     ///
     /// # Errors

@@ -11,19 +11,19 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_lanes::LANES;
 
-/// How often a step may be halved.
+/// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 12;
-/// Length of the solve for the initial acceleration, as a part of the step.
+/// Length of the solve for the initial acceleration, as a fraction of the step size.
 const START: f64 = 1.0;
 
 /// Up to eight fibres with equally many segments, moved together in SIMD lanes.
 ///
-/// Each fibre keeps its own conditions and is halved on its own; none depends on its company.
-/// Cost: four to five Newton iterations a step, linear in the number of segments; no allocation in
-/// a step that converges without halving. Memory: half a kilobyte a segment, with backward Euler a
-/// third of one, and as much again once steps are taken from call to call; rods that are copies of
-/// each other share their fibre. Each thread keeps room for the solve of one batch, as long as the
-/// longest rods it has moved.
+/// Each fibre has its own conditions and its steps are halved on their own; its motion does not
+/// depend on the other fibres in the batch. Cost: four to five Newton iterations a step, linear in
+/// the number of segments; no allocation in a step that converges without halving. Memory: half a
+/// kilobyte a segment, with backward Euler a third of one, and as much again once steps are taken
+/// in several calls; rods that are copies of each other share their fibre. Each thread keeps one
+/// workspace for the solve of one batch, as long as the longest rods it has moved.
 ///
 /// The method is second order in time and in space. `rho_inf` is the spectral radius at infinite
 /// frequency: 0 loses most, 0.3 is the default, above 0.4 a whip may need halving. Near 1 the
@@ -33,25 +33,25 @@ pub struct StaggeredBatch {
     pub(super) engine: Box<dyn ErasedBatch>,
     pub(super) rods: Vec<Rod>,
     time: f64,
-    /// Length of the step that is under way from call to call, s; zero if none is.
+    /// Size of the step that is under way across calls, s; zero if none is.
     pub(super) predicted: f64,
     /// Whether accelerations are carried from step to step.
     memory: bool,
-    /// Whether a fibre's initial acceleration is still to be found.
+    /// Whether the initial acceleration of a fibre is still to be found.
     pub(super) fresh: [bool; LANES],
-    /// The same before the step that has been predicted.
+    /// Value of `fresh` before the step that has been predicted.
     pub(super) fresh_before: [bool; LANES],
-    /// Of the last step, if they are kept.
+    /// Ledgers of the last step, if they are kept.
     ledgers: Option<[Ledger; LANES]>,
 }
 
 impl StaggeredBatch {
-    /// Most fibres in a batch.
+    /// Largest number of fibres in a batch.
     pub const MAX_FIBERS: usize = LANES;
     /// The default spectral radius at infinite frequency.
     pub const DEFAULT_RHO_INF: f64 = 0.3;
 
-    /// Fibres at rest in their natural shape, each at its root pose, at time 0.
+    /// Creates fibres at rest in their natural shape, each at its root pose, at time 0.
     ///
     /// # Errors
     /// [`RodError::Invalid`] unless there are 1 to 8 rods of equally many segments, at least two,
@@ -64,9 +64,10 @@ impl StaggeredBatch {
         Self::with_scheme(rods, Scheme::new(rho_inf))
     }
 
-    /// The same moved by the backward Euler method: first order in time. It damps more, but its
-    /// velocity at the end of a step is the mean one over the step, so that what an impulse stops
-    /// stays at rest, and forces of contact need no acceleration to balance them.
+    /// Creates fibres as [`StaggeredBatch::new`] does, integrated with the backward Euler method:
+    /// first order in time. It damps more, but the velocity at the end of a step is the mean
+    /// velocity over the step, so that a node stopped by an impulse stays at rest, and contact
+    /// forces need no acceleration to balance them.
     ///
     /// # Errors
     /// As [`StaggeredBatch::new`].
@@ -107,13 +108,13 @@ impl StaggeredBatch {
         Ok(batch)
     }
 
-    /// The rods.
+    /// The rods of the batch.
     #[must_use]
     pub fn rods(&self) -> &[Rod] {
         &self.rods
     }
 
-    /// Time, s.
+    /// Current time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
@@ -143,19 +144,19 @@ impl StaggeredBatch {
         self.engine.momentum(fiber)
     }
 
-    /// Keeps ledgers of the steps from now on, or keeps them no more. They cost a pass over the
-    /// rods in each step, and change nothing in it.
+    /// Keeps ledgers of the steps from now on, or stops keeping them. They cost a pass over the
+    /// rods in each step, and do not change the motion.
     pub fn keep_ledgers(&mut self, keep: bool) {
         self.ledgers = keep.then(Default::default);
     }
 
-    /// What the energy of one fibre became in the last step that was taken, if ledgers are kept.
+    /// Energy ledger of one fibre in the last step that was taken, `None` if ledgers are not kept.
     #[must_use]
     pub fn ledger(&self, fiber: usize) -> Option<Ledger> {
         self.ledgers.map(|ledgers| ledgers[fiber])
     }
 
-    /// Starts one fibre again from `state`; the batch takes over its time.
+    /// Restarts one fibre from `state`; the batch takes over its time.
     ///
     /// # Errors
     /// As [`crate::RodIntegrator::set_state`].
@@ -167,8 +168,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Gives the sections of one fibre other laws, as when the climate has changed; what the
-    /// sections remember stays.
+    /// Replaces the section laws of one fibre, for example when the climate has changed; the memory
+    /// of the sections is kept.
     ///
     /// # Errors
     /// [`RodError::Invalid`] unless the new laws remember as much as those before, and
@@ -187,7 +188,7 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Additional forces on the nodes of one fibre, N, world, constant until set again.
+    /// Sets additional forces on the nodes of one fibre, N, world, constant until set again.
     ///
     /// # Errors
     /// [`RodError::Length`] unless there is one per node.
@@ -209,8 +210,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Moves all fibres by `dt` seconds, fibre `i` under `conditions[i]`, and writes what that cost
-    /// to `reports[i]`.
+    /// Advances all fibres by `dt` seconds, fibre `i` under `conditions[i]`, and writes iterations
+    /// and residual of the step to `reports[i]`.
     ///
     /// # Errors
     /// [`StepError`]; all fibres are then as before.
@@ -226,7 +227,7 @@ impl StaggeredBatch {
         self.working(|batch| batch.step_whole(dt, conditions, reports))
     }
 
-    /// Lends the fibres room to work in while they act.
+    /// Runs `act` with a borrowed workspace.
     pub(super) fn working<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         self.engine.enter();
         let done = act(self);
@@ -247,7 +248,7 @@ impl StaggeredBatch {
         let mut lengths = [dt; LANES];
         self.engine.attempt(&lengths, &wanted, StepProblem::Step, &mut out);
         let mut whole = wanted;
-        // The numbers of those that go on in parts, as they set out.
+        // Saved state of the fibres that go on in parts, as the step started.
         let mut before = Vec::new();
         for fiber in 0..count {
             reports[fiber] = out[fiber].report();
@@ -280,8 +281,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Checks a step, finds initial accelerations where they are still missing, and sets what acts
-    /// at the end of the step. Returns the lanes in use.
+    /// Checks a step, finds initial accelerations where they are still missing, and sets the
+    /// conditions at the end of the step. Returns the lanes in use.
     pub(super) fn begin(
         &mut self,
         dt: f64,
@@ -327,7 +328,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Makes the last attempt the state of some fibres, and books it.
+    /// Makes the last attempt the state of the fibres that are `done`, and adds it to their
+    /// ledgers.
     pub(super) fn commit(&mut self, lengths: &[f64; LANES], done: &[bool; LANES]) {
         if let Some(ledgers) = &mut self.ledgers {
             let booked = self.engine.account(lengths, done);
@@ -338,13 +340,13 @@ impl StaggeredBatch {
         self.engine.commit(lengths, done, StepProblem::Step);
     }
 
-    /// Takes back all that a failed step has changed.
+    /// Undoes everything that a failed step has changed.
     pub(super) fn take_back(&mut self, fresh: [bool; LANES]) {
         self.engine.undo_all(&fresh);
         self.fresh = fresh;
     }
 
-    /// Lets all fibres set out without an acceleration.
+    /// Lets all fibres start without an initial acceleration.
     pub(super) fn skip_start(&mut self) {
         self.fresh = [false; LANES];
     }
@@ -353,7 +355,7 @@ impl StaggeredBatch {
         self.time += dt;
     }
 
-    /// Takes one fibre through the step in ever smaller parts.
+    /// Takes one fibre through the step in parts, which are halved until they converge.
     fn creep(
         &mut self,
         fiber: usize,
@@ -371,6 +373,7 @@ impl StaggeredBatch {
         let (mut done, mut part) = (0_u32, total);
         let mut report = RodStepReport::default();
         while done < total {
+            // The last attempt failed: halve the part, unless it is the finest.
             if !out[fiber].converged {
                 if part == 1 {
                     return Err(StepError::NotConverged {
@@ -383,6 +386,7 @@ impl StaggeredBatch {
                 part /= 2;
                 report.halvings += 1;
             }
+            // Attempt the next part, and commit it or go back to its start.
             lengths[fiber] = dt * f64::from(part) / f64::from(total);
             let end = self.time + dt * f64::from(done + part) / f64::from(total);
             let now = self.conditions(fiber, end, conditions)?;
@@ -403,11 +407,12 @@ impl StaggeredBatch {
         Ok(report)
     }
 
-    /// Finds the initial accelerations of fibres that have just been set.
+    /// Finds the initial accelerations of fibres whose state has just been set.
     fn start(&mut self, dt: f64, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
         let count = self.rods.len();
         let delta = START * dt;
         let mut wanted = [false; LANES];
+        // Rotations of the joints under the conditions at the start.
         if self.fresh[..count].contains(&true) {
             for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
                 let now = self.conditions(fiber, self.time, conditions[fiber])?;
@@ -418,6 +423,7 @@ impl StaggeredBatch {
         if !self.memory {
             self.fresh = [false; LANES];
         }
+        // Lanes in which an initial acceleration exists, and the conditions of the solve for it.
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
             let at =
                 |part: f64| self.conditions(fiber, self.time + part * delta, conditions[fiber]);
@@ -426,6 +432,7 @@ impl StaggeredBatch {
             wanted[fiber] = sets_out_smoothly(&now.root, &then.root, &position, &velocity, delta);
             self.engine.set_conditions(fiber, &now);
         }
+        // Solve for the accelerations; rotations go back to the start.
         if wanted.contains(&true) {
             let mut out = [SearchOutcome::NONE; LANES];
             let lengths = [delta; LANES];
@@ -455,7 +462,7 @@ impl StaggeredBatch {
         Ok(now)
     }
 
-    /// Appends all numbers that determine what follows.
+    /// Appends all numbers that determine the further motion.
     pub fn save(&self, numbers: &mut Vec<f64>) {
         numbers.reserve_exact(self.numbers());
         numbers.push(self.time);
@@ -470,7 +477,7 @@ impl StaggeredBatch {
         1 + (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber)).sum::<usize>()
     }
 
-    /// Takes back what [`StaggeredBatch::save`] wrote.
+    /// Restores the state from the numbers that [`StaggeredBatch::save`] wrote.
     ///
     /// # Errors
     /// [`RodError::Length`] when the count is not that of these rods.
@@ -489,7 +496,7 @@ impl StaggeredBatch {
     }
 }
 
-/// A rod at rest in its natural shape: that in which no joint has a moment.
+/// State of a rod at rest in its natural shape, in which no joint has a moment.
 fn natural_state(rod: &Rod) -> RodState {
     let fiber = &rod.fiber;
     let n = fiber.segments();

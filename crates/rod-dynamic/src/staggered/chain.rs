@@ -25,7 +25,8 @@ use pulp::Simd;
 use rapunzel_lanes::{LANES, Lane, M3, Quat, Sym, V3};
 use std::sync::Arc;
 
-/// The unknown rotations of one pack of fibres and everything that determines them.
+/// Unknown rotations of one SIMD batch of fibres, with the model, boundary conditions and workspace
+/// that determine them.
 ///
 /// Arrays hold `components * count` registers; `n` segments, `n + 1` nodes and joints.
 pub(super) struct RotationChain<S: Simd> {
@@ -33,15 +34,18 @@ pub(super) struct RotationChain<S: Simd> {
     pub(super) n: usize,
     pub(super) model: Arc<BatchModel<S>>,
     pub(super) ends: Ends<S>,
-    /// In place of the stiffness and turns at rest in the room, if any lane has them.
+    /// Section laws in place of the stiffness and natural rotations in `room`, if any lane has
+    /// them.
     pub(super) laws: Option<Box<Laws<S>>>,
-    /// Rotations of the segments (4), and the forces in them at the last shape (3).
+    /// Rotations of the segments as unit quaternions (4 per segment).
     pub(super) q: Array<S>,
+    /// Forces in the segments at the last shape, N, world (3 per segment).
     pub(super) force: Array<S>,
-    /// How much of the definite part of the Hessian the last solve used.
+    /// Weight of the definite part of the Hessian in the last solve, 0 to 1 in each lane.
     pub(super) definite: S::f64s,
-    /// The problem of the step and the last solve, while there is room for them.
+    /// Workspace for the problem of the step, empty unless it has been borrowed.
     pub(super) room: BatchWorkspace<S>,
+    /// Results of the last solve that a step in several calls needs later.
     pub(super) kept: Kept<S>,
 }
 
@@ -70,7 +74,7 @@ impl<S: Simd> RotationChain<S> {
     pub(super) fn vec(&self, a: &[S::f64s], i: usize) -> V3<S> {
         V3::load(self.simd, a, i)
     }
-    /// The same of an array that takes no room where all its vectors are zero.
+    /// Vector `i` of an array that is empty where all its vectors are zero.
     #[inline(always)]
     pub(super) fn vec_or_zero(&self, a: &[S::f64s], i: usize) -> V3<S> {
         if a.is_empty() { V3::splat(self.simd, 0.0) } else { self.vec(a, i) }
@@ -83,19 +87,20 @@ impl<S: Simd> RotationChain<S> {
     pub(super) fn directors(&self, e: usize) -> [V3<S>; 3] {
         [0, 1, 2].map(|k| self.vec(&self.room.d, 3 * e + k))
     }
-    /// The same at the start of the step.
+    /// Directors d1, d2, d3 of segment `e` at the start of the step, world.
     #[inline(always)]
     pub(super) fn directors_before(&self, e: usize) -> [V3<S>; 3] {
         [0, 1, 2].map(|k| self.vec(&self.room.d_start, 3 * e + k))
     }
-    /// A load given in world and follower components, in the world.
+    /// World components of a load given in world and follower components, for an end with the
+    /// directors `frame`.
     #[inline(always)]
     pub(super) fn world(&self, load: [[S::f64s; 3]; 2], frame: [V3<S>; 3]) -> V3<S> {
         let [x, y, z] = self.vec(&load[1], 0).0;
         frame[0].mul_add(x, frame[1].mul_add(y, frame[2].mul_add(z, self.vec(&load[0], 0))))
     }
 
-    /// Turns segment `e` by the rotation vector `u`, world components.
+    /// Turns segment `e` by the rotation vector `u` (rad, world) in lanes where `wanted > 0`.
     #[inline(always)]
     pub(super) fn turn(&mut self, e: usize, u: V3<S>, wanted: Lane<S>) {
         let here = self.quat(&self.q[4 * e..4 * e + 4]);
@@ -103,24 +108,27 @@ impl<S: Simd> RotationChain<S> {
         store_quat(&mut self.q, e, to);
     }
 
-    /// Rebuilds directors, positions and forces from the rotations. Returns the potential energy
-    /// of the nodes and the gap that a held tip leaves.
+    /// Rebuilds directors, positions and forces from the rotations. Returns the potential energy of
+    /// the nodes, and the vector from a held tip to its support (zero for a free tip).
     #[inline(always)]
     pub(super) fn shape(&mut self) -> (Lane<S>, V3<S>) {
         let (simd, n, ends) = (self.simd, self.n, self.ends);
+        // Directors of all segments.
         for e in 0..n {
             let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
             for k in 0..3 {
                 store(&mut self.room.d, 3 * e + k, d[k]);
             }
         }
+        // End forces in the world.
         let last = self.directors(n - 1);
         let tip_force = self.world(ends.tip_force, last);
         let root_force = self.world(ends.root_force, self.directors(0));
         let root_free = Lane::new(simd, ends.root_free);
         let mut position = self.vec(&ends.root_position, 0);
         if ends.any_root_free {
-            // The momentum of the whole rod places a free root.
+            // A free root follows from the sum of all node equations:
+            // sum mu_a u_a = F_root + F_tip + sum b_a with u_a = r_0 + chord_a - start_a.
             let mut sum = tip_force + root_force;
             let mut mass = Lane::splat(simd, 0.0);
             let mut chord = V3::splat(simd, 0.0);
@@ -138,6 +146,7 @@ impl<S: Simd> RotationChain<S> {
             let free = sum.scale(mass.recip());
             position = root_free.positive().select(free, position);
         }
+        // Positions r_(e+1) = r_e + h_e d3_e.
         store(&mut self.kept.r, 0, position);
         for e in 0..n {
             position =
@@ -146,7 +155,8 @@ impl<S: Simd> RotationChain<S> {
         }
         let gap =
             (self.vec(&ends.tip_position, 0) - position).scale(Lane::new(simd, ends.tip_held));
-        // Forces from the tip inward; the tip's own balance gives the first unless it is held.
+        // Forces from the tip inward, n_a = n_(a+1) + b_a - mu_a u_a; the tip's own balance gives
+        // the first unless it is held.
         let (mut u, mut potential) = self.node_potential(n);
         let free = tip_force + self.vec(&self.room.b, n) - u.scale(self.one(&self.room.mu, n));
         let held = self.vec(&ends.tip_reaction, 0);
@@ -166,7 +176,8 @@ impl<S: Simd> RotationChain<S> {
         (potential, gap)
     }
 
-    /// Displacement of node `a` and its potential `mu u^2 / 2 - b u`.
+    /// Displacement `u` of node `a` from the start of the step, and its potential `mu u^2 / 2 - b
+    /// u`.
     #[inline(always)]
     fn node_potential(&self, a: usize) -> (V3<S>, Lane<S>) {
         let u = self.vec(&self.kept.r, a) - self.vec(&self.room.start, a);
@@ -199,6 +210,8 @@ impl<S: Simd> RotationChain<S> {
             if j > 0 {
                 let (e, d) = (j - 1, directors);
                 let h = self.one(&self.model.h, e);
+                // Torque on segment e and its Hessian, from the joints at both ends and from the
+                // director terms with p_1, p_2 and h n.
                 let p = [self.vec(&self.room.p, 2 * e), self.vec(&self.room.p, 2 * e + 1)];
                 let axial = self.vec(&self.force, e).scale(h);
                 let mut torque = right.moment - left.moment;
@@ -208,6 +221,8 @@ impl<S: Simd> RotationChain<S> {
                     hessian = hessian + director_hessian(d, p, definite);
                 }
                 potential = potential - d[0].dot(p[0]) - d[1].dot(p[1]);
+                // End moments, and the gap of a held tip on the right-hand side of its constraint
+                // row.
                 if j == 1 {
                     torque += self.world(ends.root_moment, d);
                 }
@@ -219,6 +234,9 @@ impl<S: Simd> RotationChain<S> {
                 for i in 0..6 {
                     self.room.hessian[6 * e + i] = hessian.0[i].value;
                 }
+                // Diagonal block [[-(w0 + w1) E, S], [S^T, A]] less the contribution of the
+                // previous segment, and the coupling B to the next one: B = hat(M)/2 - H of the
+                // joint, where the first term is left out in definite lanes.
                 let (w0, w1) = (self.one(&self.kept.w, e), self.one(&self.kept.w, j));
                 let block = DiagonalBlock {
                     compliance: Sym::diagonal(-(w0 + w1)),
@@ -229,6 +247,7 @@ impl<S: Simd> RotationChain<S> {
                 } - carry;
                 let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
                 let (passed, mut rhs, signs) = self.kept.factor.eliminate(e, block, w1, coupling);
+                // Loads without a potential make the last block unsymmetric.
                 if j == n && ends.any_circulatory {
                     let force = combine(d, self.vec(&ends.tip_force[1], 0));
                     let moment = self.vec(&ends.tip_moment[0], 0)
@@ -241,6 +260,7 @@ impl<S: Simd> RotationChain<S> {
                         wanted.positive().select(turn, rhs[1]),
                     ];
                 }
+                // Keep the eliminated right-hand side and the coupling for the back substitution.
                 store(&mut self.room.rhs, 2 * e, rhs[0]);
                 store(&mut self.room.rhs, 2 * e + 1, rhs[1]);
                 for i in 0..3 {
@@ -253,6 +273,7 @@ impl<S: Simd> RotationChain<S> {
             before = after;
             directors = next;
         }
+        // Back substitution of the block tridiagonal system, from tip to root.
         let Kept { factor, coupling, w, step, .. } = &mut self.kept;
         factor.back_substitute(simd, &Right { b: coupling, w }, &self.room.rhs, step);
         (potential, signature)
@@ -271,6 +292,8 @@ impl<S: Simd> RotationChain<S> {
         let (phi, fw) = a.inverse_times(b).log();
         let one = fw.lift(1.0);
         let half = fw.lift(0.5);
+        // Moment and energy of the joint in its own frame: linear, or from the model of a section
+        // law.
         let k = self.vec(&self.room.k, j);
         let (m, energy, tangent) = match &self.laws {
             None => {
@@ -283,6 +306,7 @@ impl<S: Simd> RotationChain<S> {
                 (m, energy, Some(tangent))
             }
         };
+        // Moment in the world, J^-T m.
         let angle2 = phi.dot(phi);
         let c = slope_of_log(angle2, fw);
         let moment = moment(phi, m, c, d);
@@ -307,6 +331,8 @@ impl<S: Simd> RotationChain<S> {
                 cp.0[2].mul_add(z, s),
             ]),
         ]);
+        // Hessian: j^T K j with j = J^-1 R^T, and in exact lanes the second derivative of the
+        // logarithm.
         let j = M3(d).transposed().times(inverse.transposed()).transposed();
         let kj = match tangent {
             None => M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]),
@@ -318,7 +344,7 @@ impl<S: Simd> RotationChain<S> {
         JointEffect { moment, energy, hessian }
     }
 
-    /// Rotation vector of joint `j`, with what [`Quat::log`] gives beside it.
+    /// Rotation vector of joint `j`, and the second value of [`Quat::log`].
     #[inline(always)]
     pub(super) fn joint_turn(&self, j: usize) -> (V3<S>, Lane<S>) {
         let before =
@@ -349,10 +375,12 @@ impl<S: Simd> RotationChain<S> {
             }
         }
         for iteration in 0..MAX_ITERATIONS {
+            // Residuals and Newton increments at the present rotations.
             let (nodes, gap) = self.shape();
             let (joints, turn) = self.solve(gap, &mut search);
             let energy = nodes + joints;
             let open = gap.max_abs();
+            // Merit test, line search and convergence, lane by lane.
             let (mut fresh, mut scale) = ([0.0; LANES], [0.0; LANES]);
             for lane in 0..lanes {
                 if search[lane].active {
@@ -366,17 +394,19 @@ impl<S: Simd> RotationChain<S> {
                     (fresh[lane], scale[lane]) = search[lane].next(&mut out[lane], &solve);
                 }
             }
+            // Next trial rotations.
             let lift = |x: &[f64; LANES]| Lane::load(simd, x, 0);
             self.advance(lift(&fresh), lift(&scale));
             if !search[..lanes].iter().any(|s| s.active) {
                 break;
             }
         }
+        // Shape and joints at the final rotations.
         self.shape();
         self.measure_joints();
     }
 
-    /// Rotation vectors of the joints at the present rotations.
+    /// Computes the rotation vectors of all joints at the present rotations.
     #[inline(always)]
     pub(super) fn measure_joints(&mut self) {
         for j in 0..=self.n {
@@ -385,8 +415,8 @@ impl<S: Simd> RotationChain<S> {
         }
     }
 
-    /// The increments of Newton's method at the present rotations, without taking them: the largest
-    /// turn, rad, and the gap that a held tip leaves.
+    /// Solves for the increments of Newton's method at the present rotations, without taking them.
+    /// Returns the largest rotation increment, rad, and the vector from a held tip to its support.
     #[inline(always)]
     pub(super) fn increments(&mut self, search: &mut [Search; LANES]) -> (Lane<S>, V3<S>) {
         let (_, gap) = self.shape();
@@ -409,12 +439,14 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     fn solve(&mut self, gap: V3<S>, search: &mut [Search; LANES]) -> (Lane<S>, Lane<S>) {
         let (simd, lanes) = (self.simd, S::F64_LANES);
+        // Laws that are not affine are evaluated anew at the present rotations.
         if self.laws.as_ref().is_some_and(|laws| laws.bends()) {
             self.measure_joints();
             let Self { laws, room, ends, .. } = self;
             let turns = Turns { phi: &room.phi, rest: &room.target, ends };
             laws.iter_mut().for_each(|laws| laws.renew(turns));
         }
+        // Raise the weight of the definite part until every lane has a usable direction.
         loop {
             let mut definite = [0.0; LANES];
             for lane in 0..lanes {
@@ -434,8 +466,8 @@ impl<S: Simd> RotationChain<S> {
         }
     }
 
-    /// Turns the segments by `scale` times the direction, from where the direction started. Lanes
-    /// with `fresh > 0` take the last solve as their new direction first.
+    /// Turns the segments by `scale` times the search direction, from where the direction started.
+    /// Lanes with `fresh > 0` first take the last solve as their new direction.
     #[inline(always)]
     pub(super) fn advance(&mut self, fresh: Lane<S>, scale: Lane<S>) {
         for e in 0..self.n {
@@ -457,9 +489,9 @@ impl<S: Simd> RotationChain<S> {
     }
 }
 
-/// What a joint does to its two segments.
+/// Moment, energy and Hessian of one joint.
 struct JointEffect<S: Simd> {
-    /// Moment on the segment before, world components.
+    /// Moment on the segment before the joint, N m, world.
     moment: V3<S>,
     energy: Lane<S>,
     hessian: Sym<S>,

@@ -1,10 +1,10 @@
-//! Whether rods, states and conditions make sense.
+//! Validation of rods, states and conditions.
 
 use crate::{End, Instant, Load, Rod, RodError, RodState, SectionLaws, StepError};
 use nalgebra::Vector3;
 
-/// By which part of its length a rod that is held at both ends must be longer than the way between
-/// them: without slack Newton's matrix is singular.
+/// Slack that a rod held at both ends needs, as a fraction of its length: without it Newton's
+/// matrix is singular.
 const TAUT: f64 = 1e-9;
 
 pub(super) fn check_laws(rod: &Rod) -> Result<(), RodError> {

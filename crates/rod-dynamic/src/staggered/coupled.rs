@@ -1,4 +1,4 @@
-//! A step in two halves, for a solver of contacts between them.
+//! Steps in several calls, for a contact solver between them.
 
 use super::batch::StaggeredBatch;
 use super::response::Inertia;
@@ -13,13 +13,13 @@ use rapunzel_lanes::LANES;
 const NOT_UNDER_WAY: &str = "none is under way: predict one, or set out on one";
 
 impl StaggeredBatch {
-    /// Solves the step of length `dt` with `impulses` (N s, one a node, or none at all) at its
-    /// start, without finishing it: [`Self::mean_velocities`] and [`ImpulseResponse`] then speak of
-    /// it, until [`Self::accept`] or [`Self::abandon`].
+    /// Solves the step of `dt` seconds with `impulses` (N s, one per node, or an empty slice) at
+    /// its start, without committing it: [`Self::mean_velocities`] and [`ImpulseResponse`] then
+    /// refer to it, until [`Self::accept`] or [`Self::abandon`].
     ///
     /// # Errors
-    /// [`StepError`]; a step that does not converge is not halved, since all that touches must
-    /// move by the same step. The fibres are then as before.
+    /// [`StepError`]; a step that does not converge is not halved, since bodies in contact must
+    /// take the same step. The fibres are then as before.
     ///
     /// # Panics
     /// If there are fewer conditions or reports than fibres.
@@ -59,9 +59,9 @@ impl StaggeredBatch {
         self.under_way(dt, solved.map(|_| ()))
     }
 
-    /// Sets out on a step of length `dt` with `impulses` (N s, one a node) at its start, toward
-    /// where the motion leads, without solving it: [`Self::linearize`] and [`Self::advance`] do
-    /// that, one iteration of Newton's method after another.
+    /// Starts a step of `dt` seconds with `impulses` (N s, one per node) at its start, at the
+    /// predicted shape, without solving it: [`Self::linearize`] and [`Self::advance`] do that, one
+    /// Newton iteration after another.
     ///
     /// # Errors
     /// [`StepError`] for conditions and impulses that make no sense. The fibres are then as before.
@@ -87,9 +87,9 @@ impl StaggeredBatch {
         })
     }
 
-    /// Solves Newton's equations where the rods are in their step, without taking the increments:
-    /// [`Self::linear_velocities`] and [`ImpulseResponse`] then speak of them. Returns the largest
-    /// increment, rad.
+    /// Solves Newton's equations at the present shape of the step under way, without taking the
+    /// increments: [`Self::linear_velocities`] and [`ImpulseResponse`] then refer to them. Returns
+    /// the largest increment, rad.
     ///
     /// # Errors
     /// [`StepError::NotConverged`] if they have no solution.
@@ -99,8 +99,8 @@ impl StaggeredBatch {
         self.largest(&turns)
     }
 
-    /// Puts other impulses (N s, one a node) in place of those of the step under way. It moves
-    /// nothing: the next [`Self::linearize`] answers them.
+    /// Replaces the impulses (N s, one per node) of the step under way. The shape is unchanged: the
+    /// impulses enter the next [`Self::linearize`].
     ///
     /// # Errors
     /// As [`Self::correct`] for impulses that make no sense.
@@ -125,8 +125,8 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the increments of the last linearisation, with these impulses in place of those
-    /// before. Returns the largest increment, rad; those above 1 are shortened.
+    /// Takes the increments of the last linearisation, with these impulses (N s, one per node) in
+    /// place of those it had. Returns the largest increment, rad; those above 1 are shortened.
     ///
     /// # Errors
     /// [`StepError`] as [`Self::correct`].
@@ -138,7 +138,7 @@ impl StaggeredBatch {
         self.largest(&turns)
     }
 
-    /// The largest of one number for each fibre.
+    /// Largest of the increments of all fibres, rad; an error if one is not finite.
     fn largest(&self, turns: &[f64; LANES]) -> Result<f64, StepError> {
         let turns = &turns[..self.rods.len()];
         if let Some(fiber) = turns.iter().position(|turn| !turn.is_finite()) {
@@ -148,7 +148,7 @@ impl StaggeredBatch {
         Ok(turns.iter().copied().fold(0.0, f64::max))
     }
 
-    /// Makes what the last solve found the state; nothing if no step is under way.
+    /// Makes the result of the last solve the state; does nothing if no step is under way.
     pub fn accept(&mut self) {
         let dt = std::mem::take(&mut self.predicted);
         if dt > 0.0 {
@@ -162,15 +162,14 @@ impl StaggeredBatch {
         }
     }
 
-    /// Takes the fibres back to before the step that is under way, if one is.
+    /// Restores the fibres to before the step that is under way, if one is.
     pub fn abandon(&mut self) {
         if std::mem::take(&mut self.predicted) > 0.0 {
             self.take_back(self.fresh_before);
         }
     }
 
-    /// Notes that a step of length `dt` is under way if that has been `done`, and else takes the
-    /// fibres back.
+    /// Marks a step of `dt` seconds as under way if `done` is `Ok`, else restores the fibres.
     fn under_way(&mut self, dt: f64, done: Result<(), StepError>) -> Result<(), StepError> {
         self.predicted = dt;
         if done.is_err() {
@@ -233,9 +232,9 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step whose
-    /// inertia keeps Newton's matrix from being singular. Tells whether any ended at a saddle of
-    /// its energy instead of a minimum.
+    /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step (s) whose
+    /// inertia keeps Newton's matrix from being singular. Returns whether any fibre ended at a
+    /// saddle of its energy instead of a minimum.
     pub(super) fn settle(
         &mut self,
         dt: f64,
@@ -255,7 +254,7 @@ impl StaggeredBatch {
         Ok(saddle)
     }
 
-    /// How points answer impulses on them.
+    /// Writes the mean velocities of points that impulses on them cause, with the given inertia.
     fn answer(
         &mut self,
         points: &[Point],
@@ -273,7 +272,7 @@ impl StaggeredBatch {
     fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
         self.check_step()?;
         let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
-        // All of them, without a way out: side by side.
+        // No early exit, so that the loop can be vectorised.
         let (mut fiber, mut segment, mut sound) = (0, 0, true);
         for p in points {
             (fiber, segment) = (p.fiber.max(fiber), p.segment.max(segment));
@@ -286,7 +285,7 @@ impl StaggeredBatch {
         Err(RodError::Invalid { what: "points", why })
     }
 
-    /// Solves one problem in all fibres. Tells whether any of them ended at a saddle.
+    /// Solves one problem in all fibres. Returns whether any of them ended at a saddle.
     fn solve(
         &mut self,
         dt: f64,

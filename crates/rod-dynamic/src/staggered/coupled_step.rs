@@ -1,8 +1,8 @@
-//! A step that is taken in several calls, with a solver of contacts between them.
+//! A step that is taken in several calls, with a contact solver between them.
 //!
-//! Between calls the room is given away: what the step needs again is in
-//! [`super::workspace::Kept`], and the problem is written anew from the state and the impulses,
-//! which costs less than to keep it.
+//! Between calls the workspace is returned: [`super::workspace::Kept`] has what the step needs
+//! again, and the other coefficients are recomputed from the state and the impulses, which costs
+//! less than to keep them.
 
 use super::array::{get, store};
 use super::ends::Held;
@@ -14,11 +14,11 @@ use super::simd_batch::SimdBatch;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane};
 
-/// Longer increments of rods in contact are shortened to this, rad.
+/// Largest rotation increment of rods in contact, rad; longer ones are shortened to it.
 const LONGEST_TURN: f64 = 1.0;
 
 impl<S: Simd> SimdBatch<S> {
-    /// Prepares a step of length `dt` and sets out to where the motion leads, without solving it.
+    /// Prepares a step of `dt` seconds at the predicted shape, without solving it.
     pub(super) fn look(&mut self, dt: f64) {
         struct LookAhead<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
@@ -37,7 +37,7 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the
-    /// largest increment, rad.
+    /// largest increment of each lane, rad.
     pub(super) fn linearize(&mut self) -> [f64; LANES] {
         struct Linearize<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
@@ -63,7 +63,7 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     /// Takes the increments of the last linearisation together with those that the change of the
-    /// impulses in the room causes. Returns the largest increment, rad.
+    /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
     pub(super) fn advance(&mut self) -> [f64; LANES] {
         struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
@@ -95,7 +95,7 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Advance(self))
     }
 
-    /// Writes the problem of a step that has been set out on once more, from call to call.
+    /// Recomputes the coefficients of the step under way in a workspace that was just borrowed.
     #[inline(always)]
     fn resume(&mut self) {
         self.recall_directors();
@@ -103,7 +103,8 @@ impl<S: Simd> SimdBatch<S> {
         self.prepare(&stage);
     }
 
-    /// Assembles the matrix of the last linearisation once more, and leaves its factors alone.
+    /// Assembles the matrix of the last linearisation again in the workspace, and leaves its
+    /// factors unchanged.
     #[inline(always)]
     pub(super) fn reassemble(&mut self) {
         std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
@@ -114,14 +115,14 @@ impl<S: Simd> SimdBatch<S> {
         std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
     }
 
-    /// Brings back the directors at the start of a step that has been set out on.
+    /// Recomputes the directors at the start of the step under way.
     #[inline(always)]
     pub(super) fn recall_directors(&mut self) {
         let all = Lane::splat(self.chain.simd, 1.0);
         keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
     }
 
-    /// Brings back where the last call of a step has led, for the step to be taken.
+    /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     pub(super) fn arrive(&mut self) {
         struct Arrive<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {

@@ -1,4 +1,4 @@
-//! What holds or loads the two ends of each fibre of a pack.
+//! Boundary conditions of the two ends of each fibre of a SIMD batch.
 
 use super::array::{at, set};
 use crate::{End, Instant, Load};
@@ -6,31 +6,38 @@ use nalgebra::Vector3;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
-/// The ends, with flags of 0 or 1 in each lane.
+/// Boundary conditions of both ends in all lanes; flags are 0 or 1 in each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Ends<S: Simd> {
-    /// Whether the root's position is free, and whether a joint clamps its frame.
+    /// 1 where the root's position is free.
     pub(super) root_free: S::f64s,
+    /// 1 where a joint clamps the root's frame.
     pub(super) root_joint: S::f64s,
     pub(super) root_position: [S::f64s; 3],
     pub(super) root_frame: [S::f64s; 4],
-    /// Whether the tip's position is held, and whether a joint clamps its frame.
+    /// 1 where the tip's position is held.
     pub(super) tip_held: S::f64s,
+    /// 1 where a joint clamps the tip's frame.
     pub(super) tip_joint: S::f64s,
     pub(super) tip_position: [S::f64s; 3],
     pub(super) tip_frame: [S::f64s; 4],
-    /// World components, then follower components.
+    /// Force on the root, N: world components, then follower components.
     pub(super) root_force: [[S::f64s; 3]; 2],
+    /// Moment on the root, N m: world components, then follower components.
     pub(super) root_moment: [[S::f64s; 3]; 2],
+    /// Force on the tip, N: world components, then follower components.
     pub(super) tip_force: [[S::f64s; 3]; 2],
+    /// Moment on the tip, N m: world components, then follower components.
     pub(super) tip_moment: [[S::f64s; 3]; 2],
-    /// Force in the last segment where the tip is held: an unknown of its own.
+    /// Force in the last segment where the tip is held, N, world: an additional unknown.
     pub(super) tip_reaction: [S::f64s; 3],
-    /// Whether any lane has a free root, or a joint at its tip.
+    /// Whether any lane has a free root.
     pub(super) any_root_free: bool,
+    /// Whether any lane has a joint at its tip.
     pub(super) any_tip_joint: bool,
-    /// Whether moments or follower forces act, which have no potential, in each lane and in any.
+    /// 1 where moments or follower forces act, which have no potential.
     pub(super) circulatory: S::f64s,
+    /// Whether moments or follower forces act in any lane.
     pub(super) any_circulatory: bool,
 }
 
@@ -42,7 +49,7 @@ pub(super) enum EndKind {
     Loaded,
 }
 
-/// How the two ends of one lane are held.
+/// Kinds of the two ends of one lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Held {
     pub(super) root: EndKind,
@@ -52,7 +59,7 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// A clamped root and a free tip: what lanes that are not in use stand as.
+    /// A clamped root and a free tip: placeholder for lanes that are not in use.
     pub(super) const CLAMPED: Self =
         Self { root: EndKind::Held, tip: EndKind::Loaded, conservative: true };
 
@@ -89,26 +96,27 @@ impl<S: Simd> Ends<S> {
         }
     }
 
-    /// Whether a joint clamps the root's and the tip's frame in one lane.
+    /// Whether joints clamp the frames of the root and of the tip in one lane.
     pub(super) fn joined(&self, lane: usize) -> [bool; 2] {
         [self.root_joint, self.tip_joint].map(|flag| at(std::slice::from_ref(&flag), 0, lane) > 0.0)
     }
 
-    /// Lets joints clamp both frames in one lane, until its conditions are set.
+    /// Marks both frames of one lane as clamped, until its conditions are set.
     pub(super) fn join(&mut self, lane: usize) {
         for flag in [&mut self.root_joint, &mut self.tip_joint] {
             put(std::slice::from_mut(flag), lane, &[1.0]);
         }
     }
 
-    /// Takes back what belongs to the state: flags and reactions.
+    /// Restores what belongs to the state from `old`: flags and reactions.
     pub(super) fn put_back(&mut self, old: &Self) {
         (self.root_free, self.root_joint) = (old.root_free, old.root_joint);
         (self.tip_held, self.tip_joint) = (old.tip_held, old.tip_joint);
         self.tip_reaction = old.tip_reaction;
     }
 
-    /// Sets one lane. A tip that was free until now starts from the force `reaction`.
+    /// Sets the conditions of one lane. A tip that was free until now starts from the force
+    /// `reaction` (N, world).
     pub(super) fn set(&mut self, lane: usize, now: &Instant, reaction: [f64; 3]) -> Held {
         let was_held = at(std::slice::from_ref(&self.tip_held), 0, lane) > 0.0;
         let root = EndPart::of(&now.root);
@@ -150,7 +158,7 @@ impl<S: Simd> Ends<S> {
     }
 }
 
-/// The frame in which an end is clamped, as a quaternion; that of the world where it is not.
+/// Frame in which an end is clamped, as a quaternion; the identity where it is not clamped.
 pub(super) fn frame(end: &End) -> [f64; 4] {
     EndPart::of(end).frame
 }

@@ -1,4 +1,4 @@
-//! The step of infinite length: a static solver.
+//! Static solver: a step of infinite length.
 
 use super::batch::StaggeredBatch;
 use crate::{
@@ -17,7 +17,7 @@ const LONG: f64 = 1e3;
 
 /// Curvature that is added to leave a saddle of the energy, as the turn of the whole rod in rad.
 const KICK: f64 = 0.05;
-/// How often a saddle is left before it is taken for the answer.
+/// How often a saddle is left before it is returned as the result.
 const MAX_KICKS: usize = 4;
 
 /// Why no equilibrium was found.
@@ -36,11 +36,11 @@ pub enum EquilibriumError {
 ///
 /// It is stable: from a saddle of the energy, as where a tall rod balances upright, and where
 /// Newton's method fails, a [`Chain`] of the same segments leads down to a minimum nearby. (Moments
-/// and follower forces at the ends have no energy, wind moves with the rod, and a pinned root is
-/// not that of a chain: there the rod is bent a little and let go again, and stability is not
-/// claimed.) A free root is taken as pinned where it is: without that nothing holds the rod. The
-/// state returned is at rest. Laws of sections are not asked: it is the equilibrium of the fibre
-/// with its stiffness.
+/// and follower forces at the ends have no energy, wind depends on the motion, and a [`Chain`] has
+/// no pinned root: there the rod is bent a little and released again, and stability is not
+/// claimed.) A free root is pinned at its position, since otherwise nothing holds the rod. The
+/// state returned is at rest. Section laws are ignored: it is the equilibrium of the fibre with its
+/// stiffness.
 ///
 /// Second order in the length of the segments: the tip of a clamped horizontal hair of 100 segments
 /// is off by `2.7e-4` of its length. Extrapolation from two meshes removes nearly all of that.
@@ -95,8 +95,8 @@ pub fn equilibrium(
     Ok((state, total))
 }
 
-/// The frames of the segments at the minimum of the energy that a chain reaches from `state`.
-/// `None` for conditions that have no energy or that a chain does not know, and if it finds none.
+/// Frames of the segments at the minimum of the energy that a [`Chain`] reaches from `state`.
+/// `None` for conditions without an energy or not supported by a chain, and if it finds no minimum.
 fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotation3<f64>>> {
     let (fiber, last) = (&rod.fiber, state.frames.len());
     let End::Held(clamp) = conditions.root else { return None };
@@ -145,12 +145,13 @@ fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotati
     Some(middles.map(|frame| frame.to_rotation_matrix()).collect())
 }
 
-/// The frame half way from one to another.
+/// The rotation half way between two frames.
 fn middle(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     a * a.rotation_to(b).powf(0.5)
 }
 
-/// Turns the frames ever more toward the tip, about an axis that is special for no section.
+/// Rotates the frames progressively toward the tip, by at most `angle` (rad), about an axis that is
+/// no principal axis of the sections.
 fn bend(state: &mut RodState, angle: f64) {
     let count = state.frames.len() as f64;
     for (e, frame) in state.frames.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! A pack with its register width hidden, and the choice of that width.
+//! A SIMD batch with its register width hidden, and the choice of that width.
 
 use super::array::{at, lanes, set, zeros};
 use super::chain::RotationChain;
@@ -16,15 +16,16 @@ use pulp::bytemuck::{self, Zeroable};
 use rapunzel_lanes::LANES;
 use std::ops::RangeInclusive;
 
-/// What a batch needs of a [`SimdBatch`], whatever its register width.
+/// Interface of a [`SimdBatch`] of any register width.
 pub(super) trait ErasedBatch: Send + Sync {
-    /// Borrows room to work in, without which nothing but the state can be read and set.
+    /// Borrows the workspace, without which only the state can be read and set.
     fn enter(&mut self);
-    /// Gives it back.
+    /// Returns the borrowed workspace.
     fn leave(&mut self);
-    /// Keeps what a step needs from call to call, from now on. Not to be called in between.
+    /// Lets the batch own the storage that a step needs from call to call, from now on. Not to be
+    /// called between [`ErasedBatch::enter`] and [`ErasedBatch::leave`].
     fn keep(&mut self);
-    /// Brings back where the last call of a step has led.
+    /// Recomputes the shape that the last call of a step has reached.
     fn arrive(&mut self);
     fn attempt(
         &mut self,
@@ -36,37 +37,38 @@ pub(super) trait ErasedBatch: Send + Sync {
     fn set_out(&mut self, wanted: &[bool; LANES]);
     fn measure(&mut self, wanted: &[bool; LANES]);
     fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: StepProblem);
-    /// Notes how the ends of a lane are before a step whose ledger is wanted; `known` tells whether
-    /// their reactions are those now.
+    /// Records the ends of a lane before a step whose ledger is wanted; `known` tells whether their
+    /// reactions are those now.
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
     /// Ledgers of an attempt that is about to be committed in the lanes that are `done`.
     fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES];
     fn set_conditions(&mut self, lane: usize, now: &Instant);
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
-    /// Takes over the laws of the rod, which remember as much as those before.
+    /// Replaces the section laws of a lane by those of `rod`, which must have as much memory.
     fn set_laws(&mut self, lane: usize, rod: &Rod);
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
     fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
     fn momentum(&self, lane: usize) -> Momentum;
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
-    /// How far the last attempt moves a node.
+    /// Displacement of a node in the last attempt, m, world.
     fn displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
     /// Appends all numbers of one lane's state.
     fn save(&self, lane: usize, numbers: &mut Vec<f64>);
-    /// Takes the numbers back from the front of `numbers`, and returns the rest.
+    /// Restores the state of one lane from the front of `numbers`, and returns the rest.
     fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64];
-    /// Takes back the rotations and the reaction of one lane only, which an attempt changes.
+    /// Restores only the rotations and the tip reaction of one lane, which an attempt changes.
     fn undo(&mut self, lane: usize);
-    /// Remembers what attempts change, for [`ErasedBatch::undo`] and [`ErasedBatch::undo_all`].
+    /// Saves the state that attempts change, for [`ErasedBatch::undo`] and
+    /// [`ErasedBatch::undo_all`].
     fn remember(&mut self);
-    /// Takes all lanes back to what was remembered, as long as no step has been committed, and
-    /// those that were `fresh` to having no acceleration.
+    /// Restores the state of all lanes that was saved, as long as no step has been committed, and
+    /// removes the accelerations of lanes that were `fresh`.
     fn undo_all(&mut self, fresh: &[bool; LANES]);
-    /// Replaces impulses on the nodes, fibre by fibre, by the mean velocities they cause.
+    /// Writes the mean velocities of all nodes, fibre by fibre, that impulses on them cause.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
     fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
-    /// The same for points in any order.
+    /// Writes the mean velocities of points, in any order, that impulses on them cause.
     fn respond_at(
         &mut self,
         points: &[Point],
@@ -74,23 +76,25 @@ pub(super) trait ErasedBatch: Send + Sync {
         inertia: Inertia,
         out: &mut [Vector3<f64>],
     );
-    /// How points of the same fibre answer impulses on each other, for fibres with any.
+    /// Response matrices of the points of each fibre, for fibres with any.
     fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses>;
     fn weigh(&mut self, points: &[Point], masses: &[f64]);
-    /// Sets the impulses on the nodes of one lane at the start of the step; none acts any more
-    /// once a step is set out on anew.
+    /// Sets the impulses on the nodes of one lane at the start of the step; starting a new step
+    /// clears them.
     fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]);
-    /// Sets out on a step of length `dt`, to where the motion leads.
+    /// Starts a step of `dt` seconds at the predicted shape, without solving it.
     fn look(&mut self, dt: f64);
-    /// Solves Newton's equations where the rods are; returns the largest increments, rad.
+    /// Solves Newton's equations at the present shape; returns the largest increment of each lane,
+    /// rad.
     fn linearize(&mut self) -> [f64; LANES];
-    /// How far a node moves in the step, with what the last linearisation would add.
+    /// Displacement of a node in the step with the increments of the last linearisation, m, world.
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
-    /// Takes the increments, with other impulses than those of the linearisation.
+    /// Takes the increments of the last linearisation, with other impulses than it had; returns the
+    /// largest increment of each lane, rad.
     fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES];
-    /// Takes all motion of one lane away.
+    /// Sets all rates of one lane to zero.
     fn stop(&mut self, lane: usize);
-    /// How many numbers the state of a lane has.
+    /// Number of scalars in the state of a lane.
     fn numbers(&self, lane: usize) -> usize;
 }
 
@@ -258,7 +262,7 @@ impl<S: Simd> ErasedBatch for SimdBatch<S> {
     ) {
         let Some(from) = points.iter().map(|point| point.segment as usize).min() else { return };
         let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.values);
-        // One node before is looked at too, as the end of the first segment that is solved for.
+        // The node before is read too, as the end of the first segment that is solved for.
         values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
             let node = &mut values[both_nodes::<S>(point)];
@@ -347,8 +351,8 @@ impl<S: Simd> ErasedBatch for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Takes what a step needs from call to call out of the room, or puts it back, unless it is
-    /// kept.
+    /// Exchanges the storage that a step needs from call to call with that of the workspace, unless
+    /// the batch owns it.
     fn exchange_kept(&mut self) {
         if !self.keeps {
             let RotationChain { room, kept, .. } = &mut self.chain;
@@ -357,8 +361,8 @@ impl<S: Simd> SimdBatch<S> {
     }
 }
 
-/// From the first number of the node before a point to the last of the node behind it, in an array
-/// of vectors.
+/// Index range, in an array of vectors, from the first number of the node before a point to the
+/// last number of the node behind it.
 fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
     let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
     first..=first + 5 * S::F64_LANES

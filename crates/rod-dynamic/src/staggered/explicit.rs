@@ -1,4 +1,4 @@
-//! The answers of a few points, written out.
+//! Response matrices of a few points.
 
 use super::array::{at, set};
 use super::response::ImpulseColumns;
@@ -9,9 +9,10 @@ use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
 impl<S: Simd> SimdBatch<S> {
-    /// How the points of every fibre answer impulses on each other; of all fibres the first points
-    /// at once, then the second ones.
+    /// Response matrices of the points of every fibre that has any. One solve for the first points
+    /// of all fibres, one for the second points, and so on.
     pub(super) fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses> {
+        // Indices of the points of each fibre, from root to tip.
         let mut fibers: Vec<Vec<usize>> = vec![Vec::new(); S::F64_LANES];
         for (i, point) in points.iter().enumerate() {
             fibers[point.fiber as usize].push(i);
@@ -31,8 +32,9 @@ impl<S: Simd> SimdBatch<S> {
         for turn in 0..most {
             let now = || all.iter().filter_map(|one| one.points.get(turn));
             let from = now().map(|&i| points[i].segment as usize).min().unwrap_or(0);
-            // One node before is looked at too, as the end of the first segment that is solved for.
+            // The node before is read too, as the end of the first segment that is solved for.
             columns.values[9 * from.saturating_sub(1)..].fill(S::f64s::zeroed());
+            // Unit impulses along x, y and z at the present point of each fibre.
             for &i in now() {
                 let Point { fiber, segment, fraction } = points[i];
                 for (node, share) in [(0, 1.0 - fraction), (1, fraction)] {
@@ -43,6 +45,8 @@ impl<S: Simd> SimdBatch<S> {
                 }
             }
             self.respond_thrice(from, &mut columns);
+            // Columns of this point in the rows of the points behind it; the rest follows by
+            // symmetry.
             for (lane, one) in all.iter_mut().enumerate() {
                 for row in turn..one.points.len() {
                     let Point { segment, fraction, .. } = points[one.points[row]];

@@ -13,7 +13,8 @@ use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 use std::ops::Sub;
 
-/// One diagonal block and its right-hand side.
+/// Diagonal block `[[-C, S], [S^T, A]]` of one segment and its right-hand side; `compliance` is
+/// `-C`, `lever` is `S`, `stiffness` is `A`.
 #[derive(Clone, Copy)]
 pub(super) struct DiagonalBlock<S: Simd> {
     pub(super) compliance: Sym<S>,
@@ -51,13 +52,13 @@ impl<S: Simd> Sub for DiagonalBlock<S> {
     }
 }
 
-/// The factors of all segments. `D` is a diagonal block from which what its predecessors take away
-/// has been taken. Interleaved, a segment has `D^-1`: force-force (6, symmetric), force-turn (9),
-/// turn-turn (6, symmetric).
+/// The factors of all segments. `D` is a diagonal block less the contributions of the segments
+/// before. Interleaved, a segment has `D^-1`: force-force (6, symmetric), force-turn (9), turn-turn
+/// (6, symmetric).
 ///
-/// The product with the block to its right at hand would spare a substitution one product of a
-/// matrix and a vector a segment, but what it waits for is to read the factors: of many fibres
-/// these lie far away.
+/// Storing the product with the block to the right too would save one product of a matrix and a
+/// vector per segment in a substitution, but substitutions wait for reading the factors: those of
+/// many fibres do not stay in the cache.
 pub(super) struct Factor<S: Simd> {
     data: Array<S>,
     n: usize,
@@ -65,11 +66,11 @@ pub(super) struct Factor<S: Simd> {
 
 const STRIDE: usize = 21;
 
-/// The blocks to the right of all segments. Masses at points leave `B` as it is.
+/// Off-diagonal blocks to the right of all segments. Masses added at points leave `B` unchanged.
 pub(super) struct Right<'a, S: Simd> {
-    /// `B`, by rows (9 a segment).
+    /// `B` by rows (9 per segment).
     pub(super) b: &'a [S::f64s],
-    /// Inverse masses of all nodes: `w` of a segment is that of the node behind it.
+    /// Inverse masses of all nodes: `w` of a segment is the value of the node behind it.
     pub(super) w: &'a [S::f64s],
 }
 
@@ -78,15 +79,15 @@ impl<S: Simd> Factor<S> {
         Self { data: zeros::<S>(STRIDE * n), n }
     }
 
-    /// Makes it fit `n` segments.
+    /// Resizes the storage to `n` segments.
     pub(super) fn fit(&mut self, n: usize) {
         fit::<S>(&mut self.data, STRIDE * n);
         self.n = n;
     }
 
-    /// Eliminates segment `e`, whose block already lacks what its predecessor takes away. Returns
-    /// what to take from the next block, the eliminated right-hand side, and the signature of the
-    /// pivots.
+    /// Eliminates segment `e`, whose block already lacks the contribution of its predecessor.
+    /// Returns the contribution to subtract from the next block, the eliminated right-hand side,
+    /// and the signature of the pivots.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -95,12 +96,15 @@ impl<S: Simd> Factor<S> {
         w: Lane<S>,
         b: M3<S>,
     ) -> (DiagonalBlock<S>, [V3<S>; 2], Lane<S>) {
+        // Eliminate the force (p = compliance^-1, v = p S), then the rotation (sigma = (A - S^T
+        // v)^-1).
         let (p, of_forces) = block.compliance.inverse();
         let v = p.times(block.lever);
         let (sigma, of_turns) =
             (block.stiffness - Sym::transposed_product(block.lever, v)).inverse();
         let turn = sigma.apply(block.torque - v.apply_transposed(block.load));
         let force = p.apply(block.load) - v.apply(turn);
+        // D^-1 = [[y, -x], [-x^T, sigma]] with x = v sigma and y = p + x v^T.
         let x = v.times(sigma.full());
         let y = p + Sym::product_transposed(x, v);
         let z = sigma.times(b);
@@ -139,7 +143,8 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves backward from the eliminated right-hand sides; both have 6 entries a segment.
+    /// Back substitution from the eliminated right-hand sides `rhs`; `rhs` and `x` have 6 entries
+    /// per segment.
     #[inline(always)]
     pub(super) fn back_substitute(
         &self,
@@ -157,8 +162,8 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves for `K` sets of loads on the constraint rows (3 a segment), without torques, in
-    /// segment `first` and those behind it. Segments before it must have no load.
+    /// Solves for `K` sets of loads on the constraint rows (3 per segment and set), without
+    /// torques, in segment `first` and those behind it. Segments before it must have no load.
     #[inline(always)]
     pub(super) fn solve<const K: usize>(
         &self,
@@ -169,6 +174,7 @@ impl<S: Simd> Factor<S> {
         x: &mut [S::f64s],
     ) {
         let zero = V3::splat(simd, 0.0);
+        // Forward elimination: x = D^-1 (load - carry).
         let mut carry = [[zero; 2]; K];
         for e in first..self.n {
             let row = self.row(simd, right, e);
@@ -181,6 +187,7 @@ impl<S: Simd> Factor<S> {
                 *carry = row.carry([force, turn]);
             }
         }
+        // Back substitution.
         let mut behind = [[zero; 2]; K];
         for e in (first..self.n).rev() {
             let row = self.row(simd, right, e);
@@ -193,9 +200,9 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// The force-force blocks of the inverse: diagonal (6 a segment) and, in the row of the
-    /// segment before, to its right (9). Diagonal blocks are kept symmetric: without that the
-    /// recursion loses its digits along the fibre.
+    /// Computes the force-force blocks of the inverse matrix: diagonal (6 per segment) and, in the
+    /// row of the segment before, to its right (9). Diagonal blocks are kept symmetric: without
+    /// that the recursion loses its digits along the fibre.
     #[inline(always)]
     pub(super) fn inverse_blocks(
         &self,
@@ -228,9 +235,9 @@ fn matrix<S: Simd>(simd: S, a: &[S::f64s]) -> M3<S> {
     M3([V3::load(simd, a, 0), V3::load(simd, a, 1), V3::load(simd, a, 2)])
 }
 
-/// The right-hand side of a last segment with loads that have no potential, which make its block
-/// unsymmetric: `follow` is added to the lever above the diagonal, `spin` is the skew part of its
-/// stiffness. The factors stay those of the symmetric block.
+/// Eliminated right-hand side of a last segment with loads that have no potential, which make its
+/// block unsymmetric: `follow` is added to the lever above the diagonal, `spin` is the skew part of
+/// its stiffness. The factors stay those of the symmetric block.
 #[inline(always)]
 pub(super) fn close<S: Simd>(block: DiagonalBlock<S>, follow: M3<S>, spin: M3<S>) -> [V3<S>; 2] {
     let (p, _) = block.compliance.inverse();
@@ -241,7 +248,7 @@ pub(super) fn close<S: Simd>(block: DiagonalBlock<S>, follow: M3<S>, spin: M3<S>
     [p.apply(block.load) - above.apply(turn), turn]
 }
 
-/// A symmetric 6 x 6 block by forces and turns.
+/// Symmetric 6 x 6 block, split into force (f) and turn (t) parts.
 struct Inverse<S: Simd> {
     ff: Sym<S>,
     ft: M3<S>,
@@ -258,7 +265,7 @@ impl<S: Simd> Inverse<S> {
     }
 }
 
-/// The factors of one segment.
+/// Factors of one segment and its off-diagonal block.
 struct Row<S: Simd> {
     inverse: Inverse<S>,
     b: M3<S>,
@@ -266,22 +273,22 @@ struct Row<S: Simd> {
 }
 
 impl<S: Simd> Row<S> {
-    /// The solution here, from the eliminated right-hand side and the solution of the segment
-    /// behind. Behind the last one there is nothing: its coupling multiplies zeros.
+    /// Solution of this segment, from its eliminated right-hand side and the solution of the
+    /// segment behind, which is zero behind the last one.
     #[inline(always)]
     fn substitute(&self, [force, turn]: [V3<S>; 2], behind: [V3<S>; 2]) -> [V3<S>; 2] {
         let pull = self.inverse.apply(behind[0].scale(self.w), self.b.apply(behind[1]));
         [force - pull[0], turn - pull[1]]
     }
 
-    /// What to take from the loads of the segment behind.
+    /// Contribution to subtract from the loads of the segment behind.
     #[inline(always)]
     fn carry(&self, [force, turn]: [V3<S>; 2]) -> [V3<S>; 2] {
         [force.scale(self.w), self.b.apply_transposed(turn)]
     }
 
-    /// The block of the whole inverse here, `D^-1 + D^-1 B Z B^T D^-1` with `z` that of the next
-    /// segment, and the force-force part of `D^-1 B Z`.
+    /// Diagonal block of the whole inverse, `D^-1 + D^-1 B Z B^T D^-1` with `z` the diagonal block
+    /// of the next segment, and the force-force part of `D^-1 B Z`.
     #[inline(always)]
     fn behind(&self, z: &Inverse<S>) -> (Inverse<S>, M3<S>) {
         let Inverse { ff, ft, tt } = &self.inverse;
@@ -304,11 +311,11 @@ impl<S: Simd> Row<S> {
     }
 }
 
-/// The inverse masses of the nodes and the factors that masses added at points make.
+/// Inverse masses of the nodes and factors, with masses added at points.
 pub(super) struct WeightedFactor<S: Simd> {
     pub(super) w: Array<S>,
     pub(super) factor: Factor<S>,
-    /// Whether they have been made anew since the step set out.
+    /// Whether they have been computed since the last step started.
     pub(super) used: bool,
 }
 

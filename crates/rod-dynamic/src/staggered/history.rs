@@ -1,4 +1,4 @@
-//! The motion of one class of vector coordinates of a pack: nodes, directors, or joints.
+//! Rates of one class of vector coordinates of a SIMD batch: nodes, directors, or joints.
 
 use super::array::{Array, set, store, zeros};
 use super::chain::RotationChain;
@@ -6,8 +6,8 @@ use super::scheme::{Rates, Scheme, Stage, StepProblem};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
 
-/// Rates of vector coordinates. What is always zero takes no room: accelerations of a method
-/// without memory of them, and all rates where nobody asks for any.
+/// Rates of vector coordinates (3 registers each). Arrays that would always be zero are empty:
+/// accelerations of a scheme without memory of them, and all rates of joints without damping.
 pub(super) struct KinematicHistory<S: Simd> {
     pub(super) v: Array<S>,
     pub(super) a: Array<S>,
@@ -30,8 +30,8 @@ impl<S: Simd> KinematicHistory<S> {
         }
     }
 
-    /// Takes over the displacement `u` of coordinate `i` in the lanes where `done > 0`. At the
-    /// start of a motion only the acceleration is taken.
+    /// Commits the displacement `u` of coordinate `i` in the lanes where `done > 0`. At the start
+    /// of a motion only the acceleration is taken.
     #[inline(always)]
     pub(super) fn commit(
         &mut self,
@@ -62,7 +62,7 @@ impl<S: Simd> KinematicHistory<S> {
         );
     }
 
-    /// Takes the accelerations of one lane away.
+    /// Sets the accelerations of one lane to zero.
     pub(super) fn forget(&mut self, lane: usize) {
         for array in [&mut self.a, &mut self.acceleration] {
             (0..array.len()).for_each(|i| set(array, i, lane, 0.0));

@@ -4,7 +4,7 @@ use super::array::store;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Quat, Sym, V3};
 
-/// Makes the directors of the rotations `q` those of the start of the step, in the lanes where
+/// Stores the directors of the rotations `q` as those at the start of the step, in the lanes where
 /// `wanted > 0`.
 #[inline(always)]
 pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wanted: Lane<S>) {
@@ -19,8 +19,8 @@ pub(super) fn keep_directors<S: Simd>(d_start: &mut [S::f64s], q: &[S::f64s], wa
 }
 
 /// `c = (1 - (a/2) cot(a/2)) / a^2` of `J^-1 = E + hat(phi)/2 + c hat(phi)^2`, for a rotation
-/// vector of the squared length `angle2` and what [`Quat::log`] gives beside it. Where the angle is
-/// small the error of the quotient is great, but only products of `c` with squares of the vector
+/// vector of squared length `angle2` and the second value `fw` of [`Quat::log`]. Where the angle is
+/// small the error of the quotient is large, but only products of `c` with squares of the vector
 /// are used.
 #[inline(always)]
 pub(super) fn slope_of_log<S: Simd>(angle2: Lane<S>, fw: Lane<S>) -> Lane<S> {
@@ -71,7 +71,7 @@ const LOG_SERIES: [f64; 6] = [
     691.0 / 1_307_674_368_000.0,
 ];
 
-/// `d1 x + d2 y + d3 z`.
+/// The vector `d1 x + d2 y + d3 z` with the components `v` in the frame `d`.
 #[inline(always)]
 pub(super) fn combine<S: Simd>(d: [V3<S>; 3], v: V3<S>) -> V3<S> {
     d[0].mul_add(v.0[0], d[1].mul_add(v.0[1], d[2].scale(v.0[2])))

@@ -1,9 +1,9 @@
-//! Laws of sections in place of the linear one.
+//! Section laws in place of the linear one.
 //!
-//! A law tells moments along one fibre at a time, so it is asked lane by lane, and its answers are
-//! kept as a quadratic model of each joint's potential about the turn at which it was asked. An
-//! affine law is asked once in a step, others at every trial. Lanes without laws have linear joints
-//! in the same form, with the same bits.
+//! A law computes the moments along one fibre at a time, so it is evaluated lane by lane, and its
+//! results are kept as a quadratic model of each joint's potential about the rotation at which it
+//! was evaluated. An affine law is evaluated once in a step, others in every Newton iteration.
+//! Lanes without laws have linear joints in the same form, with the same bits.
 
 use super::array::{Array, at, set, store, zeros};
 use super::ends::Ends;
@@ -18,39 +18,43 @@ use std::ops::Range;
 use std::slice::from_ref;
 use std::sync::Arc;
 
-/// The laws of a pack, what its joints remember, and the models of a step.
+/// Section laws of a SIMD batch, their memory, and the joint models of the step.
 pub(super) struct Laws<S: Simd> {
-    /// In each lane the joints in order, those with the same law together; none if they are linear.
+    /// Runs of neighbouring joints with the same law, in order, per lane; empty in linear lanes.
     runs: [Vec<Run>; LANES],
-    /// 1 in lanes with laws.
+    /// 1 in lanes with laws, else 0.
     has: S::f64s,
-    /// What the joints remember, run by run, and what they did before the step.
+    /// Memory vectors of the joints, run by run, per lane.
     memory: [Vec<Vector3<f64>>; LANES],
+    /// Memory vectors before the step, for [`Self::undo_all`].
     backup: [Vec<Vector3<f64>>; LANES],
-    /// Lengths of the joints.
+    /// Lengths of the joints, m (1 per joint).
     lengths: Array<S>,
-    /// The models: the turn at which a law was asked (3), moment (3), tangent (6) and potential
-    /// there.
+    /// Rotation vectors at which the laws were evaluated, rad (3 per joint).
     turn: Array<S>,
+    /// Moments of the laws at `turn`, N m (3 per joint).
     moment: Array<S>,
+    /// Tangent stiffness of the laws at `turn`, N m (6 per joint).
     tangent: Array<S>,
+    /// Potentials of the laws at `turn`, J (1 per joint).
     potential: Array<S>,
-    /// Lengths of the step.
+    /// Step size of each lane, s.
     dt: [f64; LANES],
-    /// Energies of the joints before and after a step, and what it dissipates (3), for the ledger.
+    /// Energies of the joints before and after a step, and the energy it dissipates, J (3 per
+    /// joint), for the ledger.
     books: Array<S>,
     strains: Vec<Vector3<f64>>,
     responses: Vec<SectionResponse>,
 }
 
-/// Neighboring joints with the same law, and where their memories are.
+/// Neighbouring joints with the same law, and the range of their memory vectors.
 struct Run {
     joints: Range<usize>,
     memory: Range<usize>,
     law: Arc<dyn SectionLaw>,
 }
 
-/// Turns of the joints, those at rest, and the ends.
+/// Rotation vectors of the joints, their natural values, and the boundary conditions.
 #[derive(Clone, Copy)]
 pub(super) struct Turns<'a, S: Simd> {
     pub(super) phi: &'a [S::f64s],
@@ -59,7 +63,7 @@ pub(super) struct Turns<'a, S: Simd> {
 }
 
 impl<S: Simd> Turns<'_, S> {
-    /// Whether joint `j` of `0..=n` is there.
+    /// Whether joint `j` of `0..=n` exists in a lane: a joint at an end only where it is clamped.
     fn is_joined(&self, j: usize, n: usize, lane: usize) -> bool {
         match j {
             0 => at(from_ref(&self.ends.root_joint), 0, lane) > 0.0,
@@ -68,7 +72,7 @@ impl<S: Simd> Turns<'_, S> {
         }
     }
 
-    /// The strains of joints of one lane; none in an end that is not clamped.
+    /// Computes the strains (1/m) of joints of one lane; zero at an end that is not clamped.
     fn strains(
         &self,
         lane: usize,
@@ -94,7 +98,7 @@ fn numbers<S: Simd>(array: &[S::f64s]) -> &[f64] {
     bytemuck::cast_slice(array)
 }
 
-/// The runs of a rod's joints.
+/// Groups the joints of a rod into runs with the same law.
 fn runs(rod: &Rod) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for j in 0..=rod.fiber.segments() {
@@ -113,7 +117,7 @@ fn runs(rod: &Rod) -> Vec<Run> {
 }
 
 impl<S: Simd> Laws<S> {
-    /// The laws of rods of `n` segments, if any has one.
+    /// Laws of rods of `n` segments, `None` if all are linear.
     pub(super) fn new(n: usize, rods: &[Rod]) -> Option<Box<Self>> {
         if rods.iter().all(|rod| rod.laws == SectionLaws::Linear) {
             return None;
@@ -150,18 +154,18 @@ impl<S: Simd> Laws<S> {
         }))
     }
 
-    /// Other laws with as many memories for the joints of one lane.
+    /// Replaces the laws of one lane by those of `rod`, which must have as many memory vectors.
     pub(super) fn replace(&mut self, lane: usize, rod: &Rod) {
         self.runs[lane] = runs(rod);
     }
 
-    /// Flags of the lanes with laws.
+    /// 1 in lanes with laws, else 0.
     #[inline(always)]
     pub(super) fn has(&self, simd: S) -> Lane<S> {
         Lane::new(simd, self.has)
     }
 
-    /// Sets the models of joint `j` in lanes without laws: stiffness and turn at rest.
+    /// Sets the models of joint `j` in lanes without laws, from its stiffness and natural rotation.
     #[inline(always)]
     pub(super) fn set_linear(&mut self, simd: S, j: usize, stiffness: V3<S>, rest: V3<S>) {
         let has = self.has(simd);
@@ -176,7 +180,8 @@ impl<S: Simd> Laws<S> {
         put(&mut self.tangent, 2 * j + 1, V3([zero; 3]));
     }
 
-    /// Moment, energy and stiffness of joint `j` at the turn `phi`, by its model.
+    /// Moment, energy and tangent stiffness of joint `j` at the rotation vector `phi`, by its
+    /// model.
     #[inline(always)]
     pub(super) fn model(&self, simd: S, j: usize, phi: V3<S>) -> (V3<S>, Lane<S>, M3<S>) {
         let strain = phi - V3::load(simd, &self.turn, j);
@@ -188,13 +193,13 @@ impl<S: Simd> Laws<S> {
         (added + moment, energy + Lane::new(simd, self.potential[j]), tangent.full())
     }
 
-    /// Asks all laws at the given turns, for a step of length `dt[lane]`.
+    /// Evaluates all laws at the given rotations, for a step of `dt[lane]` seconds.
     pub(super) fn begin(&mut self, dt: &[f64; LANES], turns: Turns<'_, S>) {
         self.dt = *dt;
         self.ask(turns, |_| true);
     }
 
-    /// Asks the laws that are not affine once more.
+    /// Evaluates the laws that are not affine again.
     pub(super) fn renew(&mut self, turns: Turns<'_, S>) {
         self.ask(turns, |law| !law.is_affine());
     }
@@ -237,14 +242,15 @@ impl<S: Simd> Laws<S> {
         }
     }
 
-    /// Takes the step to the given turns in the lanes that are `done`.
+    /// Commits a step to the given rotations in the lanes that are `done`.
     pub(super) fn commit(&mut self, done: &[bool; LANES], turns: Turns<'_, S>) {
         for lane in (0..S::F64_LANES).filter(|&lane| done[lane]) {
             self.commit_lane(lane, self.dt[lane], turns);
         }
     }
 
-    /// Lets one lane set out from the natural state, and at once to the given turns.
+    /// Resets the memory of one lane to the natural state, then strains it at once to the given
+    /// rotations.
     pub(super) fn strain_at_once(&mut self, lane: usize, turns: Turns<'_, S>) {
         self.memory[lane].fill(Vector3::zeros());
         self.commit_lane(lane, 0.0, turns);
@@ -257,7 +263,7 @@ impl<S: Simd> Laws<S> {
         }
     }
 
-    /// The energy that joint `j` of one lane stores, J, if it has a law.
+    /// Elastic energy of joint `j` of one lane, J; `None` if it has no law.
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> Option<f64> {
         let run = self.runs[lane].iter().find(|run| run.joints.contains(&j))?;
         let length = at(&self.lengths, j, lane);
@@ -267,7 +273,8 @@ impl<S: Simd> Laws<S> {
         Some(length * run.law.stored_energy(memory, &(strain / length)))
     }
 
-    /// Notes for [`Self::booked`] what the step from some turns to others stores and dissipates.
+    /// Computes, for [`Self::booked`], the energies stored before and after the step and the energy
+    /// that it dissipates.
     pub(super) fn book(&mut self, before: Turns<'_, S>, after: Turns<'_, S>) {
         let n = self.lengths.len() - 1;
         let mut strains = Vec::new();
@@ -294,23 +301,24 @@ impl<S: Simd> Laws<S> {
         }
     }
 
-    /// Energy of joint `j` before and after the step that was booked, and what it dissipates.
+    /// Energies of joint `j` before and after the step passed to [`Self::book`], and the energy
+    /// that the step dissipates, J.
     #[inline(always)]
     pub(super) fn booked(&self, simd: S, j: usize) -> [Lane<S>; 3] {
         V3::load(simd, &self.books, j).0
     }
 
-    /// How many numbers one lane remembers.
+    /// Number of scalars in the memory of one lane.
     pub(super) fn numbers(&self, lane: usize) -> usize {
         3 * self.memory[lane].len()
     }
 
-    /// Appends what one lane remembers.
+    /// Appends the memory of one lane.
     pub(super) fn save(&self, lane: usize, numbers: &mut Vec<f64>) {
         numbers.extend(self.memory[lane].iter().flatten());
     }
 
-    /// Takes back from the front of `numbers` what one lane remembers, and returns the rest.
+    /// Restores the memory of one lane from the front of `numbers`, and returns the rest.
     pub(super) fn restore<'a>(&mut self, lane: usize, numbers: &'a [f64]) -> &'a [f64] {
         let (head, tail) = numbers.split_at(self.numbers(lane));
         for (vector, x) in self.memory[lane].iter_mut().zip(head.chunks_exact(3)) {
@@ -319,12 +327,12 @@ impl<S: Simd> Laws<S> {
         tail
     }
 
-    /// Keeps what all lanes remember, for [`Self::undo_all`].
+    /// Saves the memory of all lanes, for [`Self::undo_all`].
     pub(super) fn remember(&mut self) {
         self.backup.clone_from(&self.memory);
     }
 
-    /// Goes back to what was kept.
+    /// Restores the memory saved by [`Self::remember`].
     pub(super) fn undo_all(&mut self) {
         self.memory.clone_from(&self.backup);
     }

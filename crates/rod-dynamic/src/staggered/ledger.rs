@@ -1,23 +1,24 @@
-//! What the energy of a step becomes, by the step's own equations.
+//! Energy ledger of a step, from the equations that the step has solved.
 //!
-//! A node obeys `m A = n_(a+1) - n_a + F + R` at the end of the step, `A` its acceleration there,
-//! `F` what loads it and `R` the reaction of a support; a segment obeys
+//! A node obeys `m A = n_(a+1) - n_a + F + R` at the end of the step, with its acceleration `A`,
+//! loads `F` and the reaction `R` of a support; a segment obeys
 //! `sum I d_k x A_k = h d3 x n + M_(j=e) - M_(j=e-1)`. The first is multiplied with the
 //! displacement `u`, the second with a vector `c` that turns the segment's directors over the step
-//! but for terms of higher order,
-//! `c = sum d_k x d_k' / 2`, and all are added. Nodes being where the
-//! segments put them, forces leave only `h n (d d3 - c x d3)` of each segment: the chord for the
-//! tangent. The same is left of the
-//! inertia of directors, and of a joint `M (c_(j+1) - c_j)` against `m dphi`.
+//! up to terms of higher order, `c = sum d_k x d_k' / 2`, and all products are added. Since nodes
+//! are where the segments put them, forces leave only `h n (d d3 - c x d3)` of each segment, the
+//! difference of chord and tangent. The inertia of directors leaves the same difference, and a
+//! joint leaves `M (c_(j+1) - c_j)` against `m dphi`.
 //!
-//! With `m` the joint's moment at the end, elastic energy grows by `m_elastic dphi - dphi K
-//! dphi/2`. Kinetic energy grows by `(v' - v) (v' + v) / 2` for each unit of mass; of an impulse `P
-//! = m p` and the inertia `A` along `u = w dt` that leaves `(A dt + p - (v' - v)) w + (v' - v) (w -
-//! (v' + v)/2)`, which for backward Euler is `(v' - v)^2 / 2`. All that is left is the
-//! integrator's, with what works of forces at the end have over those at the mean. Nodes are in
-//! balance to rounding; where Newton's method left a torque on a segment, its product with `c` is
-//! the solver's. A joint with a law stores and dissipates what the law says; its moment before the
-//! step counts as that after it.
+//! With `m` the joint's moment at the end, elastic energy grows by
+//! `m_elastic dphi - dphi K dphi / 2`. Kinetic energy grows by `(v' - v) (v' + v) / 2` for each
+//! unit
+//! of mass; of an impulse `P = m p` and the inertia `A` along `u = w dt` that leaves
+//! `(A dt + p - (v' - v)) w + (v' - v) (w - (v' + v)/2)`, which for backward Euler is
+//! `(v' - v)^2 / 2`. All these differences are booked as the integrator's, with the difference
+//! between the work of forces at the end and at the mean. Nodes are in balance to rounding; where
+//! Newton's method left a torque on a segment, its product with `c` is booked as the solver's. A
+//! joint with a law stores and dissipates what the law says; its moment after the step also stands
+//! for the one before it.
 
 use super::array::{at, get, set};
 use super::chain::RotationChain;
@@ -30,7 +31,7 @@ use crate::{End, Instant, Ledger};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane, V3};
 
-/// A [`Ledger`] for each lane.
+/// Energy ledger of a step, one per lane.
 #[derive(Clone, Copy)]
 struct LedgerLanes<S: Simd> {
     kinetic: Lane<S>,
@@ -45,28 +46,31 @@ struct LedgerLanes<S: Simd> {
     solver: Lane<S>,
 }
 
-/// How a coordinate of mass 1 moves in a step.
+/// Motion over a step of a coordinate with mass 1.
 struct CoordinateMotion<S: Simd> {
-    /// Velocity at the end, mean velocity, acceleration at the end.
+    /// Velocity at the end of the step.
     end: V3<S>,
+    /// Mean velocity over the step.
     mean: V3<S>,
+    /// Acceleration at the end of the step.
     acceleration: V3<S>,
-    /// Kinetic energy gained, and work that is lost on the way to it.
+    /// Kinetic energy gained.
     gain: Lane<S>,
+    /// Work of inertia and impulse that does not become kinetic energy.
     loss: Lane<S>,
 }
 
-/// A joint as the step sees it.
+/// Moments and energies of a joint in a step.
 struct Bend<S: Simd> {
-    /// Moments on the segment before, world components, before and after the step.
+    /// Moments on the segment before the joint, N m, world, before and after the step.
     moments: [V3<S>; 2],
-    /// Elastic energies before and after the step.
+    /// Elastic energies before and after the step, J.
     stored: [Lane<S>; 2],
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Notes in one lane how the ends are when a step sets out, at which time they are led as `now`
-    /// says. Reactions that are not `known` count as those after the step.
+    /// Records the state of the ends of one lane at the start of a step, under the conditions `now`
+    /// of that time. Unless the reactions are `known`, those after the step also stand for them.
     pub(super) fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
         let n = self.chain.n;
         let joined = self.chain.ends.joined(lane);
@@ -89,7 +93,7 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In
-    /// lanes that are `done` what follows sets out from its end.
+    /// lanes that are `done` the next step starts from its end.
     pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
         struct Account<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
@@ -105,7 +109,7 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Account(self, dt, done))
     }
 
-    /// Asks the laws what the step stores and dissipates.
+    /// Evaluates the energies that the section laws store and dissipate in the step.
     fn book_laws(&mut self) {
         let RotationChain { model, laws, room, ends, .. } = &mut self.chain;
         let before = Turns { phi: &self.phi, rest: &model.rest, ends };
@@ -117,9 +121,11 @@ impl<S: Simd> SimdBatch<S> {
     fn lines(&mut self, stage: &Stage<S>, done: &[bool; LANES]) -> LedgerLanes<S> {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let mut lines = LedgerLanes::zero(simd);
+        // Nodes: inertia, contacts, drag, gravity, loads and supports.
         for a in 0..=n {
             self.book_node(stage, a, &mut lines);
         }
+        // Rotations of the clamps at both ends over the step.
         let ends = self.chain.ends;
         let frame = |frame: &[S::f64s; 4]| self.chain.quat(frame).directors();
         let clamps = [&ends.root_frame, &ends.tip_frame].map(frame);
@@ -128,6 +134,8 @@ impl<S: Simd> SimdBatch<S> {
         let mut stored = [lines.kinetic; 2];
         let zero = V3::splat(simd, 0.0);
         let (mut before, mut torque, mut left) = (turns[0], zero, zero);
+        // Segments and joints from root to tip; `torque` is the torque on the segment before joint
+        // j.
         for j in 0..=n {
             let [after, inner] =
                 if j < n { self.book_segment(stage, j, &mut lines) } else { [turns[1], zero] };
@@ -139,6 +147,7 @@ impl<S: Simd> SimdBatch<S> {
             let bend = self.book_joint(stage, j, after - before, frames, &mut lines);
             let right = bend.moments[1];
             let mut outer = zero;
+            // Moments and clamps of the two ends.
             if j == 0 {
                 outer = self.chain.world(ends.root_moment, frames[1]);
                 lines.loads = lines.loads + outer.dot(after);
@@ -153,6 +162,7 @@ impl<S: Simd> SimdBatch<S> {
                 // The segment before the joint is complete with it.
                 lines.solver = lines.solver - (torque + right - left).dot(before);
             }
+            // Energy of an end joint that a change of conditions has clamped or released.
             if j == 0 || j == n {
                 let k = usize::from(j == n);
                 let made = bend.stored[0] - Lane::new(simd, self.outset.stored[k]);
@@ -166,7 +176,8 @@ impl<S: Simd> SimdBatch<S> {
         lines
     }
 
-    /// Lets what follows set out from the end of the step.
+    /// Records the state of the ends after the step as the start of the next one, in the lanes that
+    /// are `done`.
     #[inline(always)]
     fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; LANES]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
@@ -188,7 +199,7 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Books the work of reactions before and after the step along a way.
+    /// Books the work of the reactions before and after the step along the displacement `way`.
     #[inline(always)]
     fn support(&self, reactions: [V3<S>; 2], way: V3<S>, lines: &mut LedgerLanes<S>) {
         let share = Lane::new(self.chain.simd, self.outset.share);
@@ -206,11 +217,14 @@ impl<S: Simd> SimdBatch<S> {
         let mass = Lane::new(simd, self.chain.model.mass[a]);
         let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
         let rates = self.nodes.rates(chain, a);
+        // Inertia and impulses.
         let jump = self.jump(a);
         let motion = self.motion(stage, rates, jump, way);
         lines.kinetic = mass.mul_add(motion.gain, lines.kinetic);
         lines.integrator = mass.negate_mul_add(motion.loss, lines.integrator);
         lines.contacts = lines.contacts + chain.vec_or_zero(&self.impulses, a).dot(motion.mean);
+        // Drag at the mean velocity; its difference to the drag in the equations is the
+        // integrator's.
         let (length, tangent) = self.reach(&chain.room.d_start, a);
         let (_, tangent_after) = self.reach(&chain.room.d, a);
         let middle = (tangent + tangent_after).scale(length.lift(0.5));
@@ -222,10 +236,12 @@ impl<S: Simd> SimdBatch<S> {
         let mean_drag = air(motion.mean, motion.mean, middle);
         lines.drag = lines.drag + mean_drag.dot(way);
         lines.integrator = lines.integrator + (drag - mean_drag).dot(way);
+        // Gravity and other loads.
         let weight = gravity.scale(mass);
         lines.gravity = lines.gravity + weight.dot(way);
         let loads = distributed.scale(length) + chain.vec_or_zero(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
+        // Ends: `before` is inertia less loads at the start of the step.
         if a == 0 || a == n {
             let forces = weight + loads + air(rates.v, rates.v, tangent);
             let before = rates.acceleration.scale(mass) - forces;
@@ -233,8 +249,8 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Books what loads and holds the end at node `a`, which lacks the force `before` at the start
-    /// of the step beside that of its segment.
+    /// Books loads and reactions of the end at node `a`. `before` is the reaction at the start of
+    /// the step without the force of the adjoining segment.
     #[inline(always)]
     fn book_end(
         &self,
@@ -264,8 +280,9 @@ impl<S: Simd> SimdBatch<S> {
         lines.supports = lines.supports - absorbed;
     }
 
-    /// Books the inertia of directors and the chord of the tangent. Returns the segment's turn, and
-    /// the torque on it but for that of its joints.
+    /// Books the inertia of the directors of segment `e` and the difference of its chord and
+    /// tangent. Returns the segment's rotation over the step, and the torque on it without its
+    /// joints.
     #[inline(always)]
     fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut LedgerLanes<S>) -> [V3<S>; 2] {
         let (simd, chain) = (self.chain.simd, &self.chain);
@@ -289,8 +306,8 @@ impl<S: Simd> SimdBatch<S> {
         [turn, torque]
     }
 
-    /// Books a joint whose segments turn by `apart` from each other; `frames` are those of the one
-    /// behind, before and after the step.
+    /// Books joint `j`, whose segments rotate by `apart` relative to each other; `frames` are the
+    /// directors of the segment behind it, before and after the step.
     #[inline(always)]
     fn book_joint(
         &self,
@@ -301,12 +318,14 @@ impl<S: Simd> SimdBatch<S> {
         lines: &mut LedgerLanes<S>,
     ) -> Bend<S> {
         let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
+        // Stiffness, zero at an end that is not clamped.
         let mut stiffness = chain.vec(&self.chain.model.stiffness, j);
         if j == 0 {
             stiffness = stiffness.scale(Lane::new(simd, chain.ends.root_joint));
         } else if j == n {
             stiffness = stiffness.scale(Lane::new(simd, chain.ends.tip_joint));
         }
+        // Elastic energy gained: (K dphi) (strain + strain_before) / 2.
         let half = Lane::splat(simd, 0.5);
         let (phi, phi_before) = (chain.vec(&chain.room.phi, j), chain.vec(&self.phi, j));
         let bend = phi - phi_before;
@@ -322,6 +341,7 @@ impl<S: Simd> SimdBatch<S> {
         let lost = -(damping * resisted.dot(rate));
         let mut mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
         let mut m = stiffness.times(rate.mul_add(damping, strain));
+        // Potentials before and after the step; section laws replace energies and moments.
         let energy = |strain: V3<S>| half * stiffness.times(strain).dot(strain);
         let mut stored = [energy(strain_before), energy(strain)];
         let has = chain.laws.as_ref().map(|laws| laws.has(simd));
@@ -335,6 +355,7 @@ impl<S: Simd> SimdBatch<S> {
         }
         lines.elastic = lines.elastic + gain;
         lines.damping = lines.damping + mean_lost;
+        // Moment of the joint in the world, and the work that is the integrator's.
         let (_, fw) = chain.joint_turn(j);
         let slope = slope_of_log(phi.dot(phi), fw);
         let at_end = moment(phi, m, slope, frames[1]);

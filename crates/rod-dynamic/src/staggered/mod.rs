@@ -8,11 +8,12 @@
 //! cheaper, and with a potential energy to minimise in each step, which makes it robust; its time
 //! error is larger. It is the default for assemblies.
 //!
-//! Batches hold what their motion has, share what fibres are made of where these are alike, and
-//! lend each other what a solve needs beside it: a thread has room for one.
+//! A batch stores only the state of its fibres; batches of equal fibres share one model, and each
+//! thread has one workspace for solves, which the batches borrow in turn.
 //!
 //! [`StaggeredBatch`] moves up to eight fibres in SIMD lanes; [`Staggered`] is a batch of one
-//! behind [`crate::RodIntegrator`]. A fibre moves bit for bit alike in any company.
+//! behind [`crate::RodIntegrator`]. The motion of a fibre does not depend on the others in its
+//! batch, bit for bit.
 
 mod array;
 mod batch;

@@ -1,6 +1,5 @@
-//! What a pack of fibres is made of.
-//!
-//! Most hair of a bundle is alike: packs that are made one after another and are alike share it.
+//! Constant properties of a SIMD batch of fibres. Most hair of a bundle is alike: batches that are
+//! built one after another from equal fibres share them.
 
 use super::array::{Array, at, set, zeros};
 use crate::Rod;
@@ -11,21 +10,22 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::sync::{Arc, Weak};
 
-/// Numbers of up to eight fibres with equally many segments that their motion does not change.
+/// Constant properties of up to eight fibres with equally many segments, one fibre per lane.
 pub(super) struct BatchModel<S: Simd> {
-    /// Segment lengths.
+    /// Segment lengths, m (1 per segment).
     pub(super) h: Array<S>,
-    /// Masses of the nodes.
+    /// Lumped masses of the nodes, kg (1 per node).
     pub(super) mass: Array<S>,
-    /// Inertias of d1 and d2 of each segment (2).
+    /// Inertias of the directors d1 and d2, kg m^2 (2 per segment).
     pub(super) inertia: Array<S>,
-    /// Stiffness of the joints over their lengths, and their natural rotation vectors (3).
+    /// Stiffness of the joints divided by their lengths, N m (3 per joint).
     pub(super) stiffness: Array<S>,
+    /// Natural rotation vectors of the joints, rad (3 per joint).
     pub(super) rest: Array<S>,
 }
 
 impl<S: Simd> BatchModel<S> {
-    /// Of at least one rod; spare lanes repeat the last one. Masses are lumped.
+    /// Model of at least one rod; spare lanes repeat the last one. Masses are lumped.
     pub(super) fn of(rods: &[Rod]) -> Arc<Self> {
         let n = rods[0].fiber.segments();
         let mut model = Self {
@@ -64,7 +64,7 @@ impl<S: Simd> BatchModel<S> {
         }
     }
 
-    /// The last one of this thread in its place if that is the same, bit for bit.
+    /// The last model built on this thread if it equals this one bit for bit, else this one.
     fn shared(self) -> Arc<Self> {
         LAST.with_borrow_mut(|last| {
             let known = last.upgrade().and_then(|known| known.downcast::<Self>().ok());
@@ -84,6 +84,6 @@ impl<S: Simd> BatchModel<S> {
 }
 
 thread_local! {
-    /// What the last pack of this thread was made of.
+    /// The last model built on this thread, while any batch uses it.
     static LAST: RefCell<Weak<dyn Any + Send + Sync>> = RefCell::new(Weak::<()>::new());
 }

@@ -1,14 +1,15 @@
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
-/// The ends when the step set out: first the root, then the tip.
+/// State of the two ends at the start of a step, for the ledger; index 0 is the root, 1 the tip.
 pub(super) struct Outset<S: Simd> {
     pub(super) frames: [[S::f64s; 4]; 2],
-    /// Forces in the segments beside them.
+    /// Forces in the first and the last segment, N, world.
     pub(super) forces: [[S::f64s; 3]; 2],
-    /// Elastic energies of their joints, zero where there is none.
+    /// Elastic energies of the joints at the two ends, J, zero where there is none.
     pub(super) stored: [S::f64s; 2],
-    /// The share of the reactions after the step in their mean; the rest is that of those before.
+    /// Weight of the reactions after the step in their mean over the step; the reactions before it
+    /// have the rest.
     pub(super) share: S::f64s,
 }
 

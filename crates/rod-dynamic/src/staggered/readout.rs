@@ -1,4 +1,4 @@
-//! Reading one lane of a pack, and setting it.
+//! Reading and setting the state of one lane.
 
 use super::array::{at, set};
 use super::simd_batch::SimdBatch;
@@ -65,8 +65,8 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     /// Starts one lane from `state`, whose arrays fit. Positions follow from the frames, and the
-    /// strains of the joints at the ends from the curvatures there: that of an end that is not
-    /// clamped is natural, which makes the strain vanish.
+    /// strains of the joints at the ends from the curvatures there; at an end that is not clamped
+    /// the curvature is the natural one, and the strain vanishes.
     pub(super) fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
         let n = self.chain.n;
         for array in self.arrays_mut() {
@@ -120,7 +120,8 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Momentum of one lane: the spin of a section is that of its directors, which have the mass.
+    /// Momentum of one lane; the spin of a section is that of its directors, which carry its
+    /// inertia.
     pub(super) fn momentum(&self, lane: usize) -> Momentum {
         let n = self.chain.n;
         let mut sum = Momentum::default();
@@ -140,8 +141,8 @@ impl<S: Simd> SimdBatch<S> {
         sum
     }
 
-    /// The energy that joint `j` of one lane stores where it is turned by `strain` from its rest,
-    /// J.
+    /// Elastic energy of joint `j` of one lane, J, where its rotation vector differs by `strain`
+    /// (rad) from the natural one.
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> f64 {
         let by_law = self.chain.laws.as_ref().and_then(|laws| laws.stored(lane, j, strain));
         by_law.unwrap_or_else(|| {

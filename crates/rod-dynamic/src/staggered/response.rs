@@ -1,9 +1,9 @@
-//! How the rod answers impulses, with the matrix that the last solve has factorised.
+//! Response of the rods to impulses, with the matrix that the last solve has factorised.
 //!
 //! An impulse is a jump of a node's velocity at the start of the step. It moves the end of the
 //! step by `dt P / m` if nothing else acts, so it enters the node's balance as the force
-//! `c1 dt P`, and the answer is the change of the mean velocity, displacement over `dt`. Both maps
-//! are the same up to transposition, so the response is symmetric.
+//! `c1 dt P`, and the response is the change of the mean velocity, displacement over `dt`. Both
+//! maps are the same up to transposition, so the response is symmetric.
 
 use super::array::{Array, at, set, store, zeros};
 use super::chain::RotationChain;
@@ -16,16 +16,16 @@ use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 
-/// Which inertia answers an impulse.
+/// Inertia with which the rods respond to an impulse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Inertia {
-    /// That of the rods.
+    /// Inertia of the rods alone.
     Own,
-    /// The same with the masses that were added.
+    /// Inertia of the rods with the masses that were added at points.
     Weighted,
 }
 
-/// What is asked of the factorised step.
+/// Query to the factorised step.
 enum Question<'a, S: Simd> {
     Respond(Inertia, usize),
     RespondThrice(usize, &'a mut ImpulseColumns<S>),
@@ -33,8 +33,8 @@ enum Question<'a, S: Simd> {
     Weigh(&'a [Point], &'a [f64]),
 }
 
-/// Three sets of impulses on all nodes, to be replaced by mean velocities: `3 a + k` is the vector
-/// of node `a` in set `k`.
+/// Three sets of impulses on all nodes, which are replaced by mean velocities: `3 a + k` is the
+/// vector of node `a` in set `k`.
 pub(super) struct ImpulseColumns<S: Simd> {
     pub(super) values: Array<S>,
     loads: Array<S>,
@@ -48,9 +48,9 @@ impl<S: Simd> ImpulseColumns<S> {
     }
 }
 
-/// Replaces `K` sets of impulses by the mean velocities that they cause, from node `from` on, with
-/// the inverse masses and the factors of their inertia. The columns are the values, and room for
-/// loads and solutions.
+/// Replaces `K` sets of impulses by the mean velocities that they cause, from node `from` on.
+/// `factor` and the inverse masses in `right` define the inertia; the columns are the values, and
+/// scratch memory for loads and solutions.
 #[inline(always)]
 fn answer<S: Simd, const K: usize>(
     stage: &Stage<S>,
@@ -63,6 +63,7 @@ fn answer<S: Simd, const K: usize>(
     let n = w.len() - 1;
     let gain = stage.c1 * stage.dt;
     let first = from.saturating_sub(1);
+    // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before.
     for e in first..n {
         let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
         for i in K * e..K * (e + 1) {
@@ -71,6 +72,7 @@ fn answer<S: Simd, const K: usize>(
         }
     }
     factor.solve::<K>(simd, right, first, loads, solution);
+    // Mean velocity of node a: (w_a / dt) (c1 dt P_a + dn_a - dn_(a-1)), dn_a the force behind it.
     let rate = stage.dt.recip();
     for a in from..=n {
         for i in K * a..K * (a + 1) {
@@ -87,23 +89,25 @@ fn answer<S: Simd, const K: usize>(
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Replaces the impulses in the workspace by mean velocities, of node `from` and those behind
-    /// it. No node before it may have an impulse; what is theirs in the workspace is left alone.
+    /// Replaces the impulses (N s) in the workspace by mean velocities (m/s), of node `from` and
+    /// those behind it. No node before it may have an impulse; entries of those nodes are
+    /// unchanged.
     pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
         self.ask(Question::Respond(inertia, from));
     }
 
-    /// The same for three sets of impulses at once, in columns of their own.
+    /// Replaces three sets of impulses (N s) in `columns` by mean velocities (m/s), from node
+    /// `from` on, in one solve.
     pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {
         self.ask(Question::RespondThrice(from, columns));
     }
 
-    /// Computes the diagonal blocks of all nodes.
+    /// Computes the diagonal response blocks of all nodes (1/kg) in the workspace.
     pub(super) fn response_blocks(&mut self) {
         self.ask(Question::Blocks);
     }
 
-    /// Factorises again with masses added at points.
+    /// Factorises again with masses (kg) added at points.
     pub(super) fn weigh(&mut self, points: &[Point], masses: &[f64]) {
         self.ask(Question::Weigh(points, masses));
     }
@@ -155,6 +159,8 @@ impl<S: Simd> SimdBatch<S> {
         kept.factor.inverse_blocks(simd, &right, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
         for a in 0..=n {
+            // Block of node a: c1 w (E + w Z), Z from the inverse's blocks of the segments beside
+            // it.
             let w = Lane::new(simd, kept.w[a]);
             let mut inner = Sym::diagonal(w.lift(0.0));
             if a > 0 {
@@ -176,8 +182,9 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// A mass at a point of a rigid segment is a mass on each of its nodes, and takes away
-    /// `m f (1 - f) h^2` of the inertia of the segment's d3.
+    /// Factorises with masses added at points: a mass `m` at the fraction `f` of a rigid segment is
+    /// `m (1 - f)` and `m f` on its nodes, and takes away `m f (1 - f) h^2` of the inertia of its
+    /// d3.
     #[inline(always)]
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
@@ -185,6 +192,7 @@ impl<S: Simd> SimdBatch<S> {
         let RotationChain { model, kept, room, .. } = &mut self.chain;
         let weighted = self.weighted.get_or_insert_with(|| WeightedFactor::new(n));
         weighted.used = true;
+        // Masses of the nodes and inertias of d3 that the points add.
         room.mass.fill(S::f64s::zeroed());
         room.inertia.fill(S::f64s::zeroed());
         for (point, m) in points.iter().zip(masses) {
@@ -198,11 +206,13 @@ impl<S: Simd> SimdBatch<S> {
             add(&mut room.mass, e + 1, m * f);
             add(&mut room.inertia, e, -m * f * (1.0 - f) * h * h);
         }
+        // Inverse mass coefficients with the added masses.
         for a in 0..=n {
             let free = Lane::new(simd, kept.w[a]);
             let mu = stage.c1.mul_add(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
             weighted.w[a] = free.positive().select(mu.recip(), free).value;
         }
+        // Elimination of all segments, with the Hessians and couplings of the last assembly.
         let mut carry = DiagonalBlock::zero(simd);
         let zero = V3::splat(simd, 0.0);
         for e in 0..n {

@@ -24,20 +24,21 @@ pub(super) struct Scheme {
     memory: f64,
 }
 
-/// What is solved for.
+/// Kind of problem that is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepProblem {
     /// The acceleration at the start of a motion.
     Start,
-    /// A step, from where the motion leads.
+    /// A time step, with Newton's method started from the predicted motion.
     Step,
-    /// The same step once more, from where the last solve ended.
+    /// A time step solved once more, with Newton's method started from the last solve.
     Again,
     /// Equilibrium: inertia only keeps Newton's matrix from being singular.
     Rest,
 }
 
-/// The method with the step's length put in, one step length in each lane.
+/// Coefficients of the method for one step size per lane: velocity `cv u + vc` and acceleration `c1
+/// (u - du)` at the end of the step.
 #[derive(Clone, Copy)]
 pub(super) struct Stage<S: Simd> {
     pub(super) c1: Lane<S>,
@@ -46,7 +47,8 @@ pub(super) struct Stage<S: Simd> {
     pub(super) problem: StepProblem,
 }
 
-/// Velocity, the method's own acceleration-like variable, and the true acceleration.
+/// Velocity, the method's own acceleration-like variable, and the true acceleration of a
+/// coordinate.
 #[derive(Clone, Copy)]
 pub(super) struct Rates<S: Simd> {
     pub(super) v: V3<S>,
@@ -87,7 +89,8 @@ impl Scheme {
         }
     }
 
-    /// `(du, vc)`.
+    /// Predicted displacement `du` and velocity offset `vc` of a step that starts with the rates
+    /// `h`.
     #[inline(always)]
     pub(super) fn predict<S: Simd>(self, s: &Stage<S>, h: Rates<S>) -> (V3<S>, V3<S>) {
         let dt2 = s.dt * s.dt;
@@ -101,7 +104,8 @@ impl Scheme {
         (du, vc)
     }
 
-    /// The rates at the end of the step.
+    /// Rates at the end of a step that starts with the rates `h` and ends with velocity `v` and the
+    /// true acceleration `acceleration`.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(
         self,

@@ -8,27 +8,27 @@ pub(super) const MAX_ITERATIONS: usize = 40;
 /// Increments above this, rad, must lower the potential energy of the step. Smaller ones are not
 /// tested: near the solution the test sees rounding only.
 const MERIT_THRESHOLD: f64 = 0.03;
-/// A direction is shortened until its largest increment is this, rad.
+/// Largest rotation increment, rad: longer directions are scaled down to it.
 const LARGEST_TURN: f64 = 3.0;
-/// The error that may be left after the last increment, rad.
+/// Error allowed after the last increment, rad.
 const TOLERANCE: f64 = 1e-13;
 /// Increments below this, rad, that hardly fall any more are rounding: some rods have modes that
 /// cost nearly no energy, and the increments along them are noise.
 const NOISE: f64 = 1e-5;
-/// How much of the definite part is tried in turn where the Hessian is indefinite: as little as
-/// leads downhill, since with all of it saddles are left only slowly.
+/// Weights of the definite part that are tried in turn where the Hessian is indefinite: as little
+/// as leads downhill, since with all of it saddles are left only slowly.
 const DEFINITE_PARTS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
-/// From this part on a long increment is taken as it is.
+/// Number of weights tried from which on a long increment is accepted.
 const FIRM: usize = 4;
-/// How often a direction is halved before it is taken as it is.
+/// Largest number of halvings of a direction; then it is taken although the merit did not fall.
 const MAX_HALVINGS: u8 = 12;
 
-/// How Newton's method went.
+/// Outcome of Newton's method in one lane.
 #[derive(Clone, Copy)]
 pub(super) struct SearchOutcome {
     pub(super) converged: bool,
     pub(super) iterations: usize,
-    /// Whether it ended where the Hessian is not positive definite.
+    /// Whether it ended where the Hessian of a conservative problem is not positive definite.
     pub(super) saddle: bool,
     /// Largest increment of each iteration, rad.
     pub(super) residuals: [f64; MAX_ITERATIONS],
@@ -44,29 +44,31 @@ impl SearchOutcome {
     }
 }
 
-/// What one solve tells about one lane.
+/// Result of one linear solve in one lane.
 pub(super) struct Solve {
     pub(super) iteration: usize,
-    /// Largest increment, rad.
+    /// Largest rotation increment, rad.
     pub(super) turn: f64,
-    /// Potential energy where the solve was made.
+    /// Potential energy at the point of the solve, J.
     pub(super) energy: f64,
-    /// Whether a held tip is where it should be.
+    /// Whether the gap of a held tip is closed to rounding.
     pub(super) closed: bool,
 }
 
-/// State of the search in one lane.
+/// State of the line search in one lane.
 #[derive(Clone, Copy)]
 pub(super) struct Search {
     pub(super) active: bool,
     held: Held,
-    /// Length of the present direction, and the energy at its origin if it must fall.
+    /// Fraction of the present direction that is taken.
     length: f64,
+    /// Energy at the origin of the direction, J, if the merit must fall.
     reference: Option<f64>,
     halvings: u8,
-    /// How many of the definite parts have been tried in this solve, and where to begin should the
-    /// Hessian be indefinite: one less than was needed last.
+    /// Number of weights of the definite part tried in this solve.
     part: usize,
+    /// Number of the weight to begin with should the Hessian be indefinite: one less than was
+    /// needed last.
     likely: usize,
 }
 
@@ -76,13 +78,14 @@ impl Search {
         Self { active, held, length: 0.0, reference: None, halvings: 0, part: 0, likely }
     }
 
-    /// How much of the definite part the next solve uses.
+    /// Weight of the definite part in the next solve, 0 to 1.
     pub(super) fn definite_part(&self) -> f64 {
         if self.part == 0 { 0.0 } else { DEFINITE_PARTS[self.part - 1] }
     }
 
-    /// Whether to solve once more with more of the definite part, after a solve whose matrix was
-    /// `definite` or not and whose largest increment is `turn`.
+    /// Whether to solve once more with a larger weight of the definite part, after a solve whose
+    /// Hessian was positive definite (`definite`) or not and whose largest increment is `turn`
+    /// (rad).
     pub(super) fn needs_more(&mut self, definite: bool, turn: f64) -> bool {
         let sound = self.part == 0 || self.part >= FIRM || turn <= LARGEST_TURN;
         let more = self.active && !(definite && sound) && self.part < DEFINITE_PARTS.len();
@@ -92,8 +95,8 @@ impl Search {
         more
     }
 
-    /// Decides what follows from a solve at the present point: `(fresh, scale)`, where `fresh` is
-    /// 1 to set out along the new direction and 0 to go back and try less of the old one.
+    /// Decides how to go on after a solve at the present point: `(fresh, scale)`, where `fresh` is
+    /// 1 to follow the new direction and 0 to go back and take less of the old one.
     pub(super) fn next(&mut self, out: &mut SearchOutcome, solve: &Solve) -> (f64, f64) {
         let (iteration, turn) = (solve.iteration, solve.turn);
         out.iterations = iteration + 1;
@@ -103,6 +106,7 @@ impl Search {
             self.active = false;
             return (0.0, 0.0);
         }
+        // The merit has not fallen: halve the step along the old direction.
         if let Some(reference) = self.reference
             && solve.energy > reference
             && self.halvings < MAX_HALVINGS
@@ -112,10 +116,13 @@ impl Search {
             self.part = 0;
             return (0.0, self.length);
         }
+        // The point is accepted: follow the new direction, shortened to the largest turn.
         self.halvings = 0;
         self.length = (LARGEST_TURN / turn).min(1.0);
         let tested = turn > MERIT_THRESHOLD && self.held.minimizes();
         self.reference = tested.then_some(solve.energy + 1e-12 * solve.energy.abs());
+        // Converged if the error expected after this increment is small, or increments are
+        // rounding.
         let before = if iteration > 0 { out.residuals[iteration - 1] } else { f64::INFINITY };
         let expected = expected_error(turn, before, self.part == 0);
         let converged = expected < TOLERANCE || (turn < NOISE && turn > 0.9 * before);

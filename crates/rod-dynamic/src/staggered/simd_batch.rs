@@ -1,4 +1,4 @@
-//! A pack of fibres that move together, one in each SIMD lane, and one attempt at a step.
+//! Fibres that move together, one in each SIMD lane, and one attempt at a step.
 
 use super::array::{Array, at, set, store, zeros};
 use super::chain::RotationChain;
@@ -19,56 +19,60 @@ use pulp::{NullaryFnOnce, Simd};
 use rapunzel_fiber::so3;
 use rapunzel_lanes::{LANES, Lane, V3};
 
-/// Model and state of up to eight fibres with equally many segments.
+/// Model and state of up to eight fibres with equally many segments, one per lane.
 pub(super) struct SimdBatch<S: Simd> {
     pub(super) chain: RotationChain<S>,
     pub(super) scheme: Scheme,
-    /// Kelvin-Voigt time.
+    /// Kelvin-Voigt retardation time of each lane, s.
     pub(super) damping: S::f64s,
-    /// Positions (3) and joint rotation vectors (3) at the start of the step. Rotations live in
-    /// the chain.
+    /// Positions of the nodes at the start of the step, m, world (3 per node). Rotations are in the
+    /// chain.
     pub(super) r: Array<S>,
+    /// Rotation vectors of the joints at the start of the step, rad (3 per joint).
     pub(super) phi: Array<S>,
     pub(super) nodes: KinematicHistory<S>,
     pub(super) directors: KinematicHistory<S>,
     pub(super) joints: KinematicHistory<S>,
-    /// Impulses on the nodes at the start of the step (3), if any have been set.
+    /// Impulses on the nodes at the start of the step, N s (3 per node), empty until set.
     pub(super) impulses: Array<S>,
-    /// Those on the root and the tip that what holds them takes up.
+    /// Impulses on the root and the tip that their supports take up, N s.
     pub(super) absorbed: [[S::f64s; 3]; 2],
-    /// Forces on the nodes from outside (3), if any have been set.
+    /// Additional forces on the nodes, N (3 per node), empty until set.
     pub(super) node_forces: Array<S>,
-    /// Gravity, uniform force per length, wind (3 each), drag across and excess of it over that
-    /// along.
+    /// Gravity, force per length and wind (3 each), drag across the fibre, and drag across less
+    /// drag along it.
     pub(super) fields: [S::f64s; 11],
     pub(super) held: [Held; LANES],
     pub(super) any_damping: bool,
-    /// What an attempt changes, as it was when the step set out.
+    /// State that an attempt changes, as it was at the start of the step.
     pub(super) before: Before<S>,
-    /// Lengths of the last attempt, for what follows from its factors.
+    /// Step sizes of the last attempt, s, for later queries to its factors.
     pub(super) last_dt: [f64; LANES],
-    /// With masses added at points, if that has been asked for.
+    /// Factors with masses added at points, if they have been asked for.
     pub(super) weighted: Option<WeightedFactor<S>>,
-    /// What the chain has in place of the room that it has borrowed.
+    /// The chain's own empty workspace while the chain uses a borrowed one.
     pub(super) borrowed: Option<Box<BatchWorkspace<S>>>,
-    /// Whether the chain keeps what a step needs from call to call.
+    /// Whether the chain owns the storage that a step needs from call to call.
     pub(super) keeps: bool,
-    /// For the ledger of a step.
+    /// State of the ends at the start of the step, for the ledger.
     pub(super) outset: Outset<S>,
 }
 
-/// What an attempt at a step changes.
+/// State that an attempt at a step changes.
 pub(super) struct Before<S: Simd> {
-    /// Rotations (4), and forces (3) of the segments.
+    /// Rotations of the segments as quaternions (4 per segment).
     pub(super) q: Array<S>,
+    /// Forces in the segments, N (3 per segment).
     pub(super) force: Array<S>,
-    /// Rotation vectors of the joints (3), if they have been measured, as where a motion starts.
+    /// Rotation vectors of the joints (3 per joint), if they were measured at the start of a
+    /// motion.
     pub(super) phi: Array<S>,
     pub(super) ends: Ends<S>,
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// At least one rod, all with the same number of segments. Spare lanes repeat the last rod.
+    /// Batch of at least one rod, all with the same number of segments. Spare lanes repeat the last
+    /// rod.
     pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
         let n = rods[0].fiber.segments();
         let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
@@ -111,8 +115,8 @@ impl<S: Simd> SimdBatch<S> {
         pack
     }
 
-    /// Solves a problem with steps of length `dt[lane]` in the lanes that are wanted, without
-    /// committing it.
+    /// Solves a problem with steps of `dt[lane]` seconds in the lanes that are wanted, without
+    /// committing the solution.
     pub(super) fn attempt(
         &mut self,
         dt: &[f64; LANES],
@@ -148,7 +152,7 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Attempt(self, dt, wanted, problem, out));
     }
 
-    /// Makes the present rotations the start of a step, in the lanes that are wanted.
+    /// Stores the present directors as those at the start of a step, in the lanes that are wanted.
     pub(super) fn set_out(&mut self, wanted: &[bool; LANES]) {
         struct SetOut<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for SetOut<'_, S> {
@@ -188,7 +192,8 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Measure(self, wanted));
     }
 
-    /// Lets the laws of one lane set out from the natural state, and at once to the present turns.
+    /// Resets the section laws of one lane to the natural state, then strains them at once to the
+    /// present rotations.
     pub(super) fn strain_laws_at_once(&mut self, lane: usize) {
         let RotationChain { model, laws, ends, .. } = &mut self.chain;
         let turns = Turns { phi: &self.phi, rest: &model.rest, ends };
@@ -227,7 +232,7 @@ impl<S: Simd> SimdBatch<S> {
         self.scheme.stage(dt, problem)
     }
 
-    /// Writes the problem of the step into the chain.
+    /// Writes the coefficients of the step's equations into the chain.
     #[inline(always)]
     pub(super) fn prepare(&mut self, stage: &Stage<S>) {
         let simd = self.chain.simd;
@@ -239,6 +244,7 @@ impl<S: Simd> SimdBatch<S> {
         let distributed = V3::load(simd, fields, 1);
         let wind = V3::load(simd, fields, 2);
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
+        // Nodes: mass coefficient mu = m c1 + drag cv, its inverse w, and the known force b.
         for a in 0..=n {
             let mut rates = self.nodes.rates(&self.chain, a);
             let mass = Lane::new(simd, self.chain.model.mass[a]);
@@ -270,6 +276,7 @@ impl<S: Simd> SimdBatch<S> {
             store(&mut self.chain.room.b, a, b);
         }
         self.chain.room.start.copy_from_slice(&self.r);
+        // Directors: inertia vectors p = I c1 (d + du).
         for i in 0..2 * n {
             let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
             let (e, k) = (i / 2, i % 2);
@@ -278,6 +285,8 @@ impl<S: Simd> SimdBatch<S> {
             let p = if stage.problem == StepProblem::Rest { V3::splat(simd, 0.0) } else { d + du };
             store(&mut self.chain.room.p, i, p.scale(inertia));
         }
+        // Joints: damping turns stiffness K into K (1 + tau cv), and the rotation without moment
+        // into (rest + tau rate) / (1 + tau cv).
         let damping = Lane::new(simd, self.damping);
         let factor = damping.mul_add(stage.cv, one);
         for j in 0..=n {
@@ -303,15 +312,15 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Asks the laws for the step of the last length, about the turns from which it sets out.
+    /// Evaluates the section laws for the step, about the joint rotations at its start.
     pub(super) fn begin_laws(&mut self) {
         let RotationChain { laws, room, ends, .. } = &mut self.chain;
         let turns = Turns { phi: &self.phi, rest: &room.target, ends };
         laws.iter_mut().for_each(|laws| laws.begin(&self.last_dt, turns));
     }
 
-    /// The length of rod that node `a` stands for, and that length along the tangent of
-    /// `directors`.
+    /// Length of rod that node `a` stands for, m, and the sum of the adjoining half segments as
+    /// vectors along the tangents in `directors`.
     #[inline(always)]
     pub(super) fn reach(&self, directors: &[S::f64s], a: usize) -> (Lane<S>, V3<S>) {
         let half = Lane::splat(self.chain.simd, 0.5);
@@ -327,15 +336,15 @@ impl<S: Simd> SimdBatch<S> {
         (length, tangent)
     }
 
-    /// How much the impulse on a node changes its velocity.
+    /// Jump of the velocity of node `a` by its impulse, m/s, world.
     #[inline(always)]
     pub(super) fn jump(&self, a: usize) -> V3<S> {
         let impulse = self.chain.vec_or_zero(&self.impulses, a);
         impulse.scale(Lane::new(self.chain.simd, self.chain.model.mass[a]).recip())
     }
 
-    /// Turns the segments to where their directors' and nodes' motion leads: a start for Newton's
-    /// method from which the forces are already of the right size.
+    /// Turns the segments to the rotations that the motion of directors and nodes predicts: a start
+    /// for Newton's method from which the forces are already of the right size.
     #[inline(always)]
     pub(super) fn look_ahead(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let wanted = self.flags(wanted);
@@ -357,6 +366,7 @@ impl<S: Simd> SimdBatch<S> {
     fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let n = self.chain.n;
         let done = self.flags(wanted);
+        // Nodes: velocity after the impulse, then rates and position at the end of the step.
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.kept.r, a);
             let old = self.chain.vec(&self.r, a);
@@ -368,12 +378,14 @@ impl<S: Simd> SimdBatch<S> {
                 store(&mut self.r, a, done.positive().select(new, old));
             }
         }
+        // Directors d1 and d2.
         for i in 0..2 * n {
             let at = 3 * (i / 2) + i % 2;
             let u = self.chain.vec(&self.chain.room.d, at)
                 - self.chain.vec(&self.chain.room.d_start, at);
             self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
         }
+        // Section laws and joints.
         if let Some(laws) = &mut self.chain.laws
             && stage.problem != StepProblem::Start
         {
@@ -396,7 +408,7 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Sets what acts on one lane at the end of its step.
+    /// Sets the conditions of one lane at the end of its step.
     pub(super) fn set_conditions(&mut self, lane: usize, now: &Instant) {
         let (air, drag) = now.air.map_or_else(Default::default, |a| {
             (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential])
@@ -417,7 +429,7 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
-    /// Every array that a lane's future depends on, beside what laws remember.
+    /// Every array that a lane's future depends on, except the memory of section laws.
     pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
@@ -428,7 +440,7 @@ impl<S: Simd> SimdBatch<S> {
         [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
     }
 
-    /// The same, to be written.
+    /// Every array that a lane's future depends on, mutable, in the order of [`Self::arrays`].
     pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 18] {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
@@ -441,8 +453,8 @@ impl<S: Simd> SimdBatch<S> {
     }
 }
 
-/// The end with its follower loads in the frame of the segment next to it, from which the frame of
-/// the end is turned by `turn` where no moment bends it further.
+/// An end with its follower loads in the frame of the adjoining segment, from which the frame of
+/// the end is rotated by `turn` where no moment bends it further.
 fn ahead(end: &End, turn: &Vector3<f64>) -> End {
     let moved = |load: &Load| match load {
         Load::Follower(v) => Load::Follower(so3::exp(turn) * v),

@@ -14,7 +14,8 @@ impl Staggered {
         Self::with_rho_inf(rod, StaggeredBatch::DEFAULT_RHO_INF)
     }
 
-    /// The same with the given spectral radius at infinite frequency.
+    /// A rod at rest in its natural shape at time 0, with the spectral radius `rho_inf` at infinite
+    /// frequency.
     ///
     /// # Errors
     /// As [`StaggeredBatch::new`].

@@ -1,8 +1,8 @@
-//! Where packs work: memory that they lend each other, one for each thread.
+//! Workspaces of SIMD batches: one per thread, borrowed for the duration of a call.
 //!
-//! A solve writes far more numbers than the motion of its rods has. Nearly all of them mean nothing
-//! after the call that wrote them, so that each thread has room for one pack, and a pack in which
-//! nothing is being solved holds none.
+//! A solve writes far more numbers than the state of its rods has, and nearly all of them are
+//! needed only within that call. So each thread has one workspace, and a batch that is not solving
+//! holds none.
 
 use super::array::{Array, fit, zeros};
 use super::factor::{Factor, Right};
@@ -11,60 +11,67 @@ use pulp::bytemuck::Zeroable;
 use std::any::Any;
 use std::cell::RefCell;
 
-/// What a call writes before it reads it, and nobody reads after it.
+/// Scratch arrays of one call: written before they are read, and not read after the call.
 pub(super) struct BatchWorkspace<S: Simd> {
-    /// Stiffness of the joints (3), with the damping of the step in it.
+    /// Stiffness of the joints with the damping of the step, N m (3 per joint).
     pub(super) k: Array<S>,
-    /// Rotation vectors at which the joints are at rest (3).
+    /// Rotation vectors at which the joints have no moment, rad (3 per joint).
     pub(super) target: Array<S>,
-    /// Mass coefficients of the nodes.
+    /// Mass coefficients of the nodes (1 per node).
     pub(super) mu: Array<S>,
-    /// Known forces on the nodes (3).
+    /// Known forces on the nodes, N, world (3 per node).
     pub(super) b: Array<S>,
-    /// Positions of the nodes at the start of the step (3).
+    /// Positions of the nodes at the start of the step, m, world (3 per node).
     pub(super) start: Array<S>,
-    /// Inertia vectors beside d1 and d2 (6).
+    /// Inertia vectors of d1 and d2 (6 per segment).
     pub(super) p: Array<S>,
-    /// Directors now, and at the start of the step (9).
+    /// Directors at the present rotations, world (9 per segment).
     pub(super) d: Array<S>,
+    /// Directors at the start of the step, world (9 per segment).
     pub(super) d_start: Array<S>,
-    /// Rotation vectors of the joints (3).
+    /// Rotation vectors of the joints, rad (3 per joint).
     pub(super) phi: Array<S>,
-    /// The last assembly: Hessians of the segments (6), and eliminated right-hand sides (6).
+    /// Hessians of the segments in the last assembly (6 per segment).
     pub(super) hessian: Array<S>,
+    /// Eliminated right-hand sides of the last assembly (6 per segment).
     pub(super) rhs: Array<S>,
-    /// The turns of the segments along which is searched (3), and the rotations from where (4).
+    /// Rotation increments of the segments that form the search direction, rad (3 per segment).
     pub(super) direction: Array<S>,
+    /// Rotations from which the search direction starts (4 per segment).
     pub(super) origin: Array<S>,
-    /// Impulses in, mean velocities out (3 a node), and what is solved for them (3 and 6 a
-    /// segment).
+    /// Impulses, N s, replaced by mean velocities, m/s (3 per node).
     pub(super) values: Array<S>,
+    /// Right-hand sides of the constraint rows for the impulses (3 per segment).
     pub(super) loads: Array<S>,
+    /// Solution for the impulses: force and rotation increments (6 per segment).
     pub(super) solution: Array<S>,
-    /// Blocks of the inverse, on the diagonal (6 a segment) and beside it (9), and what nodes
-    /// answer themselves (6 a node).
+    /// Force-force diagonal blocks of the inverse matrix (6 per segment).
     pub(super) diagonal: Array<S>,
+    /// Force-force off-diagonal blocks of the inverse matrix (9 per segment).
     pub(super) right: Array<S>,
+    /// Response blocks of the nodes, 1/kg (6 per node).
     pub(super) blocks: Array<S>,
-    /// Added masses of the nodes, and added inertias of d3 (kg and kg m^2).
+    /// Masses added to the nodes, kg (1 per node).
     pub(super) mass: Array<S>,
+    /// Inertias added to d3, kg m^2 (1 per segment).
     pub(super) inertia: Array<S>,
-    /// For packs that have none of their own.
+    /// Storage that a batch uses which has no [`Kept`] of its own.
     pub(super) kept: Kept<S>,
 }
 
-/// What a step that is taken in several calls needs from one to the next.
+/// Quantities that a step taken in several calls needs from one call to the next.
 pub(super) struct Kept<S: Simd> {
-    /// Positions of the nodes (3).
+    /// Positions of the nodes, m, world (3 per node).
     pub(super) r: Array<S>,
-    /// Inverses of the mass coefficients of the nodes (zero where a node is held).
+    /// Inverses of the mass coefficients of the nodes, zero where a node is held (1 per node).
     pub(super) w: Array<S>,
-    /// Of Newton's matrix at the last assembly, and its blocks to the right of segments, between
-    /// turns (9).
+    /// Factors of Newton's matrix at the last assembly.
     pub(super) factor: Factor<S>,
+    /// Blocks of Newton's matrix to the right of the segments, between rotations (9 per segment).
     pub(super) coupling: Array<S>,
-    /// Increments of the last solve (6), and how far the tip was from where it is held.
+    /// Force and rotation increments of the last solve (6 per segment).
     pub(super) step: Array<S>,
+    /// Vector from a held tip to its support, m, world.
     pub(super) gap: [S::f64s; 3],
 }
 
@@ -97,7 +104,7 @@ impl<S: Simd> BatchWorkspace<S> {
         }
     }
 
-    /// Makes it fit rods of `n` segments.
+    /// Resizes all arrays to rods of `n` segments.
     fn fit(&mut self, n: usize) {
         let of_nodes = [
             (&mut self.k, 3),
@@ -131,7 +138,7 @@ impl<S: Simd> BatchWorkspace<S> {
 }
 
 impl<S: Simd> Kept<S> {
-    /// The blocks beside those of the factors, with these inverse masses of the nodes.
+    /// Off-diagonal blocks for the factors, with the inverse masses `w` of the nodes.
     pub(super) fn right<'a>(&'a self, w: &'a [S::f64s]) -> Right<'a, S> {
         Right { b: &self.coupling, w }
     }
@@ -142,7 +149,7 @@ impl<S: Simd> Kept<S> {
         Self { r: none(), w: none(), factor: Factor::new(0), coupling: none(), step: none(), gap }
     }
 
-    /// Makes it fit rods of `n` segments.
+    /// Resizes all arrays to rods of `n` segments.
     pub(super) fn fit(&mut self, n: usize) {
         let of_nodes = [(&mut self.r, 3), (&mut self.w, 1)];
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
@@ -153,12 +160,12 @@ impl<S: Simd> Kept<S> {
 }
 
 thread_local! {
-    /// The rooms that are free: at most one for each width of registers in use, as large as the
-    /// largest pack needed.
+    /// Free workspaces: at most one per register width in use, as large as the largest batch
+    /// needed.
     static FREE: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Room of this thread for rods of `n` segments.
+/// Borrows the workspace of this thread, resized to rods of `n` segments.
 pub(super) fn borrow<S: Simd>(n: usize) -> Box<BatchWorkspace<S>> {
     let found = FREE.with_borrow_mut(|free| {
         let at = free.iter().position(|room| room.is::<BatchWorkspace<S>>())?;
@@ -169,7 +176,7 @@ pub(super) fn borrow<S: Simd>(n: usize) -> Box<BatchWorkspace<S>> {
     room
 }
 
-/// Leaves room to the next.
+/// Returns a workspace for the next borrower on this thread.
 pub(super) fn give_back<S: Simd>(room: Box<BatchWorkspace<S>>) {
     FREE.with_borrow_mut(|free| free.push(room));
 }
