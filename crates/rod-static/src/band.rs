@@ -2,35 +2,36 @@ use crate::chain::TipHold;
 use crate::segment::Blocks;
 use nalgebra::{Matrix3, Vector3};
 
-/// The derivatives of the nodes' balance, block-tridiagonal, eliminated from the tip.
+/// The Jacobian of the nodes' balance, block-tridiagonal, eliminated from the tip.
 ///
-/// Each node's variation follows from that of the node before. Forces that follow the frames beyond
-/// a node act on it too; they are carried along as one sum, so the cost stays that of tridiagonal
-/// blocks.
+/// Each node's variation follows from the variation of the node before. Forces that follow the
+/// frames beyond a node act on it too; they are carried along as one sum, so the cost stays that of
+/// tridiagonal blocks.
 #[derive(Debug, Default)]
 pub(crate) struct BandFactor {
-    /// Inverse pivots, and what leads from the node before, of the nodes behind the clamp.
+    /// Inverse pivots of the nodes behind the clamp.
     inverse: Vec<Matrix3<f64>>,
+    /// Matrix that takes the variation of the node before to that of each node behind the clamp.
     carry: Vec<Matrix3<f64>>,
     /// Change of the forces from each node on by that node's variation; empty without followers.
     beyond: Vec<Matrix3<f64>>,
     /// Number of negative eigenvalues of the pivots.
     pub(crate) negative: usize,
-    /// Those of the first node that has any, and their directions.
+    /// The first eliminated node whose pivot has negative eigenvalues, and their directions.
     falling: Option<(usize, Vec<Vector3<f64>>)>,
 }
 
-/// How following forces change, and what that does.
+/// Derivatives of the following forces and of the nodes they act on.
 pub(crate) struct Follow {
-    /// Change of each node's force by the variation of its frame, world frame.
+    /// Derivative of each node's force by the variation of its frame, world frame.
     pub(crate) turned: Vec<Matrix3<f64>>,
-    /// Change of the end of each segment by the variations of its frames, world frame.
+    /// Derivatives of the end of each segment by the variations of its frames, world frame.
     pub(crate) motions: Vec<[Matrix3<f64>; 2]>,
 }
 
 impl BandFactor {
-    /// Eliminates the blocks with `shift` times their own shifts added. `None` if a pivot is
-    /// singular.
+    /// Eliminates the blocks with `shift` times their own shifts added, from tip to clamp. `None`
+    /// if a pivot is singular.
     pub(crate) fn of(
         blocks: &[Blocks],
         shift: f64,
@@ -46,7 +47,7 @@ impl BandFactor {
         if follow.is_some() {
             factor.beyond = vec![Matrix3::zeros(); count];
         }
-        // The change of the force beyond by the variation of the node at hand.
+        // Derivative of the force beyond by the variation of the node at hand.
         let mut beyond = Matrix3::zeros();
         for i in (0..count).rev() {
             let mut pivot = blocks[i].behind;
@@ -69,7 +70,7 @@ impl BandFactor {
             factor.inverse[i] = match held {
                 TipHold::Held => Matrix3::zeros(),
                 TipHold::Aligned => {
-                    // Only the turn about the tangent is free.
+                    // Only the rotation about the tangent is free.
                     let (along, spin) = (pivot[(2, 2)], Vector3::z());
                     if along < 0.0 {
                         factor.note(i, vec![spin]);
@@ -127,7 +128,7 @@ impl BandFactor {
         parts
     }
 
-    /// A variation along which the energy falls to second order; of several that to which the
+    /// A variation along which the energy falls to second order; of several, the one to which the
     /// moments drive.
     pub(crate) fn falling(&self, moments: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let (node, directions) = self.falling.as_ref()?;
@@ -154,7 +155,7 @@ impl BandFactor {
     }
 }
 
-/// The directions in which a pivot is negative.
+/// The directions in which a pivot has negative eigenvalues.
 fn falling(pivot: &Matrix3<f64>) -> Vec<Vector3<f64>> {
     let eigen = pivot.symmetric_eigen();
     let all = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());

@@ -95,7 +95,7 @@ fn principal_value(x: f64, y: f64, z: f64, q: f64) -> f64 {
     (sum + tail) / (q + z)
 }
 
-/// What a duplication adds to each argument.
+/// Increment of every argument in a duplication step.
 fn duplication(x: f64, y: f64, z: f64) -> f64 {
     let (rx, ry, rz) = (x.sqrt(), y.sqrt(), z.sqrt());
     rx * ry + rx * rz + ry * rz

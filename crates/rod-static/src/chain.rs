@@ -17,20 +17,21 @@ use std::f64::consts::PI;
 pub struct Chain {
     pub(crate) clamp: Isometry3<f64>,
     pub(crate) segments: Vec<ChainSegment>,
-    /// Dead forces on the nodes, world frame, and forces that follow the nodes' frames.
+    /// Dead forces on the nodes, N, world frame.
     pub(crate) forces: Vec<Vector3<f64>>,
+    /// Forces on the nodes that follow their frames, N, in the nodes' own axes.
     pub(crate) followers: Vec<Vector3<f64>>,
     pub(crate) targets: Vec<Target>,
     pub(crate) tip: TipHold,
 }
 
-/// What holds the direction of the last node.
+/// Constraint on the direction of the last node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TipHold {
     Free,
-    /// Its tangent is held.
+    /// The tangent of the last node is held.
     Aligned,
-    /// Its frame is held.
+    /// The whole frame of the last node is held.
     Held,
 }
 
@@ -40,8 +41,8 @@ impl Chain {
     /// each piece; each has the properties of its middle, and its load acts on its two ends.
     ///
     /// # Errors
-    /// What is wrong with a piece, no pieces or segments, and segments so long that they turn by
-    /// half a turn naturally.
+    /// An invalid piece, no pieces or segments, and segments so long that they turn by half a turn
+    /// naturally.
     pub fn new(
         clamp: &Isometry3<f64>,
         pieces: &[Piece],
@@ -86,6 +87,7 @@ impl Chain {
         };
         let mut from = 0.0;
         for (i, &(piece, length)) in lengths.iter().enumerate() {
+            // Properties at the middle of the segment.
             let p = pieces[piece].at(from + length * 0.5);
             let angle = p.natural_curvature.norm() * length;
             if angle > PI {
@@ -96,6 +98,7 @@ impl Chain {
                 stiffness: p.stiffness,
                 natural_curvature: p.natural_curvature,
             });
+            // Half of the load on each end, and the end load of a piece on its last node.
             let half = p.load * (0.5 * length);
             let ends = lengths.get(i + 1).is_none_or(|next| next.0 > piece);
             let end_load = if ends { pieces[piece].end_load() } else { Vector3::zeros() };
@@ -145,22 +148,22 @@ impl Chain {
         &self.forces
     }
 
-    /// Replaces the dead forces on all nodes, N, world frame; that on the clamp's node is only
-    /// felt by the clamp.
+    /// Replaces the dead forces on all nodes, N, world frame; the force on node 0 acts on the clamp
+    /// only.
     ///
     /// # Errors
-    /// Not one force for each node, and numbers that are not finite.
+    /// A number of forces other than one for each node, and numbers that are not finite.
     pub fn set_forces(&mut self, forces: &[Vector3<f64>]) -> Result<(), StaticError> {
         self.check_nodes("the forces on the nodes (N)", forces)?;
         self.forces.copy_from_slice(forces);
         Ok(())
     }
 
-    /// Sets forces that follow the nodes, N, in the nodes' own axes. They have no energy: an
-    /// equilibrium with them is no minimum.
+    /// Sets forces that follow the nodes, N, in the nodes' own axes. They have no energy, so an
+    /// equilibrium with them is not a minimum.
     ///
     /// # Errors
-    /// Not one force for each node, and numbers that are not finite.
+    /// A number of forces other than one for each node, and numbers that are not finite.
     pub fn set_followers(&mut self, followers: &[Vector3<f64>]) -> Result<(), StaticError> {
         self.check_nodes("the following forces (N)", followers)?;
         self.followers.copy_from_slice(followers);
@@ -200,13 +203,13 @@ impl Chain {
         Ok(())
     }
 
-    /// Whether the last node keeps the frame that it has in the shape to start from, which
-    /// [`Chain::relax`] is given: with a target that holds its place, a clamp.
+    /// Sets whether the last node keeps the frame that it has in the shape given to
+    /// [`Chain::relax`]: with a target that holds its place, the end is clamped.
     pub fn hold_tip_frame(&mut self, held: bool) {
         self.tip = if held { TipHold::Held } else { TipHold::Free };
     }
 
-    /// The places that nodes are held at or pulled to.
+    /// The targets of [`Chain::set_targets`]: places that nodes are held at or pulled to.
     #[must_use]
     pub fn targets(&self) -> &[Target] {
         &self.targets
@@ -252,7 +255,7 @@ impl Chain {
     /// shape of this chain makes, to the last bit.
     ///
     /// # Errors
-    /// Not one frame for each node, and numbers that are not finite.
+    /// A number of frames other than one for each node, and numbers that are not finite.
     pub fn shape_of(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Shape, StaticError> {
         let (given, nodes) = (frames.len(), self.forces.len());
         let quantity = "the frames of the shape";
@@ -270,7 +273,7 @@ impl Chain {
         shape
     }
 
-    /// Puts the nodes where their frames lead.
+    /// Computes the positions of the nodes from their frames.
     pub(crate) fn place(&self, shape: &mut Shape) {
         let mut at = Point3::from(self.clamp.translation.vector);
         shape.positions.clear();
@@ -281,8 +284,8 @@ impl Chain {
         }
     }
 
-    /// Forces in the segments, N, world frame: the sum of all beyond, of the following forces
-    /// times `factor`, and of the targets' `pulls`.
+    /// Forces in the segments, N, world frame: the sum over all nodes beyond of the dead forces, of
+    /// `factor` times the following forces, and of the targets' `pulls`.
     pub(crate) fn carried(
         &self,
         frames: &[UnitQuaternion<f64>],

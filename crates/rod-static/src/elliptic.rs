@@ -16,7 +16,7 @@ pub struct Modulus {
     complement: f64,
     /// The descending moduli `k_1 > k_2 > ...` of Landen's transformation and `1 - k_i^2`.
     descent: [(f64, f64); STEPS],
-    /// How many of them matter.
+    /// Number of descending moduli that are used.
     steps: usize,
     quarter: f64,
 }
@@ -80,7 +80,7 @@ impl Modulus {
         Jacobi { sn: sign * sn, cn: sign * cn, dn }
     }
 
-    /// The same for `|u| <= K`, with `cn >= 0` also where `u` is rounded to `K`: by descending
+    /// sn, cn and dn for `|u| <= K`, with `cn >= 0` also where `u` is rounded to `K`: by descending
     /// Landen transformations (DLMF 22.7.2, 22.7.3) of the tangent of the amplitude.
     pub(crate) fn jacobi_reduced(&self, u: f64) -> Jacobi {
         let (mut s, mut c) = (u * FRAC_PI_2 / self.quarter).sin_cos();

@@ -1,4 +1,4 @@
-//! The energy of a [`Chain`] as a function of its shape, for those who minimize it themselves.
+//! The energy of a [`Chain`] as a function of its shape, for other minimisers.
 
 use crate::StaticError;
 use crate::chain::Chain;
@@ -15,14 +15,14 @@ impl Chain {
         turns.zip(&self.segments).map(|(turn, segment)| segment.elastic(&turn)).sum()
     }
 
-    /// Work of the dead forces on the way from the world's origin to the nodes, J.
+    /// Work of the dead forces if the nodes move from the world's origin to their positions, J.
     #[must_use]
     pub fn work(&self, shape: &Shape) -> f64 {
         self.forces.iter().zip(&shape.positions).map(|(f, at)| f.dot(&at.coords)).sum()
     }
 
-    /// Energy, J: the elastic one, that of the dead forces (less force times position, from the
-    /// world's origin), and that of the springs of the targets (3.130).
+    /// Energy of a shape, J: elastic energy, energy of the dead forces (minus force times position,
+    /// from the world's origin), and energy of the springs of the targets (3.130).
     ///
     /// # Errors
     /// A shape of another number of nodes.

@@ -8,7 +8,7 @@ pub struct Equilibrium {
     pub(crate) rod: Scaled,
     pub(crate) elements: Vec<MeshElement>,
     pub(crate) nodes: Vec<ShootingNode>,
-    /// Part of the loads that acts.
+    /// Fraction of the loads that acts.
     pub(crate) factor: f64,
     pub(crate) elastic: f64,
     pub(crate) work: f64,
@@ -23,13 +23,13 @@ impl Equilibrium {
         self.rod.unscale(&self.node_at(s / self.rod.length))
     }
 
-    /// The state of the clamp: what it carries is this force and this moment.
+    /// State at the clamp; its force and moment are the reactions that the clamp carries.
     #[must_use]
     pub fn root(&self) -> State {
         self.at(0.0)
     }
 
-    /// The state of the far end: force and moment are what acts on it.
+    /// State at the far end; its force and moment are those that act on the end.
     #[must_use]
     pub fn tip(&self) -> State {
         self.rod.unscale(&self.nodes[self.nodes.len() - 1])
@@ -48,7 +48,7 @@ impl Equilibrium {
         -self.work * self.rod.energy()
     }
 
-    /// The sum of both energies, J.
+    /// Sum of elastic energy and load energy, J.
     #[must_use]
     pub fn energy(&self) -> f64 {
         self.elastic_energy() + self.load_energy()

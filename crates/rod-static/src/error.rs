@@ -7,7 +7,7 @@ pub enum StaticError {
     /// A quantity that must be positive and finite is not.
     #[error("{quantity} is {value}, but must be positive and finite; give it in SI units")]
     NotPositive {
-        /// Which quantity, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
@@ -15,7 +15,7 @@ pub enum StaticError {
     /// A quantity that must be finite is not.
     #[error("{quantity} is not finite; every number must be finite")]
     NotFinite {
-        /// Which quantity.
+        /// Name of the quantity.
         quantity: &'static str,
     },
     /// A rod needs at least one piece.
@@ -41,7 +41,7 @@ pub enum StaticError {
          more segments"
     )]
     TooCoarse {
-        /// The segment, counted from the clamp.
+        /// Index of the segment, counted from the clamp.
         segment: usize,
         /// Angle by which it turns, rad.
         angle: f64,
@@ -49,17 +49,17 @@ pub enum StaticError {
     /// A node that a chain does not have, or that is clamped.
     #[error("there is no free node {node}; the nodes behind the clamp are 1 to {last}")]
     NoNode {
-        /// The node that was given.
+        /// Index of the node that was given.
         node: usize,
-        /// The last node.
+        /// Index of the last node.
         last: usize,
     },
     /// A list that needs one entry for each node has another length.
     #[error("{quantity} are {given}, but there must be one for each of the {nodes} nodes")]
     WrongCount {
-        /// Which list, with its unit.
+        /// Name of the list, with its unit.
         quantity: &'static str,
-        /// Its length.
+        /// Number of entries that were given.
         given: usize,
         /// Number of nodes.
         nodes: usize,
@@ -89,9 +89,9 @@ pub enum StaticError {
          {step} rad; start nearer to it, or apply the loads in parts"
     )]
     NotConverged {
-        /// Steps that were taken.
+        /// Number of Newton steps that were taken.
         iterations: usize,
-        /// Largest rotation of a node in the next one, rad.
+        /// Largest rotation of a node in the step that would follow, rad.
         step: f64,
     },
     /// No start that was tried leads to an equilibrium.

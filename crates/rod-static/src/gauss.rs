@@ -5,14 +5,14 @@
 
 /// Number of stages.
 pub(crate) const STAGES: usize = 4;
-/// Where they are in the step.
+/// Positions of the stages in the step, as fractions of its length.
 pub(crate) const NODES: [f64; STAGES] = [
     0.069_431_844_202_973_71,
     0.330_009_478_207_571_9,
     0.669_990_521_792_428_1,
     0.930_568_155_797_026_3,
 ];
-/// What each takes of the rates at all.
+/// Coefficients of the rates of all stages (columns) in the value at each stage (rows).
 pub(crate) const STEPS: [[f64; STAGES]; STAGES] = [
     [
         0.086_963_711_284_363_46,
@@ -39,14 +39,14 @@ pub(crate) const STEPS: [[f64; STAGES]; STAGES] = [
         0.086_963_711_284_363_46,
     ],
 ];
-/// What the end takes of them.
+/// Weights of the rates of the stages in the value at the end of the step.
 pub(crate) const WEIGHTS: [f64; STAGES] = [
     0.173_927_422_568_726_93,
     0.326_072_577_431_273_07,
     0.326_072_577_431_273_07,
     0.173_927_422_568_726_93,
 ];
-/// What the values at the stages have of Legendre's polynomial of degree three.
+/// Coefficients of the stages in the Legendre polynomial of degree three.
 pub(crate) const CUBIC: [f64; STAGES] = [
     -0.371_027_003_401_947_3,
     0.939_772_470_377_753,

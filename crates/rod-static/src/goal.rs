@@ -5,13 +5,13 @@ use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use std::f64::consts::TAU;
 
-/// Size of a push, in units of force, lengths and radians.
+/// Size of a perturbation, in units of force, lengths and radians.
 const PUSH: f64 = 0.05;
 
-/// Six conditions on the end of the rod.
+/// Derivatives of the six end conditions (rows) by the state of the last node (columns).
 pub(crate) type BoundaryMatrix = SMatrix<f64, 6, 12>;
 
-/// What the end of the rod is to meet, in scaled units.
+/// Boundary condition at the end of the rod, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Goal {
     Free { force: Vector3<f64>, moment: Vector3<f64> },
@@ -41,9 +41,9 @@ impl Goal {
         }
     }
 
-    /// The goal at the part `t` of the way from what `node` meets, with `turns` whole turns about
-    /// the tangent on the way. `None` where the way of a tangent or frame is not known: half a
-    /// turn.
+    /// The condition at the fraction `t` of the path from the state of `node` to this condition,
+    /// with `turns` whole turns about the tangent along the path. `None` where a tangent or frame
+    /// would turn by half a turn, whose direction is undefined.
     pub(crate) fn on_the_way(&self, node: &ShootingNode, turns: f64, t: f64) -> Option<Self> {
         let tangent = node.q * Vector3::z();
         Some(match *self {
@@ -72,8 +72,8 @@ impl Goal {
         })
     }
 
-    /// The goal with a small force on a free end, a joint moved, or a direction turned, along and
-    /// about axes that are special for no rod.
+    /// The condition perturbed by a small force on a free end, displacement of a joint, or rotation
+    /// of a direction, along an axis that is generic for every rod.
     pub(crate) fn pushed(&self) -> Self {
         let push = Vector3::new(0.48, 0.6, 0.64) * PUSH;
         let turn = UnitQuaternion::from_scaled_axis(push);
@@ -89,8 +89,8 @@ impl Goal {
         }
     }
 
-    /// By how much `node` misses the goal, and the derivatives of that. `None` where the tangent is
-    /// opposite to the one asked for.
+    /// Residual of the condition at `node`, and its derivatives. `None` where the tangent is
+    /// opposite to the prescribed one.
     pub(crate) fn missed(&self, node: &ShootingNode) -> Option<(SVector<f64, 6>, BoundaryMatrix)> {
         let mut missed = SVector::<f64, 6>::zeros();
         let mut by = BoundaryMatrix::zeros();
@@ -129,7 +129,7 @@ impl Goal {
     }
 }
 
-/// A unit vector far from the direction of `v`.
+/// A unit vector along the world axis that is farthest from the direction of `v`.
 fn any_other(v: &Vector3<f64>) -> Vector3<f64> {
     let mut other = Vector3::zeros();
     other[v.iamin()] = 1.0;

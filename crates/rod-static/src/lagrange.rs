@@ -25,7 +25,7 @@ use rapunzel_fiber::so3;
 pub struct Lagrange {
     bending: f64,
     start: State,
-    /// From the axes of the force (its direction is z) to the world.
+    /// Rotation from the axes of the force, whose z axis is the force, to the world.
     to_world: Rotation3<f64>,
     /// Moment along the tangent, 1/m, and half the excess of twist over that of the precession.
     spin: f64,
@@ -35,10 +35,11 @@ pub struct Lagrange {
 /// Force times arc length, in units of the rates, below which positions come from quadrature: the
 /// closed form is a difference divided by the force.
 const WEAK: f64 = 1e-2;
-/// The most that quadrature is used for, in radians; longer ways are closed again.
+/// Largest rotation, rad, for which quadrature is used; longer rods use the closed form again.
 const PANELS: f64 = 1e5;
 
-/// The angle to the force and what turns about it, in units of the bending stiffness.
+/// Motion of the angle to the force and of the phases that follow from it, in units of the bending
+/// stiffness.
 #[derive(Debug, Clone)]
 struct AngleMotion {
     roots: CubicRoots,
@@ -52,7 +53,7 @@ struct AngleMotion {
     transverse: Complex<f64>,
 }
 
-/// The elliptic functions at one arc length: numbers of half waves, and sn, cn, dn there.
+/// The elliptic functions at one arc length: argument, number of half waves, and sn, cn, dn.
 struct EllipticPlace {
     u: f64,
     rest: f64,
@@ -305,7 +306,7 @@ impl AngleMotion {
         }
     }
 
-    /// The way along the force, m (thesis (3.118), corrected).
+    /// Displacement along the force, m (thesis (3.118), corrected).
     fn along(&self, p: &EllipticPlace, s: f64) -> f64 {
         let r = &self.roots;
         let squares = |p: &EllipticPlace| {
@@ -316,7 +317,7 @@ impl AngleMotion {
         r.z1() * s + r.span / r.lambda * (squares(p) - squares(&self.place(0.0)))
     }
 
-    /// The way, m, by quadrature of the tangent.
+    /// Displacement from the start to arc length `s`, m, by quadrature of the tangent.
     fn by_quadrature(&self, s: f64) -> Vector3<f64> {
         let panels = (s.abs() * self.rate).ceil().max(1.0);
         let mut way = Vector3::zeros();

@@ -5,18 +5,20 @@ use crate::step::ShootingNode;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 
-/// Longest element of the way to the solution, in units of what bends or turns the rod by one
+/// Longest element of a continuation, in units of the length in which the rod bends or turns by one
 /// radian.
 const COARSE: f64 = 0.6;
-/// Longest element of the solution where its variations oscillate, for stability to be told.
+/// Longest element of the solution where its variations oscillate, so that stability can be
+/// determined.
 const RESOLVED: f64 = 1.0;
-/// Error of a step by its estimate, in lengths and radians: that of a way near a saddle grows.
+/// Estimated error of a step that is allowed, in lengths and radians: near a saddle, errors of a
+/// path grow.
 const FINE: f64 = 1e-14;
-/// Most elements.
+/// Largest number of elements.
 const MOST_ELEMENTS: f64 = 5e4;
-/// The sharpest bend, in parts of the length, that arc lengths can resolve.
+/// Length of the rod over the radius of the sharpest bend that arc lengths can resolve.
 const SHARPEST: f64 = 1e8;
-/// How the elements grow with the distance from what holds or loads the rod.
+/// Growth of the elements with the distance from what holds or loads the rod.
 const GROWTH: f64 = 8.0;
 
 /// The pieces of a rod, and the units in which its length and a stiffness are one.
@@ -29,13 +31,13 @@ pub(crate) struct Scaled {
     stiffness: f64,
 }
 
-/// A stretch of one step.
+/// An element of the mesh: the arc lengths of one step of the integration, scaled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeshElement {
     pub(crate) piece: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// Force on its far end.
+    /// Dead force on the far end of the element, scaled.
     pub(crate) end_load: Vector3<f64>,
 }
 
@@ -132,8 +134,8 @@ impl Scaled {
         Ok(elements)
     }
 
-    /// Splits the elements that a step of the integration is too rough for; `None` if there are
-    /// none, or so many that they are not resolved.
+    /// Splits the elements on which a step of the integration is too inaccurate; `None` if there
+    /// are none, or so many that they are not resolved.
     pub(crate) fn refined(
         &self,
         elements: &[MeshElement],
@@ -177,7 +179,7 @@ impl Scaled {
         split.then_some((finer, more))
     }
 
-    /// In these units.
+    /// Converts a state from SI units to the units of the rod.
     pub(crate) fn scale(&self, state: &State) -> ShootingNode {
         ShootingNode {
             r: state.position.coords / self.length,
@@ -187,7 +189,7 @@ impl Scaled {
         }
     }
 
-    /// In SI units.
+    /// Converts a node from the units of the rod to SI units.
     pub(crate) fn unscale(&self, node: &ShootingNode) -> State {
         State {
             position: Point3::from(node.r * self.length),
@@ -197,7 +199,7 @@ impl Scaled {
         }
     }
 
-    /// The natural shape from a clamp.
+    /// Nodes of the rod without loads, clamped at `clamp` and bent by the dead `moment` (scaled).
     pub(crate) fn natural(
         &self,
         elements: &[MeshElement],
@@ -214,7 +216,7 @@ impl Scaled {
     }
 }
 
-/// Ends of the elements of a stretch, from zero: `fast` are bends near its ends, `slow` anywhere.
+/// Ends of the elements of a piece, from zero: `fast` are bends near its ends, `slow` anywhere.
 fn graded(length: f64, slow: f64, fast: f64) -> Vec<f64> {
     let mut half = vec![0.0];
     let mut at = 0.0;

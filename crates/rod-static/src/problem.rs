@@ -13,28 +13,31 @@ use crate::target::Target;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
-/// First step of a continuation, in parts of the way; shortest one, in parts of what is behind, and
-/// the least that counts for that: loads grow by their logarithm.
+/// First step of a continuation, as a fraction of the path.
 const FIRST: f64 = 0.25;
+/// Shortest step of a continuation, as a fraction of the part of the path behind it.
 const SHORTEST_LOAD_STEP: f64 = 1e-3;
+/// Least value of that part in the comparison with the shortest step: loads grow by their
+/// logarithm.
 const SMALLEST: f64 = 1e-6;
-/// A way short enough to be tried in one step, in lengths, radians and stiffness by length.
+/// Distance from the goal that is tried in one step, in lengths, radians and stiffness over length.
 const NEAR_SOLUTION: f64 = 0.1;
-/// How often the elements are split before the solution counts as not resolved.
+/// Largest number of times that the elements of a solution are split.
 const REFINEMENTS: usize = 4;
-/// Moments that bend the shapes to start from, in units of stiffness by length.
+/// Moments that bend the shapes to start from, in units of stiffness over length.
 const BENDING: [f64; 4] = [1.5, 3.0, 5.0, 7.0];
-/// Directions in which they bend.
+/// Number of directions in which the shapes to start from are bent.
 const DIRECTIONS: u32 = 8;
-/// Stiffness of the spring that holds an end, in units of the rod's, and how often its place is
-/// corrected: each time what it stretches falls by about that.
+/// Stiffness of the spring that holds an end, in units of the rod's stiffness.
 const STIFF: f64 = 100.0;
+/// Number of solves with that spring; each correction of its anchor reduces the distance of the end
+/// from its place by about the factor `STIFF`.
 const HELD: usize = 4;
-/// What a search for the minimum costs, in steps along its elements.
+/// Cost of a minimisation of the energy, in steps along its elements.
 const RELAX: usize = 10;
-/// Part by which numbers of two equilibria may differ that are turned into each other.
+/// Relative difference below which numbers of two equilibria count as equal.
 const SAME: f64 = 1e-7;
-/// Torques that twist them as well.
+/// Torques that twist the bent shapes to start from, in units of stiffness over length.
 const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
 /// A rod clamped at its root, loaded along its length, with a condition on its far end.
@@ -46,12 +49,12 @@ pub struct Problem {
     rod: Scaled,
     clamp: (Vector3<f64>, UnitQuaternion<f64>),
     goal: Goal,
-    /// Those of every way to a solution.
+    /// Mesh from which every search for a solution starts.
     elements: Vec<MeshElement>,
 }
 
-/// Where a continuation begins: a shape, the part of the loads on it, and whole turns of the end
-/// about its tangent on the way.
+/// Start of a continuation: a shape, the fraction of the loads that acts on it, and whole turns of
+/// the end about its tangent along the path.
 struct ContinuationStart {
     nodes: Vec<ShootingNode>,
     factor: f64,
@@ -89,12 +92,14 @@ impl Problem {
         Ok(Self { rod, clamp, goal, elements })
     }
 
-    /// An equilibrium, stable if one is found. No random numbers.
+    /// Finds an equilibrium, stable if one is found. No random numbers.
     ///
-    /// Where the end is free and no moment acts on it: from the natural shape down to a minimum of
-    /// the energy. Else, and if that fails, by continuation from the natural shape without loads,
-    /// but bent by the moment on the end, and from bent shapes, the nearest to the condition on the
-    /// end first; from an unstable equilibrium the energy leads down.
+    /// Where the end is free and no moment acts on it, the energy is minimised from the natural
+    /// shape.
+    /// Else, and if that fails, by continuation from the natural shape without loads but bent by
+    /// the
+    /// moment on the end, and from bent shapes, the nearest to the end condition first; from an
+    /// unstable equilibrium the energy is minimised further.
     ///
     /// # Errors
     /// [`StaticError::NotFound`] if no start leads to an equilibrium.
@@ -103,9 +108,10 @@ impl Problem {
         self.any(&effort).ok_or(StaticError::NotFound)
     }
 
-    /// The equilibria that all starts lead to, also with up to `turns` whole turns of the end
-    /// about its tangent to either side, and that of [`Problem::solve`], sorted by energy. Those
-    /// that differ by a turn or a reflection of the whole are told once. There may be more.
+    /// The equilibria that all starts lead to, also with up to `turns` whole turns of the end about
+    /// its tangent to either side, and the equilibrium of [`Problem::solve`], sorted by energy.
+    /// Equilibria that differ by a turn or a reflection of the whole rod are listed once. There may
+    /// be more.
     #[must_use]
     pub fn solutions(&self, turns: u16) -> Vec<Equilibrium> {
         let effort = Effort::new();
@@ -128,22 +134,22 @@ impl Problem {
     }
 
     /// The equilibrium that continuation from `start` leads to: an equilibrium of the same pieces
-    /// and clamp with another end, or one of [`Problem::bent`]. Loads grow on the way from the part
-    /// of them that acts on `start`.
+    /// and clamp with another end condition, or one of [`Problem::bent`]. Loads grow along the path
+    /// from the fraction that acts on `start`.
     ///
     /// # Errors
-    /// [`StaticError::NotFound`] if the way there is blocked.
+    /// [`StaticError::NotFound`] if the continuation does not reach the goal.
     pub fn solve_from(&self, start: &Equilibrium) -> Result<Equilibrium, StaticError> {
         let nodes = start.nodes.clone();
         let start_at = ContinuationStart { nodes, factor: start.factor, turns: 0.0 };
         self.follow(&start.elements, &start_at, &Effort::new()).ok_or(StaticError::NotFound)
     }
 
-    /// The rod without its loads and its condition on the end, bent by the dead `moment` (N m,
-    /// world frame) on the end: a shape to start from with [`Problem::solve_from`].
+    /// The rod without its loads and its end condition, bent by the dead `moment` (N m, world
+    /// frame) on the end: a shape to start from with [`Problem::solve_from`].
     ///
     /// # Errors
-    /// [`StaticError::NotFound`] if it is too much to be resolved.
+    /// [`StaticError::NotFound`] if the rod bends too sharply to be resolved.
     pub fn bent(&self, moment: &Vector3<f64>) -> Result<Equilibrium, StaticError> {
         let moment = moment / self.rod.energy();
         let elements = self.rod.elements([0.0, moment.norm()])?;
@@ -152,8 +158,8 @@ impl Problem {
         self.finish(elements, nodes, &goal, 0.0, &Effort::new()).ok_or(StaticError::NotFound)
     }
 
-    /// The equilibrium near the states `guess` at ascending arc lengths, m, the first of them zero:
-    /// Newton's method at once, also for an unstable one.
+    /// The equilibrium near the states `guess` at ascending arc lengths (m, the first of them
+    /// zero), by Newton's method without continuation; it may be unstable.
     ///
     /// # Errors
     /// [`StaticError::NotFound`] if Newton's method does not converge or the guess is empty.
@@ -163,6 +169,7 @@ impl Problem {
         let elements = &self.elements;
         let (r, q) = self.clamp;
         let mut nodes = vec![ShootingNode { r, q, ..self.rod.scale(first) }];
+        // Integrate each element from the last guess in it.
         for element in elements {
             let (mut from, mut node) = (element.from, nodes[nodes.len() - 1]);
             while let Some((s, state)) = guess.next_if(|(s, _)| *s < element.to) {
@@ -173,14 +180,14 @@ impl Problem {
             end.n -= element.end_load;
             nodes.push(end);
         }
-        // The guess says how fine the elements must be, before Newton's method leaves it.
+        // Refine the elements for the guess, before Newton's method leaves it.
         let finer = self.rod.refined(elements, &nodes, 1.0);
         let (elements, nodes) = finer.unwrap_or_else(|| (elements.clone(), nodes));
         let found = self.finish(elements, nodes, &self.goal, 1.0, &Effort::new());
         found.ok_or(StaticError::NotFound)
     }
 
-    /// The equilibrium that [`Problem::solve`] tells.
+    /// The equilibrium of [`Problem::solve`], `None` if no start leads to one.
     fn any(&self, effort: &Effort) -> Option<Equilibrium> {
         let mut unstable = None;
         for nodes in self.starts(effort) {
@@ -198,19 +205,22 @@ impl Problem {
         let elements = &self.elements;
         let free = matches!(self.goal, Goal::Free { .. });
         let stable = |found: &Option<Equilibrium>| found.as_ref().is_some_and(|f| f.is_stable());
+        // A free end: minimise the energy from the start.
         if free {
             let found = self.descend(elements, &start.nodes, effort);
             if stable(&found) {
                 return found;
             }
         }
+        // Continuation in the loads and the end condition.
         let found = self.follow(elements, start, effort);
         if stable(&found) {
             return found;
         }
+        // From a saddle, or where the continuation fails, minimise the energy.
         let (elements, nodes) = match &found {
             Some(saddle) => (&saddle.elements, saddle.nodes.clone()),
-            // Where the loads block the way, they are put on at its end.
+            // Where the loads block the continuation, they are applied after it.
             None if free => (elements, start.nodes.clone()),
             None => (elements, self.continued(elements, start, 0.0, effort)?),
         };
@@ -218,8 +228,9 @@ impl Problem {
         down.or_else(|| self.around(elements, &nodes, effort)).or(found)
     }
 
-    /// The equilibrium that a push leads to, which is then taken away. Near a load that buckles it,
-    /// the rod in segments may stand where the rod does not; pushed, both lean.
+    /// The equilibrium reached by perturbing the end condition and removing the perturbation again.
+    /// Near a buckling load the rod in segments may be stable where the rod is not; perturbed, both
+    /// buckle.
     fn around(
         &self,
         elements: &[MeshElement],
@@ -238,8 +249,8 @@ impl Problem {
     }
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
-    /// `nodes`, which meet the conditions on the end. `None` also for a moment on the end, which
-    /// has no energy.
+    /// `nodes`, which meet the end condition. `None` also for a moment on the end, which has no
+    /// energy.
     fn descend(
         &self,
         elements: &[MeshElement],
@@ -248,6 +259,7 @@ impl Problem {
     ) -> Option<Equilibrium> {
         let rod = &self.rod;
         let (r, q) = self.clamp;
+        // The rod in segments, with the same elements and the same end condition.
         let clamp = Isometry3::from_parts((r * rod.length).into(), q);
         let lengths: Vec<_> =
             elements.iter().map(|e| (e.piece, (e.to - e.from) * rod.length)).collect();
@@ -267,7 +279,7 @@ impl Problem {
         let mut pull = nodes.last()?.n * rod.force();
         let stiffness = STIFF * chain.stiffness() + 10.0 * pull.norm() / rod.length;
         let mut rest = None;
-        // A spring holds the end, at a place moved by what it stretches (Hestenes 1969).
+        // A spring holds the end, its anchor moved by the stretch of the spring (Hestenes 1969).
         for _ in 0..if place.is_some() { HELD } else { 1 } {
             effort.spend(RELAX * last)?;
             if let Some(place) = place {
@@ -278,6 +290,7 @@ impl Problem {
             (shape, pull) = (found.shape.clone(), found.pulls.first().copied().unwrap_or(pull));
             rest = Some(found);
         }
+        // States of the nodes; the force from tip to clamp by the balance of loads.
         let states = chain.states(&rest?);
         let mut nodes: Vec<ShootingNode> = states.iter().map(|state| rod.scale(state)).collect();
         nodes[last].n = match self.goal {
@@ -292,8 +305,8 @@ impl Problem {
         self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
     }
 
-    /// The shapes to start from: the natural one, bent by the moment on the end, then, once that is
-    /// not enough, bent ones by their distance from the goal, then those that are twisted too.
+    /// Shapes to start from: the natural one, bent by the moment on the end, then, if that is not
+    /// enough, bent ones by their distance from the goal, then those that are twisted too.
     fn starts<'a>(&'a self, effort: &'a Effort) -> impl Iterator<Item = Vec<ShootingNode>> + 'a {
         let shape = move |moment: Vector3<f64>| {
             effort.spend(self.elements.len())?;
@@ -322,7 +335,7 @@ impl Problem {
         shape(moment).into_iter().chain(TWISTING.into_iter().flat_map(bent))
     }
 
-    /// Continuation from `start` in the loads and in the condition on the end together.
+    /// Continuation from `start` in the loads and in the end condition together, and refinement.
     fn follow(
         &self,
         elements: &[MeshElement],
@@ -333,7 +346,7 @@ impl Problem {
         self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
     }
 
-    /// Continuation from `start` to the condition on the end and the part `loads` of the loads.
+    /// Continuation from `start` to the end condition and the fraction `loads` of the loads.
     fn continued(
         &self,
         elements: &[MeshElement],
@@ -345,6 +358,7 @@ impl Problem {
         let mut nodes = start.nodes.clone();
         let near = start.factor >= loads && self.goal.missed(tip)?.0.norm() < NEAR_SOLUTION;
         let (mut at, mut step) = (0.0_f64, if near { 1.0 } else { FIRST });
+        // The step doubles after a success and halves after a failure.
         while at < 1.0 {
             let next = (at + step).min(1.0);
             let goal = self.goal.on_the_way(tip, start.turns, next)?;
@@ -362,7 +376,8 @@ impl Problem {
         Some(nodes)
     }
 
-    /// Refines the elements until the solution is resolved, and measures it.
+    /// Refines the elements until the solution is resolved, and computes its stability and
+    /// energies.
     fn finish(
         &self,
         mut elements: Vec<MeshElement>,
@@ -377,6 +392,7 @@ impl Problem {
             (elements, nodes) = finer;
             newton(&self.rod, &elements, &mut nodes, goal, factor, effort)?;
         }
+        // Stability by conjugate points, elastic energy, and work of the loads.
         let conjugate_points = index(&self.rod, &elements, &nodes, goal, factor)?;
         let (mut elastic, mut work) = (0.0, 0.0);
         for (element, node) in elements.iter().zip(&nodes) {
@@ -393,8 +409,8 @@ impl Problem {
     }
 }
 
-/// Whether two equilibria may be turned or reflected into each other: their energies and what they
-/// carry at both ends are the same in size.
+/// Whether two equilibria may be turned or reflected into each other: their energies, and the sizes
+/// of force and moment at both ends, are the same.
 fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
     let sizes = |e: &Equilibrium| {
         let [root, tip] =

@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-/// Nodes on `[-1, 1]` and weights of Gauss-Legendre quadrature with eight points, one half of them
+/// Positive nodes on `[-1, 1]` and their weights, of Gauss-Legendre quadrature with eight points
 /// (Abramowitz and Stegun, table 25.4).
 const HALF: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),

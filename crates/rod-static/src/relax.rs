@@ -10,48 +10,50 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rapunzel_fiber::so3::hat;
 use rayon::prelude::*;
 
-/// Newton steps before an attempt is given up.
+/// Largest number of Newton steps of one attempt.
 const MOST_RELAXATIONS: usize = 300;
-/// Newton steps before held nodes are led to their places by springs.
+/// Newton steps with held nodes as constraints, before springs pull them to their places.
 const AT_ONCE: usize = 20;
-/// Stiffnesses of those springs, in units of the rod's.
+/// Stiffnesses of the springs that pull held nodes to their places, in units of the rod's
+/// stiffness.
 const SPRINGS: [f64; 4] = [3.0, 30.0, 300.0, 3000.0];
-/// A step, rad, after which nothing is left to do: the next one is its square.
+/// Size of a step, rad, after which the iteration ends: the next one is its square.
 const SMALL_CHANGE: f64 = 1e-8;
-/// A step in the range of Newton's method, whose merit need not be tested.
+/// Size of a step, rad, below which its merit is not tested.
 const LOCAL: f64 = 1e-3;
-/// A step of a shifted matrix so small that the way down may be one of negative curvature; with
-/// targets, which bend that way, only at the end.
+/// Size of a step of a shifted matrix, rad, below which a direction of negative curvature is tried.
 const STALLED: f64 = 0.3;
+/// Value of `STALLED` with targets, whose directions of negative curvature are curved.
 const STALLED_HELD: f64 = 0.03;
-/// The largest step, rad.
+/// Largest rotation of a node in a step, rad.
 const LARGEST: f64 = 1.5;
-/// Part of the decrease that the slope promises which a step must bring (Armijo 1966).
+/// Fraction of the decrease predicted by the slope that a step must bring (Armijo 1966).
 const ENOUGH: f64 = 1e-4;
-/// What rounding makes of an energy, relative to it.
+/// Rounding error of an energy, relative to it.
 const RELAX_ROUNDING: f64 = 1e-13;
-/// Shortest part of a step.
+/// Shortest fraction of a step in the line search.
 const SHORTEST_LINE_STEP: f64 = 1e-6;
-/// Steps that are taken on trial where the first of them raises the merit.
+/// Number of whole steps that are taken on trial where the first of them raises the merit.
 const AHEAD: usize = 4;
-/// Steps along a direction of negative curvature, rad.
+/// Trial rotations along a direction of negative curvature, rad.
 const FALLS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.0];
-/// One that is taken on trial, rad.
+/// Rotation along a direction of negative curvature from which whole steps are tried, rad.
 const FAR_STEP: f64 = 0.3;
-/// First and shortest part of the following forces in which they are applied, and the Newton steps
-/// for each.
+/// Fraction of the following forces that is applied first.
 const FIRST: f64 = 0.25;
+/// Smallest increment of that fraction.
 const LEAST: f64 = 1e-3;
+/// Largest number of Newton steps for each fraction.
 const FEW_STEPS: usize = 12;
 
 /// An equilibrium of a [`Chain`]: a minimum of the energy, if no following forces act.
 #[derive(Debug, Clone)]
 pub struct Rest {
-    /// How the chain lies.
+    /// Shape of the chain in equilibrium.
     pub shape: Shape,
     /// Forces of the targets on their nodes, N, world frame, in the order of the targets.
     pub pulls: Vec<Vector3<f64>>,
-    /// Newton steps that led here.
+    /// Number of Newton steps that were taken.
     pub iterations: usize,
 }
 
@@ -64,8 +66,8 @@ impl Chain {
         self.relax(&self.natural_shape())
     }
 
-    /// The equilibrium that is reached from `start`, a shape of this chain, perhaps of before its
-    /// clamp or its loads changed.
+    /// The equilibrium that is reached from `start`, a shape of this chain, also one from before
+    /// its clamp or its loads changed.
     ///
     /// Newton's method on the energy (3.130) and (3.135), corrected: the energy itself is
     /// minimized, not its square. The pivots of the Hessian tell whether it is definite; where it
@@ -93,7 +95,8 @@ impl Chain {
     /// of threads.
     ///
     /// # Errors
-    /// Not one start for each chain; and for each chain those of [`Chain::relax`].
+    /// A number of starts other than one for each chain; for each chain the errors of
+    /// [`Chain::relax`].
     pub fn relax_all(
         chains: &[Self],
         starts: &[Shape],
@@ -105,9 +108,8 @@ impl Chain {
         Ok(chains.par_iter().zip(starts).map(|(chain, start)| chain.relax(start)).collect())
     }
 
-    /// Positions, frames, forces and moments of the nodes in equilibrium. Moments come from the
-    /// balance of the nodes; forces, which are constant in each segment, are the mean of both
-    /// segments, extrapolated at the ends.
+    /// States of the nodes in equilibrium. Moments come from the balance of the nodes; forces,
+    /// which are constant in each segment, are the mean of both segments, extrapolated at the ends.
     #[must_use]
     pub fn states(&self, rest: &Rest) -> Vec<State> {
         let shape = &rest.shape;
@@ -154,7 +156,7 @@ impl Chain {
         Ok(Rest { iterations: held.iterations + before, ..held })
     }
 
-    /// What the whole rod resists a force on its end with, N/m, bending or loaded.
+    /// Scale of the whole rod's stiffness against a force on its end, N/m, from bending and loads.
     pub(crate) fn stiffness(&self) -> f64 {
         let length: f64 = self.segments.iter().map(|segment| segment.length).sum();
         let bending = self.segments.iter().map(|segment| segment.stiffness.max());
@@ -162,7 +164,8 @@ impl Chain {
         bending.fold(0.0, f64::max) / length.powi(3) + loads / length
     }
 
-    /// The minimum that is reached in at most `most` steps, from `pulls` of the targets.
+    /// The minimum that is reached in at most `most` steps; `pulls` are the initial forces of the
+    /// targets.
     fn descend(
         &self,
         frames: Vec<UnitQuaternion<f64>>,
@@ -171,7 +174,8 @@ impl Chain {
     ) -> Result<Rest, StaticError> {
         let dead = self.carried(&frames, 0.0, &[]);
         let mut now = TrialShape::new(self, frames, &dead);
-        // The merit: the energy, and what held nodes miss by, weighed more than the pulls.
+        // The merit: the energy, plus the distances of held nodes from their places weighted more
+        // than the pulls.
         let mut weight = 0.0_f64;
         let mut size = f64::INFINITY;
         let stalled = if self.targets.is_empty() { STALLED } else { STALLED_HELD };
@@ -195,6 +199,7 @@ impl Chain {
             }
             let merit = |trial: &TrialShape| trial.energy + weight * trial.missed(self);
             let before = merit(&now);
+            // At a saddle: go down a direction of negative curvature.
             if let Some(falling) = newton.falling.as_ref().filter(|_| size < stalled) {
                 let lowest = self.lowest(&now, &dead, falling, merit);
                 let deeper =
@@ -204,11 +209,12 @@ impl Chain {
                     continue;
                 }
                 if size < SMALL_CHANGE && !held {
-                    // As a round rod that has buckled may do so in any plane: rounding alone makes
-                    // this a way down.
+                    // A round rod that has buckled may do so in any plane: rounding alone makes
+                    // this a direction of falling energy.
                     return Ok(Rest { shape: self.shape(now.frames), pulls, iterations });
                 }
             }
+            // Line search: halve the step until the merit falls enough.
             let mut part = (LARGEST / size).min(1.0);
             if newton.shift == 0.0 && size < LOCAL {
                 now = now.moved(self, &dead, &newton.step, 1.0);
@@ -230,7 +236,7 @@ impl Chain {
         Err(StaticError::NotConverged { iterations: most, step: size })
     }
 
-    /// The lowest of the shapes along a direction in which the energy falls.
+    /// The lowest of several shapes along a direction in which the energy falls.
     fn lowest(
         &self,
         now: &TrialShape,
@@ -250,9 +256,9 @@ impl Chain {
         far.min_by(deeper).or(Some(lowest))
     }
 
-    /// Where a few whole steps lead from `start`, without targets, if the energy comes below `low`
-    /// there: along a valley that bends, as that of a round rod that may lean any way, the first
-    /// step climbs its side, and the next return.
+    /// The shape that a few whole steps from `start` lead to, without targets, if its energy is
+    /// below `low`: along a curved valley, as of a round rod that may buckle in any plane, the
+    /// first step climbs the side of the valley, and the next ones return.
     fn ahead(&self, start: &TrialShape, dead: &[Vector3<f64>], low: f64) -> Option<TrialShape> {
         let mut trial = start.clone();
         for _ in 0..AHEAD {
@@ -267,7 +273,7 @@ impl Chain {
         None
     }
 
-    /// How the merit changes along a step.
+    /// Derivative of the merit along a Newton step.
     fn slope(
         &self,
         blocks: &[Blocks],
@@ -293,7 +299,7 @@ impl Chain {
         }
     }
 
-    /// Applies the following forces in parts, with Newton's method after each.
+    /// Applies the following forces in fractions, with Newton's method after each.
     fn follow(&self, mut frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
         let mut pulls = vec![Vector3::zeros(); self.targets.len()];
         let (mut at, mut step, mut iterations) = (0.0_f64, FIRST, 0);

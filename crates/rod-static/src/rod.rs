@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use std::fmt;
 use std::sync::Arc;
 
-/// What a rod is made of and carries at one arc length.
+/// Properties and load of a rod at one arc length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Properties {
     /// Bending stiffnesses about d1 and d2 and torsion stiffness, N m^2.
@@ -15,7 +15,7 @@ pub struct Properties {
     pub load: Vector3<f64>,
 }
 
-/// A stretch of a rod whose properties are smooth in the arc length.
+/// A part of a rod whose properties are smooth in the arc length.
 #[derive(Clone)]
 pub struct Piece {
     length: f64,
@@ -56,13 +56,13 @@ impl Piece {
         self
     }
 
-    /// Length, m.
+    /// Length of the piece, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// The force on the far end, N.
+    /// Dead force on the far end of the piece, N, world frame.
     pub(crate) fn end_load(&self) -> Vector3<f64> {
         self.end_load
     }
@@ -88,21 +88,21 @@ impl Piece {
     }
 }
 
-/// What holds the far end of the rod.
+/// Boundary condition at the far end of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EndCondition {
-    /// Nothing: a given force (N) and moment (N m) act on it, both dead, world frame.
+    /// A free end, on which a given force (N) and moment (N m) act, both dead, world frame.
     Free {
-        /// Force on the end.
+        /// Force on the end, N, world frame.
         force: Vector3<f64>,
-        /// Moment on the end.
+        /// Moment on the end, N m, world frame.
         moment: Vector3<f64>,
     },
-    /// A ball joint at this position: no moment.
+    /// A ball joint at this position (m, world frame), which takes no moment.
     Position(Point3<f64>),
     /// A bearing at this position along this tangent, in which the rod turns freely about itself.
     Tangent(Point3<f64>, Unit<Vector3<f64>>),
-    /// A clamp: position and frame.
+    /// A clamp with this pose of the end.
     Held(Isometry3<f64>),
 }
 
@@ -111,7 +111,7 @@ impl EndCondition {
     pub const FREE: Self =
         Self::Free { force: Vector3::new(0.0, 0.0, 0.0), moment: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The position that is asked for.
+    /// Prescribed position of the end, m, world frame; `None` for a free end.
     pub(crate) fn position(&self) -> Option<Point3<f64>> {
         match self {
             Self::Free { .. } => None,

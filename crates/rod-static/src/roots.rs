@@ -1,7 +1,7 @@
 use crate::carlson::rf;
 use crate::elliptic::Modulus;
 
-/// Distance that a limit is met at: what it changes, no double shows.
+/// Distance from a singular limit at which the limit is evaluated: its effect is below rounding.
 ///
 /// The planar, the polar and the separatrix limits are singular in the formulas only; at this
 /// distance (and its square, `1e-200`) all of them are ordinary numbers.
@@ -11,22 +11,25 @@ const NEARBY: f64 = 1e-100;
 /// from. `z` is the cosine of the angle between the tangent and the force.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integrals {
-    /// Magnitude of the force, 1/m^2.
+    /// Magnitude of the force over the bending stiffness, 1/m^2.
     pub(crate) n: f64,
-    /// `1 - z` and `1 + z` at the start.
+    /// `1 - z` at the start.
     pub(crate) below: f64,
+    /// `1 + z` at the start.
     pub(crate) above: f64,
     /// `z'` at the start, 1/m.
     pub(crate) slope: f64,
     /// Square of the bending curvature at the start, 1/m^2.
     pub(crate) bending: f64,
-    /// Moment along the tangent and along the force, 1/m.
+    /// Moment along the tangent over the bending stiffness, 1/m.
     pub(crate) m3: f64,
+    /// Moment along the force over the bending stiffness, 1/m.
     pub(crate) mz: f64,
     /// `mz - m3 z` at the start, 1/m.
     pub(crate) crossing: f64,
-    /// `mz - m3` and `mz + m3`, 1/m.
+    /// `mz - m3`, 1/m.
     pub(crate) difference: f64,
+    /// `mz + m3`, 1/m.
     pub(crate) sum: f64,
 }
 
@@ -34,10 +37,13 @@ pub(crate) struct Integrals {
 /// and from each other, each to its own last digit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CubicRoots {
-    /// `1 - z1`, `1 + z1`, `1 - z2`, `1 + z2`.
+    /// `1 - z1`.
     pub(crate) below1: f64,
+    /// `1 + z1`.
     pub(crate) above1: f64,
+    /// `1 - z2`.
     pub(crate) below2: f64,
+    /// `1 + z2`.
     pub(crate) above2: f64,
     /// `2 n (z3 - 1)`, 1/m^2: finite also without a force.
     pub(crate) beyond3: f64,
@@ -49,13 +55,14 @@ pub(crate) struct CubicRoots {
     pub(crate) modulus: Modulus,
     /// `lambda s0`, where sn vanishes at `s = -s0` (thesis (3.99); its sign corrected).
     pub(crate) start: f64,
-    /// `mz - m3` and `mz + m3`, at least nearby zero.
+    /// `mz - m3`, 1/m, kept away from zero.
     pub(crate) difference: f64,
+    /// `mz + m3`, 1/m, kept away from zero.
     pub(crate) sum: f64,
 }
 
 impl CubicRoots {
-    /// The lowest cosine.
+    /// The lowest cosine `z1` of the angle between tangent and force.
     pub(crate) fn z1(&self) -> f64 {
         if self.below1 < 1.0 { 1.0 - self.below1 } else { self.above1 - 1.0 }
     }

@@ -2,7 +2,7 @@ use crate::series::{curve, curve_values, logarithm};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3::hat;
 
-/// A stretch of constant curvature between two nodes, whose frames are its unknowns.
+/// A segment of constant curvature between two nodes, whose frames are the unknowns.
 ///
 /// `phi` is the rotation vector from the frame before to the frame behind, the curvature times the
 /// length; `nu` is the force that the rod beyond exerts, in the frame before. Variations of a
@@ -18,11 +18,13 @@ pub(crate) struct ChainSegment {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Blocks {
     pub(crate) gradient: [Vector3<f64>; 2],
-    /// Second derivatives by the frame before, behind, and mixed (rows behind, columns before).
+    /// Second derivatives by the variation of the frame before.
     pub(crate) before: Matrix3<f64>,
+    /// Second derivatives by the variation of the frame behind.
     pub(crate) behind: Matrix3<f64>,
+    /// Mixed second derivatives (rows behind, columns before).
     pub(crate) mixed: Matrix3<f64>,
-    /// What must be added to both diagonal blocks, about, for them to be convex.
+    /// Approximate shift of both diagonal blocks that makes them convex.
     pub(crate) shift: f64,
 }
 
@@ -37,8 +39,9 @@ pub(crate) fn turn(before: &UnitQuaternion<f64>, behind: &UnitQuaternion<f64>) -
 
 /// Quantities that gradient, Hessian and motion of the end have in common.
 struct Geometry {
-    /// Chord by length, `p`, and its derivative by `phi`.
+    /// Chord over length, `p`.
     chord: Vector3<f64>,
+    /// Derivative of the chord over length by `phi`.
     chord_by_phi: Matrix3<f64>,
     /// `phi` changes by `inverse b` of the frame behind, and by `-inverse^T b` of the one before.
     inverse: Matrix3<f64>,
@@ -101,7 +104,7 @@ impl Geometry {
 }
 
 impl ChainSegment {
-    /// The end of the segment as seen from its beginning.
+    /// Vector from the first to the second node, m, in the frame before.
     pub(crate) fn chord(&self, phi: &Vector3<f64>) -> Vector3<f64> {
         let (x, z) = (phi.norm_squared(), phi.z);
         let [c2, c3] = curve_values(x);
@@ -109,12 +112,12 @@ impl ChainSegment {
         (chord + Vector3::z() * (1.0 + c3 * (z * z - x))) * self.length
     }
 
-    /// The curvature in excess of the natural one.
+    /// Curvature in excess of the natural one, 1/m, material frame.
     pub(crate) fn strain(&self, phi: &Vector3<f64>) -> Vector3<f64> {
         phi / self.length - self.natural_curvature
     }
 
-    /// Elastic energy.
+    /// Elastic energy of the segment, J.
     pub(crate) fn elastic(&self, phi: &Vector3<f64>) -> f64 {
         let strain = self.strain(phi);
         0.5 * self.length * strain.dot(&self.stiffness.component_mul(&strain))
@@ -125,6 +128,7 @@ impl ChainSegment {
         let g = Geometry::of(phi);
         let (l, force) = (self.length, nu * self.length);
         let (inverse, transposed) = (g.inverse, g.inverse.transpose());
+        // u: derivative of the energy by phi; by_phi: its second derivative by phi.
         let elastic = self.stiffness.component_mul(&self.strain(phi));
         let pulled = g.chord_by_phi.transpose();
         let u = elastic - pulled * force;
@@ -149,7 +153,8 @@ impl ChainSegment {
         }
     }
 
-    /// Motion of the end, as seen from the beginning, by the variations of both frames.
+    /// Derivatives of the chord, in the frame before, by the variations of the frames before and
+    /// behind.
     pub(crate) fn motion(&self, phi: &Vector3<f64>) -> [Matrix3<f64>; 2] {
         let g = Geometry::of(phi);
         let by_phi = g.chord_by_phi * self.length;

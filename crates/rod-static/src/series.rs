@@ -1,17 +1,18 @@
 //! Entire functions of the squared angle that the geometry of a segment is made of, by their power
 //! series: no sine, no square root, and no special case at zero.
 
-/// Terms that are enough for squared angles up to [`SMALL_ARGUMENT`], and for those of half a turn.
+/// Number of terms for squared angles up to [`SMALL_ARGUMENT`].
 const FEW_TERMS: usize = 10;
+/// Number of terms for angles up to half a turn.
 const MANY: usize = 20;
-/// A squared angle for which few terms are enough: the next one is `1 / 22!` of the first.
+/// Squared angle up to which few terms are enough: the next one is `1 / 22!` of the first.
 const SMALL_ARGUMENT: f64 = 1.0;
 
-/// `(1 - cos a) / a^2`.
+/// Coefficients of `(1 - cos a) / a^2` in powers of `a^2`.
 const C2: [f64; MANY] = coefficients(2);
-/// `(a - sin a) / a^3`.
+/// Coefficients of `(a - sin a) / a^3` in powers of `a^2`.
 const C3: [f64; MANY] = coefficients(3);
-/// `(2 (1 - cos a) - a sin a) / a^4`.
+/// Coefficients of `(2 (1 - cos a) - a sin a) / a^4` in powers of `a^2`.
 const E: [f64; MANY] = {
     let (c3, mut c4) = (coefficients(3), coefficients(4));
     let mut k = 0;
@@ -22,7 +23,7 @@ const E: [f64; MANY] = {
     c4
 };
 
-/// `(-1)^k / (2 k + first)!`.
+/// Coefficients `(-1)^k / (2 k + first)!` of a power series.
 const fn coefficients(first: usize) -> [f64; MANY] {
     let mut terms = [0.0; MANY];
     let mut term = 1.0;
@@ -40,7 +41,7 @@ const fn coefficients(first: usize) -> [f64; MANY] {
     terms
 }
 
-/// A function with its first and half its second derivative.
+/// Value, first derivative and half the second derivative of a function.
 pub(crate) type Jet = [f64; 3];
 
 fn jet(terms: &[f64]) -> impl Fn(f64) -> Jet {

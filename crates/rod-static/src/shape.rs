@@ -1,6 +1,6 @@
 use nalgebra::{Point3, UnitQuaternion};
 
-/// How a [`Chain`](crate::Chain) lies: the frames of its nodes, and with them its center line.
+/// Shape of a [`Chain`](crate::Chain): the frames of its nodes, and with them its center line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
     pub(crate) frames: Vec<UnitQuaternion<f64>>,
@@ -20,9 +20,9 @@ impl Shape {
         &self.positions
     }
 
-    /// Richardson's extrapolation: the positions of these nodes to the fourth order in the length
-    /// of a segment, from the same rod's shape `finer` in twice as many segments. `None` if it has
-    /// not twice as many.
+    /// Positions of these nodes by Richardson's extrapolation, to fourth order in the length of a
+    /// segment, from this shape and the same rod's shape `finer` in twice as many segments. `None`
+    /// if it has not twice as many.
     #[must_use]
     pub fn extrapolated(&self, finer: &Self) -> Option<Vec<Point3<f64>>> {
         (finer.positions.len() == 2 * self.positions.len() - 1).then(|| {

@@ -4,25 +4,26 @@ use crate::step::{Propagator, ShootingNode};
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use std::cell::Cell;
 
-/// Newton steps before an attempt is given up.
+/// Largest number of Newton steps of one attempt.
 const MOST_SHOTS: usize = 12;
-/// A correction after which nothing is left to correct: the next one is its square.
+/// Size of a correction after which the iteration ends: the next one is its square.
 const SMALL: f64 = 1e-8;
-/// A correction in radians and lengths that is no longer one.
+/// Size of a correction, in radians and lengths, from which an attempt is given up.
 const FAR_SHOT: f64 = 3.0;
-/// Most iterations for singular values, of which six take some ten.
+/// Most iterations of a singular value decomposition; six values take about ten.
 const MOST_ROTATIONS: usize = 300;
-/// Part of the largest singular value below which one is that of a neutral way.
+/// Fraction of the largest singular value below which a singular value belongs to a neutral
+/// direction.
 const NEUTRAL_SHOT: f64 = 1e-10;
-/// Part of what is missed that such ways may leave over.
+/// Relative residual of the end conditions that neutral directions may leave.
 const CONSISTENT: f64 = 1e-8;
 
-/// Steps along elements that one question may cost: half a minute.
+/// Number of steps along elements that one query may cost: half a minute.
 const EFFORT: usize = 2_000_000;
 
 type Variation = SVector<f64, 12>;
 
-/// What is left of the steps along elements that one question may cost.
+/// Number of steps along elements that are left to one query.
 #[derive(Debug)]
 pub(crate) struct Effort(Cell<usize>);
 
@@ -31,7 +32,7 @@ impl Effort {
         Self(Cell::new(EFFORT))
     }
 
-    /// `None` once all is spent.
+    /// Subtracts `steps` from the budget; `None` once it is spent.
     pub(crate) fn spend(&self, steps: usize) -> Option<()> {
         let left = self.0.get().checked_sub(steps);
         self.0.set(left.unwrap_or(0));
@@ -40,10 +41,11 @@ impl Effort {
 }
 
 /// Newton's method for all nodes at once (multiple shooting): each element's end must be the next
-/// node, and the last node meet `goal`. `None` if it does not converge; then `nodes` are spoilt.
+/// node, and the last node meet `goal`. `None` if it does not converge; `nodes` are then
+/// meaningless.
 ///
-/// The linear system is solved by propagating an orthonormal basis of what the clamp leaves free
-/// (Godunov 1961, Scott and Watts 1977): modes that grow along the rod do no harm.
+/// The linear system is solved by propagating an orthonormal basis of the variations that the clamp
+/// leaves free (Godunov 1961, Scott and Watts 1977): modes that grow along the rod do no harm.
 pub(crate) fn newton(
     rod: &Scaled,
     elements: &[MeshElement],
@@ -60,6 +62,7 @@ pub(crate) fn newton(
         for (node, correction) in nodes.iter().zip(&corrections) {
             size = size.max(relative(node, correction));
         }
+        // Give up where corrections are too large or do not fall.
         let diverges = iteration > 1 && size > 0.7 * before && size > SMALL;
         if !size.is_finite() || size > FAR_SHOT || diverges {
             return None;
@@ -75,7 +78,8 @@ pub(crate) fn newton(
     None
 }
 
-/// The size of a correction: in lengths, radians and parts of what the node carries.
+/// Size of a correction: its largest part in lengths, radians, and relative to the moment and force
+/// of the node.
 fn relative(node: &ShootingNode, c: &Variation) -> f64 {
     let part = |row: usize| c.fixed_rows::<3>(row).norm();
     let (m, n) = (part(6) / (1.0 + node.m.norm()), part(9) / (1.0 + node.n.norm()));
@@ -93,7 +97,7 @@ impl ShootingNode {
         self.n += c.fixed_rows::<3>(9);
     }
 
-    /// What takes `other` here.
+    /// The variation that takes `other` to `self`.
     fn minus(&self, other: &Self) -> Variation {
         let mut difference = Variation::zeros();
         difference.fixed_rows_mut::<3>(0).copy_from(&(self.r - other.r));
@@ -105,7 +109,8 @@ impl ShootingNode {
     }
 }
 
-/// The end of an element and its derivatives; `None` if the element is too long.
+/// State at the end of an element, and its derivatives by the state at the start; `None` if the
+/// element is too long.
 pub(crate) fn propagate(
     rod: &Scaled,
     element: &MeshElement,
@@ -126,7 +131,7 @@ fn corrections(
     goal: &Goal,
     factor: f64,
 ) -> Option<Vec<Variation>> {
-    // Seen in lengths and moments of the sharpest bends: else forces would hide all others.
+    // Scale moments and forces by the sharpest bends, else forces would hide all other rows.
     let strongest = nodes.iter().map(|node| node.n.norm()).fold(0.0, f64::max);
     let bend = (1.0 + strongest).sqrt();
     let units = Variation::from_fn(|i, _| [1.0, 1.0, bend, bend * bend][i / 3]);
@@ -141,6 +146,8 @@ fn corrections(
     basis.fixed_view_mut::<6, 6>(6, 0).fill_with_identity();
     let mut rest = Variation::zeros();
     let mut passed = Vec::with_capacity(elements.len());
+    // Forward sweep: propagate the basis through each element, orthonormalise it by QR, and split
+    // the inhomogeneous part into one along the new basis and the rest.
     for (i, element) in elements.iter().enumerate() {
         let (end, by) = propagate(rod, element, &nodes[i], factor)?;
         let by = scaled(by);
@@ -151,6 +158,7 @@ fn corrections(
         passed.push((basis, rest, qr.r(), along));
         (basis, rest) = (next, moved - next * along);
     }
+    // The six conditions at the end, each row scaled by its largest entry.
     let (mut missed, mut by) = goal.missed(nodes.last()?)?;
     for (row, mut conditions) in by.row_iter_mut().enumerate() {
         conditions.component_mul_assign(&units.transpose());
@@ -158,20 +166,21 @@ fn corrections(
         conditions /= largest;
         missed[row] /= largest;
     }
-    // A closed ring may turn about its tangent: where a way is neutral it is not gone. Of what has
-    // overflowed on the way singular values are sought without end unless that is bounded.
+    // Solve for p at the end. Neutral directions, such as a closed ring turning about its tangent,
+    // are left out. The iterations are bounded, since after an overflow they would not end.
     let onto = (by * basis).try_svd(true, true, 5.0 * f64::EPSILON, MOST_ROTATIONS)?;
     let neutral = NEUTRAL_SHOT * onto.singular_values.max();
     let wanted = -(missed + by * rest);
     let mut p = onto.solve(&wanted, neutral).ok()?;
-    // In this form what is no number is not consistent.
+    // Written so that NaN counts as inconsistent.
     let consistent = (by * basis * p - wanted).norm() <= CONSISTENT * (1.0 + wanted.norm());
     if !consistent {
         return None;
     }
     let mut corrections = vec![(basis * p + rest).component_mul(&units)];
     for (basis, rest, triangle, along) in passed.iter().rev() {
-        // The triangle leads from p here to p there: modes that grow forward shrink backward.
+        // Backward sweep. The triangle leads from p there to p here: modes that grow forward shrink
+        // backward.
         p = triangle.solve_upper_triangular(&(p - along))?;
         corrections.push((basis * p + rest).component_mul(&units));
     }

@@ -4,12 +4,15 @@ use crate::shooting::propagate;
 use crate::step::ShootingNode;
 use nalgebra::{Matrix3, Vector3};
 
-/// Stiffness of what is held, in units of the rod's own: as good as rigid, and no matter for signs.
+/// Stiffness of held directions, in units of the rod's stiffness: practically rigid; the signs do
+/// not depend on its value.
 const RIGID: f64 = 1e9;
 
-/// Part of the largest eigenvalue below which one counts as zero: of rounding, and of what Newton's
-/// method leaves of a neutral way.
+/// Fraction of the largest eigenvalue of a pivot below which an eigenvalue counts as zero, for
+/// rounding.
 const STABILITY_ROUNDING: f64 = 1e-10;
+/// Fraction of the largest eigenvalue of the compliance below which an eigenvalue counts as zero,
+/// for the error that Newton's method leaves in a neutral direction.
 const NEUTRAL_MODE: f64 = 1e-7;
 
 /// Number of independent variations that lower the energy: the number of points conjugate to the
@@ -17,9 +20,9 @@ const NEUTRAL_MODE: f64 = 1e-7;
 ///
 /// The variations are rotations along the rod; the second variation in them is eliminated element
 /// by element from the end, and each pivot's negative eigenvalues are counted (the count of
-/// Wittrick and Williams 1971). An end that is held in its place takes away those variations that
-/// move it, which are as many as its compliance has negative eigenvalues (the isoperimetric index
-/// of Maddocks 1985; Manning, Rogers and Maddocks 1998), or none, of a neutral way.
+/// Wittrick and Williams 1971). A prescribed position of the end excludes the variations that move
+/// it, as many as its compliance has negative eigenvalues (the isoperimetric index of Maddocks
+/// 1985; Manning, Rogers and Maddocks 1998), or none for a neutral direction.
 pub(crate) fn index(
     rod: &Scaled,
     elements: &[MeshElement],
@@ -29,7 +32,7 @@ pub(crate) fn index(
 ) -> Option<usize> {
     let tangent = nodes.last()?.q * Vector3::z();
     // The part beyond a node: its moment is stiffness * rotation + coupling * force, and the end
-    // moves, seen from the node, by arm * rotation + compliance * force.
+    // moves, relative to the node, by arm * rotation + compliance * force.
     let mut stiffness = match goal {
         Goal::Free { .. } | Goal::Position { .. } => Matrix3::zeros(),
         Goal::Tangent { .. } => (tangent * tangent.transpose() - Matrix3::identity()) * RIGID,
@@ -64,8 +67,8 @@ pub(crate) fn index(
     Some(count.saturating_sub(held))
 }
 
-/// Number of negative eigenvalues of the symmetric part; those that are as good as `zero`, in parts
-/// of the largest one, do not count.
+/// Number of negative eigenvalues of the symmetric part; eigenvalues whose size relative to the
+/// largest one is below `zero` do not count.
 fn negative(m: &Matrix3<f64>, zero: f64) -> usize {
     let eigenvalues = (0.5 * (m + m.transpose())).symmetric_eigenvalues();
     let zero = zero * eigenvalues.amax();

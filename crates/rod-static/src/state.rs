@@ -2,7 +2,7 @@ use crate::StaticError;
 use crate::error::finite;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-/// What a rod is and carries at one arc length.
+/// State of a rod at one arc length: position, frame, force and moment.
 ///
 /// Force and moment are what the part beyond exerts on the part before, in the world frame:
 /// `n' + f = 0` and `m' + d3 x n = 0` with the load `f` per length.

@@ -23,31 +23,32 @@ pub(crate) struct ShootingNode {
     pub(crate) n: Vector3<f64>,
 }
 
-/// Where a step leads.
+/// Result of a step.
 pub(crate) struct Reached {
     pub(crate) node: ShootingNode,
-    /// Elastic energy of the step, and the work of the distributed load from the origin.
+    /// Elastic energy of the step.
     pub(crate) elastic: f64,
+    /// Work of the distributed load in the step, with displacements from the origin.
     pub(crate) work: f64,
-    /// How much of the turn, rad, and of the moment, in units of what the force bends with, the
-    /// highest polynomial carries.
+    /// Error estimate: how much of the rotation, rad, and of the moment, in units of what the force
+    /// bends with, the highest polynomial carries.
     pub(crate) rough: f64,
 }
 
-/// Newton steps for the stages.
+/// Largest number of Newton steps for the stages.
 const MOST_STAGE_ITERATIONS: usize = 20;
-/// A correction after which the same derivatives serve again, and one after which only rounding is
-/// left.
+/// Size of a correction below which the derivatives of the step before are used again.
 const NEAR_STAGE: f64 = 1e-2;
+/// Size of a correction below which only rounding is left.
 const SMALL_STAGE: f64 = 1e-12;
 
-/// The quaternions of all stages.
+/// Number of unknowns of a step: the quaternions of all stages.
 const UNKNOWNS: usize = 4 * STAGES;
 /// Derivatives of the stages' rates by quaternion and moment.
 type StageRates = [(Matrix4<f64>, Matrix4x3<f64>); STAGES];
 type StageSolver = LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>;
 
-/// What the equations are made of at one stage.
+/// Quantities of the rod's equations at one stage.
 struct GaussStage {
     q: Quaternion<f64>,
     m: Vector3<f64>,
@@ -55,7 +56,7 @@ struct GaussStage {
     p: Properties,
     tangent: Vector3<f64>,
     strain: Vector3<f64>,
-    /// Change of the quaternion by the arc length.
+    /// Derivative of the quaternion by the arc length.
     rate: Vector4<f64>,
 }
 
@@ -66,7 +67,7 @@ impl GaussStage {
         Self { q, m: zero, n, p, tangent, strain: zero, rate: Vector4::zeros() }
     }
 
-    /// Under the moment `m`.
+    /// Sets the moment `m`, and the strain and rate that follow from it.
     fn bend(&mut self, m: Vector3<f64>) {
         let body = (self.q.conjugate() * Quaternion::from_imag(m) * self.q).imag();
         self.m = m;
@@ -79,7 +80,7 @@ impl GaussStage {
         self.n.cross(&self.tangent)
     }
 
-    /// Derivative of the tangent by the quaternion.
+    /// Derivative of the tangent by the quaternion of the stage.
     fn tangent_by_q(&self) -> Matrix3x4<f64> {
         let z = Quaternion::from_imag(Vector3::z()) * self.q.conjugate();
         2.0 * right(&z).fixed_rows::<3>(0)
@@ -98,11 +99,12 @@ impl GaussStage {
     }
 }
 
-/// The matrix of `p` times a quaternion, and of a quaternion times `p`.
+/// Matrix `L(p)` of the product `p q` with a quaternion `q`.
 fn left(p: &Quaternion<f64>) -> Matrix4<f64> {
     side(p, 1.0)
 }
 
+/// Matrix `R(p)` of the product `q p` with a quaternion `q`.
 fn right(p: &Quaternion<f64>) -> Matrix4<f64> {
     side(p, -1.0)
 }
@@ -132,6 +134,7 @@ impl GaussStep {
         properties: impl Fn(f64) -> Properties,
     ) -> Self {
         let h = to - from;
+        // Predict the quaternions of the stages with the curvature at the start.
         let p = NODES.map(|c| properties(from + h * c));
         let start = properties(from);
         let body = node.q.inverse_transform_vector(&node.m).component_div(&start.stiffness);
@@ -146,12 +149,14 @@ impl GaussStep {
             if iteration > 0 && size > NEAR_STAGE {
                 (_, solver) = Self::derivatives(h, &stages);
             }
+            // Residual of the stages: q_i - q_0 - h sum_j a_ij rate_j.
             let mut missed = SVector::<f64, UNKNOWNS>::zeros();
             for i in 0..STAGES {
                 let mut sum = q[i].coords - node.q.coords;
                 (0..STAGES).for_each(|j| sum -= stages[j].rate * (h * STEPS[i][j]));
                 missed.fixed_rows_mut::<4>(4 * i).copy_from(&sum);
             }
+            // Newton correction of the quaternions, and new stages.
             solver.solve_mut(&mut missed);
             for i in 0..STAGES {
                 q[i].coords -= missed.fixed_rows::<4>(4 * i);
@@ -165,7 +170,8 @@ impl GaussStep {
         Self { h, stages, converged: size < SMALL_STAGE }
     }
 
-    /// The stages with these quaternions: forces follow from the loads, moments from both.
+    /// Stages with the given quaternions: forces follow from the loads, moments from forces and
+    /// quaternions.
     fn stages(
         node: &ShootingNode,
         h: f64,
@@ -184,7 +190,8 @@ impl GaussStep {
         stages
     }
 
-    /// The derivatives of the rates, and of the stages' equations by the quaternions, factored.
+    /// Derivatives of the rates of all stages, and the factored Jacobian of the stages' equations
+    /// by the quaternions.
     fn derivatives(h: f64, stages: &[GaussStage; STAGES]) -> (StageRates, StageSolver) {
         let by = [0, 1, 2, 3].map(|j| stages[j].rate_by());
         let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity();
@@ -202,7 +209,7 @@ impl GaussStep {
         (by, matrix.lu())
     }
 
-    /// The sum of what the stages give, with the weights of the method, times the length.
+    /// Sum of a quantity over the stages with the weights of the method, times the step length.
     fn sum<T>(&self, zero: T, of: impl Fn(&GaussStage) -> T) -> T
     where
         T: std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -240,7 +247,7 @@ impl GaussStep {
         }
     }
 
-    /// The derivatives of the end, `reached` from `node`.
+    /// Derivatives of the state `reached` by the state `node` at the start of the step.
     fn propagator(&self, node: &ShootingNode, reached: &ShootingNode) -> Propagator {
         let (by, solver) = Self::derivatives(self.h, &self.stages);
         // Columns: rotation, moment, force of the start.
@@ -249,15 +256,19 @@ impl GaussStep {
         start.fixed_view_mut::<4, 3>(0, 0).copy_from(&turn);
         let mut moment = SMatrix::<f64, 3, 9>::zeros();
         moment.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+        // Derivatives of the moment rates by the force at the start, at constant quaternions, times
+        // h.
         let pulled: [SMatrix<f64, 3, 9>; STAGES] = [0, 1, 2, 3].map(|l| {
             let mut by_force = SMatrix::<f64, 3, 9>::zeros();
             let tangent = hat(&self.stages[l].tangent) * -self.h;
             by_force.fixed_view_mut::<3, 3>(0, 6).copy_from(&tangent);
             by_force
         });
+        // Derivative of the moment at stage i: start moment plus weighted parts.
         let along = |i: usize, parts: &[SMatrix<f64, 3, 9>; STAGES]| {
             (0..STAGES).fold(moment, |sum, l| sum + parts[l] * STEPS[i][l])
         };
+        // Derivatives of the stages' quaternions: right-hand sides, then the factored Jacobian.
         let mut stages = SMatrix::<f64, UNKNOWNS, 9>::zeros();
         for i in 0..STAGES {
             let mut rows = start;
@@ -271,6 +282,8 @@ impl GaussStep {
         let tangents = [0, 1, 2, 3].map(|j| self.stages[j].tangent_by_q() * q[j]);
         let moments =
             [0, 1, 2, 3].map(|j| pulled[j] + hat(&self.stages[j].n) * tangents[j] * self.h);
+        // Derivatives of position, quaternion and moment at the end, with the weights of the
+        // method.
         let mut propagator = Propagator::identity();
         let (mut position, mut end) = (SMatrix::<f64, 3, 9>::zeros(), start);
         let mut carried = moment;
@@ -279,6 +292,7 @@ impl GaussStep {
             carried += moments[j] * WEIGHTS[j];
             end += (by_q * q[j] + by_m * along(j, &moments)) * (self.h * WEIGHTS[j]);
         }
+        // From the quaternion to the rotation vector at the end.
         let turned = right(&reached.q.conjugate()).fixed_rows::<3>(0) * end * 2.0;
         propagator.fixed_view_mut::<3, 9>(0, 3).copy_from(&position);
         propagator.fixed_view_mut::<3, 9>(3, 3).copy_from(&turned);
@@ -288,7 +302,7 @@ impl GaussStep {
 }
 
 impl ShootingNode {
-    /// The step from `from` to `to` through `properties(s)`.
+    /// Takes the step from arc length `from` to `to` through `properties(s)`.
     pub(crate) fn step(
         &self,
         from: f64,
@@ -298,7 +312,8 @@ impl ShootingNode {
         GaussStep::new(self, from, to, properties).reached(self)
     }
 
-    /// The step and its derivatives; `None` if it is too long for its equations to be solved.
+    /// Takes the step and returns its derivatives too; `None` if it is too long for its equations
+    /// to be solved.
     pub(crate) fn step_with_derivatives(
         &self,
         from: f64,

@@ -3,11 +3,11 @@ use nalgebra::Point3;
 /// A place that a node of a [`Chain`](crate::Chain) is held at or pulled to (thesis Fig. 3.12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// The node, counted from the clamp, which is node 0.
+    /// Index of the node, counted from the clamp, which is node 0.
     pub node: usize,
-    /// Where it is to be, m, world frame.
+    /// Place at which the node is held or to which it is pulled, m, world frame.
     pub place: Point3<f64>,
-    /// Stiffness of the spring that pulls it there, N/m; infinite for a node that is held.
+    /// Stiffness of the spring between node and place, N/m; infinite for a node that is held.
     pub stiffness: f64,
 }
 

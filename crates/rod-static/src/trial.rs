@@ -2,19 +2,20 @@ use crate::chain::{Chain, turn_by};
 use crate::segment::{Blocks, turn};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 
-/// A shape of a [`Chain`] with what the search for the equilibrium needs of it.
+/// A shape of a [`Chain`] with the quantities that the search for the equilibrium needs.
 #[derive(Debug, Clone)]
 pub(crate) struct TrialShape {
     pub(crate) frames: Vec<UnitQuaternion<f64>>,
     turns: Vec<Vector3<f64>>,
     /// Energy of the chain, of the dead forces from the clamp on, and of the springs.
     pub(crate) energy: f64,
-    /// From the targets' places to their nodes.
+    /// Vectors from the targets' places to their nodes, m, world frame.
     pub(crate) gaps: Vec<Vector3<f64>>,
 }
 
 impl TrialShape {
-    /// Measures the shape with the given frames; `dead` are the sums of the dead forces beyond.
+    /// Computes the quantities of the shape with the given frames; `dead` are the sums of the dead
+    /// forces beyond, N, world frame.
     pub(crate) fn new(
         chain: &Chain,
         frames: Vec<UnitQuaternion<f64>>,
@@ -58,7 +59,7 @@ impl TrialShape {
         Self::new(chain, frames, dead)
     }
 
-    /// By how much the nodes that are held are not where they should be.
+    /// Sum of the distances between the held nodes and their places, m.
     pub(crate) fn missed(&self, chain: &Chain) -> f64 {
         let held = self.gaps.iter().zip(&chain.targets).filter(|(_, target)| target.is_held());
         held.map(|(gap, _)| gap.norm()).sum()
@@ -74,7 +75,7 @@ impl TrialShape {
             .collect()
     }
 
-    /// Motions of the ends of the segments by the variations of their frames, world frame.
+    /// Derivatives of the ends of the segments by the variations of their frames, world frame.
     pub(crate) fn motions(&self, chain: &Chain) -> Vec<[Matrix3<f64>; 2]> {
         let segments = chain.segments.iter().zip(&self.turns).zip(&self.frames);
         segments

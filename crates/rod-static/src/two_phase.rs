@@ -8,9 +8,9 @@ impl Chain {
     /// clamp, then frames from the clamp to the tip (3.128, 3.129, both corrected in sign). A fast
     /// approximation, of first order, without iteration.
     ///
-    /// All forces are taken as following ones: the dead ones in the axes that the nodes have in
-    /// `reference`. That is good for small loads, or with a shape nearby for reference; the
-    /// equilibrium itself gives itself back. Targets are left out.
+    /// All forces are treated as following ones: the dead ones in the axes that the nodes have in
+    /// `reference`. That is good for small loads, or with a nearby shape as reference; with the
+    /// equilibrium itself as reference the result is that equilibrium. Targets are left out.
     ///
     /// # Errors
     /// A reference of another number of nodes.
@@ -21,6 +21,8 @@ impl Chain {
             reference.frames[node].inverse_transform_vector(&self.forces[node])
                 + self.followers[node]
         };
+        // First phase, from tip to clamp: moment and force in the material frame, and the
+        // rotations.
         let mut force = load(count);
         let mut moment = Vector3::zeros();
         let mut turns = vec![Vector3::zeros(); count];
@@ -31,6 +33,7 @@ impl Chain {
             moment += (curvature.cross(&moment) + Vector3::z().cross(&force)) * length;
             force += curvature.cross(&force) * length + load(i);
         }
+        // Second phase, from clamp to tip: frames.
         let mut frames = vec![self.clamp.rotation];
         for (i, turn) in turns.iter().enumerate() {
             frames.push(frames[i] * UnitQuaternion::from_scaled_axis(*turn));
