@@ -64,10 +64,19 @@ struct Bend<S: Simd> {
     stored: [Lane<S>; 2],
 }
 
-impl<S: Simd> SimdBatch<S> {
-    /// Notes in one lane how the ends are when a step sets out, at which time they are led as `now`
-    /// says. Reactions that are not `known` count as those after the step.
-    pub(super) fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
+/// Ledgers of the steps of a batch.
+pub(super) trait BatchLedger {
+    /// Notes in one lane the frames and forces of the ends before a step whose ledger is wanted;
+    /// `now` are the conditions then. Reactions that are not `known` count as the reactions after
+    /// the step.
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
+    /// Ledgers of the step of length `dt[lane]` (s) that has been solved and not been committed. In
+    /// lanes that are `done` what follows sets out from its end.
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES];
+}
+
+impl<S: Simd> BatchLedger for SimdBatch<S> {
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
         let n = self.chain.n;
         let joined = self.chain.ends.joined(lane);
         let parts: [(usize, usize, &End); 2] = [(0, 0, &now.root), (n, n - 1, &now.tip)];
@@ -88,9 +97,7 @@ impl<S: Simd> SimdBatch<S> {
         set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
     }
 
-    /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In
-    /// lanes that are `done` what follows sets out from its end.
-    pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
         struct Account<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
             type Output = [Ledger; LANES];
@@ -104,7 +111,9 @@ impl<S: Simd> SimdBatch<S> {
         }
         self.chain.simd.vectorize(Account(self, dt, done))
     }
+}
 
+impl<S: Simd> SimdBatch<S> {
     /// Asks the laws what the step stores and dissipates.
     fn book_laws(&mut self) {
         let RotationChain { model, laws, room, ends, .. } = &mut self.chain;

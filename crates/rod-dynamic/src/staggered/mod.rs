@@ -14,8 +14,11 @@
 //! [`StaggeredBatch`] moves up to eight fibres in SIMD lanes; [`Staggered`] is a batch of one
 //! behind [`crate::RodIntegrator`]. A fibre moves bit for bit alike in any company.
 
+mod answers;
 mod array;
+mod attempt;
 mod batch;
+mod batch_step;
 mod chain;
 mod check;
 mod coupled;
@@ -23,12 +26,13 @@ mod coupled_step;
 mod ends;
 mod equilibrium;
 mod erased_batch;
-mod explicit;
 mod factor;
 mod history;
+mod inputs;
 mod joint_geometry;
 mod laws;
 mod ledger;
+mod memory;
 mod model;
 mod outset;
 mod readout;

@@ -26,7 +26,7 @@ pub(super) enum Inertia {
 }
 
 /// What is asked of the factorised step.
-enum Question<'a, S: Simd> {
+pub(super) enum Question<'a, S: Simd> {
     Respond(Inertia, usize),
     RespondThrice(usize, &'a mut ImpulseColumns<S>),
     Blocks,
@@ -87,28 +87,12 @@ fn answer<S: Simd, const K: usize>(
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Replaces the impulses in the workspace by mean velocities, of node `from` and those behind
-    /// it. No node before it may have an impulse; what is theirs in the workspace is left alone.
-    pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
-        self.ask(Question::Respond(inertia, from));
-    }
-
     /// The same for three sets of impulses at once, in columns of their own.
     pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {
         self.ask(Question::RespondThrice(from, columns));
     }
 
-    /// Computes the diagonal blocks of all nodes.
-    pub(super) fn response_blocks(&mut self) {
-        self.ask(Question::Blocks);
-    }
-
-    /// Factorises again with masses added at points.
-    pub(super) fn weigh(&mut self, points: &[Point], masses: &[f64]) {
-        self.ask(Question::Weigh(points, masses));
-    }
-
-    fn ask(&mut self, question: Question<'_, S>) {
+    pub(super) fn ask(&mut self, question: Question<'_, S>) {
         struct Ask<'a, 'b, S: Simd>(&'a mut SimdBatch<S>, Question<'b, S>);
         impl<S: Simd> NullaryFnOnce for Ask<'_, '_, S> {
             type Output = ();
