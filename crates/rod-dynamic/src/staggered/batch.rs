@@ -1,20 +1,11 @@
-use super::check::{check_conditions, check_laws, check_state};
+use super::check::{check_laws, check_state};
 use super::erased_batch::{ErasedBatch, build};
-use super::scheme::{Scheme, StepProblem};
-use super::search::SearchOutcome;
+use super::scheme::Scheme;
 use crate::joint::Joint;
-use crate::{
-    Conditions, End, Energy, Instant, Ledger, Momentum, Rod, RodError, RodState, RodStepReport,
-    SectionLaws, StepError,
-};
+use crate::{Energy, Ledger, Momentum, Rod, RodError, RodState, SectionLaws};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_lanes::LANES;
-
-/// Largest number of halvings of a step.
-const MAX_HALVINGS: usize = 12;
-/// Length of the solve for the initial acceleration, as a fraction of the step size.
-const START: f64 = 1.0;
 
 /// Up to eight fibres with equally many segments, moved together in SIMD lanes.
 ///
@@ -32,17 +23,17 @@ const START: f64 = 1.0;
 pub struct StaggeredBatch {
     pub(super) engine: Box<dyn ErasedBatch>,
     pub(super) rods: Vec<Rod>,
-    time: f64,
+    pub(super) time: f64,
     /// Size of the step that is under way across calls, s; zero if none is.
     pub(super) predicted: f64,
     /// Whether accelerations are carried from step to step.
-    memory: bool,
+    pub(super) memory: bool,
     /// Whether the initial acceleration of a fibre is still to be found.
     pub(super) fresh: [bool; LANES],
     /// Value of `fresh` before the step that has been predicted.
     pub(super) fresh_before: [bool; LANES],
     /// Ledgers of the last step, if they are kept.
-    ledgers: Option<[Ledger; LANES]>,
+    pub(super) ledgers: Option<[Ledger; LANES]>,
 }
 
 impl StaggeredBatch {
@@ -210,258 +201,6 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Advances all fibres by `dt` seconds, fibre `i` under `conditions[i]`, and writes iterations
-    /// and residual of the step to `reports[i]`.
-    ///
-    /// # Errors
-    /// [`StepError`]; all fibres are then as before.
-    ///
-    /// # Panics
-    /// If there are fewer conditions or reports than fibres.
-    pub fn step(
-        &mut self,
-        dt: f64,
-        conditions: &[&dyn Conditions],
-        reports: &mut [RodStepReport],
-    ) -> Result<(), StepError> {
-        self.working(|batch| batch.step_whole(dt, conditions, reports))
-    }
-
-    /// Runs `act` with a borrowed workspace.
-    pub(super) fn working<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        self.engine.enter();
-        let done = act(self);
-        self.engine.leave();
-        done
-    }
-
-    fn step_whole(
-        &mut self,
-        dt: f64,
-        conditions: &[&dyn Conditions],
-        reports: &mut [RodStepReport],
-    ) -> Result<(), StepError> {
-        let fresh = self.fresh;
-        let wanted = self.begin(dt, conditions, reports)?;
-        let count = self.rods.len();
-        let mut out = [SearchOutcome::NONE; LANES];
-        let mut lengths = [dt; LANES];
-        self.engine.attempt(&lengths, &wanted, StepProblem::Step, &mut out);
-        let mut whole = wanted;
-        // Saved state of the fibres that go on in parts, as the step started.
-        let mut before = Vec::new();
-        for fiber in 0..count {
-            reports[fiber] = out[fiber].report();
-            if !out[fiber].converged {
-                whole[fiber] = false;
-                self.engine.undo(fiber);
-                let mut numbers = Vec::new();
-                self.engine.save(fiber, &mut numbers);
-                before.push((fiber, numbers));
-                let result = self.creep(fiber, dt, conditions[fiber], &mut lengths, &out[fiber]);
-                match result {
-                    Ok(report) => {
-                        reports[fiber].iterations += report.iterations;
-                        reports[fiber].halvings = report.halvings;
-                        reports[fiber].residual = report.residual;
-                    }
-                    Err(error) => {
-                        for (fiber, numbers) in before {
-                            self.engine.restore(fiber, &numbers);
-                        }
-                        self.take_back(fresh);
-                        return Err(error);
-                    }
-                }
-                lengths[fiber] = dt;
-            }
-        }
-        self.commit(&lengths, &whole);
-        self.advance_time(dt);
-        Ok(())
-    }
-
-    /// Checks a step, finds initial accelerations where they are still missing, and sets the
-    /// conditions at the end of the step. Returns the lanes in use.
-    pub(super) fn begin(
-        &mut self,
-        dt: f64,
-        conditions: &[&dyn Conditions],
-        reports: &[RodStepReport],
-    ) -> Result<[bool; LANES], StepError> {
-        let count = self.rods.len();
-        assert!(conditions.len() >= count && reports.len() >= count, "one for each fibre");
-        if !(dt > 0.0 && dt.is_finite()) {
-            return Err(StepError::TimeStep(dt));
-        }
-        let mut ends = [None; LANES];
-        for fiber in 0..count {
-            ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
-        }
-        self.open_ledgers(conditions)?;
-        self.engine.remember();
-        self.engine.set_out(&[true; LANES]);
-        let fresh = self.fresh;
-        if let Err(error) = self.start(dt, conditions) {
-            self.take_back(fresh);
-            return Err(error);
-        }
-        let mut used = [false; LANES];
-        for (fiber, now) in ends.iter().enumerate() {
-            if let Some(now) = now {
-                self.engine.set_conditions(fiber, now);
-                used[fiber] = true;
-            }
-        }
-        Ok(used)
-    }
-
-    /// Begins the ledgers of a step, if they are kept.
-    fn open_ledgers(&mut self, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
-        if self.ledgers.is_some() {
-            for (fiber, conditions) in conditions.iter().enumerate().take(self.rods.len()) {
-                let now = self.conditions(fiber, self.time, *conditions)?;
-                self.engine.open_ledger(fiber, &now, !self.fresh[fiber]);
-            }
-            self.ledgers = Some(Default::default());
-        }
-        Ok(())
-    }
-
-    /// Makes the last attempt the state of the fibres that are `done`, and adds it to their
-    /// ledgers.
-    pub(super) fn commit(&mut self, lengths: &[f64; LANES], done: &[bool; LANES]) {
-        if let Some(ledgers) = &mut self.ledgers {
-            let booked = self.engine.account(lengths, done);
-            for fiber in (0..self.rods.len()).filter(|&fiber| done[fiber]) {
-                ledgers[fiber] += booked[fiber];
-            }
-        }
-        self.engine.commit(lengths, done, StepProblem::Step);
-    }
-
-    /// Undoes everything that a failed step has changed.
-    pub(super) fn take_back(&mut self, fresh: [bool; LANES]) {
-        self.engine.undo_all(&fresh);
-        self.fresh = fresh;
-    }
-
-    /// Lets all fibres start without an initial acceleration.
-    pub(super) fn skip_start(&mut self) {
-        self.fresh = [false; LANES];
-    }
-
-    pub(super) fn advance_time(&mut self, dt: f64) {
-        self.time += dt;
-    }
-
-    /// Takes one fibre through the step in parts, which are halved until they converge.
-    fn creep(
-        &mut self,
-        fiber: usize,
-        dt: f64,
-        conditions: &dyn Conditions,
-        lengths: &mut [f64; LANES],
-        failed: &SearchOutcome,
-    ) -> Result<RodStepReport, StepError> {
-        let mut out = [SearchOutcome::NONE; LANES];
-        out[fiber] = *failed;
-        let mut only = [false; LANES];
-        only[fiber] = true;
-        // Progress is counted in parts of the finest length, so that the last part ends exactly.
-        let total = 1_u32 << MAX_HALVINGS;
-        let (mut done, mut part) = (0_u32, total);
-        let mut report = RodStepReport::default();
-        while done < total {
-            // The last attempt failed: halve the part, unless it is the finest.
-            if !out[fiber].converged {
-                if part == 1 {
-                    return Err(StepError::NotConverged {
-                        fiber,
-                        time: self.time + dt * f64::from(done) / f64::from(total),
-                        dt: lengths[fiber],
-                        residuals: out[fiber].residuals[..out[fiber].iterations].to_vec(),
-                    });
-                }
-                part /= 2;
-                report.halvings += 1;
-            }
-            // Attempt the next part, and commit it or go back to its start.
-            lengths[fiber] = dt * f64::from(part) / f64::from(total);
-            let end = self.time + dt * f64::from(done + part) / f64::from(total);
-            let now = self.conditions(fiber, end, conditions)?;
-            self.engine.set_conditions(fiber, &now);
-            let mut before = Vec::new();
-            self.engine.save(fiber, &mut before);
-            self.engine.set_out(&only);
-            self.engine.attempt(lengths, &only, StepProblem::Step, &mut out);
-            report.iterations += out[fiber].iterations;
-            if out[fiber].converged {
-                self.commit(lengths, &only);
-                done += part;
-            } else {
-                self.engine.restore(fiber, &before);
-            }
-        }
-        report.residual = out[fiber].report().residual;
-        Ok(report)
-    }
-
-    /// Finds the initial accelerations of fibres whose state has just been set.
-    fn start(&mut self, dt: f64, conditions: &[&dyn Conditions]) -> Result<(), StepError> {
-        let count = self.rods.len();
-        let delta = START * dt;
-        let mut wanted = [false; LANES];
-        // Rotations of the joints under the conditions at the start.
-        if self.fresh[..count].contains(&true) {
-            for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
-                let now = self.conditions(fiber, self.time, conditions[fiber])?;
-                self.engine.set_conditions(fiber, &now);
-            }
-            self.engine.measure(&self.fresh);
-        }
-        if !self.memory {
-            self.fresh = [false; LANES];
-        }
-        // Lanes in which an initial acceleration exists, and the conditions of the solve for it.
-        for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {
-            let at =
-                |part: f64| self.conditions(fiber, self.time + part * delta, conditions[fiber]);
-            let (now, then) = (at(1.0)?, at(2.0)?);
-            let (position, velocity) = self.engine.node(fiber, 0);
-            wanted[fiber] = sets_out_smoothly(&now.root, &then.root, &position, &velocity, delta);
-            self.engine.set_conditions(fiber, &now);
-        }
-        // Solve for the accelerations; rotations go back to the start.
-        if wanted.contains(&true) {
-            let mut out = [SearchOutcome::NONE; LANES];
-            let lengths = [delta; LANES];
-            self.engine.attempt(&lengths, &wanted, StepProblem::Start, &mut out);
-            let mut done = wanted;
-            for fiber in 0..count {
-                done[fiber] &= out[fiber].converged;
-            }
-            self.engine.commit(&lengths, &done, StepProblem::Start);
-            for fiber in (0..count).filter(|&fiber| wanted[fiber]) {
-                self.engine.undo(fiber);
-            }
-        }
-        self.fresh = [false; LANES];
-        Ok(())
-    }
-
-    /// The conditions of one fibre at `time`, checked.
-    fn conditions(
-        &self,
-        fiber: usize,
-        time: f64,
-        conditions: &dyn Conditions,
-    ) -> Result<Instant, StepError> {
-        let now = conditions.at(time);
-        check_conditions(&self.rods[fiber], &now, time).map_err(|e| e.renumbered(|_| fiber))?;
-        Ok(now)
-    }
-
     /// Appends all numbers that determine the further motion.
     pub fn save(&self, numbers: &mut Vec<f64>) {
         numbers.reserve_exact(self.numbers());
@@ -518,25 +257,4 @@ fn natural_state(rod: &Rod) -> RodState {
         forces: vec![Vector3::zeros(); n],
         curvatures: fiber.nodes().iter().map(|node| node.natural_curvature).collect(),
     }
-}
-
-/// Whether the root's prescribed motion continues the velocity that the rod starts with, so that
-/// an acceleration at the start exists: compared are the first and the second difference quotient.
-fn sets_out_smoothly(
-    now: &End,
-    then: &End,
-    position: &Point3<f64>,
-    velocity: &Vector3<f64>,
-    delta: f64,
-) -> bool {
-    let place = |end: &End| match end {
-        End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned { position, .. } => Some(position.coords),
-        End::Loaded { .. } => None,
-    };
-    let (Some(first), Some(second)) = (place(now), place(then)) else { return true };
-    let jump = (first - position.coords) / delta - velocity;
-    let change = (second - 2.0 * first + position.coords) / delta;
-    let speed = velocity.norm().max(((second - first) / delta).norm());
-    jump.norm() <= change.norm() + 1e-9 * speed
 }

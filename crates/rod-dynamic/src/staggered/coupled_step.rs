@@ -4,22 +4,47 @@
 //! again, and the other coefficients are recomputed from the state and the impulses, which costs
 //! less than to keep them.
 
-use super::array::{get, store};
+use super::array::{self, get, set, store};
 use super::ends::Held;
+use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
 use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::Search;
 use super::simd_batch::SimdBatch;
+use nalgebra::Vector3;
+use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane};
 
 /// Largest rotation increment of rods in contact, rad; longer ones are shortened to it.
 const LONGEST_TURN: f64 = 1.0;
 
-impl<S: Simd> SimdBatch<S> {
+/// A step of a batch in several calls.
+pub(super) trait BatchCoupledStep {
+    /// Lets the batch own the storage that a step needs from call to call, from now on. Not to be
+    /// called between [`super::attempt::BatchAttempts::enter`] and `leave`.
+    fn keep(&mut self);
     /// Prepares a step of `dt` seconds at the predicted shape, without solving it.
-    pub(super) fn look(&mut self, dt: f64) {
+    fn look(&mut self, dt: f64);
+    /// Solves Newton's equations at the present shape, without taking the increments. Returns the
+    /// largest increment of each lane, rad.
+    fn linearize(&mut self) -> [f64; LANES];
+    /// Takes the increments of the last linearisation, with other impulses (N s, one a node, fibre
+    /// by fibre) than those it had. Returns the largest increment of each lane, rad.
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES];
+    /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
+    fn arrive(&mut self);
+}
+
+impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
+    fn keep(&mut self) {
+        self.keeps = true;
+        self.chain.kept.fit(self.chain.n);
+        array::fit::<S>(&mut self.impulses, 3 * (self.chain.n + 1));
+    }
+
+    fn look(&mut self, dt: f64) {
         struct LookAhead<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for LookAhead<'_, S> {
             type Output = ();
@@ -36,9 +61,7 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(LookAhead(self));
     }
 
-    /// Solves Newton's equations at the present shape, without taking the increments. Returns the
-    /// largest increment of each lane, rad.
-    pub(super) fn linearize(&mut self) -> [f64; LANES] {
+    fn linearize(&mut self) -> [f64; LANES] {
         struct Linearize<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Linearize<'_, S> {
             type Output = [f64; LANES];
@@ -62,9 +85,40 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Linearize(self))
     }
 
+    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES] {
+        let nodes = self.chain.n + 1;
+        self.chain.room.values.fill(S::f64s::zeroed());
+        for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
+            for (a, impulse) in impulses.iter().enumerate() {
+                let change = impulse - self.vector(&self.impulses, a, lane);
+                for i in 0..3 {
+                    set(&mut self.chain.room.values, 3 * a + i, lane, change[i]);
+                }
+            }
+            self.set_impulses(lane, impulses);
+        }
+        self.take_increments()
+    }
+
+    fn arrive(&mut self) {
+        struct Arrive<'a, S: Simd>(&'a mut SimdBatch<S>);
+        impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                self.0.resume();
+                self.0.chain.shape();
+                self.0.chain.measure_joints();
+            }
+        }
+        self.chain.simd.vectorize(Arrive(self));
+    }
+}
+
+impl<S: Simd> SimdBatch<S> {
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
-    pub(super) fn advance(&mut self) -> [f64; LANES] {
+    fn take_increments(&mut self) -> [f64; LANES] {
         struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
             type Output = [f64; LANES];
@@ -120,20 +174,5 @@ impl<S: Simd> SimdBatch<S> {
     pub(super) fn recall_directors(&mut self) {
         let all = Lane::splat(self.chain.simd, 1.0);
         keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
-    }
-
-    /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
-    pub(super) fn arrive(&mut self) {
-        struct Arrive<'a, S: Simd>(&'a mut SimdBatch<S>);
-        impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                self.0.resume();
-                self.0.chain.shape();
-                self.0.chain.measure_joints();
-            }
-        }
-        self.chain.simd.vectorize(Arrive(self));
     }
 }

@@ -11,8 +11,7 @@
 //!
 //! With `m` the joint's moment at the end, elastic energy grows by
 //! `m_elastic dphi - dphi K dphi / 2`. Kinetic energy grows by `(v' - v) (v' + v) / 2` for each
-//! unit
-//! of mass; of an impulse `P = m p` and the inertia `A` along `u = w dt` that leaves
+//! unit of mass; of an impulse `P = m p` and the inertia `A` along `u = w dt` that leaves
 //! `(A dt + p - (v' - v)) w + (v' - v) (w - (v' + v)/2)`, which for backward Euler is
 //! `(v' - v)^2 / 2`. All these differences are booked as the integrator's, with the difference
 //! between the work of forces at the end and at the mean. Nodes are in balance to rounding; where
@@ -68,10 +67,19 @@ struct Bend<S: Simd> {
     stored: [Lane<S>; 2],
 }
 
-impl<S: Simd> SimdBatch<S> {
-    /// Records the state of the ends of one lane at the start of a step, under the conditions `now`
-    /// of that time. Unless the reactions are `known`, those after the step also stand for them.
-    pub(super) fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
+/// Ledgers of the steps of a batch.
+pub(super) trait BatchLedger {
+    /// Records the frames and forces of the ends of one lane before a step whose ledger is wanted;
+    /// `now` are the conditions at that time. Unless the reactions are `known`, those after the
+    /// step also stand for them.
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool);
+    /// Ledgers of the step of length `dt[lane]` (s) that has been solved and not been committed. In
+    /// lanes that are `done` the next step starts from its end.
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES];
+}
+
+impl<S: Simd> BatchLedger for SimdBatch<S> {
+    fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
         let n = self.chain.n;
         let joined = self.chain.ends.joined(lane);
         let parts: [(usize, usize, &End); 2] = [(0, 0, &now.root), (n, n - 1, &now.tip)];
@@ -92,9 +100,7 @@ impl<S: Simd> SimdBatch<S> {
         set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
     }
 
-    /// Ledgers of the step of length `dt[lane]` that has been solved and not been committed. In
-    /// lanes that are `done` the next step starts from its end.
-    pub(super) fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
+    fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
         struct Account<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [f64; LANES], &'a [bool; LANES]);
         impl<S: Simd> NullaryFnOnce for Account<'_, S> {
             type Output = [Ledger; LANES];
@@ -108,7 +114,9 @@ impl<S: Simd> SimdBatch<S> {
         }
         self.chain.simd.vectorize(Account(self, dt, done))
     }
+}
 
+impl<S: Simd> SimdBatch<S> {
     /// Evaluates the energies that the section laws store and dissipate in the step.
     fn book_laws(&mut self) {
         let RotationChain { model, laws, room, ends, .. } = &mut self.chain;

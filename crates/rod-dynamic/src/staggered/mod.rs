@@ -15,8 +15,11 @@
 //! behind [`crate::RodIntegrator`]. The motion of a fibre does not depend on the others in its
 //! batch, bit for bit.
 
+mod answers;
 mod array;
+mod attempt;
 mod batch;
+mod batch_step;
 mod chain;
 mod check;
 mod coupled;
@@ -24,12 +27,13 @@ mod coupled_step;
 mod ends;
 mod equilibrium;
 mod erased_batch;
-mod explicit;
 mod factor;
 mod history;
+mod inputs;
 mod joint_geometry;
 mod laws;
 mod ledger;
+mod memory;
 mod model;
 mod outset;
 mod readout;

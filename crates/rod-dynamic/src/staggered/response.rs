@@ -26,7 +26,7 @@ pub(super) enum Inertia {
 }
 
 /// Query to the factorised step.
-enum Question<'a, S: Simd> {
+pub(super) enum Question<'a, S: Simd> {
     Respond(Inertia, usize),
     RespondThrice(usize, &'a mut ImpulseColumns<S>),
     Blocks,
@@ -89,30 +89,13 @@ fn answer<S: Simd, const K: usize>(
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Replaces the impulses (N s) in the workspace by mean velocities (m/s), of node `from` and
-    /// those behind it. No node before it may have an impulse; entries of those nodes are
-    /// unchanged.
-    pub(super) fn respond(&mut self, inertia: Inertia, from: usize) {
-        self.ask(Question::Respond(inertia, from));
-    }
-
     /// Replaces three sets of impulses (N s) in `columns` by mean velocities (m/s), from node
     /// `from` on, in one solve.
     pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {
         self.ask(Question::RespondThrice(from, columns));
     }
 
-    /// Computes the diagonal response blocks of all nodes (1/kg) in the workspace.
-    pub(super) fn response_blocks(&mut self) {
-        self.ask(Question::Blocks);
-    }
-
-    /// Factorises again with masses (kg) added at points.
-    pub(super) fn weigh(&mut self, points: &[Point], masses: &[f64]) {
-        self.ask(Question::Weigh(points, masses));
-    }
-
-    fn ask(&mut self, question: Question<'_, S>) {
+    pub(super) fn ask(&mut self, question: Question<'_, S>) {
         struct Ask<'a, 'b, S: Simd>(&'a mut SimdBatch<S>, Question<'b, S>);
         impl<S: Simd> NullaryFnOnce for Ask<'_, '_, S> {
             type Output = ();

@@ -1,22 +1,18 @@
-//! Fibres that move together, one in each SIMD lane, and one attempt at a step.
+//! Fibres that move together, one in each SIMD lane, and the problem of their step.
 
-use super::array::{Array, at, set, store, zeros};
+use super::array::{Array, set, store, zeros};
 use super::chain::RotationChain;
-use super::ends::{EndKind, Ends, Held};
+use super::ends::{Ends, Held};
 use super::factor::WeightedFactor;
 use super::history::KinematicHistory;
-use super::joint_geometry::keep_directors;
 use super::laws::{Laws, Turns};
 use super::model::BatchModel;
 use super::outset::Outset;
 use super::scheme::{Scheme, Stage, StepProblem};
-use super::search::SearchOutcome;
 use super::workspace::BatchWorkspace;
-use crate::{End, Instant, Load, Rod};
-use nalgebra::Vector3;
+use crate::Rod;
+use pulp::Simd;
 use pulp::bytemuck::Zeroable;
-use pulp::{NullaryFnOnce, Simd};
-use rapunzel_fiber::so3;
 use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Model and state of up to eight fibres with equally many segments, one per lane.
@@ -115,83 +111,6 @@ impl<S: Simd> SimdBatch<S> {
         pack
     }
 
-    /// Solves a problem with steps of `dt[lane]` seconds in the lanes that are wanted, without
-    /// committing the solution.
-    pub(super) fn attempt(
-        &mut self,
-        dt: &[f64; LANES],
-        wanted: &[bool; LANES],
-        problem: StepProblem,
-        out: &mut [SearchOutcome; LANES],
-    ) {
-        struct Attempt<'a, S: Simd>(
-            &'a mut SimdBatch<S>,
-            &'a [f64; LANES],
-            &'a [bool; LANES],
-            StepProblem,
-            &'a mut [SearchOutcome; LANES],
-        );
-        impl<S: Simd> NullaryFnOnce for Attempt<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let Self(pack, dt, wanted, problem, out) = self;
-                let stage = pack.stage(dt, problem);
-                if problem == StepProblem::Again {
-                    pack.recall_directors();
-                }
-                if problem == StepProblem::Step {
-                    pack.look_ahead(&stage, wanted);
-                }
-                pack.prepare(&stage);
-                pack.begin_laws();
-                pack.chain.newton(wanted, &pack.held, problem == StepProblem::Rest, out);
-            }
-        }
-        self.last_dt = *dt;
-        self.chain.simd.vectorize(Attempt(self, dt, wanted, problem, out));
-    }
-
-    /// Stores the present directors as those at the start of a step, in the lanes that are wanted.
-    pub(super) fn set_out(&mut self, wanted: &[bool; LANES]) {
-        struct SetOut<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [bool; LANES]);
-        impl<S: Simd> NullaryFnOnce for SetOut<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let wanted = self.0.flags(self.1);
-                let RotationChain { room, q, .. } = &mut self.0.chain;
-                keep_directors(&mut room.d_start, q, wanted);
-            }
-        }
-        self.chain.simd.vectorize(SetOut(self, wanted));
-    }
-
-    /// Takes the rotation vectors of the joints from the present rotations, in the lanes that are
-    /// wanted: the damping of the first step starts from them.
-    pub(super) fn measure(&mut self, wanted: &[bool; LANES]) {
-        struct Measure<'a, S: Simd>(&'a mut SimdBatch<S>, &'a [bool; LANES]);
-        impl<S: Simd> NullaryFnOnce for Measure<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let Self(pack, lanes) = self;
-                let wanted = pack.flags(lanes);
-                pack.before.phi = pack.phi.clone();
-                pack.chain.measure_joints();
-                for j in 0..=pack.chain.n {
-                    let (new, old) =
-                        (pack.chain.vec(&pack.chain.room.phi, j), pack.chain.vec(&pack.phi, j));
-                    store(&mut pack.phi, j, wanted.positive().select(new, old));
-                }
-                for lane in (0..S::F64_LANES).filter(|&lane| lanes[lane]) {
-                    pack.strain_laws_at_once(lane);
-                }
-            }
-        }
-        self.chain.simd.vectorize(Measure(self, wanted));
-    }
-
     /// Resets the section laws of one lane to the natural state, then strains them at once to the
     /// present rotations.
     pub(super) fn strain_laws_at_once(&mut self, lane: usize) {
@@ -204,26 +123,6 @@ impl<S: Simd> SimdBatch<S> {
     pub(super) fn flags(&self, flags: &[bool; LANES]) -> Lane<S> {
         let numbers = flags.map(f64::from);
         Lane::load(self.chain.simd, &numbers, 0)
-    }
-
-    /// Makes the last attempt the state, in the lanes that are `done`.
-    pub(super) fn commit(&mut self, dt: &[f64; LANES], done: &[bool; LANES], problem: StepProblem) {
-        struct Commit<'a, S: Simd>(
-            &'a mut SimdBatch<S>,
-            &'a [f64; LANES],
-            &'a [bool; LANES],
-            StepProblem,
-        );
-        impl<S: Simd> NullaryFnOnce for Commit<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let Self(pack, dt, done, problem) = self;
-                let stage = pack.stage(dt, problem);
-                pack.take_over(&stage, done);
-            }
-        }
-        self.chain.simd.vectorize(Commit(self, dt, done, problem));
     }
 
     #[inline(always)]
@@ -363,7 +262,7 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     #[inline(always)]
-    fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
+    pub(super) fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let n = self.chain.n;
         let done = self.flags(wanted);
         // Nodes: velocity after the impulse, then rates and position at the end of the step.
@@ -406,62 +305,5 @@ impl<S: Simd> SimdBatch<S> {
                 store(&mut self.phi, j, done.positive().select(new, old));
             }
         }
-    }
-
-    /// Sets the conditions of one lane at the end of its step.
-    pub(super) fn set_conditions(&mut self, lane: usize, now: &Instant) {
-        let (air, drag) = now.air.map_or_else(Default::default, |a| {
-            (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential])
-        });
-        let numbers = now.gravity.iter().chain(&now.distributed).chain(&air).chain(&drag);
-        for (i, x) in numbers.enumerate() {
-            set(&mut self.fields, i, lane, *x);
-        }
-        let n = self.chain.n;
-        // A follower load turns with the end, half a segment from the frame of the last segment.
-        let mut now = *now;
-        now.root = ahead(&now.root, &-self.vector(&self.chain.model.rest, 0, lane));
-        now.tip = ahead(&now.tip, &self.vector(&self.chain.model.rest, n, lane));
-        let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
-        self.held[lane] = self.chain.ends.set(lane, &now, reaction);
-        self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == EndKind::Loaded);
-        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == EndKind::Held);
-        self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
-    }
-
-    /// Every array that a lane's future depends on, except the memory of section laws.
-    pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
-        let [a, b, c] = self.nodes.arrays();
-        let [d, e, f] = self.directors.arrays();
-        let [g, h, i] = self.joints.arrays();
-        let RotationChain { q, force, ends, .. } = &self.chain;
-        let flags = [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint];
-        let [j, k, l, m] = flags.map(std::slice::from_ref);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
-    }
-
-    /// Every array that a lane's future depends on, mutable, in the order of [`Self::arrays`].
-    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 18] {
-        let [a, b, c] = self.nodes.arrays_mut();
-        let [d, e, f] = self.directors.arrays_mut();
-        let [g, h, i] = self.joints.arrays_mut();
-        let RotationChain { q, force, ends, .. } = &mut self.chain;
-        let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, .. } = ends;
-        let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
-        let (r, phi) = (&mut self.r, &mut self.phi);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction]
-    }
-}
-
-/// An end with its follower loads in the frame of the adjoining segment, from which the frame of
-/// the end is rotated by `turn` where no moment bends it further.
-fn ahead(end: &End, turn: &Vector3<f64>) -> End {
-    let moved = |load: &Load| match load {
-        Load::Follower(v) => Load::Follower(so3::exp(turn) * v),
-        Load::World(_) => *load,
-    };
-    match end {
-        End::Loaded { force, moment } => End::Loaded { force: moved(force), moment: moved(moment) },
-        _ => *end,
     }
 }

@@ -1,0 +1,161 @@
+//! Impulses and responses of the rods, converted between vectors of nodes or points and SIMD lanes.
+
+use super::array::{at, lanes, set};
+use super::response::{ImpulseColumns, Inertia, Question};
+use super::simd_batch::SimdBatch;
+use crate::{Point, PointResponses};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use pulp::Simd;
+use pulp::bytemuck::{self, Zeroable};
+use std::ops::RangeInclusive;
+
+/// Mean velocities (m/s, world frame) that impulses (N s) at the start of the step cause, to first
+/// order about the last solve.
+pub(super) trait BatchResponse {
+    /// Velocities of all nodes for impulses on them, fibre by fibre.
+    fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
+    /// 3 x 3 response of every node to an impulse on itself, 1/kg, fibre by fibre.
+    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
+    /// Velocities of points for impulses on them, in any order.
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        inertia: Inertia,
+        out: &mut [Vector3<f64>],
+    );
+    /// Dense response matrices of the points of each fibre that has any. Solves for the first
+    /// points of all fibres at once, then for the second ones, and so on.
+    fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses>;
+    /// Factorises again with masses (kg) added at points, for [`Inertia::Weighted`].
+    fn weigh(&mut self, points: &[Point], masses: &[f64]);
+}
+
+impl<S: Simd> BatchResponse for SimdBatch<S> {
+    fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
+        let nodes = self.chain.n + 1;
+        for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
+            for (to, from) in lanes(&mut self.chain.room.values).zip(impulses) {
+                for i in 0..3 {
+                    to[i * S::F64_LANES + lane] = from[i];
+                }
+            }
+        }
+        self.ask(Question::Respond(Inertia::Own, 0));
+        for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
+            for (from, to) in lanes(&mut self.chain.room.values).zip(out) {
+                for i in 0..3 {
+                    to[i] = from[i * S::F64_LANES + lane];
+                }
+            }
+        }
+    }
+
+    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]) {
+        self.ask(Question::Blocks);
+        let nodes = self.chain.n + 1;
+        for (lane, blocks) in blocks.chunks_exact_mut(nodes).enumerate().take(fibers) {
+            for (a, block) in blocks.iter_mut().enumerate() {
+                let entry = |i: usize| at(&self.chain.room.blocks, 6 * a + i, lane);
+                let (xy, xz, yz) = (entry(3), entry(4), entry(5));
+                *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+            }
+        }
+    }
+
+    fn respond_at(
+        &mut self,
+        points: &[Point],
+        impulses: &[Vector3<f64>],
+        inertia: Inertia,
+        out: &mut [Vector3<f64>],
+    ) {
+        let Some(from) = points.iter().map(|point| point.segment as usize).min() else { return };
+        let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.values);
+        // The node before is read too, as the end of the first segment that is solved for.
+        values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
+        for (point, impulse) in points.iter().zip(impulses) {
+            let node = &mut values[both_nodes::<S>(point)];
+            for i in 0..3 {
+                let behind = point.fraction * impulse[i];
+                node[i * S::F64_LANES] += impulse[i] - behind;
+                node[(3 + i) * S::F64_LANES] += behind;
+            }
+        }
+        self.ask(Question::Respond(inertia, from));
+        let values = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.values);
+        for (point, out) in points.iter().zip(out) {
+            let node = &values[both_nodes::<S>(point)];
+            for i in 0..3 {
+                let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
+                out[i] = before + point.fraction * (behind - before);
+            }
+        }
+    }
+
+    fn write_out(&mut self, points: &[Point]) -> Vec<PointResponses> {
+        // Indices of the points of each fibre, from root to tip.
+        let mut fibers: Vec<Vec<usize>> = vec![Vec::new(); S::F64_LANES];
+        for (i, point) in points.iter().enumerate() {
+            fibers[point.fiber as usize].push(i);
+        }
+        for own in &mut fibers {
+            own.sort_by_key(|&i| points[i].segment);
+        }
+        let mut all: Vec<_> = fibers
+            .into_iter()
+            .map(|points| {
+                let matrix = DMatrix::zeros(3 * points.len(), 3 * points.len());
+                PointResponses { points, matrix }
+            })
+            .collect();
+        let mut columns = ImpulseColumns::<S>::new(self.chain.n);
+        let most = all.iter().map(|one| one.points.len()).max().unwrap_or(0);
+        for turn in 0..most {
+            let now = || all.iter().filter_map(|one| one.points.get(turn));
+            let from = now().map(|&i| points[i].segment as usize).min().unwrap_or(0);
+            // The node before is read too, as the end of the first segment that is solved for.
+            columns.values[9 * from.saturating_sub(1)..].fill(S::f64s::zeroed());
+            // Unit impulses along x, y and z at the present point of each fibre.
+            for &i in now() {
+                let Point { fiber, segment, fraction } = points[i];
+                for (node, share) in [(0, 1.0 - fraction), (1, fraction)] {
+                    let first = 9 * (segment as usize + node);
+                    for k in 0..3 {
+                        set(&mut columns.values, first + 4 * k, fiber as usize, share);
+                    }
+                }
+            }
+            self.respond_thrice(from, &mut columns);
+            // Columns of this point in the rows of the points behind it; the rest follows by
+            // symmetry.
+            for (lane, one) in all.iter_mut().enumerate() {
+                for row in turn..one.points.len() {
+                    let Point { segment, fraction, .. } = points[one.points[row]];
+                    let value = |i: usize| at(&columns.values, 9 * segment as usize + i, lane);
+                    for k in 0..3 {
+                        for i in 0..3 {
+                            let (before, behind) = (value(3 * k + i), value(9 + 3 * k + i));
+                            let answer = before + fraction * (behind - before);
+                            one.matrix[(3 * row + i, 3 * turn + k)] = answer;
+                            one.matrix[(3 * turn + k, 3 * row + i)] = answer;
+                        }
+                    }
+                }
+            }
+        }
+        all.retain(|one| !one.points.is_empty());
+        all
+    }
+
+    fn weigh(&mut self, points: &[Point], masses: &[f64]) {
+        self.ask(Question::Weigh(points, masses));
+    }
+}
+
+/// Index range, in an array of vectors, from the first number of the node before a point to the
+/// last number of the node behind it.
+fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
+    let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
+    first..=first + 5 * S::F64_LANES
+}

@@ -1,0 +1,144 @@
+//! Inputs of one lane of a batch: conditions, states, laws, loads.
+
+use super::array::{self, at, set};
+use super::ends::EndKind;
+use super::simd_batch::SimdBatch;
+use crate::joint::Joint;
+use crate::{End, Instant, Load, Rod, RodState};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use pulp::Simd;
+use rapunzel_fiber::so3;
+
+/// Inputs of a batch, one lane at a time.
+pub(super) trait BatchInputs {
+    /// Sets boundary conditions, gravity, distributed force and air at the end of the lane's step.
+    fn set_conditions(&mut self, lane: usize, now: &Instant);
+    /// Starts the lane from `state`, whose arrays fit the rod. Positions follow from the frames,
+    /// and the strains of the joints at the ends from the curvatures there; at an end that is not
+    /// clamped the curvature is the natural one, and the strain vanishes.
+    fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
+    /// Replaces the lane's section laws by those of `rod`, which must have as much memory.
+    fn set_laws(&mut self, lane: usize, rod: &Rod);
+    /// Sets the external force on a node, N, world frame.
+    fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
+    /// Sets the impulses on the lane's nodes at the start of the step, N s, world frame; starting a
+    /// new step clears them. A support takes up the impulse on the end that it holds.
+    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]);
+}
+
+impl<S: Simd> BatchInputs for SimdBatch<S> {
+    fn set_conditions(&mut self, lane: usize, now: &Instant) {
+        let (air, drag) = now.air.map_or_else(Default::default, |a| {
+            (a.wind, [a.drag.normal, a.drag.normal - a.drag.tangential])
+        });
+        let numbers = now.gravity.iter().chain(&now.distributed).chain(&air).chain(&drag);
+        for (i, x) in numbers.enumerate() {
+            set(&mut self.fields, i, lane, *x);
+        }
+        let n = self.chain.n;
+        // A follower load turns with the end, half a segment from the frame of the last segment.
+        let mut now = *now;
+        now.root = ahead(&now.root, &-self.vector(&self.chain.model.rest, 0, lane));
+        now.tip = ahead(&now.tip, &self.vector(&self.chain.model.rest, n, lane));
+        let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
+        self.held[lane] = self.chain.ends.set(lane, &now, reaction);
+        self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == EndKind::Loaded);
+        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == EndKind::Held);
+        self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
+    }
+
+    fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState) {
+        let n = self.chain.n;
+        for array in self.arrays_mut() {
+            for i in 0..array.len() {
+                set(array, i, lane, 0.0);
+            }
+        }
+        let mut position = state.positions[0].coords;
+        let mut before: Option<Rotation3<f64>> = None;
+        for a in 0..=n {
+            for i in 0..3 {
+                set(&mut self.r, 3 * a + i, lane, position[i]);
+                set(&mut self.nodes.v, 3 * a + i, lane, state.velocities[a][i]);
+            }
+            if a == n {
+                break;
+            }
+            let frame = so3::quaternion(&state.frames[a]);
+            let coordinates = frame.coords;
+            for i in 0..4 {
+                set(&mut self.chain.q, 4 * a + i, lane, coordinates[i]);
+            }
+            let matrix: Matrix3<f64> = frame.to_rotation_matrix().into_inner();
+            let rates = matrix * so3::hat(&state.angular_velocities[a]);
+            for k in 0..2 {
+                for i in 0..3 {
+                    set(&mut self.directors.v, 3 * (2 * a + k) + i, lane, rates[(i, k)]);
+                }
+            }
+            position += matrix.column(2) * at(&self.chain.model.h, a, lane);
+            let frame = Rotation3::from_matrix_unchecked(matrix);
+            if let Some(before) = before {
+                let turn = so3::log(&(before.inverse() * frame));
+                self.set_turn(lane, a, &turn);
+            }
+            before = Some(frame);
+        }
+        self.chain.ends.join(lane);
+        for j in [0, n] {
+            let strain = state.curvatures[j] - rod.fiber.nodes()[j].natural_curvature;
+            let turn = self.vector(&self.chain.model.rest, j, lane)
+                + strain * Joint::new(&rod.fiber, j).length;
+            self.set_turn(lane, j, &turn);
+        }
+        self.strain_laws_at_once(lane);
+    }
+
+    fn set_laws(&mut self, lane: usize, rod: &Rod) {
+        self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
+    }
+
+    fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {
+        array::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
+        for i in 0..3 {
+            set(&mut self.node_forces, 3 * node + i, lane, force[i]);
+        }
+    }
+
+    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]) {
+        let held = self.held[lane];
+        let (last, free) = (impulses.len() - 1, Vector3::zeros());
+        for (a, impulse) in impulses.iter().enumerate() {
+            let is_held = (a == 0 && held.root != EndKind::Loaded)
+                || (a == last && held.tip != EndKind::Loaded);
+            let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };
+            for i in 0..3 {
+                set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
+                if a == 0 || a == last {
+                    set(&mut self.absorbed[usize::from(a == last)], i, lane, absorbed[i]);
+                }
+            }
+        }
+    }
+}
+
+impl<S: Simd> SimdBatch<S> {
+    fn set_turn(&mut self, lane: usize, joint: usize, turn: &Vector3<f64>) {
+        for i in 0..3 {
+            set(&mut self.phi, 3 * joint + i, lane, turn[i]);
+        }
+    }
+}
+
+/// An end with its follower loads in the frame of the adjoining segment, from which the frame of
+/// the end is rotated by `turn` where no moment bends it further.
+fn ahead(end: &End, turn: &Vector3<f64>) -> End {
+    let moved = |load: &Load| match load {
+        Load::Follower(v) => Load::Follower(so3::exp(turn) * v),
+        Load::World(_) => *load,
+    };
+    match end {
+        End::Loaded { force, moment } => End::Loaded { force: moved(force), moment: moved(moment) },
+        _ => *end,
+    }
+}
