@@ -1,4 +1,4 @@
-//! Many fibres laid out for the loops that are hot.
+//! Many fibres laid out in common arrays, for hot loops.
 
 use crate::{Fiber, Layout};
 use nalgebra::Point3;
@@ -10,7 +10,7 @@ pub const GROUP_SIZE: usize = 8;
 /// Many fibres whose nodes and segments lie in common arrays, see [`Layout`].
 ///
 /// A stepper walks over [`Assembly::groups`], fibres of equal segment count that can be advanced
-/// side by side; collision detection walks over segments and asks for their fibre.
+/// side by side; collision detection walks over segments and looks up their fibre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
     fibers: Vec<Fiber>,
@@ -24,7 +24,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Lays out `fibers`, which keep their order and so their indices. None at all is allowed.
+    /// Lays out `fibers`, which keep their order and so their indices. The list may be empty.
     #[must_use]
     pub fn new(fibers: Vec<Fiber>) -> Self {
         let layout = Layout::new(fibers.iter().map(Fiber::segments));
@@ -36,19 +36,19 @@ impl Assembly {
         Self { fibers, layout, radii, order, groups }
     }
 
-    /// The fibres.
+    /// The fibres, in the order in which they were given.
     #[must_use]
     pub fn fibers(&self) -> &[Fiber] {
         &self.fibers
     }
 
-    /// Where the nodes and segments of every fibre lie in the common arrays.
+    /// Positions of the nodes and segments of every fibre in the common arrays.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Radius at every node, m: of the circle with the area of the section.
+    /// Radius of the circle with the area of the section at every node, m.
     #[must_use]
     pub fn radii(&self) -> &[f64] {
         &self.radii

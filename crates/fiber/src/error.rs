@@ -7,7 +7,7 @@ pub enum FiberError {
     /// A quantity that must be positive and finite is not.
     #[error("{quantity} is {value}, but must be positive and finite; give it in SI units")]
     NotPositive {
-        /// Which quantity, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
@@ -15,7 +15,7 @@ pub enum FiberError {
     /// A quantity that must be finite is not.
     #[error("{quantity} at index {index} is not finite; every number must be finite")]
     NotFinite {
-        /// Which quantity.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Index of the node or segment.
         index: usize,
@@ -34,20 +34,20 @@ pub enum FiberError {
     /// A number lies outside of the range in which it has a meaning.
     #[error("{quantity} is {value}, but must lie in {range}")]
     OutOfRange {
-        /// Which quantity, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
         /// The allowed range, as text.
         range: &'static str,
     },
-    /// A direction was given by a vector without one.
+    /// A direction was given by a vector that has none: zero, or not finite.
     #[error("{quantity} is zero or not finite and so has no direction; give any other vector")]
     NoDirection {
-        /// Which vector.
+        /// Name of the vector.
         quantity: &'static str,
     },
-    /// Two points of a curve that follow each other are one.
+    /// Two consecutive points of a curve coincide.
     #[error("points {index} and {} of the curve are the same; leave one out", index + 1)]
     Coincident {
         /// Index of the first of the two; one past the last point is the first of a closed curve.

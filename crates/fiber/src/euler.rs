@@ -9,11 +9,11 @@ use nalgebra::{Rotation3, Vector3};
 /// Precession, nutation and spin, in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EulerAngles {
-    /// Precession about the world's z axis.
+    /// Precession about the world's z axis, rad.
     pub phi: f64,
-    /// Nutation: the angle from the world's z axis to the tangent d3.
+    /// Nutation, rad: the angle from the world's z axis to the tangent d3.
     pub theta: f64,
-    /// Spin about the tangent.
+    /// Spin about the tangent, rad.
     pub psi: f64,
 }
 

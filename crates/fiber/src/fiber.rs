@@ -32,7 +32,7 @@ impl Material {
     }
 }
 
-/// What a fibre is made of at one node.
+/// Properties of a fibre at one node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct NodeProperties {
     /// Cross section, its axes along d1 and d2.
@@ -87,7 +87,7 @@ impl NodeProperties {
 /// A fibre of `n` segments has `n + 1` nodes. The root pose maps the material frame at the root
 /// (columns d1, d2, d3, the tangent last) and the position of node 0 to the world.
 ///
-/// Copies share their segments and nodes, also with other roots: those of a bundle cost little
+/// Copies share their segments and nodes, also with other roots: copies in a bundle cost little
 /// memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fiber {
@@ -150,17 +150,15 @@ impl Fiber {
         )
     }
 
-    /// The same fibre with its root at `root`.
+    /// Moves the root of the fibre to `root`.
     #[must_use]
     pub fn with_root(mut self, root: Isometry3<f64>) -> Self {
         self.root = root;
         self
     }
 
-    /// The same fibre with the natural curvature `kappa(s)`, `s` the arc length in metres.
-    ///
-    /// # Errors
-    /// [`FiberError::NotFinite`] where `kappa` is not finite.
+    /// Replaces the natural curvature by `kappa(s)` (material frame, 1/m), `s` the arc length in
+    /// metres.
     pub fn with_natural_curvature(
         self,
         kappa: impl Fn(f64) -> Vector3<f64>,
@@ -169,10 +167,7 @@ impl Fiber {
         self.with_node_curvatures(&kappas)
     }
 
-    /// The same fibre with one natural curvature per node (material frame, 1/m).
-    ///
-    /// # Errors
-    /// Refuses another number of curvatures than of nodes, and what is not finite.
+    /// Replaces the natural curvatures by one for each node (material frame, 1/m).
     pub fn with_node_curvatures(self, kappas: &[Vector3<f64>]) -> Result<Self, FiberError> {
         if kappas.len() != self.nodes.len() {
             return Err(FiberError::NodeCount { segments: self.segments(), nodes: kappas.len() });
@@ -191,7 +186,7 @@ impl Fiber {
         &self.root
     }
 
-    /// Number of segments, one less than that of nodes.
+    /// Number of segments, one less than the number of nodes.
     #[must_use]
     pub fn segments(&self) -> usize {
         self.segment_lengths.len()
@@ -203,13 +198,13 @@ impl Fiber {
         &self.segment_lengths
     }
 
-    /// Properties at the nodes.
+    /// Properties at the nodes, from root to tip.
     #[must_use]
     pub fn nodes(&self) -> &[NodeProperties] {
         &self.nodes
     }
 
-    /// Total length, m.
+    /// Total length of the fibre, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.segment_lengths.iter().sum()
@@ -228,7 +223,7 @@ impl Fiber {
         0.5 * self.segment_lengths[i] * (a + b)
     }
 
-    /// Total mass, kg.
+    /// Total mass of the fibre, kg.
     #[must_use]
     pub fn mass(&self) -> f64 {
         (0..self.segments()).map(|i| self.segment_mass(i)).sum()

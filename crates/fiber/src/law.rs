@@ -1,53 +1,48 @@
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
 
-/// The constitutive law of a cross section: the moment that a history of strains causes.
+/// The constitutive law of a cross section: the moment caused by a history of strains.
 ///
-/// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. What a
-/// law remembers is a number of vectors for each section, which the caller keeps, zero in the
-/// natural state. An implicit scheme asks for responses at trial strains and commits the one that
-/// it takes.
+/// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. The
+/// memory
+/// of a law is a number of vectors for each section, which the caller stores, zero in the natural
+/// state. An implicit scheme evaluates responses at trial strains and commits the strain that it
+/// takes.
 ///
-/// A passive law gives no work back that was not done on it: the moment at the end of a step times
+/// A passive law returns no work that was not done on it: the moment at the end of a step times
 /// the rise of the strain is at least the rise of the stored energy.
 pub trait SectionLaw: Debug + Send + Sync {
-    /// How many vectors a section remembers.
+    /// Number of vectors in the memory of a section.
     fn memory(&self) -> usize;
 
     /// Whether the moment is an affine function of the strain at the end of a step: one response
-    /// then tells those at all strains, and a scheme need not ask again.
+    /// then determines the responses at all strains.
     fn is_affine(&self) -> bool {
         false
     }
 
-    /// The answer after `dt > 0` seconds in which the strain ran straight from that at the last
+    /// Response after `dt > 0` seconds in which the strain went linearly from its value at the last
     /// commit to `strain`.
     ///
     /// # Panics
     /// If `memory` has another length than [`SectionLaw::memory`].
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> SectionResponse;
 
-    /// Takes the step to `strain`, at once for `dt = 0`.
-    ///
-    /// # Panics
-    /// As [`SectionLaw::response`].
+    /// Commits the step of `dt` seconds to `strain`; `dt = 0` is an instantaneous strain.
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
 
-    /// The energy per length that the step to `strain` dissipates before it is committed, J/m: the
-    /// work done on the way, less the rise of the stored energy.
-    ///
-    /// # Panics
-    /// As [`SectionLaw::response`].
+    /// Energy per length that the step to `strain` dissipates, before it is committed, J/m: the
+    /// work done in the step, less the rise of the stored energy.
     fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64;
 
-    /// The energy per length that a section stores at `strain`, J/m, after the step to it.
+    /// Energy per length that a section stores at `strain`, J/m, after the step to it.
     ///
     /// # Panics
     /// As [`SectionLaw::response`].
     fn stored_energy(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>) -> f64;
 
-    /// The responses of many sections, whose memories lie one after the other. The same numbers as
-    /// one by one; a law may share work between them.
+    /// Computes the responses of many sections, whose memories lie one after the other. Gives the
+    /// same numbers as [`SectionLaw::response`] for each; a law may share work between sections.
     ///
     /// # Panics
     /// If there is not one memory and one response for each strain.
@@ -64,7 +59,7 @@ pub trait SectionLaw: Debug + Send + Sync {
         }
     }
 
-    /// Takes the steps of many sections.
+    /// Commits the steps of many sections, whose memories lie one after the other.
     ///
     /// # Panics
     /// As [`SectionLaw::responses`].
@@ -76,15 +71,15 @@ pub trait SectionLaw: Debug + Send + Sync {
     }
 }
 
-/// The answer of a section to a strain.
+/// Response of a section to a strain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionResponse {
     /// Moment, N m, material frame.
     pub moment: Vector3<f64>,
-    /// Its derivative by the strain, N m^2: symmetric.
+    /// Derivative of the moment by the strain, N m^2, symmetric.
     pub tangent: Matrix3<f64>,
-    /// The energy per length, J/m, whose derivative by the strain is the moment, but for what is
-    /// the same for all strains of the step.
+    /// Energy per length, J/m, whose derivative by the strain is the moment, up to a constant that
+    /// is the same for all strains of the step.
     pub potential: f64,
 }
 

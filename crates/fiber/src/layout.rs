@@ -1,8 +1,8 @@
-//! Where the nodes and segments of many fibres lie in common arrays.
+//! Positions of the nodes and segments of many fibres in common arrays.
 
 use std::ops::Range;
 
-/// Which nodes and which segments belong to which fibre.
+/// The nodes and segments that belong to each fibre, as ranges of common arrays.
 ///
 /// Everything that lives on nodes (positions, velocities, radii) is stored fibre after fibre in
 /// one array of [`Layout::nodes`] elements, everything on segments in one of
@@ -10,9 +10,9 @@ use std::ops::Range;
 /// `j + f + 1`, because every fibre has one more node than segments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
-    /// First segment of every fibre, and the total at the end.
+    /// Index of the first segment of every fibre, and the total at the end.
     segment_offsets: Vec<usize>,
-    /// Fibre of every segment.
+    /// Index of the fibre of every segment.
     segment_fibers: Vec<usize>,
 }
 
@@ -47,7 +47,7 @@ impl Layout {
         self.segment_fibers.len()
     }
 
-    /// The nodes of fibre `fiber` in the node arrays.
+    /// Range of fibre `fiber` in arrays over nodes.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -56,7 +56,7 @@ impl Layout {
         self.segment_offsets[fiber] + fiber..self.segment_offsets[fiber + 1] + fiber + 1
     }
 
-    /// The segments of fibre `fiber` in the segment arrays.
+    /// Range of fibre `fiber` in arrays over segments.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -65,13 +65,13 @@ impl Layout {
         self.segment_offsets[fiber]..self.segment_offsets[fiber + 1]
     }
 
-    /// The fibre of every segment.
+    /// Index of the fibre of every segment.
     #[must_use]
     pub fn segment_fibers(&self) -> &[usize] {
         &self.segment_fibers
     }
 
-    /// The two end nodes of `segment`, root side first.
+    /// Indices of the two end nodes of `segment`, root side first.
     ///
     /// # Panics
     /// If there is no such segment, as indexing does.

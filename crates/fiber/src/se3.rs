@@ -60,7 +60,7 @@ pub fn right_jacobian_inverse(xi: &Vector6<f64>) -> Matrix6<f64> {
     blocks(&inverse, &(-inverse * jacobian_derivative(&u, &v) * inverse))
 }
 
-/// `[diagonal 0; lower diagonal]`.
+/// The block matrix `[diagonal 0; lower diagonal]`.
 fn blocks(diagonal: &Matrix3<f64>, lower: &Matrix3<f64>) -> Matrix6<f64> {
     let mut m = Matrix6::zeros();
     m.fixed_view_mut::<3, 3>(0, 0).copy_from(diagonal);

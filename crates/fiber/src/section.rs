@@ -45,7 +45,7 @@ impl Section {
         }
     }
 
-    /// Area, m^2.
+    /// Area of the section, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
         let (a, b) = self.semi_axes();

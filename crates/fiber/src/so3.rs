@@ -118,7 +118,7 @@ pub fn right_jacobian_inverse(u: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + 0.5 * h + inverse_coefficient(u.norm_squared()) * h * h
 }
 
-/// `(1 - (a/2) cot(a/2)) / a^2`.
+/// The coefficient `(1 - (a/2) cot(a/2)) / a^2` of the inverse right Jacobian, for `a^2 = squared`.
 fn inverse_coefficient(squared: f64) -> f64 {
     if squared < SMALL_SQUARED {
         let x = squared;

@@ -6,23 +6,23 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// The incompressible body of the second text: masses on a circle or a sphere, springs between
-/// neighbors, and one from each to a mass in the middle.
+/// neighbors, and one spring from each mass to a central mass.
 ///
-/// Node 0 is that in the middle.
+/// Node 0 is the central mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundBody {
-    /// Radius, m.
+    /// Radius of the circle or sphere, m.
     pub radius: f64,
-    /// Masses, and springs on the surface.
+    /// Parameters of the masses, and of the springs on the surface.
     pub element: Element,
-    /// Stiffness of the radial springs by that of the surface.
+    /// Ratio of the stiffness of the radial springs to that of the springs on the surface.
     pub radial: f64,
-    /// Strength of the controller, between 0 and 1.
+    /// Strength of the [`Enclosure`] controller, between 0 and 1.
     pub tau: f64,
 }
 
 impl RoundBody {
-    /// As in the text, tau is 0.2 and all springs are alike; masses of 10 g.
+    /// The body of the text: tau is 0.2 and all springs are alike; masses of 10 g.
     #[must_use]
     pub fn of_the_text(radius: f64, frequency: f64) -> Self {
         let element = Element { mass: 0.01, ..Element::unit(frequency) };

@@ -1,7 +1,7 @@
 use crate::{NodeVectors, SpringError};
 use nalgebra::{SMatrix, SVector};
 
-/// Resistance of a joint against bending: what the first text misses in its rope.
+/// Bending resistance of a joint between two segments, which the first text lacks in its rope.
 ///
 /// Its energy is `k |t2 - t1|^2 / 2 = k (1 - cos phi)`, where `t1` and `t2` are the unit tangents
 /// of the two segments that meet in the middle node and `phi` is the angle between them; `k`, N m,
@@ -11,11 +11,11 @@ use nalgebra::{SMatrix, SVector};
 pub struct BendResistance {
     /// Three nodes in line; the middle one is the joint.
     pub nodes: [usize; 3],
-    /// The constant k, N m.
+    /// Bending constant k, N m.
     pub stiffness: f64,
 }
 
-/// Two segments that meet.
+/// Geometry of two segments that meet in a node.
 struct Corner<const D: usize> {
     lengths: [f64; 2],
     tangents: [SVector<f64, D>; 2],
@@ -36,13 +36,13 @@ impl BendResistance {
         Corner { lengths, tangents: [edges[0] / lengths[0], edges[1] / lengths[1]] }
     }
 
-    /// Energy, J.
+    /// Energy of the bend at the positions `x`, J.
     pub(crate) fn energy<const D: usize>(&self, x: &NodeVectors<D>) -> f64 {
         let [t1, t2] = self.corner(x).tangents;
         0.5 * self.stiffness * (t2 - t1).norm_squared()
     }
 
-    /// Adds the forces on the three nodes.
+    /// Adds the bending forces (N) on the three nodes.
     pub(crate) fn add_forces<const D: usize>(
         &self,
         x: &NodeVectors<D>,
@@ -60,7 +60,7 @@ impl BendResistance {
     }
 
     /// Second derivatives of the energy by the two edge vectors: of the first, mixed (first by
-    /// second), of the second. `convex` leaves out what makes them indefinite.
+    /// second), of the second. `convex` leaves out the terms that make them indefinite.
     pub(crate) fn hessian<const D: usize>(
         &self,
         x: &NodeVectors<D>,

@@ -1,6 +1,6 @@
 use crate::{Cells, Element, Lattice, PlaceMatrix, SpringError};
 
-/// The five compressible bodies of the second text, between its clamps.
+/// The five compressible bodies of the second text, with their clamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LatticeBody {
     /// Thin beam, 3 x 16 nodes: fixed at the left, guided along itself at the right.
@@ -16,7 +16,7 @@ pub enum LatticeBody {
 }
 
 impl LatticeBody {
-    /// Rows and columns of nodes. The text shows them in a picture only.
+    /// Number of rows and columns of nodes, which the text shows in a picture only.
     #[must_use]
     pub fn size(self) -> [usize; 2] {
         match self {

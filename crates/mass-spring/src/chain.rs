@@ -4,21 +4,22 @@ use nalgebra::SVector;
 
 /// The inextensible limit: all springs keep their rest length, whatever their stiffness.
 ///
-/// The first text has no way to it, because its forces would be infinite. Here they are the
-/// unknowns: the RATTLE scheme, symplectic, of second order and reversible, with one tridiagonal
-/// matrix for the tensions. The step is limited by what else acts, not by the springs.
+/// The first text cannot reach it, because its spring forces would be infinite. Here the tensions
+/// are the unknowns: the RATTLE scheme, symplectic, of second order and reversible, with one
+/// tridiagonal matrix for the tensions. The step is limited by the other forces, not by the
+/// springs.
 #[derive(Debug, Clone, Default)]
 pub struct RigidChain {
-    /// Tensions by half of the squared step, in the last step.
+    /// Tensions of the last step times half of the squared step.
     multipliers: Vec<f64>,
     dt: f64,
 }
 
-/// Relative error of the lengths.
+/// Relative error of the lengths that is allowed.
 const TOLERANCE: f64 = 1e-13;
 
 impl RigidChain {
-    /// Without memory yet.
+    /// An integrator without tensions of a last step.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -32,7 +33,8 @@ impl RigidChain {
         self.multipliers.iter().zip(lengths).map(tension).collect()
     }
 
-    /// What the tensions of the last step add to the [power](System::support_power) of supports, W.
+    /// Power that the tensions of the last step add to the [power](System::support_power) of
+    /// supports, W.
     #[must_use]
     pub fn support_power<const D: usize>(&self, system: &System<D>) -> f64 {
         let mut forces = NodeVectors::zeros(system.nodes());
@@ -90,7 +92,7 @@ impl RigidChain {
         Ok(())
     }
 
-    /// Moves nodes along the old edges until the lengths are right.
+    /// Position projection of RATTLE: moves nodes along the old edges until the lengths are right.
     fn shorten<const D: usize>(
         &mut self,
         system: &mut System<D>,
@@ -122,7 +124,7 @@ impl RigidChain {
     }
 }
 
-/// Half a step of the velocities, by all but the springs.
+/// Changes the velocities over half a step by all forces but those of the springs.
 fn kick<const D: usize>(system: &mut System<D>, dt: f64) {
     let mut springless = std::mem::take(&mut system.springs.runs);
     let a = system.accelerations(system.time, &system.positions, &system.velocities);
@@ -130,7 +132,7 @@ fn kick<const D: usize>(system: &mut System<D>, dt: f64) {
     system.velocities.add_scaled(dt, &a);
 }
 
-/// Takes from the velocities what would change the lengths.
+/// Velocity projection of RATTLE: removes from the velocities what would change the lengths.
 fn turn<const D: usize>(system: &mut System<D>, weights: &NodeVectors<D>, rates: &mut [f64]) {
     let edges = edges(&system.positions);
     for (s, edge) in edges.iter().enumerate() {
@@ -156,7 +158,7 @@ fn edges<const D: usize>(x: &NodeVectors<D>) -> Vec<SVector<f64, D>> {
     (1..x.len()).map(|k| x.get(k) - x.get(k - 1)).collect()
 }
 
-/// Inverse masses, zero where a component is driven.
+/// Inverse masses of all components, 1/kg, zero where a component is driven.
 fn inverse_masses<const D: usize>(system: &System<D>) -> NodeVectors<D> {
     let mut weights = NodeVectors(std::array::from_fn(|_| system.inverse_masses.clone()));
     for &(node, guides) in &system.supports.guided {

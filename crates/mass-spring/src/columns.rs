@@ -6,7 +6,7 @@ use std::ops::Range;
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeVectors<const D: usize>(pub(crate) [Vec<f64>; D]);
 
-/// `2^400`: numbers of this size have no finite squares soon, and no meaning in a simulation.
+/// `2^400`: values of this size have no meaning in a simulation, and their squares soon overflow.
 pub(crate) const BEYOND: f64 = f64::from_bits((1023 + 400) << 52);
 
 impl<const D: usize> Default for NodeVectors<D> {
@@ -22,7 +22,7 @@ impl<const D: usize> NodeVectors<D> {
         Self(std::array::from_fn(|_| vec![0.0; count]))
     }
 
-    /// The columns of given vectors.
+    /// Converts a list of vectors to columns.
     #[must_use]
     pub fn of(vectors: &[SVector<f64, D>]) -> Self {
         Self(std::array::from_fn(|axis| vectors.iter().map(|v| v[axis]).collect()))
@@ -34,7 +34,7 @@ impl<const D: usize> NodeVectors<D> {
         self.0.first().map_or(0, Vec::len)
     }
 
-    /// Whether there is none.
+    /// Whether there are no vectors.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -43,32 +43,38 @@ impl<const D: usize> NodeVectors<D> {
     /// Vector `i`.
     ///
     /// # Panics
-    /// If there is no such vector, as indexing does; so do the others.
+    /// If there is no such vector, as indexing does.
     #[must_use]
     pub fn get(&self, i: usize) -> SVector<f64, D> {
         SVector::from_fn(|axis, _| self.0[axis][i])
     }
 
     /// Sets vector `i`.
+    ///
+    /// # Panics
+    /// If there is no such vector, as indexing does.
     pub fn set(&mut self, i: usize, value: &SVector<f64, D>) {
         for axis in 0..D {
             self.0[axis][i] = value[axis];
         }
     }
 
-    /// Adds to vector `i`.
+    /// Adds `value` to vector `i`.
+    ///
+    /// # Panics
+    /// If there is no such vector, as indexing does.
     pub fn add(&mut self, i: usize, value: &SVector<f64, D>) {
         for axis in 0..D {
             self.0[axis][i] += value[axis];
         }
     }
 
-    /// Sets all to zero.
+    /// Sets all vectors to zero.
     pub(crate) fn clear(&mut self) {
         self.0.iter_mut().for_each(|column| column.fill(0.0));
     }
 
-    /// Adds `factor * other`.
+    /// Adds `factor * other` to all vectors.
     #[inline(always)]
     pub(crate) fn add_scaled(&mut self, factor: f64, other: &Self) {
         for (to, from) in self.0.iter_mut().zip(&other.0) {
@@ -78,8 +84,8 @@ impl<const D: usize> NodeVectors<D> {
         }
     }
 
-    /// The sum of all products of components, in a fixed order: partial sums, so that it runs in
-    /// lanes.
+    /// Sum of the products of all components with those of `other`, in a fixed order of partial
+    /// sums, so that it runs in SIMD lanes.
     #[inline(always)]
     pub(crate) fn dot(&self, other: &Self) -> f64 {
         let mut sum = 0.0;
@@ -89,7 +95,7 @@ impl<const D: usize> NodeVectors<D> {
         sum
     }
 
-    /// The sum of all squares of components times `weights`.
+    /// Sum of the squares of all components times `weights`.
     #[inline(always)]
     pub(crate) fn dot_weighted(&self, weights: &Self) -> f64 {
         let mut sum = 0.0;
@@ -99,18 +105,18 @@ impl<const D: usize> NodeVectors<D> {
         sum
     }
 
-    /// Largest size of a component.
+    /// Largest absolute value of a component.
     pub(crate) fn largest(&self) -> f64 {
         self.0.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()))
     }
 
-    /// The first vector among some with a component beyond [`BEYOND`].
+    /// Index of the first vector in a range with a component beyond [`BEYOND`].
     pub(crate) fn first_beyond(&self, mut vectors: Range<usize>) -> Option<usize> {
         let sound = |column: &Vec<f64>, i: usize| column[i].abs() < BEYOND;
         vectors.find(|&i| !self.0.iter().all(|column| sound(column, i)))
     }
 
-    /// The first vector that is not finite.
+    /// Index of the first vector that is not finite.
     pub(crate) fn first_not_finite(&self) -> Option<usize> {
         (0..self.len()).find(|&i| self.0.iter().any(|column| !column[i].is_finite()))
     }

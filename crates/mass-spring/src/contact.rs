@@ -6,44 +6,45 @@ use rapunzel_collision::{Candidates, Capsules};
 use rapunzel_fiber::Layout;
 use std::collections::BTreeSet;
 
-/// What nodes do when they meet surfaces or each other.
+/// Contact parameters of nodes with surfaces and with each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
     /// Radius of the nodes, m.
     pub radius: f64,
-    /// Part of the normal velocity that comes back, 0 to 1.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
     /// Coulomb's coefficient of friction.
     pub friction: f64,
 }
 
-/// Contacts of nodes as balls, after every step: velocities change by impulses, positions are moved
-/// out of what they are in.
+/// Contacts of nodes as balls, resolved after every step: velocities change by impulses, and
+/// positions are moved out of penetration.
 ///
 /// Nodes yield as far as their supports let them: a guided node along its guide, tied nodes
-/// together, a held one not at all. Nodes that share a spring do not touch each other; two at the
-/// same point part along an axis. In the plane, the second axis is the world's third.
+/// together, a held one not at all. There is no contact between nodes that share a spring; two
+/// nodes at the same point are separated along an axis. For a system in the plane, the second axis
+/// is the world's third.
 pub struct Contacts {
     surface: Surface,
     mutual: Option<Mutual>,
 }
 
-/// The search for nodes that touch each other.
+/// Search for contacts among nodes.
 struct Mutual {
     layout: Layout,
     radii: Vec<f64>,
-    /// Every node twice: a segment of no length.
+    /// Positions of the nodes, each twice: a segment of no length.
     positions: Vec<Point3<f64>>,
     candidates: Candidates,
     connected: BTreeSet<[usize; 2]>,
 }
 
-/// Guides that lean against a normal by less than this, as a squared cosine, do not yield: nodes
-/// would be thrown far along them.
+/// Least squared cosine between a guide and a contact normal; below it the node does not yield,
+/// since it would be thrown far along its guide.
 const LEAST_LEAN: f64 = 1e-6;
 
 impl Contacts {
-    /// Contacts with obstacles, and with each other if `mutual`.
+    /// Contacts with obstacles, and among nodes if `mutual`.
     ///
     /// # Errors
     /// [`SpringError::Parameter`].
@@ -68,8 +69,8 @@ impl Contacts {
     }
 
     /// Resolves all contacts of the present state, among nodes and then with one obstacle after the
-    /// other, and returns how many there were. Call it after every step; what a step carries
-    /// through an obstacle, from outside to outside, is not seen.
+    /// other, and returns how many there were. To be called after every step; an obstacle that a
+    /// node crosses within one step is not detected.
     ///
     /// # Errors
     /// [`SpringError::Collision`] if positions are not finite; [`SpringError::Parameter`] if the
@@ -112,8 +113,8 @@ impl Contacts {
 }
 
 impl Surface {
-    /// The impulse on what moves at a velocity relative to a surface with a normal that points out
-    /// of it, and changes its velocity by `yielding` times the impulse, axis by axis.
+    /// Impulse at a contact with the outward normal of a surface, for a velocity relative to the
+    /// surface that changes by `yielding` times the impulse, axis by axis.
     fn impulse<const D: usize>(
         &self,
         velocity: &SVector<f64, D>,
@@ -135,13 +136,13 @@ impl Surface {
     }
 }
 
-/// By how much an impulse along a normal changes the velocity along it; `None` for next to nothing.
+/// Change of the normal velocity per unit of normal impulse; `None` where it is negligible.
 fn lean<const D: usize>(normal: &SVector<f64, D>, yielding: &SVector<f64, D>) -> Option<f64> {
     let lean = normal.dot(&normal.component_mul(yielding));
     (lean > LEAST_LEAN * yielding.max()).then_some(lean)
 }
 
-/// The axis of the world for one of the system.
+/// World axis of an axis of the system.
 fn world_axis<const D: usize>(axis: usize) -> usize {
     if axis + 1 == D { 2 } else { axis }
 }

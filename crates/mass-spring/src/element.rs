@@ -2,34 +2,35 @@ use crate::SpringError;
 use crate::error::{non_negative, positive};
 use std::f64::consts::TAU;
 
-/// A mass with its springs, as the texts give them: by the natural frequency of one mass on one
-/// spring.
+/// A mass with its springs, with the parameters of the texts: the natural frequency of one mass on
+/// one spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     /// Mass of a node, kg.
     pub mass: f64,
-    /// Natural frequency f0, Hz; the spring constant is `m (2 pi f0)^2`.
+    /// Natural frequency f0 of one mass on one spring, Hz; the spring constant is `m (2 pi f0)^2`.
     pub frequency: f64,
     /// Drag rate of the nodes, 1/s; twice the decay constant delta of the texts.
     pub drag: f64,
-    /// Ratio of the damper of a spring to the critical one, `mu = 2 zeta m 2 pi f0`.
+    /// Damping ratio zeta of a spring, its damping constant over the critical one: `mu = 2 zeta m 2
+    /// pi f0`.
     pub damping_ratio: f64,
 }
 
 impl Element {
-    /// Masses of 1 kg without drag or dampers: for what depends on the frequency alone.
+    /// Masses of 1 kg without drag or dampers, for results that depend on the frequency alone.
     #[must_use]
     pub fn unit(frequency: f64) -> Self {
         Self { mass: 1.0, frequency, drag: 0.0, damping_ratio: 0.0 }
     }
 
-    /// Spring constant, N/m.
+    /// Spring constant of the element, N/m.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         self.mass * (TAU * self.frequency).powi(2)
     }
 
-    /// Constant of a damper, N s/m.
+    /// Damping constant of a spring's damper, N s/m.
     #[must_use]
     pub fn damping(&self) -> f64 {
         2.0 * self.damping_ratio * self.mass * TAU * self.frequency

@@ -1,12 +1,12 @@
 use crate::{SpringError, System};
 use std::ops::Range;
 
-/// The area or volume that nodes enclose, and the controller that keeps it: what makes a body
-/// incompressible in the second text.
+/// The area or volume that nodes enclose, and the controller that keeps it: the incompressibility
+/// of the second text.
 ///
 /// An integral controller changes the rest lengths of radial springs by
-/// `tau R0 (1 - (A / A0)^(1/D))` each time, so the error is gone once it rests. It is compared with
-/// that of the polygon at rest, which is less than that of the circle (errata, section 9).
+/// `tau R0 (1 - (A / A0)^(1/D))` in each call, so no error remains at rest. `A0` is the measure of
+/// the polygon at rest, which is less than that of the circle (errata, section 9).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enclosure<const D: usize> {
     facets: Vec<[usize; D]>,
@@ -20,7 +20,8 @@ pub struct Enclosure<const D: usize> {
 
 impl<const D: usize> Enclosure<D> {
     /// Facets are edges in the plane, counter-clockwise, and triangles in space, counter-clockwise
-    /// from outside; `radial` are the springs that are controlled. What they enclose now is kept.
+    /// from outside; `radial` are the springs that are controlled. The present measure is the one
+    /// to keep.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`]; [`SpringError::Parameter`] if `tau` is not between 0 and 1 or
@@ -57,13 +58,13 @@ impl<const D: usize> Enclosure<D> {
         Ok(enclosure)
     }
 
-    /// The facets that it was made of.
+    /// The facets that were given: nodes of edges or triangles.
     #[must_use]
     pub fn facets(&self) -> &[[usize; D]] {
         &self.facets
     }
 
-    /// Area (m^2) or volume (m^3) enclosed now: A.
+    /// Area (m^2) or volume (m^3) enclosed in the present state: A.
     ///
     /// # Panics
     /// If the system has fewer nodes than the one it was made for.
@@ -89,8 +90,8 @@ impl<const D: usize> Enclosure<D> {
     }
 
     /// Lets the controller change the radial springs once: once per frame in the text. It is stable
-    /// where the body's breathing decays faster than at the rate of `tau` per time between two
-    /// calls.
+    /// where the breathing mode of the body decays faster than at the rate `tau` per interval
+    /// between two calls.
     ///
     /// # Errors
     /// [`SpringError::Parameter`] if a rest length would vanish: the body is inflated or crushed

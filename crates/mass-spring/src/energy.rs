@@ -5,18 +5,18 @@ use nalgebra::SVector;
 /// Energy of a system, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringEnergy {
-    /// Of motion.
+    /// Kinetic energy, J.
     pub kinetic: f64,
-    /// Of springs and bends.
+    /// Elastic energy of springs and bends, J.
     pub elastic: f64,
-    /// In gravity, zero at the world's origin.
+    /// Potential energy in gravity, J, zero at the world's origin.
     pub gravitational: f64,
-    /// In the loads, zero at the world's origin.
+    /// Potential energy of the loads, J, zero at the world's origin.
     pub load: f64,
 }
 
 impl SpringEnergy {
-    /// The sum.
+    /// Sum of all four energies, J.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.gravitational + self.load
@@ -24,7 +24,7 @@ impl SpringEnergy {
 }
 
 impl<const D: usize> System<D> {
-    /// Energy, J; costs a pass over springs and nodes.
+    /// Energy of the present state, J; costs a pass over springs and nodes.
     #[must_use]
     pub fn energy(&self) -> SpringEnergy {
         let (x, v) = (&self.positions, &self.velocities);
@@ -58,11 +58,13 @@ impl<const D: usize> System<D> {
 
     /// Power that drag and dampers take from the motion, and that the wind gives back through the
     /// drag, W; negative where the wind gives more. The [total](SpringEnergy::total) energy falls
-    /// at this rate less [that of the supports](Self::support_power).
+    /// at this rate less the [power of the supports](Self::support_power).
     ///
-    /// Not in this ledger are what happens at once (contacts, springs that give way, supports that
-    /// take a node which moves), the controller of an [`Enclosure`](crate::Enclosure), loads and
-    /// gravity that change in time, and what the implicit integrator damps by itself.
+    /// This balance leaves out instantaneous changes (contacts, springs that give way, supports
+    /// that
+    /// take a moving node), the controller of an [`Enclosure`](crate::Enclosure), loads and gravity
+    /// that
+    /// change in time, and the numerical damping of the implicit integrator.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
         let air = self.wind.at(self.time);
@@ -82,9 +84,9 @@ impl<const D: usize> System<D> {
         drags + (0..self.springs()).map(damper).sum::<f64>()
     }
 
-    /// Power that supports put into what they move, W: they give what the forces on its nodes lack.
-    /// Costs an evaluation of forces. The tensions of a [`RigidChain`](crate::RigidChain) count
-    /// with [its own](crate::RigidChain::support_power).
+    /// Power that supports put into the nodes that they move, W: against the sum of all forces on
+    /// these nodes. Costs an evaluation of forces. The tensions of a
+    /// [`RigidChain`](crate::RigidChain) are in [its own power](crate::RigidChain::support_power).
     #[must_use]
     pub fn support_power(&self) -> f64 {
         let (x, v) = (&self.positions, &self.velocities);
@@ -98,7 +100,7 @@ impl<const D: usize> System<D> {
         self.driven_power(push)
     }
 
-    /// The power against forces where components are driven, W.
+    /// Power against `force` of the components that are driven, W.
     pub(crate) fn driven_power(&self, force: impl Fn(usize) -> SVector<f64, D>) -> f64 {
         let of_node = |&(node, guides): &(usize, [Guide; D])| {
             let (force, velocity) = (force(node), self.velocities.get(node));

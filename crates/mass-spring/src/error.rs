@@ -11,47 +11,47 @@ pub enum SpringError {
     /// A parameter out of its range.
     #[error("{what} is {value:?}, but must be {allowed}")]
     Parameter {
-        /// Which parameter.
+        /// Name of the parameter.
         what: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// The values that make sense.
+        /// Allowed values, as text.
         allowed: &'static str,
     },
-    /// A number of things out of its range.
+    /// A count out of its range.
     #[error("{what}: {found}, but there must be {expected}")]
     Count {
-        /// Of what.
+        /// Name of what is counted.
         what: &'static str,
-        /// How many there are.
+        /// Count that was found.
         found: usize,
-        /// How many there must be.
+        /// Allowed counts, as text.
         expected: String,
     },
     /// A mass that is not positive and finite.
     #[error("the mass of node {node} is {mass:?} kg, but must be positive and finite")]
     Mass {
-        /// The node.
+        /// Index of the node.
         node: usize,
-        /// Its mass, kg.
+        /// Mass of the node, kg.
         mass: f64,
     },
     /// A position or velocity that is not finite.
     #[error("the {what} of node {node} is not finite; give finite numbers")]
     NotFinite {
-        /// Position or velocity.
+        /// Whether it is a position or a velocity, as text.
         what: &'static str,
-        /// The node.
+        /// Index of the node.
         node: usize,
     },
     /// A node that does not exist.
     #[error("{what} {index} names node {node}, but the nodes are numbered 0 to {}", nodes - 1)]
     MissingNode {
-        /// What names it.
+        /// Name of the thing that refers to the node.
         what: &'static str,
-        /// The number of that thing.
+        /// Index of the thing that refers to the node.
         index: usize,
-        /// The node that it names.
+        /// Index of the missing node.
         node: usize,
         /// Number of nodes.
         nodes: usize,
@@ -61,19 +61,19 @@ pub enum SpringError {
     Loop {
         /// Index of the spring.
         spring: usize,
-        /// The node.
+        /// Index of the node at both ends of the spring.
         node: usize,
     },
-    /// A number of a spring out of its range.
+    /// A parameter of a spring out of its range.
     #[error("spring {spring}: {what} is {value:?}, but must be {allowed}")]
     Spring {
         /// Index of the spring.
         spring: usize,
-        /// Which number.
+        /// Name of the parameter.
         what: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// The values that make sense.
+        /// Allowed values, as text.
         allowed: &'static str,
     },
     /// A place matrix whose rows differ in length, or that is smaller than 2 x 2.
@@ -82,50 +82,50 @@ pub enum SpringError {
          at least two rows"
     )]
     PlaceShape {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// Letters in it.
+        /// Number of letters in the row.
         found: usize,
-        /// Letters in the first row, at least two.
+        /// Number of letters in the first row, at least two.
         expected: usize,
     },
-    /// A letter that means nothing.
+    /// A letter without a meaning in a place matrix.
     #[error(
         "the place matrix has '{letter}' in row {row}, column {column}; the letters are \
          f m t b l r 1 2 3 4 h v"
     )]
     PlaceLetter {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// The column, from 0.
+        /// Index of the column, from 0.
         column: usize,
-        /// The letter.
+        /// The letter without a meaning.
         letter: char,
     },
-    /// A letter that asks for a neighbor that is not there or does not want it.
+    /// A letter that needs a neighbor which is missing or has no spring on that side.
     #[error(
         "the place matrix has '{letter}' in row {row}, column {column}, which needs a neighbor \
          {side} that pulls back; choose letters that agree"
     )]
     PlaceNeighbor {
-        /// The row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// The column, from 0.
+        /// Index of the column, from 0.
         column: usize,
-        /// The letter.
+        /// The letter that needs the neighbor.
         letter: char,
-        /// On which side.
+        /// Side of the missing neighbor, as text.
         side: &'static str,
     },
-    /// The numbers of a run have grown beyond all bounds.
+    /// The state of a run has grown beyond all bounds.
     #[error(
         "node {node} left all bounds in step {step}: the run has blown up; use a step below the stability limit, \
          an implicit integrator, or softer springs"
     )]
     BlownUp {
-        /// The step of the call, from 1.
+        /// Number of the step within the call, from 1.
         step: usize,
-        /// The first such node.
+        /// The first node beyond all bounds.
         node: usize,
     },
     /// Newton's method did not converge.
@@ -136,7 +136,7 @@ pub enum SpringError {
         brief(steps)
     )]
     NotConverged {
-        /// What was sought.
+        /// Name of what was sought.
         what: &'static str,
         /// Largest component of every step of Newton's method, m.
         steps: Vec<f64>,
@@ -144,13 +144,13 @@ pub enum SpringError {
     /// A search for contacts refused its input.
     #[error("contacts: {0}")]
     Collision(#[from] CollisionError),
-    /// Eigenvalues that were not found.
+    /// The eigenvalue problem of the small vibrations could not be solved.
     #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
     Vibration(#[from] VibrationError),
 }
 
-/// The last few of many numbers.
+/// Formats the last few of many numbers.
 fn brief(steps: &[f64]) -> String {
     let shown = &steps[steps.len().saturating_sub(5)..];
     let dots = if shown.len() < steps.len() { "..., " } else { "" };

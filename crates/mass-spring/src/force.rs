@@ -5,14 +5,15 @@ use crate::NodeVectors;
 use crate::spring::{SpringRun, Springs};
 use nalgebra::SVector;
 
-/// Springs taken at a time; what belongs to them stays in the first cache.
+/// Number of springs taken at a time; their data stay in the first cache.
 const CHUNK: usize = 128;
-/// Runs shorter than this go spring by spring.
+/// Runs of fewer springs than this are computed spring by spring.
 const SHORT: usize = 4;
-/// Added to a squared length, so that a spring of no length has no force instead of none defined.
+/// Added to a squared length, so that the force of a spring of zero length is zero instead of
+/// undefined.
 pub(crate) const TINY: f64 = 1e-200;
 
-/// Adds the forces of the springs of a run to those on their nodes.
+/// Adds the forces of the springs of a run to the forces on their nodes.
 #[inline(always)]
 pub(crate) fn add_run<const D: usize>(
     springs: &Springs,

@@ -4,11 +4,11 @@ use crate::NodeVectors;
 use crate::tangent::Tangent;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Most iterations.
+/// Largest number of iterations.
 const MOST: usize = 20_000;
 
-/// Solves `A x = forces` within what the supports allow, preconditioned by the diagonal, down to a
-/// residual of `tolerance` times that of zero.
+/// Solves `A x = forces` on the motions that the supports allow, preconditioned by the diagonal,
+/// down to a residual of `tolerance` times the residual of `x = 0`.
 ///
 /// # Errors
 /// A direction along which the matrix is not positive definite, if one is met.

@@ -1,4 +1,4 @@
-//! What holds, guides and ties nodes of a system.
+//! Supports that hold, guide and tie nodes of a system.
 
 use crate::error::finite;
 use crate::supports::Guide;
@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use std::collections::BTreeSet;
 
 impl<const D: usize> System<D> {
-    /// Whether the velocity of a node is given in every direction.
+    /// Whether the velocity of a node is prescribed along every axis.
     #[must_use]
     pub fn is_held(&self, node: usize) -> bool {
         (0..D).all(|axis| self.supports.driven(node, axis))
@@ -16,13 +16,13 @@ impl<const D: usize> System<D> {
     /// Fixes `node` where it is.
     ///
     /// # Errors
-    /// [`SpringError::MissingNode`]; so do the others.
+    /// [`SpringError::MissingNode`].
     pub fn pin(&mut self, node: usize) -> Result<(), SpringError> {
         self.hold(node, SVector::zeros())
     }
 
-    /// Moves `node` at a velocity (world), m/s, whatever pulls at it: what a mouse does. Nodes that
-    /// are tied to it follow.
+    /// Moves `node` at a prescribed velocity (world), m/s, whatever forces act on it, as a mouse
+    /// does. Nodes that are tied to it follow.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
@@ -30,7 +30,7 @@ impl<const D: usize> System<D> {
         (0..D).try_for_each(|axis| self.hold_axis(node, axis, velocity[axis]))
     }
 
-    /// Moves `node` at a velocity along one axis, m/s; along the others it stays free.
+    /// Moves `node` at a prescribed velocity along one axis, m/s; along the others it stays free.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`], [`SpringError::Parameter`] if the velocity is not finite.
@@ -52,7 +52,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Lets go of `node`, which keeps its velocity and its ties.
+    /// Releases `node`, which keeps its velocity and its ties.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`].
@@ -62,8 +62,8 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Lets nodes move along `axis` only together: a clamp that slides. They keep their offsets and
-    /// take their mean velocity, by mass.
+    /// Ties nodes so that they move along `axis` only together: a clamp that slides. They keep
+    /// their offsets and take their mean velocity, weighted by mass.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`].
@@ -88,7 +88,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Fixes `node` relative to another one: both move as one body without rotation.
+    /// Fixes `node` relative to another node: both move as one body without rotation.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`].
@@ -96,8 +96,8 @@ impl<const D: usize> System<D> {
         (0..D).try_for_each(|axis| self.tie(&[node, other], axis))
     }
 
-    /// The change of velocity of `node` for a unit of impulse, axis by axis, 1/kg: zero where it is
-    /// driven, by the mass of all where it is tied.
+    /// Change of the velocity of `node` per unit of impulse, axis by axis, 1/kg: zero where the
+    /// node is driven, the inverse mass of the whole tie where it is tied.
     pub(crate) fn yielding(&self, node: usize) -> SVector<f64, D> {
         SVector::from_fn(|axis, _| match self.supports.guide(node, axis) {
             Guide::Free => self.inverse_masses[node],
@@ -108,7 +108,8 @@ impl<const D: usize> System<D> {
         })
     }
 
-    /// The same for the velocity of one node relative to another and opposite impulses on both.
+    /// Change of the velocity of node `i` relative to node `j` per unit of opposite impulses on
+    /// both, axis by axis, 1/kg.
     pub(crate) fn yielding_apart(&self, i: usize, j: usize) -> SVector<f64, D> {
         let both = self.yielding(i) + self.yielding(j);
         SVector::from_fn(|axis, _| {
@@ -124,7 +125,7 @@ impl<const D: usize> System<D> {
         self.supports.add(&mut self.velocities, node, &change);
     }
 
-    /// Moves nodes as [`impel`](Self::impel) would in a unit of time, kg m.
+    /// Changes positions as [`impel`](Self::impel) changes velocities, for a `moment` in kg m.
     pub(crate) fn shift(&mut self, node: usize, moment: &SVector<f64, D>) {
         let change = moment.component_mul(&self.yielding(node));
         self.supports.add(&mut self.positions, node, &change);

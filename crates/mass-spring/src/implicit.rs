@@ -3,9 +3,9 @@ use crate::{NodeVectors, SpringError, System};
 
 /// The implicit Euler method: of first order, damps what it cannot resolve, stable for any step.
 ///
-/// A step is the least of an energy, so it exists for springs of any stiffness, and no step can
-/// gain energy while supports and wind rest. Dampers act along the springs as they lie at its
-/// start.
+/// A step minimises an energy, so it exists for springs of any stiffness, and no step can gain
+/// energy while supports and wind rest. Dampers act along the springs as they lie at the start of
+/// the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImplicitEuler {
     /// Largest part of the mean rest length by which the last iteration of Newton's method may move
@@ -69,13 +69,13 @@ impl ImplicitEuler {
 }
 
 impl<const D: usize> System<D> {
-    /// Moves the nodes to a stable equilibrium near where they are, at rest: a least of the energy,
-    /// up to `tolerance`, a part of the mean rest length. A saddle that is met on the way, as from
-    /// a symmetric start, is left. Wind counts through the drag.
+    /// Moves the nodes to a stable equilibrium near their present positions, at rest: a minimum of
+    /// the energy, up to `tolerance`, a fraction of the mean rest length. A saddle that is met, as
+    /// from a symmetric start, is left. Wind acts through the drag.
     ///
     /// # Errors
-    /// [`SpringError::Parameter`]; [`SpringError::NotConverged`], also where there is none, and
-    /// then the system is as it was.
+    /// [`SpringError::Parameter`]; [`SpringError::NotConverged`], also where there is no
+    /// equilibrium. In both cases the system is as it was.
     pub fn find_equilibrium(&mut self, tolerance: f64) -> Result<(), SpringError> {
         crate::error::positive("the tolerance of an equilibrium", tolerance)?;
         let mut calm = self.clone();

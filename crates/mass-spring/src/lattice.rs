@@ -3,47 +3,49 @@ use crate::{Element, PlaceMatrix, Spring, SpringError, System};
 use nalgebra::{Point, SVector};
 use std::f64::consts::SQRT_2;
 
-/// What the cells of a lattice are made of beside their four sides.
+/// Diagonal springs in the cells of a lattice, beside its four sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cells {
-    /// Nothing: the net of the second text, whose cells can fold over and stay so.
+    /// No diagonals: the net of the second text, whose cells can fold over and stay so.
     Rectangular,
-    /// One diagonal, toward the middle of the lattice, so that no corner can fold over: what that
-    /// text recommends.
+    /// One diagonal, toward the middle of the lattice, so that no corner can fold over, as the
+    /// second text recommends.
     Triangular,
-    /// Both diagonals, whose springs have `ratio` times the stiffness of the sides: its
-    /// compressible bodies.
+    /// Both diagonals, whose springs have `ratio` times the stiffness of the sides: the
+    /// compressible bodies of the second text.
     Braced {
-        /// Stiffness of the diagonals by that of the sides.
+        /// Ratio of the stiffness of the diagonals to that of the sides.
         ratio: f64,
     },
 }
 
-/// Nodes in rows and columns: net or body.
+/// Nodes in rows and columns: a net or a body.
 ///
-/// Node `row * columns + column`; row 0 is at the top. It lies in the plane of the first axis, to
-/// the right, and the last one, up: x and y in the plane, x and z in space.
+/// The index of a node is `row * columns + column`; row 0 is at the top. The lattice lies in the
+/// plane of the first axis, to the right, and the last one, up: x and y in the plane, x and z in
+/// space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice {
-    /// What every node is.
+    /// Place matrix: the springs and supports of every node.
     pub place: PlaceMatrix,
     /// Rest length of the sides, m; diagonals rest at `sqrt(2)` times it (errata, section 9).
     pub spacing: f64,
-    /// Masses and springs.
+    /// Parameters of the masses and springs.
     pub element: Element,
-    /// What is in the cells.
+    /// Diagonals in the cells.
     pub cells: Cells,
 }
 
 impl Lattice {
-    /// The net of the second text: 7.5 cm wide meshes, and, as it does not say, masses of 10 g.
+    /// The net of the second text: 7.5 cm wide meshes, and masses of 10 g, which the text does not
+    /// give.
     #[must_use]
     pub fn net(place: PlaceMatrix, frequency: f64, cells: Cells) -> Self {
         let element = Element { mass: 0.01, ..Element::unit(frequency) };
         Self { place, spacing: 0.075, element, cells }
     }
 
-    /// Index of a node.
+    /// Index of the node in a row and a column.
     #[must_use]
     pub fn node(&self, row: usize, column: usize) -> usize {
         row * self.place.columns() + column
@@ -75,8 +77,8 @@ impl Lattice {
         Ok(system)
     }
 
-    /// The surface: the nodes of its whole cells, counter-clockwise as seen with the first axis to
-    /// the right and the last one up; of `Triangular` ones both halves.
+    /// Faces of the surface: the nodes of the whole cells, counter-clockwise as seen with the first
+    /// axis to the right and the last one up; both halves of `Triangular` cells.
     #[must_use]
     pub fn faces(&self) -> Vec<Vec<usize>> {
         let (rows, columns) = (self.place.rows(), self.place.columns());
@@ -96,7 +98,7 @@ impl Lattice {
         faces.collect()
     }
 
-    /// Row by row, kind by kind, so that they follow each other in long runs.
+    /// Springs of the lattice, row by row and kind by kind, so that they form long runs.
     fn springs(&self) -> Result<Vec<Spring>, SpringError> {
         let place = &self.place;
         let (rows, columns) = (place.rows(), place.columns());
@@ -140,8 +142,8 @@ impl Lattice {
             && place.connected(row, column + 1, 1, 0)
     }
 
-    /// Whether that cell is whole and has the diagonal from its top left (`down`) or its bottom
-    /// left corner.
+    /// Whether the cell to the right and below of a node is whole and has the diagonal from its top
+    /// left (`down`) or its bottom left corner.
     fn has_diagonal(&self, row: usize, column: usize, down: bool) -> bool {
         let place = &self.place;
         // Which half of the lattice the middle of the cell lies in.

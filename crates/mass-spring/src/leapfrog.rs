@@ -9,8 +9,8 @@ use std::ops::Range;
 ///
 /// Positions go half a step, velocities a whole one, positions half a step; the halves between two
 /// steps of one call are done as one. Node drag is averaged over the step, dampers use the velocity
-/// before it. Stable below the [limit](System::stability_limit). As the texts do; they leave the
-/// velocities half a step behind.
+/// before it. Stable below the [limit](System::stability_limit). The texts use the same method, but
+/// leave the velocities half a step behind.
 #[derive(Debug, Clone, Default)]
 pub struct Leapfrog<const D: usize> {
     /// Forces of springs, bends and loads; zero between calls.
@@ -18,7 +18,7 @@ pub struct Leapfrog<const D: usize> {
 }
 
 impl<const D: usize> Leapfrog<D> {
-    /// Without memory yet.
+    /// An integrator whose force array is not allocated yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -58,30 +58,31 @@ struct LeapfrogKernel<'a, const D: usize> {
     steps: usize,
 }
 
-/// Steps of one call that follow each other through the system, a few runs of springs apart, so
-/// that its numbers come from memory once for all of them.
+/// Number of steps of one call that follow each other through the system, a few runs of springs
+/// apart, so that its numbers come from memory once for all of them.
 const DEPTH: usize = 4;
 
-/// How far a step has come.
+/// Progress of a step through the system.
 struct Front<const D: usize> {
     kick: Kick<D>,
-    /// The next run of springs.
+    /// Index of the next run of springs.
     run: usize,
-    /// Nodes that have moved.
+    /// Number of nodes that have moved.
     done: usize,
-    /// The first node whose numbers are not sound any more.
+    /// The first node beyond all bounds, if there is one.
     fault: Option<usize>,
 }
 
-/// What a node does in a step once its forces are known.
+/// Coefficients of the motion of a node in a step, once its forces are known.
 struct Kick<const D: usize> {
     dt: f64,
-    /// Time by which positions move then.
+    /// Time by which positions move with the new velocity, s.
     drift: f64,
-    /// Part of the velocity that the drag leaves, and what divides the rest.
+    /// Factor of the old velocity, reduced by half of the drag.
     keep: f64,
+    /// Factor of the new velocity, reduced by the other half of the drag.
     share: f64,
-    /// Acceleration of gravity and wind.
+    /// Acceleration by gravity and wind, m/s^2.
     common: [f64; D],
 }
 
@@ -133,7 +134,7 @@ impl<const D: usize> Kick<D> {
     }
 }
 
-/// Takes steps that follow each other through the system.
+/// Takes several steps that follow each other through the system.
 #[inline(always)]
 fn go_together<const D: usize>(
     system: &mut System<D>,
@@ -151,8 +152,8 @@ fn go_together<const D: usize>(
 }
 
 impl<const D: usize> Front<D> {
-    /// Takes the next run of springs and moves the nodes that it was the last one of. Does nothing,
-    /// and says so, where the step is over or needs nodes from `bound` on.
+    /// Takes the next run of springs and moves the nodes whose last spring it has. Does nothing,
+    /// and reports so, where the step is over or needs nodes from `bound` on.
     #[inline(always)]
     fn go(
         &mut self,
@@ -191,7 +192,7 @@ impl<const D: usize> Front<D> {
     }
 }
 
-/// Moves the free nodes among some.
+/// Moves the free nodes in a range.
 #[inline(always)]
 fn move_free<const D: usize>(
     system: &mut System<D>,
@@ -221,8 +222,8 @@ fn move_free<const D: usize>(
     bits >> 63 == 0
 }
 
-/// Moves one component of neighbors; the highest bit of the result is set if it is beyond all
-/// bounds.
+/// Moves one component of neighboring nodes; the highest bit of the result is set if one is beyond
+/// all bounds.
 #[inline(always)]
 fn move_column<const D: usize>(
     x: &mut [f64],
@@ -250,8 +251,8 @@ fn move_column<const D: usize>(
     bits
 }
 
-/// Moves the nodes on supports among some, and says whether they are still sound. Tied nodes ask
-/// for the forces of all.
+/// Moves the nodes on supports in a range, and returns whether they are within bounds. Tied nodes
+/// need the forces of their whole tie.
 #[inline(always)]
 fn move_guided<const D: usize>(
     system: &mut System<D>,

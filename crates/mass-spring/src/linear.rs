@@ -4,23 +4,24 @@ use crate::{SpringError, System};
 use nalgebra::{DMatrix, DVector};
 use rapunzel_vibration::{Modes, eigen};
 
-/// Small motions about a state: `M s'' + D s' + K s = F`, as the third text has them.
+/// Small motions about a state: `M s'' + D s' + K s = F`, as in the third text.
 ///
-/// Row and column `D node + axis`. The diagonal of K is the sum of its row over the neighbors, not
-/// negligible as the text says (errata, section 9), and K holds for small displacements only.
+/// Rows and columns are `D node + axis`. The diagonal of K is the sum of its row over the
+/// neighbors, not negligible as the text says (errata, section 9), and K holds for small
+/// displacements only.
 #[derive(Debug, Clone)]
 pub struct Linearized {
     /// The diagonal of M, kg.
     pub masses: DVector<f64>,
-    /// D: dampers and drag, N s/m.
+    /// Damping matrix D: dampers and drag, N s/m.
     pub damping: DMatrix<f64>,
-    /// K: second derivatives of the energy, N/m.
+    /// Stiffness matrix K: second derivatives of the energy, N/m.
     pub stiffness: DMatrix<f64>,
-    /// Columns are the free motions, orthonormal in the metric of M.
+    /// Basis of the motions that the supports allow (columns), orthonormal in the metric of M.
     free: DMatrix<f64>,
 }
 
-/// Most components for which matrices are written down.
+/// Largest number of components for which dense matrices are built.
 const MOST_COMPONENTS: usize = 6000;
 
 impl<const D: usize> System<D> {
@@ -76,8 +77,8 @@ impl<const D: usize> System<D> {
 }
 
 impl Linearized {
-    /// The modes within what the supports allow: shapes are displacements with M-norm 1. Costs the
-    /// eigenvalues of a dense matrix.
+    /// Modes of the motions that the supports allow: shapes are displacements with M-norm 1. Costs
+    /// the eigenvalues of a dense matrix.
     ///
     /// # Errors
     /// [`SpringError::Vibration`] where the iteration for the eigenvalues does not converge.

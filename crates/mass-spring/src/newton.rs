@@ -1,14 +1,15 @@
-//! The least of an energy: what a step of the implicit integrator and an equilibrium both are.
+//! Minimisation of an energy: a step of the implicit integrator and an equilibrium are both minima.
 
 use crate::gradients::solve;
 use crate::tangent::Tangent;
 use crate::{NodeVectors, SpringError, System};
 
-/// Curvature of the energy, in parts of the stiffest spring's, below which a way counts as neutral.
+/// Curvature of the energy, relative to that of the stiffest spring, below which a direction counts
+/// as neutral.
 const NEUTRAL: f64 = 1e-9;
 /// A number without small multiples of `pi`: phases of a push that no symmetry shares.
 const GENERIC: f64 = 2.399_963_229_728_653;
-/// Ways along negative curvature, in mean rest lengths.
+/// Trial distances along directions of negative curvature, in mean rest lengths.
 const FALLS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 /// `inertia |x - target|^2 / 2` in the metric of the masses, plus the energy of springs, bends,
@@ -22,17 +23,17 @@ pub(crate) struct Energies<'a, const D: usize> {
     pub(crate) damping: f64,
 }
 
-/// How the least is sought.
+/// Parameters of the minimisation.
 pub(crate) struct LineSearch {
-    /// What is sought, for the message.
+    /// Name of what is sought, for the error message.
     pub(crate) what: &'static str,
-    /// Ends when a step moves nothing by more than this, m.
+    /// The iteration ends when a step moves no component by more than this, m.
     pub(crate) tolerance: f64,
     /// Largest relative residual of the linear equations.
     pub(crate) linear: f64,
-    /// Additional inertia to begin with, 1/s^2; it goes as the least comes near.
+    /// Additional inertia to begin with, 1/s^2; it vanishes as the minimum comes near.
     pub(crate) caution: f64,
-    /// Most steps.
+    /// Largest number of steps.
     pub(crate) most: usize,
 }
 
@@ -53,7 +54,7 @@ impl<const D: usize> Energies<'_, D> {
         sum
     }
 
-    /// The forces, whose sum is zero where the energy is least.
+    /// Forces at the positions `x`: minus the gradient of the energy, N.
     fn forces(&self, x: &NodeVectors<D>) -> NodeVectors<D> {
         let system = self.system;
         let mut forces = system.internal_forces(x, &NodeVectors::zeros(system.nodes()));
@@ -75,7 +76,8 @@ impl<const D: usize> Energies<'_, D> {
         forces
     }
 
-    /// Every damper with its constant times the damping, and how much longer it is than it was.
+    /// Calls `visit` for every damper with its damping constant times `damping`, and its elongation
+    /// since the start.
     fn dampers(&self, x: &NodeVectors<D>, mut visit: impl FnMut(usize, f64, f64)) {
         let springs = &self.system.springs;
         if !springs.damped || self.damping == 0.0 {
@@ -90,9 +92,8 @@ impl<const D: usize> Energies<'_, D> {
         }
     }
 
-    /// The positions of least energy near `x`, by Newton's method with a line search, and the
-    /// number of its steps. Where the matrix is not positive definite, its convex part takes its
-    /// place.
+    /// The minimum of the energy near `x`, by Newton's method with a line search, and the number of
+    /// its steps. Where the matrix is not positive definite, its convex part is used.
     pub(crate) fn least(
         &self,
         mut x: NodeVectors<D>,
@@ -152,8 +153,8 @@ impl<const D: usize> Energies<'_, D> {
 }
 
 impl<const D: usize> Energies<'_, D> {
-    /// A place of less energy near the equilibrium `x`, if it is a saddle: along the negative
-    /// curvature that a push without any symmetry finds. What costs no energy counts as stable.
+    /// Positions of less energy near the equilibrium `x`, if it is a saddle: along the negative
+    /// curvature that a push without any symmetry finds. A neutral equilibrium counts as stable.
     pub(crate) fn below(&self, x: &NodeVectors<D>, linear: f64) -> Option<NodeVectors<D>> {
         let system = self.system;
         let tangent = Tangent::new(system, x, NEUTRAL * system.stiffest(), self.damping, false);
@@ -177,7 +178,7 @@ impl<const D: usize> Energies<'_, D> {
 }
 
 impl<const D: usize> System<D> {
-    /// Largest stiffness of a spring by the mass of a node, 1/s^2.
+    /// Largest ratio of a spring's stiffness to the mass of a node, 1/s^2.
     pub(crate) fn stiffest(&self) -> f64 {
         let springs = self.springs.nodes.iter().zip(&self.springs.stiffness);
         let ratio = |(nodes, k): (&[usize; 2], &f64)| {

@@ -3,28 +3,28 @@ use rapunzel_collision::field::{DistanceField, Sample};
 
 /// A body that nodes do not enter, at the end of a step. Nodes do not move it.
 pub struct Obstacle<'a> {
-    /// Its surface, about its own origin.
+    /// Distance field of its surface, in the body's own frame.
     pub field: &'a dyn DistanceField,
-    /// Where it was at the start of the step, and where it is: from its own frame to the world.
+    /// Poses at the start and at the end of the step, from the body's own frame to the world.
     pub poses: [Isometry3<f64>; 2],
-    /// Length of the step, s.
+    /// Step size, s.
     pub dt: f64,
 }
 
 impl<'a> Obstacle<'a> {
-    /// One that rests where its field is.
+    /// An obstacle at rest whose own frame is the world.
     #[must_use]
     pub fn at_rest(field: &'a dyn DistanceField) -> Self {
         Self { field, poses: [Isometry3::identity(); 2], dt: 1.0 }
     }
 
-    /// The field, with its gradient, at a place (world).
+    /// The field and its gradient at a point (world).
     pub(crate) fn touch(&self, place: &Point3<f64>) -> Sample {
         let sample = self.field.sample(&self.poses[1].inverse_transform_point(place));
         Sample { gradient: self.poses[1] * sample.gradient, ..sample }
     }
 
-    /// Mean velocity in the step of what of it is at a place now (world), m/s.
+    /// Mean velocity in the step of the material point that is at `place` at its end (world), m/s.
     pub(crate) fn velocity(&self, place: &Point3<f64>) -> Vector3<f64> {
         let [before, now] = &self.poses;
         if before == now {

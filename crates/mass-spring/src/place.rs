@@ -1,6 +1,7 @@
 use crate::SpringError;
 
-/// What every node of a lattice is: the place matrix of the second text, K rows of N letters.
+/// The place matrix of the second text: springs and supports of every node of a lattice, K rows of
+/// N letters.
 ///
 /// | letter | node |
 /// |---|---|
@@ -18,7 +19,7 @@ pub struct PlaceMatrix {
     rows: Vec<Vec<char>>,
 }
 
-/// Up, down, left and right, with the letters that are not pulled from there.
+/// Directions up, down, left and right, with the letters that have no spring there.
 const SIDES: [(&str, [isize; 2], &str); 4] = [
     ("above", [-1, 0], "t12"),
     ("below", [1, 0], "b34"),
@@ -80,7 +81,7 @@ impl PlaceMatrix {
     /// A cloth on a line: fixed at the top, at every third node and the corners.
     ///
     /// # Errors
-    /// [`SpringError::PlaceShape`]; so do the others.
+    /// [`SpringError::PlaceShape`].
     pub fn line(rows: usize, columns: usize) -> Result<Self, SpringError> {
         let pegged = |row, column| row == 0 && (column % 3 == 0 || column + 1 == columns);
         Ok(Self::free(rows, columns)?.with('f', pegged))
@@ -127,7 +128,7 @@ impl PlaceMatrix {
         self.rows[row][column]
     }
 
-    /// All nodes that have a letter, as row and column.
+    /// All nodes with the given letter, as row and column.
     pub(crate) fn all(&self, letter: char) -> impl Iterator<Item = (usize, usize)> {
         self.letters().filter(move |l| l.2 == letter).map(|(row, column, _)| (row, column))
     }
@@ -150,7 +151,7 @@ impl PlaceMatrix {
         }
     }
 
-    /// Whether the letter of a node has a spring on a side.
+    /// Whether the letter of a node has a spring in a direction.
     fn pulls(&self, row: usize, column: usize, down: isize, right: isize) -> bool {
         let letter = self.rows[row][column];
         SIDES.iter().all(|(_, side, without)| *side != [down, right] || !without.contains(letter))

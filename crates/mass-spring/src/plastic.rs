@@ -2,10 +2,10 @@ use crate::System;
 
 impl<const D: usize> System<D> {
     /// Lets springs beyond their yield strain give way for good: the rest length follows until the
-    /// elastic strain is at the limit. Returns how many did; call it after every step.
+    /// elastic strain is at the limit. Returns how many did; to be called after every step.
     ///
-    /// The third text takes plastic deformation from pins; this is perfect plasticity, for every
-    /// spring by itself.
+    /// In the third text pins deform plastically; this is perfect plasticity, for every spring by
+    /// itself.
     pub fn give_way(&mut self) -> usize {
         let mut lengths = Vec::new();
         for (s, &[i, j]) in self.springs.nodes.iter().enumerate() {

@@ -8,20 +8,20 @@ use nalgebra::{Point, SVector};
 /// [`RigidChain`](crate::RigidChain) to move it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rope {
-    /// Number of nodes with the fixed one, at least two.
+    /// Number of nodes including the fixed one, at least two.
     pub nodes: usize,
     /// Rest length of a segment, m.
     pub spacing: f64,
-    /// Masses and springs.
+    /// Parameters of the masses and springs.
     pub element: Element,
     /// Bending stiffness, N m^2; the text has none.
     pub bending_stiffness: f64,
-    /// Segments keep their length: springs have no stiffness of their own.
+    /// Whether segments keep their length: springs then have no stiffness of their own.
     pub rigid: bool,
 }
 
 impl Rope {
-    /// The rope of the text: 40 nodes and, as it says nothing of size, segments of 5 cm and 10 g.
+    /// The rope of the text: 40 nodes, segments of 5 cm and 10 g, which the text does not give.
     #[must_use]
     pub fn of_the_text(frequency: f64) -> Self {
         let element = Element { mass: 0.01, ..Element::unit(frequency) };

@@ -1,21 +1,21 @@
 use crate::supports::Guide;
 use crate::{NodeVectors, SpringError, StepTooLong, System};
 
-/// The limit of a step by that of the leapfrog, which reaches to 2 on both axes of the complex
-/// plane. The region of the classical method reaches to 2.785 on the real axis and 2.828 on the
-/// imaginary.
+/// Ratio of the largest stable step to that of the leapfrog, which reaches to 2 on both axes of the
+/// complex plane. The region of the classical method reaches to 2.785 on the real axis and 2.828 on
+/// the imaginary.
 const REACH: f64 = 2.785 / 2.0;
 
 impl<const D: usize> System<D> {
-    /// Says that a step of [`runge_kutta`] is above its limit, if it is.
+    /// Warning if a step of [`runge_kutta`] is above its stability limit, else `None`.
     #[must_use]
     pub fn warn_of_runge_kutta_step(&self, dt: f64) -> Option<StepTooLong> {
         let limit = REACH * self.stability_limit();
         (dt >= limit).then_some(StepTooLong { dt, limit, method: "Runge-Kutta method" })
     }
 
-    /// Accelerations at given positions and velocities at time `t`, m/s^2 (world), as the supports
-    /// let them be.
+    /// Accelerations at given positions and velocities at time `t`, m/s^2 (world), projected onto
+    /// the motions that the supports allow.
     pub(crate) fn accelerations(
         &self,
         t: f64,

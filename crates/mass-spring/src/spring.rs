@@ -3,11 +3,11 @@ use crate::SpringError;
 /// A linear spring with a damper parallel to it.
 ///
 /// The force on its first node is `(k (l - l0) + mu dl/dt) d`, where `l` is its length and `d` the
-/// unit vector to the second node; that on the second is the opposite. (The third text prints the
-/// opposite sign, and damping that acts on the velocity of one node: errata, section 9.)
+/// unit vector to the second node; the force on the second node is the opposite. (The third text
+/// prints the opposite sign, and damping that acts on the velocity of one node: errata, section 9.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
-    /// The two nodes it connects.
+    /// Indices of the two nodes that it connects.
     pub nodes: [usize; 2],
     /// Spring constant k, N/m.
     pub stiffness: f64,
@@ -53,7 +53,7 @@ impl Spring {
     }
 }
 
-/// Springs of one system, number by number, and how they follow each other.
+/// Springs of one system, stored parameter by parameter, and their runs.
 #[derive(Debug, Clone)]
 pub(crate) struct Springs {
     pub(crate) nodes: Vec<[usize; 2]>,
@@ -61,7 +61,7 @@ pub(crate) struct Springs {
     pub(crate) rest_length: Vec<f64>,
     pub(crate) damping: Vec<f64>,
     pub(crate) yield_strain: Vec<f64>,
-    /// In the order of their lowest node.
+    /// Runs of springs, in the order of their lowest node.
     pub(crate) runs: Vec<SpringRun>,
     /// Whether any spring has a damper.
     pub(crate) damped: bool,
@@ -76,20 +76,21 @@ pub(crate) struct SpringRun {
     pub(crate) count: usize,
     pub(crate) i: usize,
     pub(crate) j: usize,
-    /// All have the numbers of the first, which need not be read again.
+    /// Whether all springs of the run have the parameters of the first.
     pub(crate) uniform: bool,
-    /// No run after this one touches a node below.
+    /// First node that a later run may touch.
     pub(crate) frontier: usize,
 }
 
 impl SpringRun {
-    /// No node from here on is touched.
+    /// First node beyond those that the run touches.
     pub(crate) fn end(&self) -> usize {
         self.i.max(self.j) + self.count
     }
 }
 
-/// Longer runs are cut, so that what they touch stays in the cache until it is used again.
+/// Longest run; longer ones are cut, so that their nodes stay in the cache until they are used
+/// again.
 const LONGEST_RUN: usize = 1024;
 
 impl Springs {
@@ -121,7 +122,7 @@ impl Springs {
         }
     }
 
-    /// Notes again which runs are uniform, after numbers have changed.
+    /// Updates which runs are uniform, after parameters have changed.
     pub(crate) fn refresh(&mut self) {
         let mut runs = std::mem::take(&mut self.runs);
         for run in &mut runs {

@@ -29,7 +29,7 @@ impl<const D: usize> System<D> {
         4.0 / (decay + (decay * decay + 4.0 * square).sqrt())
     }
 
-    /// Says that a step is above the limit, if it is.
+    /// Warning if a step is above the stability limit, else `None`.
     #[must_use]
     pub fn warn_of_step(&self, dt: f64) -> Option<StepTooLong> {
         let limit = self.stability_limit();
@@ -37,8 +37,8 @@ impl<const D: usize> System<D> {
         (dt >= limit).then_some(StepTooLong { dt, limit, method: "leapfrog" })
     }
 
-    /// The largest eigenvalue of a matrix, given by its product, in the metric of the masses;
-    /// infinite if that is no number.
+    /// Largest eigenvalue of a matrix given by its product, in the metric of the masses; infinite
+    /// if the result is NaN.
     fn largest_eigenvalue(
         &self,
         mut apply: impl FnMut(&NodeVectors<D>, &mut NodeVectors<D>),
@@ -75,14 +75,14 @@ impl<const D: usize> System<D> {
     }
 }
 
-/// A warning: an explicit method will not be stable.
+/// A warning: a step is above the stability limit of an explicit method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepTooLong {
-    /// The step, s.
+    /// Step size, s.
     pub dt: f64,
-    /// The limit, s.
+    /// Stability limit of the step size, s.
     pub limit: f64,
-    /// The method.
+    /// Name of the method.
     pub method: &'static str,
 }
 

@@ -3,14 +3,14 @@ use nalgebra::SVector;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// What moves a component of a node.
+/// Kind of motion of one component of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Guide {
-    /// Its forces.
+    /// Moved by the forces on the node.
     Free,
-    /// Its velocity is given, and no force changes it.
+    /// Moved at a prescribed velocity, whatever forces act.
     Driven,
-    /// Its forces together with those of all of a tie, by number.
+    /// Moved by the forces on all nodes of a tie, given by its index.
     Tied(usize),
 }
 
@@ -21,15 +21,15 @@ pub(crate) struct NodeTie {
     pub(crate) nodes: BTreeSet<usize>,
 }
 
-/// Which components of which nodes do not move freely.
+/// The supports of a system: components of nodes that do not move freely.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Supports<const D: usize> {
-    /// Node and axis, as asked for.
+    /// Pairs of node and axis with a prescribed velocity.
     driven: BTreeSet<(usize, usize)>,
     pub(crate) ties: Vec<NodeTie>,
     /// All nodes with a component that is not free, in order.
     pub(crate) guided: Vec<(usize, [Guide; D])>,
-    /// The nodes between.
+    /// Ranges of nodes without supports, between the guided ones.
     pub(crate) free: Vec<Range<usize>>,
     nodes: usize,
 }
@@ -44,7 +44,7 @@ impl<const D: usize> Supports<D> {
         self.refresh();
     }
 
-    /// Frees a node, but not from its ties.
+    /// Frees all components of a node, but keeps its ties.
     pub(crate) fn release(&mut self, node: usize) {
         self.driven.retain(|&(n, _)| n != node);
         self.refresh();
@@ -70,19 +70,20 @@ impl<const D: usize> Supports<D> {
         tie.map_or(vec![node], |tie| tie.nodes.iter().copied().collect())
     }
 
-    /// What moves component `axis` of `node`.
+    /// Kind of motion of component `axis` of `node`.
     pub(crate) fn guide(&self, node: usize, axis: usize) -> Guide {
         let found = self.guided.binary_search_by_key(&node, |(node, _)| *node);
         found.map_or(Guide::Free, |k| self.guided[k].1[axis])
     }
 
-    /// The projection onto what the supports allow: zero where a component is driven, the mean over
-    /// the nodes of a tie.
+    /// Projects onto the motions that the supports allow: zero where a component is driven, the
+    /// mean over the nodes of a tie.
     pub(crate) fn project(&self, columns: &mut NodeVectors<D>) {
         self.project_weighted(columns, |_| 1.0);
     }
 
-    /// The same for components that have been multiplied by a weight for every node.
+    /// Projects as [`Self::project`] does, for components that have been multiplied by a weight for
+    /// every node.
     pub(crate) fn project_weighted(
         &self,
         columns: &mut NodeVectors<D>,
@@ -103,7 +104,7 @@ impl<const D: usize> Supports<D> {
         }
     }
 
-    /// Adds to a node, and to those that move with it.
+    /// Adds `change` to a node, and to the nodes that move with it.
     pub(crate) fn add(&self, columns: &mut NodeVectors<D>, node: usize, change: &SVector<f64, D>) {
         for axis in 0..D {
             for partner in self.partners(node, axis) {
@@ -112,7 +113,7 @@ impl<const D: usize> Supports<D> {
         }
     }
 
-    /// Whether the velocity of a component has been given.
+    /// Whether the velocity of a component is prescribed.
     pub(crate) fn driven(&self, node: usize, axis: usize) -> bool {
         self.driven.contains(&(node, axis))
     }

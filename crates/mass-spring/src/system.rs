@@ -28,8 +28,8 @@ pub struct System<const D: usize> {
 }
 
 impl<const D: usize> System<D> {
-    /// Nodes at rest at `positions` (m) with `masses` (kg), connected by `springs`; nothing else
-    /// acts.
+    /// Creates nodes at rest at `positions` (m) with `masses` (kg), connected by `springs`, without
+    /// other forces.
     ///
     /// # Errors
     /// [`SpringError`] names the first node or spring with numbers that make no sense.
@@ -68,7 +68,7 @@ impl<const D: usize> System<D> {
         Ok(system)
     }
 
-    /// The same with bends; an empty list takes them away.
+    /// Replaces the bend resistances of the system; an empty list removes them.
     ///
     /// # Errors
     /// [`SpringError::MissingNode`], [`SpringError::Parameter`].
@@ -90,10 +90,7 @@ impl<const D: usize> System<D> {
         self.springs.len()
     }
 
-    /// Spring `s` as it is now.
-    ///
-    /// # Panics
-    /// If there is no such spring, as indexing does.
+    /// Spring `s` with its present parameters.
     #[must_use]
     pub fn spring(&self, s: usize) -> Spring {
         self.springs.get(s)
@@ -105,7 +102,7 @@ impl<const D: usize> System<D> {
         &self.masses
     }
 
-    /// Time, s.
+    /// Current time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
@@ -119,13 +116,16 @@ impl<const D: usize> System<D> {
     /// Position of `node` (world), m.
     ///
     /// # Panics
-    /// If there is no such node, as indexing does; so does [`velocity`](Self::velocity).
+    /// If there is no such node, as indexing does.
     #[must_use]
     pub fn position(&self, node: usize) -> Point<f64, D> {
         self.positions.get(node).into()
     }
 
     /// Velocity of `node` (world), m/s.
+    ///
+    /// # Panics
+    /// If there is no such node, as indexing does.
     #[must_use]
     pub fn velocity(&self, node: usize) -> SVector<f64, D> {
         self.velocities.get(node)
@@ -143,7 +143,7 @@ impl<const D: usize> System<D> {
         &self.velocities
     }
 
-    /// Puts all nodes somewhere else (world), m.
+    /// Sets the positions of all nodes (world), m.
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
@@ -153,7 +153,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Gives all nodes velocities (world), m/s; those of supports are kept.
+    /// Sets the velocities of all nodes (world), m/s; velocities of supports are kept.
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
@@ -166,8 +166,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Goes back to saved positions (world), m, and velocities (world), m/s, also those of
-    /// supports.
+    /// Restores saved positions (world), m, and velocities (world), m/s, also those of supports.
     ///
     /// # Errors
     /// [`SpringError::Count`], [`SpringError::NotFinite`].
@@ -281,7 +280,8 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Velocity of the air now (world), m/s: what the wind rose of the texts shows.
+    /// Velocity of the air at the current time (world), m/s, as the wind rose of the texts shows
+    /// it.
     #[must_use]
     pub fn wind(&self) -> SVector<f64, D> {
         self.wind.at(self.time)
@@ -310,7 +310,7 @@ impl<const D: usize> System<D> {
         forces
     }
 
-    /// Force of spring `s` on its first node now (world), N.
+    /// Force of spring `s` on its first node in the present state (world), N.
     ///
     /// # Panics
     /// If there is no such spring, as indexing does.
@@ -322,7 +322,7 @@ impl<const D: usize> System<D> {
         force::force(&self.springs, s, &apart, &parting)
     }
 
-    /// Mean rest length of the springs, m: the size of things.
+    /// Mean rest length of the springs, m: the length scale of the system.
     pub(crate) fn size(&self) -> f64 {
         self.springs.rest_length.iter().sum::<f64>() / self.springs().max(1) as f64
     }

@@ -1,4 +1,4 @@
-//! How the forces change with the positions.
+//! Derivatives of the forces by the positions.
 
 use crate::force::TINY;
 use crate::spring::SpringRun;
@@ -6,13 +6,13 @@ use crate::{NodeVectors, System};
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Springs taken at a time.
+/// Number of springs taken at a time.
 const CHUNK: usize = 128;
 
 /// The symmetric matrix `inertia * M + damping * D + K` of a system in one state, which is never
-/// written down: only what each spring gives to it.
+/// assembled: only the contribution of each spring is stored.
 ///
-/// That of a spring is `a I + w w^T` for its two nodes and the opposite between them, with
+/// The block of a spring is `a I + w w^T` for its two nodes and the opposite between them, with
 /// `w = sqrt(b) d` along the spring: `a = k (1 - l0/l)`, `b = k l0/l`. A spring in compression has
 /// `a < 0`; the convex form takes zero instead.
 pub(crate) struct Tangent<'a, const D: usize> {
@@ -20,14 +20,15 @@ pub(crate) struct Tangent<'a, const D: usize> {
     inertia: f64,
     isotropic: Vec<f64>,
     axial: NodeVectors<D>,
-    /// Dampers have `w` of their own, along the springs as they are in the system; empty without.
+    /// Vectors `w` of the dampers, along the springs as they are in the system; empty without
+    /// dampers.
     dampers: NodeVectors<D>,
-    /// Joints with the three blocks of their second derivatives.
+    /// Bends, each with the three blocks of its second derivatives.
     bends: Vec<[SMatrix<f64, D, D>; 3]>,
 }
 
 impl<'a, const D: usize> Tangent<'a, D> {
-    /// At positions `x`.
+    /// The matrix at the positions `x`.
     pub(crate) fn new(
         system: &'a System<D>,
         x: &NodeVectors<D>,
@@ -68,7 +69,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
         tangent
     }
 
-    /// The system whose matrix it is.
+    /// The system that the matrix belongs to.
     pub(crate) fn system(&self) -> &'a System<D> {
         self.system
     }
@@ -78,7 +79,7 @@ impl<'a, const D: usize> Tangent<'a, D> {
         Arch::new().dispatch(Apply { tangent: self, z, y });
     }
 
-    /// The same from within a loop in SIMD lanes.
+    /// Computes `y = A z` as [`Self::apply`] does, for callers that already run in SIMD lanes.
     #[inline(always)]
     pub(crate) fn apply_inline(&self, z: &NodeVectors<D>, y: &mut NodeVectors<D>) {
         self.apply_springs(z, y);
@@ -117,8 +118,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
         }
     }
 
-    /// Every block of the matrix once, by its row and column: also those of the diagonal, which
-    /// several terms add to.
+    /// Visits every block of the matrix by its row and column; blocks on the diagonal come in
+    /// several parts to be added.
     pub(crate) fn blocks(&self, mut visit: impl FnMut(usize, usize, SMatrix<f64, D, D>)) {
         for (node, mass) in self.system.masses.iter().enumerate() {
             visit(node, node, SMatrix::from_diagonal_element(self.inertia * mass));
@@ -157,8 +158,8 @@ impl<'a, const D: usize> Tangent<'a, D> {
         elastic + w * w.transpose()
     }
 
-    /// Inverses of the diagonal within what the supports allow, for a preconditioner; where it is
-    /// not positive, of its size.
+    /// Inverses of the diagonal on the motions that the supports allow, for a preconditioner; where
+    /// the diagonal is not positive, its absolute value is used.
     pub(crate) fn inverse_diagonal(&self) -> NodeVectors<D> {
         let mut diagonal = NodeVectors::zeros(self.system.nodes());
         self.blocks(|row, column, block| {

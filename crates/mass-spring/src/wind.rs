@@ -3,13 +3,13 @@ use std::f64::consts::TAU;
 
 /// The velocity of the air, the same everywhere: `steady + pulse (1 - cos(2 pi t / period)) / 2`.
 ///
-/// It acts through the drag, as wind does, where the texts add an acceleration: for a drag rate
-/// `gamma` that of the texts is `gamma u`.
+/// It acts through the drag, as wind does; the texts add an acceleration instead, which for a drag
+/// rate `gamma` is `gamma u`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindField<const D: usize> {
-    /// Velocity that blows always (world), m/s.
+    /// Constant velocity (world), m/s.
     pub steady: SVector<f64, D>,
-    /// Velocity that the height of a pulse adds (world), m/s.
+    /// Velocity added at the peak of a pulse (world), m/s.
     pub pulse: SVector<f64, D>,
     /// Time from pulse to pulse, s; positive.
     pub period: f64,
@@ -22,13 +22,13 @@ impl<const D: usize> Default for WindField<D> {
 }
 
 impl<const D: usize> WindField<D> {
-    /// Wind that blows evenly, m/s (world).
+    /// Wind of constant velocity, m/s (world).
     #[must_use]
     pub fn steady(velocity: SVector<f64, D>) -> Self {
         Self { steady: velocity, pulse: SVector::zeros(), period: 1.0 }
     }
 
-    /// Velocity at time `t` (s): what the wind rose shows, m/s (world).
+    /// Velocity at time `t` (s), m/s (world), as the wind rose shows it.
     #[must_use]
     pub fn at(&self, t: f64) -> SVector<f64, D> {
         self.steady + self.pulse * (0.5 * (1.0 - (TAU * t / self.period).cos()))

@@ -1,10 +1,10 @@
 use nalgebra::Point3;
 
-/// Halvings of an interval in which a node is looked for: to the last bit.
+/// Halvings of an interval in which a node is searched: to the last bit.
 const HALVINGS: usize = 60;
 
 /// Nodes on a curve, from its start on, whose segments are chords of given `lengths`, m. `curve`
-/// gives the point after a way along it, m; it must not turn back within two lengths.
+/// gives the point at an arc length, m; it must not turn back within two lengths.
 pub(super) fn chords(lengths: &[f64], curve: impl Fn(f64) -> Point3<f64>) -> Vec<Point3<f64>> {
     let mut at = 0.0;
     let mut nodes = vec![curve(at)];

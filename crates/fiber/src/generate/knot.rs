@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 
 /// An overhand knot in a straight fibre: a round loop whose ends wind one and a half times about
-/// each other and leave along one line. Pulled tight by them it stays the open trefoil.
+/// each other and leave along one line. Pulled tight by its ends it stays the open trefoil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhand {
     /// Radius of the loop, m.
@@ -14,7 +14,8 @@ pub struct Overhand {
     pub spacing: f64,
 }
 
-/// Angle by which the strands wind about each other; half a turn would be a mere loop.
+/// Angle by which the strands wind about each other, rad; half a turn would be a loop without a
+/// knot.
 const WINDING: f64 = 3.0 * PI;
 
 impl Overhand {
@@ -47,19 +48,19 @@ impl Overhand {
         Ok(chords(lengths, |way| self.curve(way, end)))
     }
 
-    /// Half the length over which the strands wind: so long that their curvature is at most that of
-    /// the loop.
+    /// Half the length over which the strands wind, m: so long that their curvature is at most the
+    /// curvature of the loop.
     fn half(&self) -> f64 {
         0.75 * WINDING * (0.5 * self.spacing * self.radius).sqrt()
     }
 
-    /// Length from where the strands begin to wind to where they end, measured along z while they
-    /// do.
+    /// Length of the curve from where the strands begin to wind to where they end, m, measured
+    /// along z while they wind.
     fn knotted(&self) -> f64 {
         TAU * self.radius + 6.0 * self.half()
     }
 
-    /// The point after `way` along the curve, m, after a straight `end`.
+    /// Point at the arc length `way` of the curve, m, after a straight `end`.
     fn curve(&self, way: f64, end: f64) -> Point3<f64> {
         let (b, r, half_turn) = (self.half(), self.radius, PI * self.radius);
         let middle = end + b;
@@ -86,7 +87,7 @@ impl Overhand {
         Point3::new(self.spacing + x, 0.0, middle + z)
     }
 
-    /// A point of one of the strands, `along` z from the middle of the winding.
+    /// Point of one of the strands, m, at the distance `along` z from the middle of the winding.
     fn strand(&self, along: f64, middle: f64, side: f64) -> Point3<f64> {
         let t = (0.5 * (along / self.half() + 1.0)).clamp(0.0, 1.0);
         // Without a kink where the winding begins and ends.

@@ -5,7 +5,7 @@ use crate::{Fiber, FiberError, so3};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// `count` copies of `fiber`, moved but not turned, with their roots on `patch`.
+/// `count` copies of `fiber`, translated without rotation, with their roots on `patch`.
 ///
 /// # Errors
 /// As [`Ellipse::roots`].
@@ -33,8 +33,8 @@ pub struct Lock {
     /// Relative variation of the natural curvature: each of its three components is the guide's
     /// times a random factor, one per fibre, from `1 - variation` to `1 + variation`. In `[0, 1]`.
     pub curvature_variation: f64,
-    /// How far the tips draw together: 0 keeps the fibres parallel, 1 aims all at the guide's tip.
-    /// In `[0, 1]`.
+    /// Fraction by which the tips draw together, in `[0, 1]`: 0 keeps the fibres parallel, 1 aims
+    /// all at the guide's tip.
     pub clumping: f64,
 }
 

@@ -4,29 +4,29 @@ use crate::error::positive;
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::f64::consts::TAU;
 
-/// A knot in a fibre: a closed curve that is cut where it is farthest from its middle. There its
-/// ends pass each other and go on straight, so that they can be pulled; the knot is that of the
-/// curve, since nothing of it is beyond the plane in which they lie.
+/// A knot in a fibre along a closed curve, which is cut where it is farthest from its middle. There
+/// its ends pass each other and go on straight, so that they can be pulled. The knot is that of the
+/// closed curve, since no part of it is beyond the plane of the ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LongKnot {
     /// Points along the closed curve, m; the last is joined to the first. They are the control
-    /// points of a smooth curve that cuts each corner, by half of the way to the line through the
+    /// points of a smooth curve that cuts each corner, half of the distance to the line through the
     /// middles of both sides: strands of a knot on a lattice stay apart.
     pub points: Vec<Point3<f64>>,
-    /// Distance at which the ends pass each other, m; more than two diameters: beside the cut, half
-    /// of it is left.
+    /// Distance at which the ends pass each other, m; more than two diameters, since beside the cut
+    /// half of it is left.
     pub spacing: f64,
 }
 
-/// No polygon with fewer corners is knotted.
+/// Least number of corners of a knotted polygon.
 const CORNERS: usize = 6;
-/// Straight pieces for the arc at a corner: they deviate from it by a thousandth of what it rounds
-/// off.
+/// Number of straight pieces for the arc at a corner: they deviate from the arc by a thousandth of
+/// the distance that it cuts off.
 const PIECES: usize = 16;
 
 impl LongKnot {
-    /// A figure-eight knot of some `radius`, m: the closed curve
-    /// `((2 + cos 2t) cos 3t, (2 + cos 2t) sin 3t, sin 4t)`, to that scale.
+    /// A figure-eight knot scaled by `radius`, m: the closed curve `((2 + cos 2t) cos 3t, (2 + cos
+    /// 2t) sin 3t, sin 4t)`.
     #[must_use]
     pub fn figure_eight(radius: f64, spacing: f64) -> Self {
         let corners = 160;
@@ -126,15 +126,15 @@ impl LongKnot {
     }
 }
 
-/// A curve of short straight pieces, with the way to each of its points.
+/// A curve of short straight pieces, with the arc length at each of its points.
 struct Arc {
     points: Vec<Point3<f64>>,
     ways: Vec<f64>,
 }
 
 impl Arc {
-    /// Around corners, from the middle of the first side to that of the last: the quadratic
-    /// B-spline.
+    /// The quadratic B-spline around corners, from the middle of the first side to the middle of
+    /// the last.
     fn around(corners: &[Point3<f64>]) -> Self {
         let mut points = vec![corners[0].lerp(&corners[1], 0.5)];
         for corner in corners.windows(3) {
@@ -155,8 +155,8 @@ impl Arc {
         self.ways[self.ways.len() - 1]
     }
 
-    /// The point after `way`, m, straight along z before its start and after its end; its start is
-    /// moved to `start` on the z axis.
+    /// Point at the arc length `way`, m, straight along z before the start and after the end of the
+    /// curve, whose start is moved to `start` on the z axis.
     fn at(&self, way: f64, start: f64) -> Point3<f64> {
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
         let after = self.ways.partition_point(|w| *w <= way);

@@ -1,7 +1,7 @@
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// Random numbers that depend on the seed alone.
+/// A generator of random numbers that depend on the seed alone.
 pub(super) struct Random(Pcg64Mcg);
 
 impl Random {
@@ -9,12 +9,12 @@ impl Random {
         Self(Pcg64Mcg::seed_from_u64(seed))
     }
 
-    /// Uniform in `[0, 1)`, all 53 bits of it.
+    /// A number uniform in `[0, 1)`, with 53 random bits.
     pub(super) fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * (-53f64).exp2()
     }
 
-    /// Uniform in `[-1, 1)`.
+    /// A number uniform in `[-1, 1)`.
     pub(super) fn symmetric(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }

@@ -7,7 +7,8 @@ use std::f64::consts::{PI, TAU};
 /// A flat elliptic patch of skin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipse {
-    /// Centre and axes (world): the patch lies in the plane of x and y, z is its normal.
+    /// Pose of the patch in the world: it lies in the plane of the pose's x and y axes, z is its
+    /// normal.
     pub pose: Isometry3<f64>,
     /// Semi-axis along x, m.
     pub a: f64,
@@ -16,14 +17,14 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// Area, m^2.
+    /// Area of the patch, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
         PI * self.a * self.b
     }
 
-    /// How many roots stand on the patch at `density` roots per m^2, to the nearest integer.
-    /// A human scalp has 1.5e6 to 3e6 of them.
+    /// Number of roots on the patch at `density` roots per m^2, to the nearest integer. A human
+    /// scalp has 1.5e6 to 3e6 per m^2.
     ///
     /// # Errors
     /// Refuses what is not positive, and more than a thousand million roots.

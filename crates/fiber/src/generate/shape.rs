@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The pose of a root at `position` (world, m) with its z axis along `direction` (any length).
 ///
-/// The other axes are those of the world, turned on the shortest way.
+/// The other axes are those of the world, rotated by the smallest rotation of z to `direction`.
 ///
 /// # Errors
 /// [`FiberError::NoDirection`] for a zero or not finite direction.
@@ -25,12 +25,12 @@ pub fn root_pose(
     Ok(Isometry3::from_parts(Translation3::from(position), so3::quaternion(&turn)))
 }
 
-/// Which way a helix winds.
+/// Handedness of a helix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Handedness {
-    /// As a common screw.
+    /// Right-handed, as a common screw.
     Right,
-    /// As its mirror image.
+    /// Left-handed, the mirror image of a right-handed helix.
     Left,
 }
 
@@ -42,7 +42,7 @@ pub struct Helix {
     pub radius: f64,
     /// Advance `p` along the axis per turn, m; zero gives a ring.
     pub pitch: f64,
-    /// Which way it winds.
+    /// Handedness of the helix.
     pub handedness: Handedness,
 }
 
