@@ -159,6 +159,9 @@ impl Fiber {
 
     /// Replaces the natural curvature by `kappa(s)` (material frame, 1/m), `s` the arc length in
     /// metres.
+    ///
+    /// # Errors
+    /// [`FiberError::NotFinite`] where `kappa` is not finite.
     pub fn with_natural_curvature(
         self,
         kappa: impl Fn(f64) -> Vector3<f64>,
@@ -168,6 +171,10 @@ impl Fiber {
     }
 
     /// Replaces the natural curvatures by one for each node (material frame, 1/m).
+    ///
+    /// # Errors
+    /// Refuses a number of curvatures other than one for each node, and curvatures that are not
+    /// finite.
     pub fn with_node_curvatures(self, kappas: &[Vector3<f64>]) -> Result<Self, FiberError> {
         if kappas.len() != self.nodes.len() {
             return Err(FiberError::NodeCount { segments: self.segments(), nodes: kappas.len() });

@@ -29,10 +29,16 @@ pub trait SectionLaw: Debug + Send + Sync {
     fn response(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> SectionResponse;
 
     /// Commits the step of `dt` seconds to `strain`; `dt = 0` is an instantaneous strain.
+    ///
+    /// # Panics
+    /// If `memory` has another length than [`SectionLaw::memory`].
     fn commit(&self, memory: &mut [Vector3<f64>], strain: &Vector3<f64>, dt: f64);
 
     /// Energy per length that the step to `strain` dissipates, before it is committed, J/m: the
     /// work done in the step, less the rise of the stored energy.
+    ///
+    /// # Panics
+    /// If `memory` has another length than [`SectionLaw::memory`].
     fn dissipated(&self, memory: &[Vector3<f64>], strain: &Vector3<f64>, dt: f64) -> f64;
 
     /// Energy per length that a section stores at `strain`, J/m, after the step to it.

@@ -91,6 +91,9 @@ impl<const D: usize> System<D> {
     }
 
     /// Spring `s` with its present parameters.
+    ///
+    /// # Panics
+    /// If there is no such spring, as indexing does.
     #[must_use]
     pub fn spring(&self, s: usize) -> Spring {
         self.springs.get(s)

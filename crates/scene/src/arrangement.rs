@@ -4,10 +4,10 @@ use rapunzel_fiber::FiberError;
 use rapunzel_fiber::generate::{Ellipse, root_pose};
 use serde::{Deserialize, Serialize};
 
-/// The most fibres of a bundle, against typing errors.
+/// Largest number of fibres of a bundle; more is a typing error.
 const MOST_FIBERS: usize = 1_000_000;
 
-/// One fibre or many.
+/// Number and placement of the fibres of a bundle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Arrangement {
@@ -21,7 +21,8 @@ pub enum Arrangement {
         /// Number of fibres.
         count: usize,
     },
-    /// The same with a number of fibres per area.
+    /// Parallel copies with their roots spread over an ellipse across the direction of the root,
+    /// with a number of fibres per area.
     EllipseAtDensity {
         /// Semi-axes along d1 and d2 of the root, m.
         semi_axes: [f64; 2],
@@ -37,22 +38,22 @@ pub enum Arrangement {
         /// Relative variation of the natural curvature, 0 to 1.
         #[serde(default)]
         curvature_variation: f64,
-        /// How far the tips draw together, 0 (parallel) to 1 (all at the guide's tip).
+        /// Fraction by which the tips draw together, 0 (parallel) to 1 (all at the guide's tip).
         #[serde(default)]
         clumping: f64,
     },
-    /// Fibres that stand on a part of an ellipsoid about the root's position, with the axes of its
+    /// Fibres on a part of an ellipsoid about the root's position, with the axes of the root's
     /// frame, along the outward normals. They are spread evenly over the unit sphere that is
-    /// stretched to it.
+    /// stretched to the ellipsoid.
     Scalp {
         /// Semi-axes along d1, d2 and the tangent of the root, m.
         semi_axes: [f64; 3],
         /// Number of fibres.
         count: usize,
-        /// From where to where, by the angle from the tangent of the root, degrees.
+        /// Range of the angle from the tangent of the root, degrees.
         #[serde(default = "whole")]
         polar: [f64; 2],
-        /// From where to where, by the angle from d1 toward d2, degrees.
+        /// Range of the angle from d1 toward d2, degrees.
         #[serde(default = "around")]
         azimuth: [f64; 2],
     },
@@ -67,7 +68,7 @@ fn around() -> [f64; 2] {
 }
 
 impl Arrangement {
-    /// Number of fibres.
+    /// Number of fibres of the bundle.
     #[must_use]
     pub fn fibers(&self) -> usize {
         match *self {
@@ -136,8 +137,9 @@ fn check_axes(check: &mut Check, semi_axes: &[f64]) {
 /// The poses of roots on an ellipsoid about the origin, each with its z axis along the outward
 /// normal.
 ///
-/// In height they are evenly spaced, which on a sphere is even in area, and each is turned on by
-/// the golden ratio of the way around.
+/// The roots are evenly spaced in height, which on a sphere is even in area, and each is rotated
+/// from
+/// the one before by the golden ratio of a full turn.
 pub fn scalp(
     semi_axes: [f64; 3],
     count: usize,

@@ -1,7 +1,7 @@
-//! What a user asks of one rod at rest: the case.
+//! The case: one rod at rest, as data.
 //!
 //! A case is a RON file like a scene: SI units, angles in degrees, the world frame; unknown fields
-//! and numbers that make no sense are errors. Its rod is clamped at its root, loaded along its
+//! and numbers out of their range are errors. Its rod is clamped at its root, loaded along its
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
 use crate::{
@@ -17,12 +17,12 @@ use serde::{Deserialize, Serialize};
 pub struct Case {
     /// Version of the format, 1.
     pub format: u32,
-    /// A title.
+    /// Title of the case.
     #[serde(default)]
     pub name: String,
-    /// Length of the rod, m; with a `wish` the shortest that is tried.
+    /// Length of the rod, m; with a `wish` the shortest length that is tried.
     pub length: f64,
-    /// What the rod is made of.
+    /// Stiffness and mass of the rod.
     pub rod: CaseRod,
     /// Darboux vector of the unloaded rod in the material frame (about d1, d2, tangent), 1/m.
     #[serde(default)]
@@ -30,30 +30,30 @@ pub struct Case {
     /// Acceleration of free fall, m/s^2.
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
-    /// Where the rod is clamped.
+    /// Pose of the clamped end of the rod.
     #[serde(default)]
     pub clamp: Pose,
-    /// What holds or loads the far end.
+    /// Boundary condition at the far end.
     #[serde(default)]
     pub end: CaseEnd,
-    /// Masses on the way.
+    /// Point masses along the rod.
     #[serde(default)]
     pub masses: Vec<PointMass>,
-    /// Forces on the way.
+    /// Forces along the rod.
     #[serde(default)]
     pub forces: Vec<Force>,
-    /// Places on the way that the rod is held at or pulled to.
+    /// Points of the rod that are held at or pulled to given places.
     #[serde(default)]
     pub places: Vec<PlacedPoint>,
-    /// "How long must it be": a length to be found.
+    /// A length to be found, for questions such as "how long must it be".
     #[serde(default)]
     pub wish: Option<Wish>,
-    /// All equilibria that are found, not only a stable one, also with up to so many whole turns
-    /// of the end about its tangent; zero adds no turns. Those that only differ by a turn or a
-    /// reflection of the whole are told once.
+    /// If given, all equilibria that are found instead of one stable equilibrium, also with up to
+    /// so many whole turns of the end about its tangent; zero adds no turns. Equilibria that only
+    /// differ by a turn or a reflection of the whole rod are listed once.
     #[serde(default)]
     pub all_with_turns: Option<u16>,
-    /// Number of equal parts between the stations of the answer.
+    /// Number of equal parts between the stations at which the result is given.
     #[serde(default = "hundred")]
     pub parts: usize,
 }
@@ -66,19 +66,19 @@ fn hundred() -> usize {
     100
 }
 
-/// What a rod is made of.
+/// Stiffness and mass of a rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum CaseRod {
-    /// A solid section of a material.
+    /// A solid cross section of a material.
     Solid {
         /// Cross section, m.
         section: Section,
-        /// Its material.
+        /// Material of the rod.
         #[serde(default)]
         material: MaterialSpec,
     },
-    /// Measured: a hose, a cable.
+    /// Measured properties, as of a hose or a cable.
     Measured {
         /// Bending stiffnesses about d1 and d2, N m^2.
         bending: [f64; 2],
@@ -91,36 +91,36 @@ pub enum CaseRod {
     },
 }
 
-/// What holds or loads the far end.
+/// Boundary condition at the far end of a rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum CaseEnd {
-    /// Nothing, but perhaps a dead force and moment, which keep their directions.
+    /// A free end, on which a dead force and moment may act, which keep their directions.
     Free {
-        /// Force on the end, N.
+        /// Force on the end, N, world frame.
         #[serde(default)]
         force: [f64; 3],
-        /// Moment on the end, N m.
+        /// Moment on the end, N m, world frame.
         #[serde(default)]
         moment: [f64; 3],
     },
-    /// A ball joint.
+    /// A ball joint, which takes no moment.
     Joint {
-        /// Where, m.
+        /// Position of the joint, m.
         position: [f64; 3],
     },
     /// A bearing along a tangent, in which the rod turns freely about itself.
     Bearing {
-        /// Where, m.
+        /// Position of the bearing, m.
         position: [f64; 3],
-        /// The tangent, away from the clamp; any length.
+        /// Tangent of the bearing, away from the clamp; any length.
         direction: [f64; 3],
     },
-    /// A clamp.
+    /// A clamp at the far end.
     Clamped {
-        /// Where, m.
+        /// Position of the clamped end, m.
         position: [f64; 3],
-        /// The frame there; its tangent is along the rod, away from the first clamp.
+        /// Frame of the clamped end; its tangent is along the rod, away from the first clamp.
         orientation: Orientation,
     },
 }
@@ -132,7 +132,7 @@ impl Default for CaseEnd {
 }
 
 impl CaseEnd {
-    /// Where the end is held.
+    /// Prescribed position of the end, m; `None` for a free end.
     #[must_use]
     pub fn position(&self) -> Option<[f64; 3]> {
         match self {
@@ -144,7 +144,7 @@ impl CaseEnd {
     }
 }
 
-/// A mass that hangs on the rod.
+/// A point mass that hangs on the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointMass {
@@ -154,53 +154,54 @@ pub struct PointMass {
     pub mass: f64,
 }
 
-/// A force on the way.
+/// A force on a point of the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Force {
     /// Arc length from the clamp, m.
     pub at: f64,
-    /// Components in the frame, N.
+    /// Components of the force in its frame, N.
     pub value: [f64; 3],
-    /// Whether its direction stays or follows the rod.
+    /// Whether the direction of the force stays or follows the rod.
     #[serde(default)]
     pub frame: LoadFrame,
 }
 
-/// A place that a point of the rod is held at or pulled to.
+/// A point of the rod that is held at or pulled to a place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedPoint {
     /// Arc length of the point from the clamp, m.
     pub at: f64,
-    /// Where it is to be, m.
+    /// Place of the point, m.
     pub position: [f64; 3],
-    /// Stiffness of the spring that pulls it there, N/m; without one it is held.
+    /// Stiffness of the spring that pulls the point to the place, N/m; left out, the point is held.
     #[serde(default)]
     pub stiffness: Option<f64>,
 }
 
-/// A question for the length.
+/// A length to be found: the shortest for which a condition holds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wish {
-    /// What the rod is to do.
+    /// The condition on the rod.
     pub so_that: Wished,
     /// The longest length that is tried, m.
     pub longest: f64,
 }
 
-/// What a rod of the right length does; the shortest length is told that does it.
+/// Condition on a rod of the length that is sought; the result is the shortest length that meets
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Wished {
-    /// It bends nowhere more than this, 1/m.
+    /// Largest curvature of the rod, 1/m.
     Curvature(f64),
-    /// It hangs this far below the lower one of its ends, m.
+    /// Sag below the lower one of its ends, m.
     Sag(f64),
-    /// It pulls or pushes the clamp with no more than this, N.
+    /// Largest force on the clamp, N.
     ClampForce(f64),
-    /// It bends and twists the clamp with no more than this, N m.
+    /// Largest moment on the clamp, N m.
     ClampMoment(f64),
 }
 
@@ -222,7 +223,7 @@ impl Case {
         }
     }
 
-    /// What is wrong with the case; places are not known.
+    /// Problems of the case, without their positions in a text.
     #[must_use]
     pub fn problems(&self) -> Vec<SceneProblem> {
         let mut check = Check::default();
@@ -245,7 +246,8 @@ impl Case {
         }
     }
 
-    /// Whether the rod is approximated by a chain: what only that can do is asked for.
+    /// Whether the rod is approximated by a chain: some loads or supports are possible in a chain
+    /// only.
     pub fn needs_chain(&self) -> bool {
         !self.places.is_empty() || self.forces.iter().any(|f| f.frame == LoadFrame::Follower)
     }
@@ -290,7 +292,7 @@ impl Case {
         self.check_together(check);
     }
 
-    /// Refuses a natural curvature or twist whose radius is smaller than the rod's.
+    /// Reports a natural curvature or twist whose radius is smaller than the rod's radius.
     fn check_curvature(&self, check: &mut Check) {
         let radius = match self.rod {
             CaseRod::Solid { section, .. } => section.equivalent_radius(),
@@ -307,7 +309,7 @@ impl Case {
         }
     }
 
-    /// Refuses a place farther from the clamp than the rod is long.
+    /// Reports a place farther from the clamp than the rod is long.
     fn check_reach(&self, check: &mut Check, field: &str, position: [f64; 3], length: f64) {
         let from = self.clamp.position;
         let distance = (0..3).map(|i| (position[i] - from[i]).powi(2)).sum::<f64>().sqrt();
@@ -320,7 +322,7 @@ impl Case {
         }
     }
 
-    /// Refuses what does not go together.
+    /// Reports fields that exclude each other.
     fn check_together(&self, check: &mut Check) {
         if !self.needs_chain() {
             return;

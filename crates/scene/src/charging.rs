@@ -1,4 +1,4 @@
-//! What a scene says of charge.
+//! Electric charge of a scene.
 
 use super::Object;
 use super::check::{Allowed, Check};
@@ -8,37 +8,37 @@ use rapunzel_keratin::surface::resistance;
 use rapunzel_keratin::{Climate, KeratinError, Outside};
 use serde::{Deserialize, Serialize};
 
-/// The most portions, against typing errors.
+/// Largest number of portions; more is a typing error.
 const MOST_PORTIONS: usize = 100_000;
-/// The most points of a grid, some 10 GB.
+/// Largest number of points of a grid, some 10 GB.
 const MOST_POINTS: usize = 100_000_000;
 /// Length of the hair whose resistance is known, m.
 const MEASURED: f64 = 0.01;
 
-/// The charge of a bundle; it lies where it is put unless the scene lets it flow.
+/// The charge of a bundle; it stays where it is put unless the scene has charge flow.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Charge {
-    /// How much.
+    /// Amount of charge of the fibres.
     pub amount: Amount,
-    /// How it lies along each fibre: pairs of the arc length as a part of the whole, 0 at the root
-    /// and 1 at the tip, and a weight, with straight lines between them; left out, evenly.
+    /// Distribution along each fibre: pairs of the arc length as a fraction of the length, 0 at the
+    /// root and 1 at the tip, and a weight, with straight lines between them; left out, even.
     #[serde(default)]
     pub along: Vec<(f64, f64)>,
 }
 
-/// How much charge the fibres of a bundle have.
+/// Amount of charge of the fibres of a bundle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Amount {
-    /// Each fibre so much, C.
+    /// Charge of each fibre, C.
     Fiber(f64),
-    /// All fibres together so much, C, each the same.
+    /// Charge of all fibres together, C, divided evenly.
     Bundle(f64),
-    /// Each fibre its own, C, in their order.
+    /// Charge of every fibre, C, in the order of the fibres.
     Fibers(Vec<f64>),
-    /// So much a length, C/m.
+    /// Charge per length, C/m.
     CoulombPerMeter(f64),
-    /// So much a length in Gaussian units, statC/cm; the thesis's is -7.7e-4.
+    /// Charge per length in Gaussian units, statC/cm; the thesis's value is -7.7e-4.
     StatcoulombPerCentimeter(f64),
 }
 
@@ -48,41 +48,40 @@ impl Default for Amount {
     }
 }
 
-/// Charge comes onto fibres, which lie at rest after each portion of it (thesis, Algorithm 2).
+/// Charging of fibres in portions, with the fibres at rest after each portion (thesis, Algorithm
+/// 2).
 ///
-/// Every step deals a portion, as long as there are any, and lasts `stepper.dt`; in it charge
-/// flows, if it does. Each step gives a frame. Before the first the fibres lie at rest without
-/// charge. Nothing bears on anything: fibres and objects are kept apart by charge alone, or not at
-/// all.
+/// Every step adds a portion, as long as there are any, and lasts `stepper.dt`; in it charge flows,
+/// if flow is on. Each step gives a frame. Before the first step the fibres are at rest without
+/// charge. There are no contacts: fibres and objects are kept apart by charge alone, or not at all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Charging {
-    /// In which portions the charge is dealt, and with it the charge or the potential of the head.
+    /// Portions in which the charge is added, and with it the charge or the potential of the head.
     #[serde(default)]
     pub dealing: Dealing,
-    /// Other ways of dealing that are tried too, from the start, when all is dealt: whether they
-    /// come to the same equilibrium is told. Not where charge flows or the humidity changes: they
-    /// take other times.
+    /// Other sequences of portions that are computed from the start too, after the first; the
+    /// result says whether they reach the same equilibrium. Not where charge flows or the humidity
+    /// changes, since they take other times.
     #[serde(default)]
     pub compared: Vec<Dealing>,
-    /// The head.
+    /// The head, as far as charge is concerned.
     #[serde(default)]
     pub head: Head,
-    /// An electric field from afar, V/m, world; it is there from the first step and acts on fibres
-    /// alone.
+    /// Uniform electric field, V/m, world; it acts from the first step on, and on fibres alone.
     #[serde(default)]
     pub field: [f64; 3],
-    /// How charge flows; left out, it is frozen, as on dry hair.
+    /// Flow of charge along the fibres; left out, the charge is frozen, as on dry hair.
     #[serde(default)]
     pub flow: Option<Flow>,
-    /// A step has settled when the electric forces on the nodes where they are differ from those
-    /// that hold the fibres there by no more than this part of them (root of the sum of squares).
+    /// Tolerance of a step: the largest difference between the electric forces on the nodes and the
+    /// forces that hold the fibres there, relative to the former (root of the sum of squares).
     #[serde(default = "tolerance")]
     pub tolerance: f64,
-    /// The most evaluations of the electric forces in a step.
+    /// Largest number of evaluations of the electric forces in a step.
     #[serde(default = "evaluations")]
     pub evaluations: usize,
-    /// Points at which the field is written with every frame.
+    /// Grid of points at which the field is written with every frame.
     #[serde(default)]
     pub grid: Option<FieldGridSpec>,
 }
@@ -95,50 +94,50 @@ fn evaluations() -> usize {
     200
 }
 
-/// In which portions charge is dealt.
+/// Sequence of portions in which charge is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Dealing {
-    /// All at once.
+    /// All charge at once.
     #[default]
     Once,
-    /// In so many equal portions.
+    /// Equal portions, as many as given.
     Equal(usize),
-    /// In so many portions that fall as the differences of a logarithm.
+    /// Portions that fall as the differences of a logarithm, as many as given.
     Falling(usize),
 }
 
-/// What the fibres grow on, as far as charge is concerned.
+/// The head under the fibres, as far as charge is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Head {
-    /// Nothing.
+    /// No head.
     #[default]
     None,
-    /// An object of the scene is a conductor: a ball by its exact images, any other that ends by
-    /// boundary elements on its triangles.
+    /// An object of the scene as a conductor: a ball by its exact images, any other bounded object
+    /// by boundary elements on its triangles.
     Conductor {
-        /// Index of the object.
+        /// Index of the object among the objects of the scene.
         object: usize,
-        /// What is known of it.
+        /// Prescribed potential or charge of the conductor.
         #[serde(default)]
         held: ConductorHold,
     },
     /// The thesis's repulsion by the distance to an object (4.13), with Coulomb's constant and a
     /// signed distance: for comparison only.
     Thesis {
-        /// Index of the object.
+        /// Index of the object among the objects of the scene.
         object: usize,
-        /// Its charge, C.
+        /// Charge of the object, C.
         charge: f64,
     },
 }
 
-/// What is known of a conductor.
+/// Prescribed quantity of a conductor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ConductorHold {
-    /// Its potential, V: zero if it is earthed.
+    /// Potential, V: zero for an earthed conductor.
     Potential(f64),
-    /// Its total charge, C: it is insulated.
+    /// Total charge, C: an insulated conductor.
     Charge(f64),
 }
 
@@ -148,17 +147,18 @@ impl Default for ConductorHold {
     }
 }
 
-/// Charge flows along the fibres.
+/// Flow of charge along the fibres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Flow {
-    /// What hinders it.
+    /// Electric resistance of the fibres.
     #[serde(default)]
     pub resistance: Resistance,
-    /// Capacity a length of one fibre, F/m.
+    /// Capacitance per length of one fibre, F/m.
     #[serde(default = "capacity")]
     pub capacity: f64,
-    /// Whether the roots touch the head, which then must be a conductor of known potential.
+    /// Whether the roots are in electric contact with the head, which then must be a conductor of
+    /// known potential.
     #[serde(default)]
     pub drained: bool,
 }
@@ -167,26 +167,27 @@ fn capacity() -> f64 {
     19e-12
 }
 
-/// The resistance of fibres a length.
+/// Electric resistance of fibres per length.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum Resistance {
-    /// That of hair in the climate of the environment, as `rapunzel-keratin` has it, the measured
-    /// resistance being taken for that of a centimeter: the thesis does not tell the length.
+    /// Resistance of hair in the climate of the environment by `rapunzel-keratin`, where the
+    /// measured resistance is taken for a length of one centimeter: the thesis does not give the
+    /// length.
     #[default]
     Climate,
-    /// Given, ohm/m.
+    /// A given resistance per length, ohm/m.
     OhmPerMeter(f64),
 }
 
-/// A lattice of points.
+/// A regular grid of points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FieldGridSpec {
-    /// The first point, m, world.
+    /// Position of the first point, m, world.
     pub origin: [f64; 3],
-    /// From point to point along each axis, m.
+    /// Distance of the points along each axis, m.
     pub spacing: [f64; 3],
-    /// Points along each axis; one for a plane.
+    /// Number of points along each axis; one for a plane.
     pub counts: [usize; 3],
 }
 
@@ -197,7 +198,7 @@ impl From<FieldGridSpec> for FieldGrid {
 }
 
 impl Charge {
-    /// The charges of the segments of fibre number `fiber` of a bundle, C, when all is dealt.
+    /// Charges of the segments of fibre number `fiber` of a bundle, C, after all portions.
     pub fn of_segments(
         &self,
         fiber: usize,
@@ -220,7 +221,7 @@ impl Charge {
         weights.iter().map(|weight| total * weight / sum).collect()
     }
 
-    /// Weights of the segments, by their middles.
+    /// Weights of the segments, by the distribution at their middles.
     fn weights(&self, segments: usize) -> Vec<f64> {
         if self.along.is_empty() {
             return vec![1.0; segments];
@@ -270,7 +271,7 @@ impl Charge {
 }
 
 impl Dealing {
-    /// The share of the charge that each portion deals.
+    /// Fraction of the charge that each portion adds.
     pub fn shares(self) -> Vec<f64> {
         match self {
             Self::Once => electrostatics::ChargeDealing::Once,
@@ -291,7 +292,7 @@ impl Dealing {
 }
 
 impl Head {
-    /// The object that it is.
+    /// Index of the object that is the head, if there is one.
     #[must_use]
     pub fn object(&self) -> Option<usize> {
         match *self {
@@ -302,7 +303,7 @@ impl Head {
 }
 
 impl Charging {
-    /// Notes what makes no sense among the `objects` of the scene, or in so many steps.
+    /// Reports problems of the charging, given the `objects` of the scene and the number of steps.
     pub(super) fn check(&self, check: &mut Check, objects: &[Object], steps: u64) {
         let portions = self.dealing.portions();
         check.count("dealing", portions, 1, MOST_PORTIONS);
@@ -374,10 +375,10 @@ impl Charging {
 }
 
 impl Flow {
-    /// Resistance a length in a climate, ohm/m.
+    /// Resistance per length in a climate, ohm/m.
     ///
     /// # Errors
-    /// Those of [`rapunzel_keratin::surface::resistance`].
+    /// The errors of [`rapunzel_keratin::surface::resistance`].
     pub fn resistance_in(&self, climate: &Climate) -> Result<f64, KeratinError> {
         match self.resistance {
             Resistance::OhmPerMeter(resistance) => Ok(resistance),

@@ -1,14 +1,14 @@
 use super::locate;
 use std::fmt;
 
-/// Something wrong with a scene, and where.
+/// A problem of a scene, and where it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneProblem {
     /// Path of the field, like `fibers[0].section.radius`; empty for the whole scene.
     pub path: String,
-    /// What is wrong, with the value and the allowed range.
+    /// Description of the problem, with the value and the allowed range.
     pub message: String,
-    /// Where in the text; `None` for a scene that was not read from one.
+    /// Position in the text; `None` for a scene that was not read from one.
     pub place: Option<TextPlace>,
 }
 
@@ -24,19 +24,19 @@ impl fmt::Display for SceneProblem {
     }
 }
 
-/// A place in the text of a scene.
+/// A position in the text of a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextPlace {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Range of bytes.
+    /// Range of bytes in the text.
     pub span: std::ops::Range<usize>,
 }
 
 impl TextPlace {
-    /// The place of a range of bytes.
+    /// The position of a range of bytes in a text.
     pub fn of(text: &str, span: std::ops::Range<usize>) -> Self {
         let before = &text[..span.start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
@@ -48,8 +48,8 @@ impl TextPlace {
     }
 }
 
-/// The values that a number may take. What they are at most, and at least beside zero, is by the
-/// unit.
+/// The values that a number may take. The upper bound, and the lower bound beside zero, depend on
+/// the unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Allowed {
     /// Above zero.
@@ -58,12 +58,12 @@ pub(crate) enum Allowed {
     NonNegative,
     /// Of either sign.
     Finite,
-    /// Between two bounds, which belong to it.
+    /// Between two bounds, which are allowed too.
     Within(f64, f64),
 }
 
-/// How small, beside zero, and how large quantities of a unit are in the laboratory and around it:
-/// what is beyond is a typing error, or makes numbers that no arithmetic holds.
+/// Smallest (beside zero) and largest sensible values of a quantity with the given unit: beyond
+/// them is a typing error, or a number outside the range of the arithmetic.
 fn sizes(unit: &str) -> [f64; 2] {
     match unit {
         "m" => [1e-10, 1e4],
@@ -95,11 +95,12 @@ fn sizes(unit: &str) -> [f64; 2] {
     }
 }
 
-/// The least part of a range from zero on that is not meant for zero itself.
+/// Smallest value of a range from zero on, as a fraction of its upper bound, that is not taken for
+/// zero.
 const NOTHING: f64 = 1e-12;
 
 impl Allowed {
-    /// The bounds, and whether zero is allowed beside what lies between them.
+    /// The bounds, and whether zero is allowed beside the values between them.
     fn bounds(self, unit: &str) -> (f64, f64, bool) {
         let [least, most] = sizes(unit);
         match self {
@@ -112,10 +113,10 @@ impl Allowed {
     }
 }
 
-/// The most problems that are told of a scene.
+/// Largest number of problems that are reported of a scene.
 const MOST_PROBLEMS: usize = 100;
 
-/// Collects what is wrong with a scene while walking through it.
+/// Collects the problems of a scene during a walk through its fields.
 #[derive(Debug, Default)]
 pub(crate) struct Check {
     path: String,
@@ -123,7 +124,7 @@ pub(crate) struct Check {
 }
 
 impl Check {
-    /// Walks into a field.
+    /// Walks into a field, whose name is added to the path.
     pub(crate) fn within(&mut self, field: &str, walk: impl FnOnce(&mut Self)) {
         let length = self.path.len();
         self.push(field);
@@ -138,7 +139,7 @@ impl Check {
         }
     }
 
-    /// Refuses a number outside its range; `unit` is for the message.
+    /// Reports a number outside its range; `unit` is for the range and the message.
     pub(crate) fn number(&mut self, field: &str, value: f64, allowed: Allowed, unit: &str) {
         let (low, high, or_zero) = allowed.bounds(unit);
         if !((low..=high).contains(&value) || or_zero && value == 0.0) {
@@ -150,14 +151,14 @@ impl Check {
         }
     }
 
-    /// Refuses a vector with a component that is too large.
+    /// Reports a vector with a component that is too large.
     pub(crate) fn vector(&mut self, field: &str, value: &[f64; 3], unit: &str) {
         for (i, &x) in value.iter().enumerate() {
             self.number(&format!("{field}[{i}]"), x, Allowed::Finite, unit);
         }
     }
 
-    /// Refuses a vector without a direction.
+    /// Reports a vector without a direction.
     pub(crate) fn direction(&mut self, field: &str, value: &[f64; 3]) {
         let norm = value.iter().map(|x| x * x).sum::<f64>().sqrt();
         if !(1e-12..=1e12).contains(&norm) {
@@ -166,14 +167,14 @@ impl Check {
         }
     }
 
-    /// Refuses a count outside a range.
+    /// Reports a count outside a range.
     pub(crate) fn count(&mut self, field: &str, value: usize, low: usize, high: usize) {
         if !(low..=high).contains(&value) {
             self.refuse(field, format!("is {value}, but must be between {low} and {high}"));
         }
     }
 
-    /// Notes a problem with a field.
+    /// Reports a problem with a field.
     pub(crate) fn refuse(&mut self, field: &str, message: String) {
         let length = self.path.len();
         self.push(field);
@@ -181,7 +182,7 @@ impl Check {
         self.path.truncate(length);
     }
 
-    /// What was found, with places where the text is known.
+    /// The collected problems, with positions where the text is known.
     pub(crate) fn finish(mut self, text: Option<&str>) -> Vec<SceneProblem> {
         let more = self.problems.len().saturating_sub(MOST_PROBLEMS);
         if more > 0 {

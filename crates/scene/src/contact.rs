@@ -3,55 +3,54 @@ use rapunzel_keratin::KeratinError;
 use rapunzel_keratin::surface::{self, Direction, Spray, Wetness};
 use serde::{Deserialize, Serialize};
 
-/// What fibres and objects do where they touch; left out, fibres pass through everything.
+/// Contact law and solver settings of fibres and objects; left out, there are no contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSettings {
-    /// Friction among fibres, and of objects that say nothing else.
+    /// Friction among fibres, and of objects that give none of their own.
     pub friction: FrictionLaw,
-    /// Newton's restitution among fibres, and of objects that say nothing else: the share of the
-    /// velocity of approach with which a contact opens, from zero to one. Slower approaches than
-    /// gravity makes in two steps come to rest.
+    /// Newton's coefficient of restitution among fibres, and of objects that give none of their
+    /// own, from zero to one. Slower approaches than gravity makes in two steps come to rest.
     #[serde(default)]
     pub restitution: f64,
-    /// What holds together what touches; left out, nothing does.
+    /// Adhesion at contacts; left out, there is none.
     #[serde(default)]
     pub adhesion: Option<Adhesion>,
-    /// How far two that touch give way, m per N of what presses them, and of friction before it
-    /// slides; zero is rigid. It is that of a spring, which backward Euler damps: a touch that
-    /// bounces does not give way. What is pressed in so does not count as `depth`.
+    /// Compliance of a contact, m per N of normal force, and of friction before it slides; zero is
+    /// rigid. It is the compliance of a spring, which backward Euler damps: a contact with
+    /// restitution is rigid. Elastic compression does not count as `depth`.
     #[serde(default)]
     pub compliance: f64,
-    /// Largest Coulomb residual of a step: how far impulses are from the law, relative to all
-    /// impulses.
+    /// Largest Coulomb residual of a step: the distance of the impulses from the contact law,
+    /// relative to all impulses.
     #[serde(default = "residual")]
     pub residual: f64,
-    /// Largest slip of a contact that sticks, m/s.
+    /// Largest slip velocity of a sticking contact, m/s.
     #[serde(default = "slip")]
     pub slip: f64,
-    /// Deepest penetration that a step may leave, in diameters.
+    /// Largest penetration that a step may leave, in diameters.
     #[serde(default = "depth")]
     pub depth: f64,
-    /// Most iterations of the solver at once.
+    /// Largest number of iterations in one solve.
     #[serde(default = "iterations")]
     pub iterations: usize,
-    /// How all contacts are solved together.
+    /// Method that solves all contacts of a step together.
     #[serde(default)]
     pub solver: ContactMethod,
 }
 
-/// How all contacts of a step are solved together. Both leave no more than the same tolerances.
+/// Method that solves all contacts of a step together. Every method meets the same tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ContactMethod {
-    /// All at once, body by body and contact by contact in turn: the method of multipliers, on all
-    /// threads.
+    /// The method of multipliers, which solves all contacts at once, body by body and contact by
+    /// contact in turn, on all threads.
     #[default]
     Splitting,
-    /// So for ten iterations, and then one after the other, those alone that are wrong, each
-    /// exactly: Gauss-Seidel, on one thread. A third of the iterations where hair falls and lies,
-    /// longer ones, so that it takes somewhat more time. Where a fibre has too many contacts to
-    /// write out how they answer each other, where rigid bodies move freely, and for the rest of a
-    /// step in which it led nowhere, as `Splitting`.
+    /// Ten iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the law,
+    /// each solved exactly, on one thread. A third of the iterations where hair falls and lies, but
+    /// longer ones, so that it takes somewhat more time. Like `Splitting` where a fibre has too
+    /// many contacts for an explicit response matrix, where rigid bodies move freely, and for the
+    /// rest of a step in which it did not converge.
     Polished,
 }
 
@@ -68,13 +67,13 @@ fn iterations() -> usize {
     2000
 }
 
-/// What holds fibres to each other and to objects; of these only bonds hold objects to each other.
-/// Friction grows with it: a touch slides where the friction exceeds its coefficient times what
-/// presses it and what it could bear in tension together.
+/// Adhesion of fibres to each other and to objects; only bonds hold objects to each other. Friction
+/// grows with adhesion: a contact slides where the friction exceeds its coefficient times the sum
+/// of the normal force and the tension that the contact could bear.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Adhesion {
-    /// A pull along the contact: the same up to a gap, then none. Places where fibres cross have no
+    /// A constant pull along the contact up to a gap, then none. Crossing fibres have no contact
     /// length, and no pull.
     Line {
         /// Pull per length of contact, N/m.
@@ -83,36 +82,36 @@ pub enum Adhesion {
         /// times this.
         range: f64,
     },
-    /// Liquid that wets fibres completely and draws them together, as the gap lets it; fibres of
-    /// different radii as those of the smallest. Objects stay dry.
+    /// Liquid that wets fibres completely and draws them together, by the law of the gap; fibres of
+    /// different radii are treated as of the smallest radius. Objects stay dry.
     Capillary {
         /// Surface tension, N/m; water at 20 C has 0.0728.
         surface_tension: f64,
         /// Cross section of the liquid between two fibres side by side, m^2. More than
         /// `(4 - pi) r^2` counts as that.
         area: f64,
-        /// Volume of the liquid where two fibres cross, m^3.
+        /// Volume of the liquid at a crossing of two fibres, m^3.
         #[serde(default)]
         volume: f64,
     },
-    /// One rigid bond for every two things that touch at the start, where they are nearest, which
-    /// once broken is gone. It holds a place, about which they may turn.
+    /// One rigid bond for every pair of bodies in contact at the start, at their nearest points,
+    /// which is gone once it is broken. It holds a point, about which the bodies may rotate.
     Bonds {
-        /// Tensile force under which it breaks, N.
+        /// Tensile force under which a bond breaks, N.
         strength: f64,
         /// Largest gap at the start of the run, m.
         range: f64,
     },
-    /// Bonds of hair spray, which break at the middle of what thesis Table 2.12 has for them.
+    /// Bonds of hair spray, which break at the middle of the range of thesis Table 2.12.
     Spray {
-        /// Which spray.
+        /// Class of the hair spray.
         hold: Spray,
         /// Largest gap at the start of the run, m.
         range: f64,
     },
 }
 
-/// Bonds between what touches at the start.
+/// Rigid bonds between bodies in contact at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bonds {
     /// Tensile force under which one breaks, N.
@@ -121,35 +120,36 @@ pub struct Bonds {
     pub range: f64,
 }
 
-/// Coefficients of friction of a fibre.
+/// Friction law of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
     /// The same in all directions.
     Isotropic(f64),
-    /// The same in all directions, more for a contact that sticks than for one that slides: one
-    /// sticks if it slipped by no more than the `slip` of the contact settings when the step began.
+    /// The same in all directions, with a larger coefficient for a sticking contact than for a
+    /// sliding one: a contact sticks if it slipped by no more than the `slip` of the contact
+    /// settings when the step began.
     Resting {
-        /// While it sticks.
+        /// Coefficient of a sticking contact.
         resting: f64,
-        /// While it slides, at most as much.
+        /// Coefficient of a sliding contact, at most that of a sticking one.
         sliding: f64,
     },
-    /// By what the fibre's scales do: a fibre that moves root first goes with them.
+    /// Friction by the direction of the fibre's scales: a fibre that moves root first goes with
+    /// them.
     Cuticle {
-        /// With the scales.
+        /// Coefficient with the scales.
         with: f64,
-        /// Against them.
+        /// Coefficient against the scales.
         against: f64,
-        /// Across the fibre.
+        /// Coefficient across the fibre.
         across: f64,
     },
-    /// As table 2.11 of the thesis has it for hair, untreated, in motion: the same in all
-    /// directions.
+    /// Kinetic friction of untreated hair by table 2.11 of the thesis, the same in all directions.
     Keratin {
-        /// What hair slides on.
+        /// Surface on which the hair slides.
         on: FrictionSurface,
-        /// Whether there is water between.
+        /// Whether there is water at the contact.
         #[serde(default = "dry")]
         wetness: Wetness,
     },
@@ -159,7 +159,7 @@ fn dry() -> Wetness {
     Wetness::Dry
 }
 
-/// What hair slides on in table 2.11.
+/// Surfaces of table 2.11 on which hair slides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrictionSurface {
     /// Hair.
@@ -177,7 +177,7 @@ pub enum FrictionSurface {
 }
 
 impl FrictionSurface {
-    /// The coefficient of sliding friction, untreated.
+    /// Coefficient of sliding friction of untreated hair.
     ///
     /// # Errors
     /// [`KeratinError::NotMeasured`] for dry glass.
@@ -210,7 +210,7 @@ impl ContactSettings {
 }
 
 impl Adhesion {
-    /// The bonds, if it is these that hold.
+    /// The bonds, if the adhesion is by bonds.
     pub fn bonds(self) -> Option<Bonds> {
         match self {
             Self::Bonds { strength, range } => Some(Bonds { strength, range }),
@@ -275,7 +275,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether it is by the axis of a fibre, which two objects do not have.
+    /// Whether the law depends on the axis of a fibre, which two objects do not have.
     pub fn needs_axis(&self) -> bool {
         matches!(self, Self::Cuticle { .. })
     }

@@ -1,13 +1,13 @@
 use crate::SceneProblem;
 use thiserror::Error;
 
-/// Why a scene or a case was refused.
+/// Problems for which a scene or a case was refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("the scene has {}:{}", counted(problems.len()), listed(problems))]
 pub struct SceneError {
-    /// The text that was read, to underline the problems in; empty if there was none.
+    /// The text that was read, for a report that underlines the problems; empty if there was none.
     pub source_text: String,
-    /// Everything that is wrong, in the order of the text.
+    /// All problems, in the order of the text.
     pub problems: Vec<SceneProblem>,
 }
 

@@ -10,61 +10,61 @@ use rapunzel_fiber::{FiberError, Section};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Fibres that belong together: one, or many of the same kind on one moving base.
+/// Fibres of the same kind on one moving base: one, or many.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bundle {
-    /// Length along the fibre, m.
+    /// Length of each fibre, m.
     pub length: f64,
-    /// Number of segments.
+    /// Number of segments of each fibre.
     pub segments: usize,
-    /// Cross section, m; to be left out where the material has one of its own. That of keratin is
-    /// at 65 % humidity, from where it swells.
+    /// Cross section, m; to be left out where the material has one of its own. The section of
+    /// keratin is given at 65 % humidity, from where it swells.
     #[serde(default)]
     pub section: Option<Section>,
-    /// What the fibres are made of.
+    /// Material of the fibres.
     #[serde(default)]
     pub material: MaterialSpec,
     /// Retardation time of the internal damping (Kelvin-Voigt), s.
     #[serde(default)]
     pub damping_time: f64,
-    /// Shape without load.
+    /// Natural shape of the fibres, without load.
     #[serde(default)]
     pub shape: FiberShape,
-    /// Shape at the start.
+    /// Shape of the fibres at the start.
     #[serde(default)]
     pub initial: Initial,
-    /// Velocity of all of it at the start, m/s.
+    /// Uniform velocity of all nodes at the start, m/s.
     #[serde(default)]
     pub velocity: [f64; 3],
-    /// Where the bundle starts.
+    /// Pose of the bundle at the start.
     #[serde(default)]
     pub root: Pose,
-    /// One fibre or many.
+    /// Number and placement of the fibres.
     #[serde(default)]
     pub arrangement: Arrangement,
-    /// How the roots move.
+    /// Motion of the roots.
     #[serde(default)]
     pub motion: Motion,
-    /// What holds the roots' frames.
+    /// Boundary condition of the roots' frames.
     #[serde(default)]
     pub root_joint: JointKind,
-    /// What holds or loads the tips.
+    /// Boundary condition at the tips.
     #[serde(default)]
     pub tip: Tip,
-    /// Forces along the fibres.
+    /// Point forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
-    /// Their charge; needs `charging`.
+    /// Charge of the fibres; needs `charging`.
     #[serde(default)]
     pub charge: Charge,
 }
 
-/// The shape of a fibre without load.
+/// The natural shape of a fibre, without load.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum FiberShape {
-    /// Straight.
+    /// A straight fibre.
     #[default]
     Straight,
     /// A helix whose axis is along the direction of the root.
@@ -73,18 +73,18 @@ pub enum FiberShape {
         radius: f64,
         /// Advance along the axis in one turn, m; zero makes a ring.
         pitch: f64,
-        /// Which way it winds.
+        /// Handedness of the helix.
         #[serde(default = "right")]
         handedness: Handedness,
     },
     /// A plane sine along the direction of the root.
     Sine {
-        /// Half of the whole height, m.
+        /// Amplitude, m: half of the whole height.
         amplitude: f64,
         /// Length of a period along the axis, m.
         wavelength: f64,
     },
-    /// Constant curvature and twist.
+    /// A fibre of constant curvature and twist.
     Curved {
         /// Darboux vector in the material frame (about d1, d2, tangent), 1/m.
         curvature: [f64; 3],
@@ -95,11 +95,11 @@ fn right() -> Handedness {
     Handedness::Right
 }
 
-/// The shape of a fibre at the start; it starts at rest.
+/// The shape of a fibre at the start.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Initial {
-    /// Without load.
+    /// The natural shape.
     #[default]
     Natural,
     /// Straight and untwisted along the direction of the root, so that a curved fibre is
@@ -112,7 +112,7 @@ pub enum Initial {
         radius: f64,
         /// Advance along the axis in one turn, m; zero makes a ring.
         pitch: f64,
-        /// Which way it winds.
+        /// Handedness of the helix.
         #[serde(default = "right")]
         handedness: Handedness,
     },
@@ -129,9 +129,9 @@ pub enum Initial {
     /// pass each other there and go on along the direction of the root; the knot stands out along
     /// d1. Prestressed.
     Knot {
-        /// The curve.
+        /// The closed curve.
         curve: ClosedCurve,
-        /// Metres for its unit.
+        /// Metres for a unit of the curve.
         scale: f64,
         /// Distance at which the ends pass each other, m: more than two diameters.
         spacing: f64,
@@ -144,8 +144,8 @@ pub enum Initial {
 pub enum ClosedCurve {
     /// A figure-eight knot, of radius 1.
     FigureEight,
-    /// Through the points in a file, as seen from the folder of the scene, whose corners are
-    /// rounded: an `.obj` with points and lines in one ring, or a `.txt` with the three coordinates
+    /// A curve through the points in a file, relative to the folder of the scene, with rounded
+    /// corners: an `.obj` with points and lines in one ring, or a `.txt` with the three coordinates
     /// of a point in every line, in their order.
     File(PathBuf),
 }
@@ -164,15 +164,16 @@ pub struct Pose {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Orientation {
-    /// By the tangent: the shortest turn from the world's z axis to it (straight down: about x).
+    /// Orientation by the tangent: the smallest rotation from the world's z axis to it (straight
+    /// down: about x).
     Along {
         /// The tangent, world frame, any length.
         direction: [f64; 3],
-        /// A turn about the tangent before, degrees.
+        /// Rotation about the tangent before, degrees.
         #[serde(default)]
         roll: f64,
     },
-    /// By turns about the world's fixed x, then y, then z axes.
+    /// Rotations about the world's fixed x, then y, then z axes.
     Euler {
         /// The three angles, degrees.
         degrees: [f64; 3],
@@ -185,23 +186,23 @@ impl Default for Orientation {
     }
 }
 
-/// A force at a place along every fibre of a bundle.
+/// A point force on every fibre of a bundle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointForce {
-    /// Where: the arc length as a part of the whole, 0 at the root and 1 at the tip. It acts on
-    /// the nearest node.
+    /// Arc length of the point as a fraction of the length, 0 at the root and 1 at the tip. The
+    /// force acts on the nearest node.
     pub at: f64,
     /// The force, N, world frame.
     pub value: [f64; 3],
-    /// Its factor over time.
+    /// Factor of the force over time.
     #[serde(default)]
     pub profile: Profile,
 }
 
 impl Bundle {
-    /// The forces on all nodes of each of its fibres at time `t` (s), N, world; `None` if it has
-    /// none.
+    /// Sum of the point forces on all nodes of one fibre at time `t` (s), N, world; `None` if the
+    /// bundle has no point forces.
     #[must_use]
     pub fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
         if self.point_forces.is_empty() {
@@ -250,12 +251,12 @@ impl Pose {
 }
 
 impl Bundle {
-    /// What its sections do.
+    /// Constitutive law of the sections.
     pub fn law(&self) -> Law {
         self.material.keratin().map_or(Law::Elastic, |keratin| keratin.law)
     }
 
-    /// Notes what makes no sense.
+    /// Reports problems of the bundle.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
         check.count("segments", self.segments, 2, 100_000);
@@ -293,7 +294,7 @@ impl Bundle {
     }
 }
 
-/// Notes what makes no sense in the section of a fibre of a length.
+/// Reports problems of the section of a fibre of a length.
 pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
     // A rod must be slender, and a NaN length has been refused already.
     let thickest = if length > 0.0 { length / 10.0 } else { f64::MAX };
@@ -335,7 +336,7 @@ impl Initial {
         }
     }
 
-    /// The file that holds it, if any does.
+    /// Path of the file that holds the curve, if there is one.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Knot { curve: ClosedCurve::File(file), .. } => Some(file),
@@ -343,7 +344,7 @@ impl Initial {
         }
     }
 
-    /// Takes a path as seen from the folder of the scene.
+    /// Makes a path relative to the folder of the scene.
     pub(super) fn seen_from(&mut self, folder: &Path) {
         if let Self::Knot { curve: ClosedCurve::File(file), .. } = self {
             *file = folder.join(&*file);

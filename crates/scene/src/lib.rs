@@ -51,7 +51,7 @@ use std::path::Path;
 /// The version of the scene format that this crate reads.
 pub const FORMAT: u32 = 1;
 
-/// The most frames of a run, each a file or more: more is a typing error.
+/// Largest number of frames of a run, each a file or more; more is a typing error.
 const MOST_FRAMES: f64 = 1e6;
 
 /// Everything that determines a run.
@@ -60,7 +60,7 @@ const MOST_FRAMES: f64 = 1e6;
 pub struct Scene {
     /// Version of the format, 1.
     pub format: u32,
-    /// A title.
+    /// Title of the scene.
     #[serde(default)]
     pub name: String,
     /// Seed of all random numbers.
@@ -68,43 +68,44 @@ pub struct Scene {
     pub seed: u64,
     /// Simulated time, s.
     pub duration: f64,
-    /// The fibres.
+    /// Bundles of fibres.
     #[serde(default)]
     pub fibers: Vec<Bundle>,
-    /// What fibres lie on and bump into; needs `contact`, or those of `mass_spring`.
+    /// Objects that fibres lie on and collide with; needs `contact`, or the contacts of
+    /// `mass_spring`.
     #[serde(default)]
     pub objects: Vec<Object>,
-    /// What fibres do where they touch; left out, they pass through each other.
+    /// Contact settings of the fibres; left out, fibres pass through each other.
     #[serde(default)]
     pub contact: Option<ContactSettings>,
-    /// Charge that comes onto the fibres, which then lie at rest instead of moving.
+    /// Charging of the fibres, which are then at rest instead of moving.
     #[serde(default)]
     pub charging: Option<Charging>,
-    /// A mass-spring system in their place.
+    /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
-    /// What acts on all fibres.
+    /// Gravity, air and climate, which act on all fibres.
     #[serde(default)]
     pub environment: Environment,
-    /// How time advances.
+    /// Time integration.
     pub stepper: StepperSettings,
-    /// What is written.
+    /// Output files.
     #[serde(default)]
     pub output: Output,
 }
 
-/// What acts on all fibres.
+/// Gravity, air and climate, which act on all fibres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
     /// Acceleration of free fall, m/s^2.
     pub gravity: [f64; 3],
-    /// Time in which gravity grows from nothing at constant rate, s; 0 for at once.
+    /// Time in which gravity grows linearly from zero, s; 0 for at once.
     pub gravity_ramp: f64,
     /// Dynamic viscosity of the air, Pa s; 0 for none. Air has 1.8e-5. It drags a fibre as a
     /// slender body in creeping flow.
     pub viscosity: f64,
-    /// The wind; it acts through the viscosity.
+    /// Wind; it acts through the viscosity.
     pub wind: Wind,
     /// Humidity and temperature, for fibres of keratin.
     pub climate: ClimateHistory,
@@ -122,11 +123,11 @@ impl Default for Environment {
     }
 }
 
-/// The velocity of the air, the same everywhere.
+/// The velocity of the air, uniform in space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Wind {
-    /// Constant.
+    /// Constant wind.
     Steady {
         /// Velocity, m/s.
         velocity: [f64; 3],
@@ -135,9 +136,9 @@ pub enum Wind {
     Gusts {
         /// Velocity between the gusts, m/s.
         velocity: [f64; 3],
-        /// What the peak of a gust adds, m/s.
+        /// Velocity added at the peak of a gust, m/s.
         gust: [f64; 3],
-        /// Time from gust to gust, s.
+        /// Period of the gusts, s.
         period: f64,
     },
 }
@@ -149,7 +150,7 @@ impl Default for Wind {
 }
 
 impl Environment {
-    /// Gravity at time `t` (s), m/s^2.
+    /// Gravity at time `t` (s), m/s^2, world.
     #[must_use]
     pub fn gravity_at(&self, t: f64) -> Vector3<f64> {
         let ramp = self.gravity_ramp;
@@ -183,7 +184,7 @@ impl Wind {
         }
     }
 
-    /// Velocity at time `t` (s), m/s.
+    /// Velocity of the air at time `t` (s), m/s, world.
     #[must_use]
     pub fn at(&self, t: f64) -> Vector3<f64> {
         match self {
@@ -197,7 +198,7 @@ impl Wind {
 }
 
 impl Scene {
-    /// The scene with paths of files as they are seen from its folder.
+    /// The scene with the paths of files made relative to `folder`, the folder of the scene.
     #[must_use]
     pub fn seen_from(mut self, folder: &Path) -> Self {
         self.objects.iter_mut().for_each(|object| object.shape.seen_from(folder));
@@ -205,10 +206,10 @@ impl Scene {
         self
     }
 
-    /// What the fibres of a bundle are made of, and the laws of their sections, at time `t`, s.
+    /// Material of the fibres of a bundle, and the laws of their sections, at time `t`, s.
     ///
     /// # Errors
-    /// [`KeratinError`] for hair that is not known in the climate then.
+    /// [`KeratinError`] for hair that is not known in the climate at that time.
     pub fn matter(
         &self,
         bundle: &Bundle,
@@ -224,7 +225,7 @@ impl Scene {
         keratin.rod(&keratin.hair(bundle.section)?, &climate)
     }
 
-    /// The hair of a bundle whose law follows the climate, if that changes.
+    /// The hair of a bundle whose law follows the climate, if the climate changes; else `None`.
     #[must_use]
     pub fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
         let keratin = bundle.material.keratin()?;
@@ -232,7 +233,7 @@ impl Scene {
         keratin.hair(bundle.section).ok().filter(|_| follows)
     }
 
-    /// Radius of the roundest object (m), or zero, where objects may touch each other.
+    /// Radius of the largest round object (m), or zero, if the scene has contacts between objects.
     #[must_use]
     pub fn roundest(&self) -> Option<f64> {
         let one_is_free = self.objects.iter().any(|object| object.moves != Moves::Led);
@@ -241,14 +242,14 @@ impl Scene {
         can_meet.then(|| radii.fold(0.0, f64::max))
     }
 
-    /// The files that it is made of beside its text.
+    /// Paths of the files that belong to the scene beside its text.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let meshes = self.objects.iter().filter_map(|object| object.shape.file());
         meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
     }
 
-    /// Whether nothing outside gives energy: what moves does so by itself, in steady gravity. No
-    /// motion of it may gain any.
+    /// Whether no energy enters from outside: everything moves by itself, in steady gravity. No
+    /// motion of such a scene may gain energy.
     pub fn is_closed(&self) -> bool {
         let still = |bundle: &Bundle| {
             bundle.motion == Motion::Fixed
@@ -271,7 +272,8 @@ impl Scene {
             && self.mass_spring.is_none()
     }
 
-    /// Number of segments of fibre `fiber`, counted over all bundles.
+    /// Number of segments of fibre `fiber`, counted over all bundles; `None` if there is no such
+    /// fibre.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {
             return (fiber == 0).then(|| springs.nodes().saturating_sub(1));
@@ -286,7 +288,7 @@ impl Scene {
         None
     }
 
-    /// What belongs to fibres has no meaning beside a mass-spring system.
+    /// Reports fields of fibres, which have no meaning beside a mass-spring system.
     fn check_only_springs(&self, check: &mut Check) {
         let refuse = |check: &mut Check, field: &str| {
             check.refuse(field, "is for fibres, but the scene has a mass_spring system".into());
@@ -316,7 +318,7 @@ impl Scene {
         });
     }
 
-    /// Notes what the material of a bundle does not go with.
+    /// Reports what is incompatible with the material of a bundle.
     fn check_keratin(&self, bundle: &Bundle, check: &mut Check) {
         let Some(keratin) = bundle.material.keratin() else { return };
         let climate = self.environment.climate.at(0.0);
@@ -336,7 +338,7 @@ impl Scene {
         }
     }
 
-    /// Fibres with charge lie at rest, clamped at their roots: what moves has no meaning there.
+    /// Reports motions beside charging, where fibres are at rest and clamped at their roots.
     fn check_charging(&self, charging: &Charging, check: &mut Check) {
         check.within("charging", |c| charging.check(c, &self.objects, Plan::new(self).steps));
         let course = &self.environment.climate.humidity;
@@ -386,8 +388,8 @@ impl Scene {
         }
     }
 
-    /// Notes everything that makes no sense: numbers out of range, directions without length,
-    /// roots that jump, probes of fibres that do not exist.
+    /// Reports all problems of the scene: numbers out of range, directions without length, roots
+    /// that jump, probes of fibres that do not exist.
     fn check(&self, check: &mut Check) {
         if self.format != FORMAT {
             let message = format!("is {}, but this version reads format {FORMAT}", self.format);

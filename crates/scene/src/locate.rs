@@ -1,4 +1,4 @@
-//! Where in the text of a scene a field is.
+//! Positions of fields in the text of a scene.
 //!
 //! A walk over the tokens of RON that keeps the path of the value it stands at. The text has been
 //! parsed before, so the walk need not judge it: it only matches brackets and skips comments,
@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-/// The bytes of the value at `path`; of its nearest ancestor that is written down if it is a
-/// default; of the whole text if there is none.
+/// Range of bytes of the value at `path`; of its nearest ancestor that is written in the text if it
+/// is a default; of the whole text if there is none.
 pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
     let wanted: Vec<&str> = path.split(['.', '[', ']']).filter(|p| !p.is_empty()).collect();
     let mut walk =
@@ -16,7 +16,7 @@ pub(crate) fn span(text: &str, path: &str) -> Range<usize> {
     walk.best.1
 }
 
-/// How deep the walk goes: deeper than the parser of RON.
+/// Largest depth of the walk: deeper than the parser of RON.
 const DEEPEST: usize = 200;
 
 struct TextWalk<'a> {
@@ -24,7 +24,7 @@ struct TextWalk<'a> {
     at: usize,
     path: Vec<String>,
     wanted: &'a [&'a str],
-    /// How many parts of the path matched, and where.
+    /// Number of parts of the path that matched, and the range of bytes there.
     best: (usize, Range<usize>),
 }
 
@@ -53,7 +53,7 @@ impl TextWalk<'_> {
         }
     }
 
-    /// Takes characters up to the next that ends a word.
+    /// Takes characters up to the next one that ends a word.
     fn word(&mut self) -> &str {
         let start = self.at;
         let ends = |c: char| c.is_whitespace() || "()[]{},:\"/".contains(c);
@@ -71,7 +71,7 @@ impl TextWalk<'_> {
         self.at += end.map_or(self.rest().len(), |i| i + 2);
     }
 
-    /// Walks one value, and notes it if it is on the wanted path.
+    /// Walks one value, and records it if it is on the wanted path.
     fn value(&mut self) {
         self.skip();
         let start = self.at;

@@ -3,17 +3,17 @@ use super::check::{Allowed, Check};
 use rapunzel_mass_spring::{Element, LatticeBody};
 use serde::{Deserialize, Serialize};
 
-/// A mass-spring system, in place of fibres: one model and what acts on it.
+/// A mass-spring system in place of fibres: one model and what acts on it.
 ///
-/// Models in the plane lie in that of x and z. Probes see one fibre, number 0, whose nodes are
-/// those of the model. Of the environment, gravity acts; drag and wind are given here.
+/// Models in the plane lie in the plane of x and z. Probes see one fibre, number 0, whose nodes are
+/// the nodes of the model. Of the environment, gravity acts; drag and wind are given here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MassSpring {
-    /// What it is.
+    /// The model.
     pub model: Model,
-    /// Where it starts: the fixed end of a rope, the top left corner of a net or body, the center
-    /// of a ring or ball (world), m.
+    /// Position at the start (world), m: of the fixed end of a rope, the top left corner of a net
+    /// or body, the center of a ring or ball.
     #[serde(default)]
     pub position: [f64; 3],
     /// Mass of a node, kg.
@@ -24,31 +24,31 @@ pub struct MassSpring {
     /// Drag rate of the nodes, 1/s; the wind acts through it.
     #[serde(default)]
     pub drag: f64,
-    /// Ratio of the dampers of the springs to critical ones.
+    /// Damping ratio of the springs: their damping constant over the critical one.
     #[serde(default)]
     pub damping_ratio: f64,
     /// Elastic strain beyond which springs give way for good; left out, they never do.
     #[serde(default)]
     pub yield_strain: Option<f64>,
-    /// The wind.
+    /// Wind, which acts through the drag.
     #[serde(default)]
     pub wind: Wind,
-    /// How it is moved in time.
+    /// Time integration method.
     #[serde(default)]
     pub integrator: Integrator,
-    /// Sub-steps of every step.
+    /// Number of sub-steps of every step.
     #[serde(default = "one")]
     pub substeps: usize,
-    /// Nodes that are fixed relative to others.
+    /// Nodes that are fixed relative to other nodes.
     #[serde(default)]
     pub ties: Vec<Tie>,
-    /// Nodes that are taken and moved: what a mouse does.
+    /// Nodes that are moved at prescribed velocities, as by a mouse.
     #[serde(default)]
     pub holds: Vec<Hold>,
     /// Constant forces on nodes.
     #[serde(default)]
     pub loads: Vec<NodeLoad>,
-    /// What nodes do when they touch something; left out, they pass through all.
+    /// Contact parameters of the nodes; left out, there are no contacts.
     #[serde(default)]
     pub contacts: Option<NodeContacts>,
 }
@@ -57,7 +57,7 @@ fn one() -> usize {
     1
 }
 
-/// What a mass-spring system is.
+/// The models of a mass-spring system.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Model {
@@ -67,47 +67,47 @@ pub enum Model {
         nodes: usize,
         /// Rest length of a segment, m.
         spacing: f64,
-        /// Where it runs at the start (world).
+        /// Direction of the rope at the start (world).
         direction: [f64; 3],
         /// Bending stiffness, N m^2.
         #[serde(default)]
         bending_stiffness: f64,
-        /// A chain: segments do not stretch, whatever the frequency.
+        /// Whether segments keep their length, whatever the frequency: a chain.
         #[serde(default)]
         inextensible: bool,
     },
-    /// A net in space, hung up in the plane of x and z.
+    /// A net in space, hung in the plane of x and z.
     Net {
-        /// What every node is.
+        /// Supports and springs of the nodes.
         place: NodePlaces,
         /// Side of a cell, m.
         spacing: f64,
-        /// Cells with one diagonal, which do not fold over.
+        /// Whether cells have one diagonal, so that they do not fold over.
         #[serde(default)]
         triangular: bool,
     },
     /// A compressible body in the plane.
     Body {
-        /// Which one.
+        /// Shape of the body.
         shape: SpringBodyShape,
         /// Side of a cell, m.
         spacing: f64,
     },
-    /// An incompressible body in the plane, node 0 in its middle.
+    /// An incompressible body in the plane, with node 0 in its middle.
     Ring {
-        /// Masses around.
+        /// Number of masses on the ring.
         count: usize,
-        /// Radius, m.
+        /// Radius of the ring, m.
         radius: f64,
         /// Strength of the controller of the area, per step.
         #[serde(default = "tau")]
         tau: f64,
     },
-    /// An incompressible body in space, node 0 in its middle.
+    /// An incompressible body in space, with node 0 in its middle.
     Ball {
-        /// Radius, m.
+        /// Radius of the ball, m.
         radius: f64,
-        /// Cuts of an edge of the octahedron that it is made of.
+        /// Number of parts into which each edge of the initial octahedron is cut.
         fineness: u8,
         /// Strength of the controller of the volume, per step.
         #[serde(default = "tau")]
@@ -119,7 +119,7 @@ fn tau() -> f64 {
     0.2
 }
 
-/// What the nodes of a net are.
+/// Supports and springs of the nodes of a net.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NodePlaces {
@@ -137,7 +137,7 @@ pub enum NodePlaces {
         /// Number of columns.
         columns: usize,
     },
-    /// Free.
+    /// A free net.
     Flying {
         /// Number of rows.
         rows: usize,
@@ -151,7 +151,7 @@ pub enum NodePlaces {
     },
 }
 
-/// A compressible body of the second text.
+/// The compressible bodies of the second text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpringBodyShape {
     /// Thin beam, fixed at the left, guided along itself at the right.
@@ -166,15 +166,15 @@ pub enum SpringBodyShape {
     ThickBeam,
 }
 
-/// A method in time.
+/// Time integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Integrator {
-    /// Second order, conserves energy; stable below a limit of the step.
+    /// Leapfrog: second order, conserves energy; stable below a limit of the step.
     #[default]
     Leapfrog,
-    /// Fourth order.
+    /// Runge-Kutta: fourth order.
     RungeKutta,
-    /// First order, stable for any step.
+    /// Implicit Euler: first order, stable for any step.
     ImplicitEuler,
 }
 
@@ -182,26 +182,26 @@ pub enum Integrator {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
-    /// The node.
+    /// Index of the node that is tied.
     pub node: usize,
-    /// The other one.
+    /// Index of the node that it is tied to.
     pub to: usize,
 }
 
-/// A node that is taken, moved, and let go or kept.
+/// A node that is moved at a prescribed velocity for some time, and then released or held.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
-    /// The node; the nodes of its clamp follow.
+    /// Index of the node; the nodes of its clamp follow.
     pub node: usize,
-    /// When it is taken, s.
+    /// Start of the motion, s.
     #[serde(default)]
     pub from: f64,
-    /// When the motion ends, s.
+    /// End of the motion, s.
     pub until: f64,
     /// Velocity, m/s, world frame.
     pub velocity: [f64; 3],
-    /// It is let go then, and not kept where it is.
+    /// Whether the node is released at the end of the motion, instead of being held where it is.
     #[serde(default)]
     pub release: bool,
 }
@@ -210,26 +210,26 @@ pub struct Hold {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeLoad {
-    /// The node.
+    /// Index of the node.
     pub node: usize,
     /// Force, N, world frame.
     pub force: [f64; 3],
 }
 
 /// Contacts of nodes as balls, with each other, with a level ground and with the objects of the
-/// scene, which are led on their ways.
+/// scene, which move kinematically.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeContacts {
     /// Radius of the nodes, m.
     pub radius: f64,
-    /// Part of the normal velocity that comes back.
+    /// Coefficient of restitution.
     #[serde(default)]
     pub restitution: f64,
     /// Coulomb's coefficient of friction.
     #[serde(default)]
     pub friction: f64,
-    /// Nodes touch each other too.
+    /// Whether there are contacts among nodes.
     #[serde(default)]
     pub mutual: bool,
     /// Height of a level ground, m.
@@ -238,7 +238,7 @@ pub struct NodeContacts {
 }
 
 impl MassSpring {
-    /// Masses and springs as the crate takes them.
+    /// Mass, stiffness, drag and damping as `rapunzel-mass-spring` takes them.
     pub fn element(&self) -> Element {
         Element {
             mass: self.mass,
@@ -248,7 +248,7 @@ impl MassSpring {
         }
     }
 
-    /// Number of nodes.
+    /// Number of nodes of the model.
     pub fn nodes(&self) -> usize {
         match &self.model {
             Model::Rope { nodes, .. } => *nodes,
@@ -260,8 +260,8 @@ impl MassSpring {
         }
     }
 
-    /// The most segments that a line of springs has in frames, where no limit bounds them, and the
-    /// field that says so.
+    /// Largest number of segments of a line of springs in frames, where no other limit bounds it,
+    /// and the field that determines it.
     pub fn longest_line(&self) -> Option<(&'static str, usize)> {
         match &self.model {
             Model::Rope { nodes, .. } => Some(("model.nodes", nodes.saturating_sub(1))),
@@ -274,7 +274,7 @@ impl MassSpring {
         }
     }
 
-    /// Notes what makes no sense by itself; building the model finds the rest.
+    /// Reports problems that can be seen without building the model.
     pub(crate) fn check(&self, check: &mut Check) {
         check.vector("position", &self.position, "m");
         check.number("mass", self.mass, Allowed::Positive, "kg");
@@ -329,7 +329,7 @@ impl MassSpring {
 }
 
 impl SpringBodyShape {
-    /// The body of the crate.
+    /// The body as `rapunzel-mass-spring` has it.
     pub fn body(self) -> LatticeBody {
         match self {
             Self::ThinBeamGuided => LatticeBody::ThinBeamGuided,

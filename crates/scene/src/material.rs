@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// What a fibre is made of.
+/// Material of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum MaterialSpec {
     /// Dry human hair: 1300 kg/m^3, 3.8 GPa, a third of it in shear.
     #[default]
     Hair,
-    /// Homogeneous and linearly elastic.
+    /// A homogeneous, linearly elastic material.
     Elastic {
         /// Mass density, kg/m^3.
         density: f64,
@@ -26,22 +26,22 @@ pub enum MaterialSpec {
         /// Shear modulus, Pa.
         shear_modulus: f64,
     },
-    /// Hair as the tables of `rapunzel-keratin` have it, in the climate of the environment: moduli,
+    /// Hair by the tables of `rapunzel-keratin`, in the climate of the environment: moduli,
     /// density, and the section where the bundle gives none.
     Keratin {
-        /// The type of hair, whose diameters are those of the section if the bundle gives none.
+        /// Type of hair, whose diameters are used if the bundle gives no section.
         #[serde(rename = "type")]
         kind: HairType,
-        /// The treatment.
+        /// Treatment of the hair.
         #[serde(default = "no_treatment")]
         treatment: Treatment,
-        /// The class of diameters that Young's modulus is for.
+        /// Class of diameters that Young's modulus is for.
         #[serde(default = "any_thickness")]
         thickness: Thickness,
-        /// What its sections do.
+        /// Constitutive law of the sections.
         #[serde(default)]
         law: Law,
-        /// Whether values may be taken where nobody measured.
+        /// Whether values may be extrapolated beyond the measurements.
         #[serde(default)]
         extrapolate: bool,
     },
@@ -58,22 +58,22 @@ fn any_thickness() -> Thickness {
 /// Human hair by type and treatment, as in [`MaterialSpec::Keratin`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Keratin {
-    /// The type of hair.
+    /// Type of hair.
     pub kind: HairType,
-    /// The treatment.
+    /// Treatment of the hair.
     pub treatment: Treatment,
-    /// The class of diameters that Young's modulus is for.
+    /// Class of diameters that Young's modulus is for.
     pub thickness: Thickness,
-    /// What its sections do.
+    /// Constitutive law of the sections.
     pub law: Law,
-    /// Whether values may be taken where nobody measured.
+    /// Whether values may be extrapolated beyond the measurements.
     pub extrapolate: bool,
 }
 
-/// What a section of hair does.
+/// Constitutive law of a section of hair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Law {
-    /// Hooke's, with the moduli of the climate.
+    /// Hooke's law, with the moduli of the climate.
     #[default]
     Elastic,
     /// Moduli that relax as a power of time, so that free oscillations between 0.01 and 100 rad/s
@@ -85,14 +85,15 @@ pub enum Law {
     ThreeElement,
 }
 
-/// The air, as far as hair takes water from it: it is in equilibrium with it at once.
+/// Humidity and temperature of the air over time. The water in hair is in equilibrium with the air
+/// at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ClimateHistory {
     /// Relative humidity over time, straight lines between pairs of time (s) and fraction; constant
     /// before the first and after the last. 1 is wet.
     pub humidity: Vec<(f64, f64)>,
-    /// Temperature, C.
+    /// Temperature, degrees Celsius.
     pub temperature: f64,
 }
 
@@ -104,16 +105,16 @@ impl Default for ClimateHistory {
 }
 
 impl ClimateHistory {
-    /// The climate at time `t`, s.
+    /// Climate at time `t`, s.
     ///
     /// # Errors
-    /// [`KeratinError`] for a humidity or a temperature that is none.
+    /// [`KeratinError`] for a humidity or a temperature out of its range.
     pub fn at(&self, t: f64) -> Result<keratin::Climate, KeratinError> {
         let humidity = Profile::Linear { points: self.humidity.clone() }.at(t);
         keratin::Climate::new(humidity, self.temperature)
     }
 
-    /// Whether it changes.
+    /// Whether the climate changes in time.
     #[must_use]
     pub fn changes(&self) -> bool {
         self.humidity.windows(2).any(|pair| pair[0].1 != pair[1].1)
@@ -135,10 +136,10 @@ impl ClimateHistory {
 }
 
 impl Keratin {
-    /// The hair, of the diameters of its type or of a section of its own.
+    /// The hair, with the diameters of its type or a section of its own.
     ///
     /// # Errors
-    /// [`KeratinError`] for a section that is none.
+    /// [`KeratinError`] for an invalid section.
     pub fn hair(&self, section: Option<Section>) -> Result<Hair, KeratinError> {
         let hair = match section.map(|section| section.semi_axes()) {
             None => Hair::of(self.kind),
@@ -148,7 +149,7 @@ impl Keratin {
         Ok(hair.treated(self.treatment).of_thickness(self.thickness).outside(outside))
     }
 
-    /// What a rod of the hair needs to know, and its laws.
+    /// Node properties of a rod of the hair, and the laws of its sections.
     pub fn rod(
         &self,
         hair: &Hair,
@@ -171,16 +172,16 @@ impl Keratin {
     }
 }
 
-/// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to fade
-/// with a logarithmic decrement, whatever their frequency: with an inertia they are the roots of
-/// `s^2 + k s^n`, which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
+/// The power `n` of time, `t^-n`, with which a modulus must relax for free oscillations to have a
+/// logarithmic decrement independent of frequency: with an inertia they are the roots of `s^2 + k
+/// s^n`, which have the decrement `2 pi tan(pi n/(4 - 2 n))`.
 pub fn fading_power(decrement: f64) -> f64 {
     let x = 2.0 / PI * (decrement / TAU).atan();
     2.0 * x / (1.0 + x)
 }
 
-/// A relaxation function whose free oscillations fade with a decrement between 0.01 and 100 rad/s,
-/// and the storage modulus 1 at 1 rad/s.
+/// A relaxation function whose free oscillations have a given logarithmic decrement between 0.01
+/// and 100 rad/s, and the storage modulus 1 at 1 rad/s.
 ///
 /// The spectrum of a power of time, [`fading_power`], goes with `tau^-n` too: here from 1e-4 to 1e4
 /// s, two elements a decade, whose ripple is below a thousandth. What is slower counts as elastic.
@@ -203,7 +204,7 @@ fn fading_modulus(decrement: f64) -> Result<Relaxation, KeratinError> {
 }
 
 impl Keratin {
-    /// As in the standard climate, where everything is measured.
+    /// Density and moduli in the standard climate, where everything is measured.
     fn standard(&self) -> Result<fiber::Material, KeratinError> {
         let (hair, climate) = (self.hair(None)?, &keratin::Climate::STANDARD);
         Ok(fiber::Material {
@@ -215,10 +216,11 @@ impl Keratin {
 }
 
 impl MaterialSpec {
-    /// As a linearly elastic solid; keratin as in the standard climate, 65 % and 23 C.
+    /// Density and moduli of a linearly elastic solid; keratin in the standard climate, 65 % and 23
+    /// C.
     ///
     /// # Errors
-    /// [`KeratinError`] for keratin of which something is not measured.
+    /// [`KeratinError`] for keratin with a property that is not measured.
     pub fn solid(&self) -> Result<fiber::Material, KeratinError> {
         match *self {
             Self::Hair => Ok(fiber::Material::HAIR),
@@ -231,7 +233,7 @@ impl MaterialSpec {
         }
     }
 
-    /// The hair, if it is one by the tables.
+    /// The hair, if the material is keratin by the tables.
     #[must_use]
     pub fn keratin(&self) -> Option<Keratin> {
         let Self::Keratin { kind, treatment, thickness, law, extrapolate } = *self else {

@@ -3,16 +3,16 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// The fastest that an end may move, m/s; beyond it lies a typing error or a jump.
+/// Largest speed of an end, m/s; beyond it is a typing error or a jump.
 const FASTEST: f64 = 100.0;
-/// The fastest that an end may turn, degrees/s: a thousand turns.
+/// Largest angular speed of an end, degrees/s: a thousand turns per second.
 const FASTEST_TURN: f64 = 3.6e5;
 
-/// How the roots of a bundle move: all of them rigidly, as one body.
+/// Motion of the roots of a bundle: all of them rigidly, as one body.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Motion {
-    /// Not at all.
+    /// At rest.
     #[default]
     Fixed,
     /// To and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns with
@@ -31,7 +31,7 @@ pub enum Motion {
         /// part across the axis counts.
         #[serde(default = "z_axis")]
         center: [f64; 3],
-        /// How the angle depends on time.
+        /// Time dependence of the angle.
         #[serde(default)]
         pace: Pace,
     },
@@ -39,7 +39,7 @@ pub enum Motion {
     Translate {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
-        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        /// Time in which the velocity grows linearly from zero, s; 0 for at once.
         #[serde(default)]
         ramp: f64,
         /// End of the motion, s.
@@ -52,28 +52,29 @@ pub enum Motion {
         /// Frequency, Hz.
         frequency: f64,
     },
-    /// About an axis through the position of the bundle at constant rate, then at rest.
+    /// Rotation about an axis through the position of the bundle at constant rate, then rest.
     Rotate {
         /// Axis of the turn, world frame, any length.
         axis: [f64; 3],
-        /// Rate, degrees per second.
+        /// Angular speed, degrees per second.
         rate: f64,
         /// End of the motion, s.
         until: f64,
     },
-    /// Through given poses, at constant velocity and rate between them; at rest after the last.
-    /// From one rotation vector to a parallel one the angle goes from the one to the other, whole
-    /// turns included; others may be half a turn apart, and are joined the short way.
+    /// Motion through given poses, at constant velocity and rate between them; at rest after the
+    /// last. Between parallel rotation vectors the angle goes from one value to the other, whole
+    /// turns included; other rotations may be half a turn apart, and are joined by the smallest
+    /// rotation.
     Keyframes {
         /// The poses, in the order of time; the first is at time 0 and moves nothing.
         points: Vec<Keyframe>,
     },
 }
 
-/// How a swing goes along its arc.
+/// Time dependence of a swing along its arc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Pace {
-    /// As a cosine: it starts and turns around smoothly.
+    /// A cosine in time: it starts and turns around smoothly.
     #[default]
     Smooth,
     /// At constant speed, as in the thesis; the velocity jumps at the ends of the arc.
@@ -84,7 +85,7 @@ pub enum Pace {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
-    /// When, s.
+    /// Time of the displacement, s.
     pub time: f64,
     /// Translation from where the bundle started, m, world frame.
     #[serde(default)]
@@ -132,7 +133,7 @@ impl Motion {
         }
     }
 
-    /// Notes what makes no sense.
+    /// Reports problems of the motion.
     pub(crate) fn check(&self, check: &mut Check) {
         match self {
             Self::Fixed => {}
@@ -174,7 +175,7 @@ impl Motion {
     }
 }
 
-/// What a speed that grows from 0 to 1 within `ramp` has covered by the time `t`.
+/// Distance covered by the time `t` at a speed that grows linearly from 0 to 1 within `ramp`.
 pub fn ramped(t: f64, ramp: f64) -> f64 {
     if t < ramp { 0.5 * t * t / ramp } else { t - 0.5 * ramp }
 }
@@ -192,8 +193,8 @@ fn orientation(keyframe: &Keyframe) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(Vector3::from(keyframe.rotation.map(f64::to_radians)))
 }
 
-/// The rotation vector of the turn from one keyframe to the next, rad, in the frame of the first:
-/// its direction is kept, so that the rate is constant.
+/// The rotation vector from one keyframe to the next, rad, in the frame of the first: its direction
+/// is constant, so that the rate is constant.
 fn turned(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
     if are_parallel(from, to) {
         return asked_turn(from, to);
@@ -201,13 +202,13 @@ fn turned(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
     (orientation(from).inverse() * orientation(to)).scaled_axis()
 }
 
-/// What one rotation vector differs from another by, rad. The rotations are never farther apart.
+/// Difference of two rotation vectors, rad, which may be more than a turn for parallel ones.
 fn asked_turn(from: &Keyframe, to: &Keyframe) -> Vector3<f64> {
     let [from, to] = [from, to].map(|k| Vector3::from(k.rotation.map(f64::to_radians)));
     to - from
 }
 
-/// Whether both rotations have one axis, to the rounding of numbers that were written down.
+/// Whether both rotations have one axis, up to the rounding of decimal numbers.
 fn are_parallel(a: &Keyframe, b: &Keyframe) -> bool {
     let [a, b] = [a, b].map(|k| Vector3::from(k.rotation));
     a.cross(&b).norm() <= 1e-9 * a.norm() * b.norm()
@@ -223,7 +224,7 @@ fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
     Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
 }
 
-/// Refuses a velocity (m/s) that is not finite or that is a jump.
+/// Reports a velocity (m/s) that is not finite or that is a jump.
 pub(crate) fn check_velocity(check: &mut Check, velocity: &[f64; 3]) {
     check.vector("velocity", velocity, "m/s");
     if velocity.iter().all(|x| x.is_finite()) {
@@ -231,7 +232,7 @@ pub(crate) fn check_velocity(check: &mut Check, velocity: &[f64; 3]) {
     }
 }
 
-/// Refuses a field that moves an end at more than the fastest speed, m/s.
+/// Reports a field that moves an end at more than the largest speed, m/s.
 fn check_speed(check: &mut Check, field: &str, speed: f64) {
     if speed > FASTEST {
         let message =
@@ -240,7 +241,7 @@ fn check_speed(check: &mut Check, field: &str, speed: f64) {
     }
 }
 
-/// Refuses a field that turns an end at more than the fastest rate, degrees/s.
+/// Reports a field that turns an end at more than the largest rate, degrees/s.
 fn check_rate(check: &mut Check, field: &str, rate: f64) {
     if rate > FASTEST_TURN {
         let message = format!(

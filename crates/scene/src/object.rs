@@ -4,47 +4,47 @@ use super::{FrictionLaw, Motion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Something that fibres and objects that move freely lie on or bump into. Objects that are led
-/// pass through each other.
+/// An object that fibres and free objects lie on or collide with. There are no contacts between
+/// kinematic objects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
-    /// Its surface, about its own origin.
+    /// Surface of the object, about its own origin.
     pub shape: ObjectShape,
-    /// Where its origin is at the start, m.
+    /// Position of its origin at the start, m.
     #[serde(default)]
     pub position: [f64; 3],
-    /// How it is turned at the start: about the world's fixed x, then y, then z axes, degrees.
+    /// Rotation at the start: about the world's fixed x, then y, then z axes, degrees.
     #[serde(default)]
     pub turn: [f64; 3],
-    /// How fibres rub on it; left out, as on each other. `Cuticle` is by the fibre's axis. Of two
-    /// objects that rub on each other, one that moves freely and what it touches, the friction of
-    /// the latter counts, else that of the former, else that of the scene, but no `Cuticle`: of two
-    /// that move freely the former is the earlier one of the list.
+    /// Friction of fibres on the object; left out, the friction among fibres. `Cuticle` refers to
+    /// the fibre's axis. At a contact of a free object with another object, the friction of the
+    /// other one applies if given, else that of the free one, else that of the scene, but no
+    /// `Cuticle`; of two free objects the one that is earlier in the list counts as the free one.
     #[serde(default)]
     pub friction: Option<FrictionLaw>,
-    /// How fibres bounce off it, from zero to one; left out, as off each other. Of two objects the
-    /// same one's counts as of friction.
+    /// Coefficient of restitution of fibres on the object, from zero to one; left out, that among
+    /// fibres. Between two objects the rule for friction applies.
     #[serde(default)]
     pub restitution: Option<f64>,
-    /// The way on which it is led.
+    /// Prescribed motion of a kinematic object.
     #[serde(default)]
     pub motion: Motion,
-    /// Whether it is led, or moves freely.
+    /// Whether the object is kinematic or moves freely.
     #[serde(default)]
     pub moves: Moves,
 }
 
-/// What moves an object.
+/// Kinematic or free motion of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Moves {
-    /// Its `motion`, whatever is in the way.
+    /// Kinematic: it follows its `motion`, whatever is in its path.
     #[default]
     Led,
-    /// Gravity, fibres and other objects, as a rigid body (thesis 8.4.1) of even density.
+    /// Free: a rigid body (thesis 8.4.1) of uniform density under gravity and contact forces.
     Free {
-        /// How heavy it is; its inertia follows from the shape.
+        /// Mass or density; the inertia follows from the shape.
         mass: ObjectMass,
         /// Velocity of its center of mass at the start, m/s.
         #[serde(default)]
@@ -55,13 +55,13 @@ pub enum Moves {
     },
 }
 
-/// How heavy an object is.
+/// Mass of an object, by its density or directly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ObjectMass {
-    /// By its density, kg/m^3.
+    /// Density, kg/m^3.
     Density(f64),
-    /// By its mass, kg.
+    /// Mass, kg.
     Mass(f64),
 }
 
@@ -69,30 +69,31 @@ pub enum ObjectMass {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ObjectShape {
-    /// All that lies below a plane.
+    /// The half space below a plane.
     Plane {
-        /// Upward, any length.
+        /// Upward normal of the plane, any length.
         normal: [f64; 3],
     },
     /// A ball.
     Ball {
-        /// Its radius, m.
+        /// Radius of the ball, m.
         radius: f64,
     },
-    /// A round bar with round ends, along its z axis, the origin in the middle.
+    /// A capsule: a cylinder with hemispherical ends, along its z axis, with the origin in the
+    /// middle.
     Capsule {
-        /// Distance of the centers of its ends, m.
+        /// Distance of the centers of the two hemispheres, m.
         length: f64,
-        /// Its radius, m.
+        /// Radius of the capsule, m.
         radius: f64,
     },
     /// A box along its axes, the origin in the middle.
     Cuboid {
-        /// Lengths of its sides, m.
+        /// Lengths of the sides of the box, m.
         sides: [f64; 3],
     },
-    /// The ground below smooth random hills, up along its z axis, the origin in the middle at mean
-    /// height. Beyond its sides the heights at its rim go on.
+    /// The ground below smooth random hills, up along its z axis, with the origin in the middle at
+    /// mean height. Beyond its sides the heights at its rim go on.
     HeightField {
         /// Lengths along x and y, m.
         sides: [f64; 2],
@@ -109,16 +110,16 @@ pub enum ObjectShape {
     },
     /// A closed surface in a file.
     Mesh {
-        /// A `.ply`, `.stl` or `.obj`, as seen from the folder of the scene.
+        /// Path of a `.ply`, `.stl` or `.obj` file, relative to the folder of the scene.
         file: PathBuf,
         /// Distance of the points at which its distance field is stored, m: finer details of the
         /// surface are rounded.
         spacing: f64,
-        /// Metres for its unit: 0.001 for a file in millimetres.
+        /// Metres for a unit of the file: 0.001 for a file in millimetres.
         #[serde(default = "one")]
         scale: f64,
-        /// Whether holes are closed, faces turned alike and what is too much left out, where it is
-        /// not a closed surface; what was done is told.
+        /// Whether a surface that is not closed is repaired: holes closed, faces oriented alike and
+        /// superfluous parts left out; the repairs are reported.
         #[serde(default)]
         repair: bool,
     },
@@ -128,7 +129,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// The fastest that a free object may spin at the start, degrees/s.
+/// Largest angular speed of a free object at the start, degrees/s.
 const FASTEST_SPIN: f64 = 3.6e5;
 
 impl Object {
@@ -164,7 +165,7 @@ impl Object {
     }
 }
 
-/// Two objects that may touch need a friction that is not by the axis of a fibre.
+/// Reports friction by the axis of a fibre between two objects that may be in contact.
 pub(super) fn check_pairs(objects: &[Object], scene: &FrictionLaw, check: &mut Check) {
     let lacks = |object: &Object| object.friction.as_ref().unwrap_or(scene).needs_axis();
     if !scene.needs_axis() {
@@ -219,13 +220,13 @@ impl ObjectShape {
         }
     }
 
-    /// Whether the shape reaches on beyond what is shown of it.
+    /// Whether the shape extends beyond the part of it that is shown.
     #[must_use]
     pub fn is_endless(&self) -> bool {
         matches!(self, Self::Plane { .. } | Self::HeightField { .. })
     }
 
-    /// The radius of what is round, m.
+    /// Radius of a round shape, m.
     pub fn radius(&self) -> Option<f64> {
         match self {
             Self::Ball { radius } | Self::Capsule { radius, .. } => Some(*radius),
@@ -233,7 +234,7 @@ impl ObjectShape {
         }
     }
 
-    /// The file that holds it, if any does.
+    /// Path of the file that holds the shape, if there is one.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Mesh { file, .. } => Some(file),
@@ -241,7 +242,7 @@ impl ObjectShape {
         }
     }
 
-    /// Takes a path as seen from the folder of the scene.
+    /// Makes a path relative to the folder of the scene.
     pub(super) fn seen_from(&mut self, folder: &Path) {
         if let Self::Mesh { file, .. } = self {
             *file = folder.join(&*file);

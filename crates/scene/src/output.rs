@@ -3,22 +3,22 @@ use super::check::{Allowed, Check};
 use rapunzel_export::hair;
 use serde::{Deserialize, Serialize};
 
-/// What a run writes into its folder.
+/// Output files of a run, in its folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Frames per second of simulated time. Frames fall on steps exactly: the step is made a little
     /// smaller where the interval is not a multiple of it. With `charging` every step is a frame.
     pub frame_rate: f64,
-    /// Files written of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
+    /// File formats of the frames beside `frames/*.vtp` and `frames.pvd` (VTK poly data, for
     /// ParaView), which are always written.
     pub formats: Vec<Format>,
     /// Time between the rows of `energies.csv` and `probes.csv`, s, rounded to steps; 0 for a row
     /// at every step.
     pub record_interval: f64,
-    /// Whether `energies.csv` has all work done on the fibres: with that of contacts it sums up to
-    /// what the kinetic and elastic energy gain. Needs the method `Staggered` or `BackwardEuler`,
-    /// without a tolerance.
+    /// Whether `energies.csv` has all work done on the fibres, which with the work of contacts sums
+    /// up to the gain of kinetic and elastic energy. Needs the method `Staggered` or
+    /// `BackwardEuler`, without a tolerance.
     pub ledger: bool,
     /// Columns of `probes.csv`.
     pub probes: Vec<Probe>,
@@ -56,10 +56,10 @@ pub struct Probe {
     /// Index of the fibre, over all bundles in the order of the scene.
     #[serde(default)]
     pub fiber: usize,
-    /// The node.
+    /// Node of the fibre.
     #[serde(default)]
     pub node: ProbeNode,
-    /// What of it.
+    /// Quantity of the node.
     pub quantity: ProbeQuantity,
 }
 
@@ -67,17 +67,17 @@ pub struct Probe {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ProbeNode {
-    /// The last one.
+    /// The last node.
     #[default]
     Tip,
-    /// By its number from the root, which is 0.
+    /// The node with the given number from the root, which is 0.
     At {
-        /// The number.
+        /// Number of the node.
         index: usize,
     },
 }
 
-/// What a probe reads, in the world frame.
+/// Quantity that a probe reads, in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProbeQuantity {
     /// Position, m.
@@ -87,7 +87,8 @@ pub enum ProbeQuantity {
 }
 
 impl Output {
-    /// Notes what makes no sense; `fibers` gives the segments of fibre `i`, if there is one.
+    /// Reports problems of the output; `segments(i)` is the number of segments of fibre `i`, if
+    /// there is one.
     pub(crate) fn check(&self, check: &mut Check, segments: impl Fn(usize) -> Option<usize>) {
         check.number("frame_rate", self.frame_rate, Allowed::Within(1e-3, 1e6), "1/s");
         check.number("record_interval", self.record_interval, Allowed::NonNegative, "s");
@@ -105,7 +106,7 @@ impl Output {
 }
 
 impl Scene {
-    /// Notes what a format that is asked for cannot hold.
+    /// Reports data that a requested format cannot hold.
     pub(super) fn check_formats(&self, check: &mut Check) {
         if !self.output.formats.contains(&Format::Hair) {
             return;

@@ -1,4 +1,4 @@
-//! From RON to values, with the place of what is wrong.
+//! From RON text to values, with the positions of errors.
 
 use super::check::{SceneProblem, TextPlace};
 use super::locate;
@@ -50,7 +50,7 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, SceneProblem> 
     Ok(value)
 }
 
-/// The last two digits with a comma and no space between them in the line of a place, up to it.
+/// The last two digits with a comma and no space between them in the line of a position, up to it.
 fn decimal_comma(text: &str, place: usize) -> Option<&str> {
     let start = text[..place].rfind('\n').map_or(0, |end| end + 1);
     let end = text[place..].find([' ', '\n']).map_or(text.len(), |end| place + end);
@@ -61,7 +61,7 @@ fn decimal_comma(text: &str, place: usize) -> Option<&str> {
     line.get(comma..comma + 3)
 }
 
-/// The byte at a line and a column (in characters) that count from 1.
+/// Index of the byte at a line and a column (in characters), which count from 1.
 fn byte_of(text: &str, position: Position) -> usize {
     let line_start: usize =
         text.split_inclusive('\n').take(position.line.saturating_sub(1)).map(str::len).sum();
@@ -69,7 +69,7 @@ fn byte_of(text: &str, position: Position) -> usize {
     text[line_start..].char_indices().nth(column).map_or(text.len(), |(i, _)| line_start + i)
 }
 
-/// The path as a validation writes it: without the names of variants.
+/// A path in the form that validation uses: without the names of variants.
 fn path_of(path: &serde_path_to_error::Path) -> String {
     let mut text = String::new();
     for segment in path {

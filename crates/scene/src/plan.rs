@@ -1,7 +1,7 @@
 use crate::Scene;
 
-/// When a run steps, records and shows: at whole numbers of a clock that ticks with the frames, and
-/// at its end.
+/// The times at which a run steps, records and writes frames: whole numbers of intervals of a clock
+/// that ticks with the frames, and the end of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// The time step, s: the largest not above the scene's of which the frame interval is a
@@ -9,26 +9,26 @@ pub struct Plan {
     pub dt: f64,
     /// Number of steps of the whole run.
     pub steps: u64,
-    /// Steps from frame to frame.
+    /// Number of steps between frames.
     pub steps_per_frame: u64,
-    /// Steps from row to row of the tables.
+    /// Number of steps between rows of the tables.
     pub steps_per_record: u64,
     /// Frames in a second of the run, 1/s.
     pub frame_rate: f64,
     /// Time at which the run ends, s.
     pub duration: f64,
-    /// Frame intervals that are whole.
+    /// Number of whole frame intervals.
     intervals: u64,
-    /// Step after the last whole interval, s: the largest not above the scene's of which the rest
-    /// of the duration is a multiple.
+    /// Size of the steps after the last whole interval, s: the largest not above the scene's of
+    /// which the rest of the duration is a multiple.
     last_dt: f64,
 }
 
-/// A rest of the duration shorter than this part of a step is no step of its own.
+/// Fraction of a step below which a rest of the duration is no step of its own.
 const REST: f64 = 1e-6;
 
 impl Plan {
-    /// The plan of a scene; of one that was not validated it may have no end.
+    /// The plan of a scene; for a scene that was not validated it may have no end.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         // With charge every step is a frame.
@@ -58,13 +58,13 @@ impl Plan {
         }
     }
 
-    /// Number of frames, with those of the start and the end.
+    /// Number of frames, including those at the start and the end.
     #[must_use]
     pub fn frames(&self) -> u64 {
         1 + self.frames_after(self.steps)
     }
 
-    /// Number of frames after that of the start when `steps` steps have been taken.
+    /// Number of frames after the first one when `steps` steps have been taken.
     #[must_use]
     pub fn frames_after(&self, steps: u64) -> u64 {
         if steps == self.steps {
@@ -92,21 +92,21 @@ impl Plan {
         (index as f64 / self.frame_rate).min(self.duration)
     }
 
-    /// Length of the step after `steps` steps, s.
+    /// Size of the step that follows `steps` steps, s.
     #[must_use]
     pub fn step_after(&self, steps: u64) -> f64 {
         if steps < self.intervals * self.steps_per_frame { self.dt } else { self.last_dt }
     }
 }
 
-/// The next integer from 1 on, where rounding errors do not count as more.
+/// Smallest integer from 1 on that is not below `x`, up to rounding errors.
 fn up(x: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, reason = "a validated scene has fewer than 2^53")]
     let integer = (x * (1.0 - 1e-12)).ceil().max(1.0) as u64;
     integer
 }
 
-/// The integer before, where rounding errors do not count as less.
+/// Largest integer that is not above `x`, up to rounding errors.
 fn down(x: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, reason = "a validated scene has fewer than 2^53")]
     let integer = (x * (1.0 + 1e-12)) as u64;

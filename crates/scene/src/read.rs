@@ -19,20 +19,20 @@ impl Scene {
         }
     }
 
-    /// The scene as RON with all defaults filled in; reads back as the same scene, bit for bit.
+    /// The scene as RON with all defaults filled in; it reads back as the same scene, bit for bit.
     ///
     /// # Errors
-    /// [`SceneError`] if it makes no sense.
+    /// [`SceneError`] if the scene is invalid.
     pub fn to_ron(&self) -> Result<String, SceneError> {
         let config = PrettyConfig::new().struct_names(false).compact_arrays(true);
         let text = options().to_string_pretty(self, config).unwrap_or_default() + "\n";
         Self::from_ron(&text).map(|_| text)
     }
 
-    /// Checks every number of a scene that was not read from a text.
+    /// Validates a scene that was not read from a text.
     ///
     /// # Errors
-    /// [`SceneError`] with everything that is wrong.
+    /// [`SceneError`] with all problems.
     pub fn validate(&self) -> Result<(), SceneError> {
         let problems = self.problems(None);
         let source_text = String::new();

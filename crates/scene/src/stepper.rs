@@ -2,40 +2,41 @@ use super::check::{Allowed, Check};
 use rapunzel_rod_dynamic::{BoxOptions, Coefficients, RodError, StaggeredBatch};
 use serde::{Deserialize, Serialize};
 
-/// How time advances.
+/// Time integration settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepperSettings {
     /// Largest time step, s. The step taken is the largest not above it of which the frame
     /// interval is a multiple.
     pub dt: f64,
-    /// The integrator; left out, it is `BackwardEuler` where fibres touch and else `Staggered`.
+    /// Time integrator; left out, it is `BackwardEuler` where there are contacts and else
+    /// `Staggered`.
     #[serde(default)]
     pub method: Option<RodMethod>,
     /// Largest estimated error of the nodes' positions that may build up in a second of simulated
-    /// time, m/s: each step is cut into as many as that takes, at three times the cost of a step
-    /// each. Left out, steps are as `dt` says.
+    /// time, m/s: each step is cut into as many steps as that takes, each at three times the cost
+    /// of a step. Left out, the step size is `dt`.
     #[serde(default)]
     pub tolerance: Option<f64>,
 }
 
-/// An integrator of a single fibre.
+/// Time integrator of a single fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RodMethod {
     /// The staggered chain: second order in time and space, eight fibres at once.
     Staggered {
-        /// Part of the highest frequencies that is left after a step: 0 damps most; above 0.9 long
-        /// runs may end, above 0.4 those of whips.
+        /// Spectral radius at infinite frequency: the fraction of the highest frequencies that is
+        /// left after a step. 0 damps most; above 0.9 long runs may end, above 0.4 those of whips.
         #[serde(default = "rho_infinity")]
         rho_infinity: f64,
     },
-    /// The staggered chain moved by the backward Euler method: first order in time, damps more,
-    /// and what touches comes to rest.
+    /// The staggered chain with the backward Euler method: first order in time, damps more, and
+    /// bodies in contact come to rest.
     BackwardEuler,
     /// The box scheme in space with the generalised-alpha method in time (thesis 3.4).
     Box {
-        /// Weights of the method in time.
+        /// Weights of the time integration.
         #[serde(default)]
         weights: Weights,
         /// Newton's method stops at this residual, relative to the magnitude of the terms.
@@ -48,16 +49,18 @@ pub enum RodMethod {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Weights {
-    /// Second order.
+    /// Second-order weights.
     SecondOrder {
-        /// Part of the highest frequencies that is left after a step: 1 conserves, 0 damps most.
+        /// Spectral radius at infinite frequency: 1 conserves, 0 damps most.
         rho_infinity: f64,
     },
-    /// The thesis's for most of its examples, alpha 0.3, beta 0, gamma 0.7: first order, damped.
+    /// The thesis's weights for most of its examples, alpha 0.3, beta 0, gamma 0.7: first order,
+    /// damped.
     Thesis,
-    /// The thesis's for its damped helix, alpha 0.4, beta 0, gamma 1: first order, damped more.
+    /// The thesis's weights for its damped helix, alpha 0.4, beta 0, gamma 1: first order, damped
+    /// more.
     ThesisDamped,
-    /// Any stable ones.
+    /// Any stable weights.
     Given {
         /// Weight of the old derivative, at most 1/2.
         alpha: f64,
@@ -104,31 +107,31 @@ impl Weights {
 }
 
 impl StepperSettings {
-    /// The integrator, where fibres touch or where they do not.
+    /// The integrator, given whether there are contacts.
     #[must_use]
     pub fn method(&self, touch: bool) -> RodMethod {
         let usual = if touch { RodMethod::BackwardEuler } else { RodMethod::default() };
         self.method.unwrap_or(usual)
     }
 
-    /// Whether it can move fibres that touch.
+    /// Whether the method supports contacts.
     pub fn can_touch(&self) -> bool {
         self.method(true) == RodMethod::BackwardEuler && self.tolerance.is_none()
     }
 
-    /// Whether it can tell what the energy of fibres becomes.
+    /// Whether the method supports energy ledgers.
     pub fn keeps_ledgers(&self) -> bool {
         !matches!(self.method, Some(RodMethod::Box { .. })) && self.tolerance.is_none()
     }
 
-    /// Whether it keeps ledgers, and needs them: a method that hardly damps is no longer stable in
-    /// long steps. The bound is that up to which whips have been tried.
+    /// Whether the method keeps ledgers, and needs them: a method that hardly damps is unstable in
+    /// long steps. The bound is the `rho_infinity` up to which whips have been tested.
     pub fn may_create_energy(&self) -> bool {
         let undamped = |method: &RodMethod| matches!(method, RodMethod::Staggered { rho_infinity } if *rho_infinity > 0.4);
         self.keeps_ledgers() && self.method.as_ref().is_some_and(undamped)
     }
 
-    /// Notes what makes no sense.
+    /// Reports problems of the settings.
     pub(crate) fn check(&self, check: &mut Check) {
         check.number("dt", self.dt, Allowed::Within(1e-9, 60.0), "s");
         if let Some(tolerance) = self.tolerance {

@@ -5,12 +5,12 @@ use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// What holds or loads the tips of a bundle. Times are from the start of the run; a change of kind
-/// takes effect at the nearest step.
+/// Boundary condition at the tips of a bundle. Times are from the start of the run; a change of
+/// kind takes effect at the nearest step.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Tip {
-    /// Nothing.
+    /// Free, without load.
     #[default]
     Free,
     /// A force and a moment that may change with time.
@@ -22,48 +22,48 @@ pub enum Tip {
         #[serde(default)]
         moment: TimedLoad,
     },
-    /// Clamped and pulled at constant velocity, then let go (thesis 3.4.9.6).
+    /// Clamped and pulled at constant velocity, then released (thesis 3.4.9.6).
     Pulled {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
-        /// When it is let go, s.
+        /// Time of the release, s.
         until: f64,
     },
-    /// Clamped where it starts.
+    /// Clamped at its pose at the start.
     Held,
     /// Driven at constant velocity, then held there; with a root that moves the other way,
     /// buckling (thesis 3.4.9.5).
     Driven {
         /// Velocity, m/s, world frame.
         velocity: [f64; 3],
-        /// Time in which the velocity grows from nothing at constant rate, s; 0 for at once.
+        /// Time in which the velocity grows linearly from zero, s; 0 for at once.
         #[serde(default)]
         ramp: f64,
-        /// When it stops, s.
+        /// Time at which the motion ends, s.
         until: f64,
-        /// What holds its frame.
+        /// Boundary condition of the tip's frame.
         #[serde(default)]
         joint: JointKind,
-        /// Angle by which a clamp turns about the tangent on its way, degrees.
+        /// Angle by which a clamp rotates about the tangent during the motion, degrees.
         #[serde(default)]
         twist: f64,
     },
 }
 
-/// What an end that is held in its place lets it do.
+/// Boundary condition of an end whose position is prescribed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum JointKind {
-    /// Nothing: its frame is held too.
+    /// Clamped: the frame is prescribed too.
     #[default]
     Clamped,
-    /// Turn freely, under a moment.
+    /// A ball joint: the frame is free, under a moment.
     Ball {
         /// Moment on the fibre, N m.
         #[serde(default)]
         moment: TimedLoad,
     },
-    /// Move and turn freely: nothing holds the end. Only for roots that do not move by themselves.
+    /// Free: the position is not held either. Only for roots without a prescribed motion.
     Free,
 }
 
@@ -71,12 +71,12 @@ pub enum JointKind {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimedLoad {
-    /// Components in the frame, N or N m.
+    /// Components in the given frame, N or N m.
     pub value: [f64; 3],
     /// The frame of the components.
     #[serde(default)]
     pub frame: LoadFrame,
-    /// The factor over time.
+    /// Factor of the load over time.
     #[serde(default)]
     pub profile: Profile,
 }
@@ -84,7 +84,7 @@ pub struct TimedLoad {
 /// The frame of a load's components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LoadFrame {
-    /// The world: the direction stays.
+    /// The world frame: the direction is constant.
     #[default]
     World,
     /// The material frame at the end (d1, d2, tangent): the direction follows the fibre.
@@ -95,17 +95,17 @@ pub enum LoadFrame {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Profile {
-    /// Always 1.
+    /// Constantly 1.
     #[default]
     Constant,
-    /// From 0 to 1 at constant rate, then 1.
+    /// A ramp from 0 to 1 at constant rate, then 1.
     Ramp {
-        /// When it reaches 1, s.
+        /// Time at which it reaches 1, s.
         until: f64,
     },
-    /// First 1, then 0.
+    /// A pulse: 1, then 0.
     Pulse {
-        /// When it becomes 0, s.
+        /// Time at which it becomes 0, s.
         until: f64,
     },
     /// `sin(2 pi frequency t + phase)`.
@@ -116,7 +116,7 @@ pub enum Profile {
         #[serde(default)]
         phase: f64,
     },
-    /// Straight lines between points; constant before the first and after the last.
+    /// Piecewise linear between points; constant before the first and after the last.
     Linear {
         /// Pairs of time (s) and factor, in the order of time.
         points: Vec<(f64, f64)>,
@@ -189,7 +189,7 @@ impl TimedLoad {
 }
 
 impl JointKind {
-    /// The end at time `t` (s), in the given pose.
+    /// The boundary condition at time `t` (s), for a tip with the given prescribed pose.
     pub fn end(&self, t: f64, pose: Isometry3<f64>) -> rod::End {
         match self {
             Self::Clamped => rod::End::Held(pose),
@@ -209,7 +209,7 @@ impl JointKind {
 }
 
 impl Tip {
-    /// Notes what makes no sense.
+    /// Reports problems of the tip.
     pub(crate) fn check(&self, check: &mut Check) {
         match self {
             Self::Free | Self::Held => {}
