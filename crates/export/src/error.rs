@@ -8,16 +8,16 @@ pub enum ExportError {
     /// The writer or reader failed.
     #[error("the file cannot be written or read: {0}")]
     Io(#[from] io::Error),
-    /// A strand has too few points, or an array of another length than its points ask for.
+    /// A strand with too few points, or with an array whose length does not match its points.
     #[error("strand {strand} has {found} {what}, but needs {expected}")]
     Count {
         /// Index of the strand in the frame.
         strand: usize,
-        /// Elements of which array.
+        /// Name of the array whose elements are counted.
         what: &'static str,
-        /// How many it has.
+        /// Number of elements of the array.
         found: usize,
-        /// How many it must have.
+        /// Number of elements that the array must have.
         expected: usize,
     },
     /// A number is NaN or infinite.
@@ -25,7 +25,7 @@ pub enum ExportError {
     NotFinite {
         /// Index of the strand in the frame.
         strand: usize,
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
         /// Index in the array.
         index: usize,
@@ -33,46 +33,46 @@ pub enum ExportError {
     /// A number is NaN, infinite, or too large for a format in single precision.
     #[error("the number {value} cannot be written in single precision; are lengths in metres?")]
     Single {
-        /// The number.
+        /// The number that does not fit.
         value: f64,
     },
-    /// The surface of an object cannot be shown.
+    /// A surface of an object that cannot be shown.
     #[error("a surface {what}")]
     Surface {
-        /// What is wrong with it.
+        /// Description of the problem of the surface.
         what: &'static str,
     },
-    /// The wind of a preview cannot be shown.
+    /// A wind of a preview that cannot be shown.
     #[error("the wind {what}")]
     Wind {
-        /// What is wrong with it.
+        /// Description of the problem of the wind.
         what: &'static str,
     },
-    /// The format has no room for this many.
+    /// A count that exceeds what the format can hold.
     #[error("{found} {what}, but the format holds at most {limit}; split the frame")]
     TooMany {
-        /// What is counted.
+        /// Name of what is counted.
         what: &'static str,
-        /// How many there are.
+        /// Count that was found.
         found: usize,
-        /// How many the format can hold.
+        /// Largest count that the format can hold.
         limit: usize,
     },
-    /// Frames that must share times, strands and points do not.
+    /// Frames of a series that differ in times, strands or points.
     #[error("frame {index} does not continue the series: {what}")]
     Series {
-        /// Index of the frame.
+        /// Index of the frame that differs.
         index: usize,
-        /// How it differs.
+        /// Description of the difference.
         what: &'static str,
     },
-    /// There is nothing to show.
+    /// A frame or series with nothing to show.
     #[error("no frame with a strand was given; give at least one")]
     Empty,
-    /// The file was not written by this module, or it is damaged.
+    /// A file that was not written by this module, or is damaged.
     #[error("not a file of frames by this program: {what}")]
     Malformed {
-        /// What was expected and not found.
+        /// Name of what was expected and not found.
         what: &'static str,
     },
 }

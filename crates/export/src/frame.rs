@@ -1,14 +1,14 @@
 use super::ExportError;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-/// One instant of all fibres.
+/// State of all fibres at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Number of the frame in its series, from 0.
     pub index: usize,
     /// Simulated time, s.
     pub time: f64,
-    /// The fibres.
+    /// The fibres, one strand each.
     pub strands: Vec<Strand>,
 }
 
@@ -17,7 +17,7 @@ pub struct Frame {
 pub struct Strand {
     /// Nodes of the centerline (world), m.
     pub points: Vec<Point3<f64>>,
-    /// Radius at the points, m.
+    /// Radii at the points, m.
     pub radii: Vec<f64>,
     /// Velocity of the points (world), m/s.
     pub velocities: Vec<Vector3<f64>>,
@@ -30,7 +30,7 @@ pub struct Strand {
 }
 
 impl Frame {
-    /// Total number of points.
+    /// Total number of points of all strands.
     #[must_use]
     pub fn points(&self) -> usize {
         self.strands.iter().map(|strand| strand.points.len()).sum()
@@ -46,7 +46,7 @@ impl Frame {
 }
 
 impl Strand {
-    /// The same of this strand, by its number.
+    /// Checks this strand as [`Frame::validate`] does; `strand` is its index, for errors.
     pub(super) fn validate(&self, strand: usize) -> Result<(), ExportError> {
         let points = self.points.len();
         if points < 2 {

@@ -8,16 +8,16 @@
 use super::{ExportError, Frame};
 use std::io::Write;
 
-/// Which arrays follow the header: bit 0 segments, bit 1 points, bit 2 thickness.
+/// Flags of the arrays that follow the header: bit 0 segments, bit 1 points, bit 2 thickness.
 const ARRAYS: u32 = 0b111;
 
-/// The most segments of a strand that the format can count.
+/// Largest number of segments of a strand that the format can hold.
 pub const MOST_SEGMENTS: usize = u16::MAX as usize;
 
-/// Writes `frame`.
+/// Writes the strands of `frame`.
 ///
 /// # Errors
-/// Refuses unsound frames and strands of more than [`MOST_SEGMENTS`]; fails if `out` does.
+/// Refuses invalid frames and strands of more than [`MOST_SEGMENTS`]; fails if `out` does.
 pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
     frame.validate()?;
     out.write_all(&header(frame)?)?;

@@ -11,13 +11,13 @@ use std::io::Write;
 /// Millimetres per metre.
 const SCALE: f64 = 1e3;
 
-/// Writes `frame` as the object `Hair`, a cone per segment: POV-Ray finds its way through many
-/// small objects far sooner than along one long sphere sweep; and `objects`, if there are any, as
-/// the mesh `Objects`. By itself the file is a picture of both; for a scene of your own,
-/// `#declare Included = 1;` and `#include` it before `object { Hair texture { ... } }`.
+/// Writes `frame` as the object `Hair`, a cone per segment, which POV-Ray traces much faster than
+/// one long sphere sweep; and `objects`, if there are any, as the mesh `Objects`. By itself the
+/// file is a picture of both; for a scene of your own, `#declare Included = 1;` and `#include` it
+/// before `object { Hair texture { ... } }`.
 ///
 /// # Errors
-/// Refuses unsound and empty frames, and surfaces that are not finite; fails if `out` does.
+/// Refuses invalid and empty frames, and surfaces that are not finite; fails if `out` does.
 pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
     frame.validate()?;
     objects.iter().try_for_each(|object| surface::check(&object.surface))?;
@@ -46,7 +46,7 @@ pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<
     picture(out, frame, objects)
 }
 
-/// A point as POV-Ray has it.
+/// A point in POV-Ray's notation and coordinates.
 fn vector(p: &Point3<f64>) -> String {
     let [x, y, z] = p.coords.data.0[0].map(|x| SCALE * x);
     format!("<{x:.6}, {z:.6}, {y:.6}>")
@@ -72,7 +72,7 @@ fn mesh(out: &mut impl Write, objects: &[Placed]) -> Result<(), ExportError> {
     Ok(writeln!(out, " }}\n}}")?)
 }
 
-/// Shows everything, where the file is not included in another.
+/// Writes camera, light and objects, for a file that is not included in another.
 fn picture(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
     let points = || {
         let fibers = frame.strands.iter().flat_map(|strand| &strand.points);

@@ -1,10 +1,11 @@
-//! A ParaView collection: which file shows which time.
+//! A ParaView collection: the times of a series of files.
 
 use super::ExportError;
 use std::io::Write;
 
 /// Writes the collection of `files`, each a time in seconds, the number of a part that is shown
-/// beside the others of that time, and the file's name as seen from the folder of the collection.
+/// together with the others of that time, and the file's name relative to the folder of the
+/// collection.
 ///
 /// # Errors
 /// If `out` fails.

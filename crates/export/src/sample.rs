@@ -30,7 +30,7 @@ fn strand(segments: usize, time: f64) -> Strand {
     }
 }
 
-/// A box that rests and a ball that moves and turns, at a time, s.
+/// A box at rest and a ball that moves and rotates, at a time, s.
 pub(super) fn objects(time: f64) -> Vec<Placed> {
     let shapes = [shapes::cuboid(Vector3::new(0.1, 1.0 / 3.0, 2.0)), shapes::sphere(0.7, 2)];
     let still = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 2.0, 0.5));

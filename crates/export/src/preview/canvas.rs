@@ -4,23 +4,23 @@ use nalgebra::{Point2, Point3, Rotation2, Vector2};
 use std::f64::consts::TAU;
 use std::io::Write;
 
-/// Red, green and blue in `[0, 1]`, as shown.
+/// Red, green and blue in `[0, 1]`, in display (not linear) values.
 pub(super) type Color = [f64; 3];
 
-/// A color as it is kept: finer than the byte of the file, at half the memory.
+/// A stored color: finer than the byte of the file, at half the memory of a [`Color`].
 type Pixel = [f32; 3];
 
-/// Size of a pixel of the font.
+/// Width and height of a pixel of the font, pixels.
 const LETTER_SCALE: usize = 2;
-/// Sides of the polygon that stands for a ring.
+/// Number of sides of the polygon that approximates a ring.
 const SIDES: usize = 24;
 
-/// An image to draw on; places are in pixels from the upper left corner.
+/// An image to draw on; positions are in pixels from the upper left corner.
 pub(super) struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<Pixel>,
-    /// How far from the eye what is drawn in triangles is, m.
+    /// Distance from the eye of the nearest triangle at each pixel, m.
     depths: Vec<f64>,
 }
 
@@ -31,15 +31,15 @@ impl Canvas {
         Self { width, height, pixels: vec![pixel(paper); width * height], depths }
     }
 
-    /// A line in front of everything.
+    /// Draws a line in front of everything.
     pub(super) fn line(&mut self, a: Point2<f64>, b: Point2<f64>, width: f64, color: Color) {
         let [a, b] = [a, b].map(|p| Point3::new(p.x, p.y, f64::MIN));
         self.stroke(a, b, width, color);
     }
 
-    /// A line of the given width with round ends, as far as no triangle hides it; the third
-    /// coordinate is the distance from the eye. Antialiased: a pixel is covered by how deep it lies
-    /// within the line, from nothing half a pixel outside to all half a pixel inside.
+    /// Draws a line of the given width with round ends, where no triangle hides it; the third
+    /// coordinate is the distance from the eye. Antialiased: the coverage of a pixel goes from zero
+    /// half a pixel outside of the line to one half a pixel inside.
     pub(super) fn stroke(&mut self, a: Point3<f64>, b: Point3<f64>, width: f64, color: Color) {
         let depths = [a.z, b.z];
         let (a, b) = (a.xy(), b.xy());
@@ -63,7 +63,7 @@ impl Canvas {
         }
     }
 
-    /// A ring in front of everything.
+    /// Draws a ring in front of everything.
     pub(super) fn ring(&mut self, center: Point2<f64>, radius: f64, color: Color) {
         let rim = |k: usize| {
             let turn = Rotation2::new(TAU * k as f64 / SIDES as f64);
@@ -72,7 +72,8 @@ impl Canvas {
         (0..SIDES).for_each(|k| self.line(rim(k), rim(k + 1), 1.0, color));
     }
 
-    /// A triangle, as far as no other hides it; the third coordinate is the distance from the eye.
+    /// Draws a triangle, where no other hides it; the third coordinate is the distance from the
+    /// eye.
     pub(super) fn triangle(&mut self, corners: [Point3<f64>; 3], color: Color) {
         let [a, b, c] = corners.map(|p| p.xy());
         let (ab, ac) = (b - a, c - a);
@@ -102,7 +103,7 @@ impl Canvas {
         }
     }
 
-    /// The outline of a rectangle.
+    /// Draws the outline of a rectangle.
     pub(super) fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], color: Color) {
         let at = |x: f64, y: f64| {
             Point2::new(corner[0] + x * size[0], corner[1] + y * size[1]).map(|x| x.round() + 0.5)
@@ -118,7 +119,7 @@ impl Canvas {
         (text.chars().count() * (font::SIZE[0] + 1) * LETTER_SCALE) as f64
     }
 
-    /// Text with its upper left corner at `corner`.
+    /// Draws text with its upper left corner at `corner`.
     pub(super) fn text(&mut self, corner: [f64; 2], text: &str, color: Color) {
         let [left, top] = corner.map(|x| clamped(x.round(), 1 << 14));
         for (i, letter) in text.chars().enumerate() {
@@ -178,7 +179,7 @@ fn byte(x: f32) -> u8 {
     (255.0 * x).round().clamp(0.0, 255.0) as u8
 }
 
-/// `x` as an index in `0..=limit`.
+/// `x` rounded to an index in `0..=limit`.
 #[expect(clippy::cast_possible_truncation, reason = "clamped to an index before")]
 fn clamped(x: f64, limit: usize) -> usize {
     x.clamp(0.0, limit as f64) as usize

@@ -3,7 +3,7 @@
 /// Width and height of a letter, pixels.
 pub(super) const SIZE: [usize; 2] = [5, 7];
 
-/// The rows of `letter` from the top, the leftmost pixel in bit 4; blank if it is not known.
+/// The rows of `letter` from the top, the leftmost pixel in bit 4; blank for an unknown letter.
 pub(super) fn rows(letter: char) -> [u8; 7] {
     match letter {
         '0' => [0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e],

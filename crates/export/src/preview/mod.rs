@@ -15,21 +15,22 @@ use rapunzel_collision::field::Soup;
 use std::io::Write;
 use view::View;
 
-/// Most frames on a sheet.
+/// Largest number of frames on a sheet.
 const CELLS: usize = 12;
-/// The sheet is no larger than this, pixels.
+/// Largest width and height of the sheet, pixels.
 const SHEET: [f64; 2] = [1600.0, 1000.0];
-/// Room around each picture and above it for its time, pixels.
+/// Margin around each picture, pixels.
 const MARGIN: f64 = 14.0;
+/// Height of the caption with the time above each picture, pixels.
 const CAPTION: f64 = 22.0;
-/// Thinnest line, pixels: thinner fibres would break up.
+/// Width of the thinnest line, pixels: thinner fibres would break up.
 const THINNEST: f64 = 1.3;
-/// Thinnest line where fibres are few and need not leave room for each other, pixels.
+/// Width of the thinnest line where fibres are few and need not leave room for each other, pixels.
 const THINNEST_OF_FEW: f64 = 2.2;
 const FEW: usize = 10;
-/// How far a mark reaches beyond the fibre that it is on, pixels.
+/// Length by which a mark extends beyond the fibre that it is on, pixels.
 const MARK: f64 = 3.0;
-/// The same where fibres are few.
+/// Length by which a mark extends beyond the fibre that it is on where fibres are few, pixels.
 const MARK_OF_FEW: f64 = 6.0;
 
 const PAPER: Color = [0.965, 0.96, 0.95];
@@ -38,7 +39,7 @@ const FRAME: Color = [0.84, 0.83, 0.81];
 const FIBER: Color = [0.33, 0.19, 0.10];
 const GLOSS: Color = [0.75, 0.58, 0.38];
 const SURFACE: Color = [0.66, 0.71, 0.76];
-/// What a sheet shows of a frame.
+/// The data of a frame that a sheet shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreviewFrame {
     /// Simulated time, s.
@@ -47,18 +48,20 @@ pub struct PreviewFrame {
     supports: Vec<Support>,
 }
 
-/// What holds a point of a strand.
+/// A support of a point of a strand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Support {
-    /// Number of the strand in the frame.
+    /// Index of the strand in the frame.
     pub strand: usize,
-    /// Number of the point in the strand.
+    /// Index of the point in the strand.
     pub point: usize,
-    /// Whether the strand cannot turn there: a clamp is a bar across it, a joint a ring.
+    /// Whether the strand cannot rotate there: a clamp is drawn as a bar across it, a joint as a
+    /// ring.
     pub clamped: bool,
 }
 
-/// A fibre: its points (world) and the radii there, m, to a small part of a pixel.
+/// A fibre in single precision: its points (world) and the radii there, m, to a small fraction of a
+/// pixel.
 #[derive(Debug, Clone, PartialEq)]
 struct Line {
     points: Vec<Point3<f32>>,
@@ -72,10 +75,11 @@ impl Line {
 }
 
 impl PreviewFrame {
-    /// The picture of a frame and of what holds its strands: a tenth of its bytes.
+    /// Keeps what a sheet shows of a frame and of the supports of its strands: a tenth of its
+    /// bytes.
     ///
     /// # Errors
-    /// Refuses unsound frames, and supports of points that are not there.
+    /// Refuses invalid frames, and supports of points that do not exist.
     pub fn new(frame: Frame, supports: Vec<Support>) -> Result<Self, ExportError> {
         frame.validate()?;
         let there = |support: &Support| {
@@ -99,14 +103,17 @@ impl PreviewFrame {
 ///
 /// All pictures share one orthographic view, from the side that shows the most of the box around
 /// all frames and objects, and one scale, which the bar at the bottom gives for lengths across the
-/// view: nothing is cut off. Near fibres are dark, far ones fade; a gloss shows how they lie, and
-/// marks what holds them. Behind and between the fibres are `objects`: those of each frame, or of
-/// all alike, or none. `winds`, velocities of the air (world), m/s, one for each frame or none, are
-/// shown by a wind rose each. Cost: linear in the pixels that fibres and objects cover.
+/// view: nothing is cut off. Near fibres are dark, far ones fade; a highlight shows their
+/// direction,
+/// and marks show their supports. Behind and between the fibres are `objects`: one list for each
+/// frame, or one for all frames, or none. `winds`, velocities of the air (world), m/s, one for each
+/// frame or none, are shown by a wind rose each. Cost: linear in the pixels that fibres and objects
+/// cover.
 ///
 /// # Errors
-/// Refuses no frames, frames without strands, unsound surfaces, objects that are neither for one
-/// frame nor for all, and winds that are not as many or not finite; fails if `out` does.
+/// Refuses an empty list of frames, frames without strands, invalid surfaces, objects that are
+/// neither for one frame nor for all, and winds that are not as many as frames or not finite; fails
+/// if `out` does.
 pub fn write(
     out: &mut impl Write,
     frames: &[PreviewFrame],
@@ -158,11 +165,11 @@ pub fn write(
     canvas.write(out)
 }
 
-/// Where the pictures are.
+/// Positions of the pictures on the sheet.
 struct SheetGrid {
     columns: usize,
     rows: usize,
-    /// Pixels per metre.
+    /// Scale of the pictures, pixels per metre.
     scale: f64,
     /// Size of a picture, pixels.
     picture: [f64; 2],
@@ -186,7 +193,7 @@ impl SheetGrid {
         [self.picture[0] + MARGIN, self.picture[1] + MARGIN + CAPTION]
     }
 
-    /// Where a point is in the picture with the given corner, pixels, and how far away, m.
+    /// Position of a point in the picture with the given corner, pixels, and its distance, m.
     fn place(&self, p: &Point3<f64>, view: &View, corner: [f64; 2]) -> Point3<f64> {
         let [x, y] = view.project(p);
         Point3::new(corner[0] + self.scale * x, corner[1] + self.scale * y, view.distance(p))
@@ -204,7 +211,7 @@ impl SheetGrid {
         [MARGIN + self.columns as f64 * across, MARGIN + CAPTION + self.rows as f64 * down]
     }
 
-    /// A bar of 1, 2 or 5 times a power of ten, about a third of a picture long.
+    /// Draws a bar of 1, 2 or 5 times a power of ten, about a third of a picture long.
     fn scale_bar(&self, canvas: &mut Canvas) {
         let target = self.picture[0] / self.scale / 3.0;
         let decade = 10f64.powf(target.log10().floor());
@@ -250,7 +257,7 @@ fn draw(
     }
 }
 
-/// Marks what holds the fibres of `frame`, in front of everything.
+/// Draws marks at the supports of the fibres of `frame`, in front of everything.
 fn mark(
     canvas: &mut Canvas,
     frame: &PreviewFrame,
@@ -277,7 +284,7 @@ fn mark(
     }
 }
 
-/// Draws a surface, bright where it faces between light and eye; without haze, which would show its
+/// Draws a surface, shaded by its angle to light and eye; without haze, which would show its
 /// triangles.
 fn draw_surface(
     canvas: &mut Canvas,

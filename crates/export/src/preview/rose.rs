@@ -3,14 +3,14 @@ use super::view::View;
 use nalgebra::{Point2, Rotation2, Vector3};
 use std::f64::consts::PI;
 
-/// Radius of the ring, pixels.
+/// Radius of the ring of the wind rose, pixels.
 const RADIUS: f64 = 15.0;
-/// Room right and below of the caption with the speed, pixels.
+/// Margin to the right of and below the caption with the speed, pixels.
 const ROOM: f64 = 4.0;
 
-/// Draws a wind rose into the upper right corner of a picture: in a ring, an arrow the way the wind
-/// blows as the view shows it, as long as its part across the view by the strongest speed, and
-/// below its speed.
+/// Draws a wind rose into the upper right corner of a picture: a ring, in it an arrow along the
+/// wind as the view shows it, whose length is the wind's part across the view over the strongest
+/// speed, and below it the speed.
 pub(super) fn draw(
     canvas: &mut Canvas,
     corner: [f64; 2],

@@ -9,18 +9,18 @@ pub(super) struct View {
     away: Vector3<f64>,
     /// Distance along `away` over which fibres fade, m.
     depth: f64,
-    /// Width and height, m; neither zero nor much smaller than the other.
+    /// Width and height of the view, m; neither zero nor much smaller than the other.
     pub(super) size: [f64; 2],
     /// Unit vector half-way between the directions to the eye and to the light.
     pub(super) half_way: Vector3<f64>,
 }
 
-/// Turn of the eye about the vertical, and then its rise over what it looks at, degrees.
+/// Rotation of the eye about the vertical, degrees.
 const TURN: f64 = 25.0;
 const RISE: f64 = 15.0;
-/// The least rise over surfaces, degrees: hills would hide what lies on them.
+/// Least elevation of the eye over surfaces, degrees: hills would hide what lies on them.
 const RISE_OVER_SURFACES: f64 = 30.0;
-/// Scenes with less depth than this part of their width are looked at squarely.
+/// Ratio of depth to width below which a scene is viewed squarely.
 const FLAT: f64 = 0.25;
 
 impl View {
@@ -74,22 +74,23 @@ impl View {
         Some(Self { origin, right, down, away, depth, size, half_way })
     }
 
-    /// Position in the picture, m from its upper left corner: right, down.
+    /// Position of a point in the picture, m from its upper left corner: right, down.
     pub(super) fn project(&self, p: &Point3<f64>) -> [f64; 2] {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
-    /// The part of a vector across the view: right, down.
+    /// Components of a vector across the view: right, down.
     pub(super) fn across(&self, v: &Vector3<f64>) -> Vector2<f64> {
         Vector2::new(self.right.dot(v), self.down.dot(v))
     }
 
-    /// Distance behind the near side of the box, m.
+    /// Distance of a point behind the near side of the box, m.
     pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
         self.away.dot(&p.coords) - self.origin.z
     }
 
-    /// 0 at the near side of the box, up to 1 at the far side of a deep one.
+    /// Relative depth of a point: 0 at the near side of the box, up to 1 at the far side of a deep
+    /// one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
         (self.distance(p) / self.depth).clamp(0.0, 1.0)
     }

@@ -1,5 +1,5 @@
-//! Surfaces of objects as VTK poly data: the triangles of all, for ParaView. Vertices are in the
-//! world, where the objects are at that time; their poses stand beside them.
+//! Surfaces of objects as VTK poly data for ParaView: the triangles of all objects, with vertices
+//! in the world at the time of the file, and the poses of the objects.
 
 mod vtp;
 
@@ -9,16 +9,16 @@ use super::ExportError;
 use nalgebra::Isometry3;
 use rapunzel_collision::field::Soup;
 
-/// An object where it is.
+/// An object with its pose and its surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// From its own frame to the world, m.
+    /// Pose of the object, from its own frame to the world, m.
     pub pose: Isometry3<f64>,
-    /// Its surface in the world, m.
+    /// Surface of the object in the world, m.
     pub surface: Soup,
 }
 
-/// Refuses vertices that are not finite, and corners that are no vertices.
+/// Refuses vertices that are not finite, and corners that refer to no vertex.
 pub(super) fn check(surface: &Soup) -> Result<(), ExportError> {
     let count = surface.vertices.len();
     let what = if !surface.vertices.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) {

@@ -9,13 +9,13 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use rapunzel_collision::field::Soup;
 use std::io::{BufRead, Write};
 
-/// Numbers of a pose: its translation, and its rotation as the quaternion `i j k w`.
+/// Number of scalars of a pose: its translation, and its rotation as the quaternion `i j k w`.
 const POSE: usize = 7;
 
 /// Writes all objects at a time, s: their triangles, with the number of the object as cell data
-/// `object`; as field data the `Pose` of each, seven numbers: where the origin of its own frame is,
-/// and the quaternion `i j k w` that turns it; and the `Counts` of its vertices and triangles. Raw
-/// binary, double precision; about 100 bytes per vertex.
+/// `object`; as field data the `Pose` of each, seven numbers: the position of the origin of its own
+/// frame, and the quaternion `i j k w` of its rotation; and the `Counts` of its vertices and
+/// triangles. Raw binary, double precision; about 100 bytes per vertex.
 ///
 /// # Errors
 /// Refuses surfaces that are not finite; fails if `out` does.
@@ -81,7 +81,7 @@ _"#
     Ok(())
 }
 
-/// Reads what [`write()`] wrote.
+/// Reads a file that [`write()`] wrote.
 ///
 /// # Errors
 /// [`ExportError::Malformed`] or [`ExportError::Io`] for anything else, also where it is cut short.
@@ -125,10 +125,10 @@ pub fn read(input: &mut impl BufRead) -> Result<Vec<Placed>, ExportError> {
     Ok(objects)
 }
 
-/// Reads the poses alone.
+/// Reads only the poses of the objects in a file that [`write()`] wrote.
 ///
 /// # Errors
-/// As [`read()`].
+/// [`ExportError::Malformed`] or [`ExportError::Io`], as [`read()`].
 pub fn read_poses(input: &mut impl BufRead) -> Result<Vec<Isometry3<f64>>, ExportError> {
     let header = header(input)?;
     let count = number(field(&header, "Name=\"Pose\"", "NumberOfTuples=\"", "\"")?)?;

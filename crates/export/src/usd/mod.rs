@@ -19,10 +19,10 @@ pub use strands::{Clips, Prim, PrimShape, Strands};
 use super::ExportError;
 use std::io::Write;
 
-/// The prim under which everything is.
+/// Name of the prim that contains all others.
 const ROOT: &str = "Scene";
 
-/// When the frames of a series stand.
+/// Times of the frames of a series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timeline {
     /// Number of frames, at least one.
@@ -33,12 +33,12 @@ pub struct Timeline {
     pub end: f64,
 }
 
-/// What the last frame may be beside a whole time code and still be on it: a time that is a sum of
-/// steps has their roundings.
+/// Largest distance of the last frame from a whole time code at which it counts as being on it: its
+/// time is a sum of steps with rounding errors.
 const ROUNDING: f64 = 1e-6;
 
 impl Timeline {
-    /// The time code of a frame.
+    /// Time code of a frame.
     fn code(&self, frame: usize) -> f64 {
         if frame + 1 < self.frames {
             return frame as f64;
@@ -47,12 +47,12 @@ impl Timeline {
         if (code - code.round()).abs() < ROUNDING { code.round() } else { code }
     }
 
-    /// The time code of the last frame.
+    /// Time code of the last frame.
     fn last(&self) -> f64 {
         self.code(self.frames.saturating_sub(1))
     }
 
-    /// Begins a layer; `more` are lines of its metadata.
+    /// Writes the beginning of a layer; `more` are lines of its metadata.
     fn begin(&self, out: &mut impl Write, more: &str) -> Result<(), ExportError> {
         let Self { rate, .. } = self;
         let end = self.last();
@@ -74,7 +74,7 @@ impl Timeline {
     }
 }
 
-/// Writes the root of a stage over the files of its layers, as seen from its folder.
+/// Writes the root of a stage over the files of its layers, given relative to the root's folder.
 ///
 /// # Errors
 /// If `out` fails.
@@ -83,7 +83,7 @@ pub fn root(out: &mut impl Write, timeline: &Timeline, layers: &[&str]) -> Resul
     timeline.begin(out, &format!("    subLayers = [\n{}\n    ]\n", layers.join(",\n")))
 }
 
-/// Writes the material of a plain surface at `path`, the last part of which is `name`.
+/// Writes the material of a plain surface at `path`, whose last part is `name`.
 fn material(
     out: &mut impl Write,
     path: &str,
@@ -109,7 +109,7 @@ fn material(
     Ok(())
 }
 
-/// Begins a prim of a layer's scope, with its colour and material.
+/// Writes the beginning of a prim of a layer's scope, with its colour and material.
 fn begin_prim(
     out: &mut impl Write,
     kind: &str,

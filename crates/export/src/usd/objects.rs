@@ -8,13 +8,14 @@ use std::io::Write;
 /// Colour of objects: red, green and blue, linear.
 const COLOR: [f64; 3] = [0.4, 0.45, 0.5];
 
-/// Writes a layer of objects, a `Mesh` each in its own frame that is moved by its transform.
+/// Writes a layer of objects, each a `Mesh` in its own frame that is moved by its transform.
 ///
-/// `objects` are those of the first frame; `poses` has the poses of all in every frame, or only in
-/// the first where they rest.
+/// `objects` are the objects of the first frame; `poses` has the poses of all objects in every
+/// frame, or
+/// only in the first if they are at rest.
 ///
 /// # Errors
-/// [`ExportError::Empty`] without objects; [`ExportError::Series`] where poses are missing;
+/// [`ExportError::Empty`] without objects; [`ExportError::Series`] if poses are missing;
 /// [`ExportError::Single`] for vertices beyond single precision; fails if `out` does.
 pub fn write(
     out: &mut impl Write,
@@ -65,7 +66,7 @@ fn mesh(out: &mut impl Write, Placed { pose, surface }: &Placed) -> Result<(), E
     Ok(writeln!(out)?)
 }
 
-/// Writes how an object is moved: once where it rests.
+/// Writes the transform of an object: once if it is at rest.
 fn transform(
     out: &mut impl Write,
     timeline: &Timeline,
@@ -85,7 +86,7 @@ fn transform(
     Ok(writeln!(out, "            {order}")?)
 }
 
-/// Writes an attribute: one value where all are the same.
+/// Writes an attribute over the frames: one value if all are the same.
 fn values(
     out: &mut impl Write,
     timeline: &Timeline,

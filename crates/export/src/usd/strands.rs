@@ -7,68 +7,68 @@ use std::ops::Range;
 
 /// A layer of fibres or springs, made from the files of frames.
 ///
-/// They are opened as often as is needed and read array by array, so that of a frame of any size
-/// little is in memory.
+/// The files are opened as often as needed and read array by array, so that only a small part of a
+/// frame of any size is in memory.
 #[derive(Debug)]
 pub struct Strands<F> {
     timeline: Timeline,
     /// Name of the prim that holds all others.
     scope: &'static str,
     prims: Vec<Prim>,
-    /// Opens a frame by its number.
+    /// Function that opens a frame by its number.
     open: F,
-    /// Number of the first point of each strand, and of all points.
+    /// Index of the first point of each strand, and the number of all points.
     starts: Vec<usize>,
 }
 
-/// Strands that are shown as one.
+/// Strands that are shown as one prim.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prim {
-    /// Its name: letters, digits and `_`.
+    /// Name of the prim: letters, digits and `_`.
     pub name: String,
-    /// What it is.
+    /// Kind of the prim.
     pub shape: PrimShape,
-    /// Red, green and blue, linear, in `[0, 1]`.
+    /// Colour as red, green and blue, linear, in `[0, 1]`.
     pub color: [f64; 3],
 }
 
-/// What strands are shown as.
+/// Kinds of prims that strands are shown as.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PrimShape {
-    /// `BasisCurves`, straight between the points: what was simulated.
+    /// `BasisCurves`, straight between the points as they were simulated.
     Curves {
-        /// The strands.
+        /// Range of the strands.
         strands: Range<usize>,
-        /// Not to be rendered, but to be looked at.
+        /// Whether the curves are guides, shown in the viewport but not rendered.
         guide: bool,
     },
-    /// A `Mesh`.
+    /// A `Mesh` whose vertices are points of strands.
     Surface {
-        /// The strand and the number in it of the point that is a vertex.
+        /// The strand of each vertex, and the index of the point in it.
         vertices: Vec<[usize; 2]>,
         /// The vertices of each face, in order.
         faces: Vec<Vec<usize>>,
     },
 }
 
-/// The files of the value clips of a layer, as seen from its folder.
+/// Names of the files of the value clips of a layer, relative to its folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clips {
-    /// The one that says what the others hold.
+    /// Name of the manifest, which lists the attributes of the clips.
     pub manifest: String,
-    /// Each with its frames, which follow each other.
+    /// Name of each clip with its range of consecutive frames.
     pub files: Vec<(Range<usize>, String)>,
 }
 
-/// About how much text a point is in a frame: position and velocity, six numbers.
+/// Approximate number of bytes of text of a point in a frame: position and velocity, six numbers.
 const POINT: usize = 75;
 
 impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
-    /// The layer of `prims`; `open` opens a frame by its number, from 0.
+    /// Creates the layer of `prims`; `open` opens a frame by its number, from 0.
     ///
     /// # Errors
-    /// Those of opening and reading the first frame; [`ExportError::Empty`] without frames or
-    /// prims; [`ExportError::Series`] for prims of strands or points that are not there.
+    /// The errors of opening and reading the first frame; [`ExportError::Empty`] without frames or
+    /// prims; [`ExportError::Series`] for prims of strands or points that do not exist.
     pub fn new(
         timeline: Timeline,
         scope: &'static str,
@@ -101,8 +101,8 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(Self { timeline, scope, prims, open, starts })
     }
 
-    /// The frames of each value clip where a layer without them would have more than `most` bytes;
-    /// otherwise none.
+    /// Ranges of the frames of each value clip, if a layer without clips would have more than
+    /// `most` bytes; otherwise none.
     #[must_use]
     pub fn clips(&self, most: usize) -> Vec<Range<usize>> {
         let points = self.prims.iter().map(|prim| self.points(&prim.shape));
@@ -115,10 +115,10 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         firsts.map(|first| first..self.timeline.frames.min(first + each)).collect()
     }
 
-    /// Writes the layer, with samples of its own or with `clips`.
+    /// Writes the layer, with its own samples or with references to `clips`.
     ///
     /// # Errors
-    /// Those of frames that cannot be read, have other strands than the first, or hold numbers
+    /// The errors of frames that cannot be read, have other strands than the first, or hold numbers
     /// beyond single precision; fails if `out` does.
     pub fn write(&self, out: &mut impl Write, clips: Option<&Clips>) -> Result<(), ExportError> {
         let looks = format!("/{ROOT}/{}/Looks", self.scope);
@@ -143,7 +143,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(writeln!(out, "    }}\n}}")?)
     }
 
-    /// Writes the value clip of some frames.
+    /// Writes the value clip of a range of frames.
     ///
     /// # Errors
     /// As [`write`](Self::write).
@@ -179,7 +179,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(writeln!(out, "    }}\n}}")?)
     }
 
-    /// Everything down to the prims.
+    /// Writes the beginning of the layer, down to the prims.
     fn begin(
         &self,
         out: &mut impl Write,
@@ -213,7 +213,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(writeln!(out, "\n    {{")?)
     }
 
-    /// Writes what does not change.
+    /// Writes the attributes of a shape that are constant in time.
     fn still(&self, out: &mut impl Write, shape: &PrimShape) -> Result<(), ExportError> {
         match shape {
             PrimShape::Curves { strands, guide } => {
@@ -248,7 +248,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         }
     }
 
-    /// Writes the diameters of strands, one where all are the same.
+    /// Writes the diameters of strands, one value if all are the same.
     fn widths(&self, out: &mut impl Write, strands: &Range<usize>) -> Result<(), ExportError> {
         let points = self.starts[strands.start]..self.starts[strands.end];
         let mut first = self.frame(0)?;
@@ -266,7 +266,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(())
     }
 
-    /// Writes what changes, for a range of frames.
+    /// Writes the attributes of a shape that change in time, for a range of frames.
     fn samples(
         &self,
         out: &mut impl Write,
@@ -304,7 +304,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         Ok(writeln!(out, "            }}")?)
     }
 
-    /// Writes a vector for each point of a shape in a frame, and shows it to `see`.
+    /// Writes a vector for each point of a shape in a frame, and passes it to `see`.
     fn sample(
         &self,
         out: &mut impl Write,
@@ -358,7 +358,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         }
     }
 
-    /// Opens a frame and makes sure that it is the one, with the points of the first.
+    /// Opens a frame and checks that it is the requested one, with the points of the first.
     fn frame(&self, frame: usize) -> Result<Arrays<R>, ExportError> {
         let arrays = Arrays::open((self.open)(frame)?)?;
         if arrays.index() != frame {
@@ -371,7 +371,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     }
 }
 
-/// What changes with time.
+/// Types and names of the attributes that change in time.
 const ATTRIBUTES: [&str; 3] = ["point3f[] points", "vector3f[] velocities", "float3[] extent"];
 
 #[derive(Clone, Copy)]

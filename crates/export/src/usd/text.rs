@@ -1,9 +1,9 @@
-//! Numbers and lists as text, without a String for each.
+//! Writers of numbers and lists as text, without a `String` for each.
 
 use crate::ExportError;
 use std::io::Write;
 
-/// `[a, b, c]`, each item written by `write`.
+/// Writes `[a, b, c]`, each item by `write`.
 pub(super) fn list<W: Write, T>(
     out: &mut W,
     items: impl IntoIterator<Item = T>,
@@ -20,7 +20,7 @@ pub(super) fn list<W: Write, T>(
     Ok(())
 }
 
-/// A list of integers.
+/// Writes a list of integers.
 pub(super) fn integers<W: Write>(
     out: &mut W,
     what: &'static str,
@@ -35,7 +35,7 @@ pub(super) fn integers<W: Write>(
     })
 }
 
-/// Three numbers.
+/// Writes three numbers in single precision.
 pub(super) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), ExportError> {
     for (open, x) in [b"(", b",", b","].into_iter().zip(vector) {
         out.write_all(open)?;
@@ -45,7 +45,7 @@ pub(super) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), Expor
     Ok(())
 }
 
-/// A number in single precision, with the fewest digits that read back the same.
+/// Writes a number in single precision, with the fewest digits that read back the same.
 pub(super) fn single(out: &mut impl Write, value: f64) -> Result<(), ExportError> {
     #[expect(clippy::cast_possible_truncation, reason = "the schemas are in single precision")]
     let narrow = value as f32;

@@ -3,12 +3,12 @@ use crate::ExportError;
 use std::io::{BufRead, Seek, SeekFrom};
 use std::ops::Range;
 
-/// A frame that [`write()`](super::write()) wrote, read array by array: of a large one no more than
-/// what is asked for is read, and no more than a buffer is in memory.
+/// A frame that [`write()`](super::write()) wrote, read array by array: only the requested arrays
+/// are read, with no more than a buffer in memory.
 #[derive(Debug)]
 pub struct Arrays<R> {
     input: R,
-    /// Where the appended data begin.
+    /// Byte offset of the appended data.
     start: u64,
     index: usize,
     points: usize,
@@ -19,7 +19,7 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// [`ExportError::Malformed`] or [`ExportError::Io`], as those of all methods.
+    /// [`ExportError::Malformed`] or [`ExportError::Io`], as for all methods.
     pub fn open(mut input: R) -> Result<Self, ExportError> {
         let header = header(&mut input)?;
         let start = input.stream_position()?;
@@ -48,7 +48,8 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// Number of points of each strand.
     ///
     /// # Errors
-    /// Also where the strands are not one behind the other.
+    /// [`ExportError::Malformed`], also where the strands do not follow each other, or
+    /// [`ExportError::Io`].
     pub fn counts(&mut self) -> Result<Vec<usize>, ExportError> {
         // After the positions and eight arrays of 20 numbers a point comes the connectivity.
         let before = ArrayBlock { arrays: 10, parts: 24 };
@@ -66,23 +67,23 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// Positions (world, m) of a range of points, strand by strand.
     ///
     /// # Errors
-    /// As those of the items.
+    /// [`ExportError::Malformed`] or [`ExportError::Io`], also of the items.
     pub fn positions(&mut self, range: Range<usize>) -> Result<impl VectorSource, ExportError> {
         self.vectors(ArrayBlock { arrays: 0, parts: 0 }, range)
     }
 
-    /// Velocities (world, m/s) of the same.
+    /// Velocities (world, m/s) of a range of points, strand by strand.
     ///
     /// # Errors
-    /// As those of the items.
+    /// [`ExportError::Malformed`] or [`ExportError::Io`], also of the items.
     pub fn velocities(&mut self, range: Range<usize>) -> Result<impl VectorSource, ExportError> {
         self.vectors(ArrayBlock { arrays: 2, parts: 4 }, range)
     }
 
-    /// Radii (m) of the same.
+    /// Radii (m) of a range of points, strand by strand.
     ///
     /// # Errors
-    /// As those of the items.
+    /// [`ExportError::Malformed`] or [`ExportError::Io`], also of the items.
     pub fn radii(
         &mut self,
         range: Range<usize>,
@@ -100,7 +101,7 @@ impl<R: BufRead + Seek> Arrays<R> {
         Ok(vectors.map(|vector| Ok(vector?.map(f64::from_le_bytes))))
     }
 
-    /// A range of an array of `count` times `N` numbers.
+    /// A reader of a range of an array of `count` times `N` numbers.
     fn block<const N: usize>(
         &mut self,
         ArrayBlock { arrays, parts }: ArrayBlock,
@@ -135,7 +136,8 @@ pub trait VectorSource: Iterator<Item = Result<[f64; 3], ExportError>> {}
 
 impl<I: Iterator<Item = Result<[f64; 3], ExportError>>> VectorSource for I {}
 
-/// Where an array is: behind so many others, which have so many numbers a point.
+/// Position of an array in the appended data: the number of arrays before it, and the count of
+/// their numbers per point.
 struct ArrayBlock {
     arrays: u64,
     parts: usize,

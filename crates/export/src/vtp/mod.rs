@@ -1,11 +1,11 @@
 //! VTK poly data: one poly line per fibre, raw binary, double precision.
 //!
-//! Point data: `radius`, `velocity`, `curvature`, and what lives on segments, which VTK has no
-//! place for, as the value of the segment that begins at the point: `d1`, `d2`, `d3`, `force` and
+//! Point data: `radius`, `velocity`, `curvature`, and the data of segments, which VTK has no place
+//! for, as the value of the segment that begins at the point: `d1`, `d2`, `d3`, `force` and
 //! `tension` (the last point of a fibre repeats its last segment). Cell data: `fiber`. Field data:
 //! `TimeValue`, s, and `FrameIndex`.
 //!
-//! [`read()`] reads what [`write()`] wrote, to the last bit; [`Arrays`] reads some of it.
+//! [`read()`] reads what [`write()`] wrote, to the last bit; [`Arrays`] reads single arrays.
 
 mod arrays;
 pub(super) mod read;
@@ -16,7 +16,7 @@ pub use read::read;
 pub use write::write;
 pub use write::write_strands;
 
-/// What follows the raw data; without it, a file is cut short.
+/// Text after the raw data; a file without it is cut short.
 pub(super) const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
 
 /// Names and components of the point data, in the order in which they are stored; positions come

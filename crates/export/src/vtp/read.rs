@@ -45,7 +45,7 @@ pub fn read(input: &mut impl BufRead) -> Result<Frame, ExportError> {
     Ok(frame)
 }
 
-/// Checks that nothing follows but the end of the file.
+/// Checks that only the end of the file follows.
 pub(crate) fn ended(input: &mut impl BufRead) -> Result<(), ExportError> {
     let mut end = Vec::new();
     input.take(END.len() as u64 + 1).read_to_end(&mut end)?;
@@ -73,7 +73,7 @@ pub(crate) fn header(input: &mut impl BufRead) -> Result<String, ExportError> {
     String::from_utf8(bytes).map_err(|_| ExportError::Malformed { what: "the header is no text" })
 }
 
-/// What stands between `open` and `close`, after the first `anchor`.
+/// The text between `open` and `close`, after the first `anchor`.
 pub(crate) fn field<'a>(
     header: &'a str,
     anchor: &str,
@@ -92,7 +92,7 @@ pub(crate) fn number<T: std::str::FromStr>(text: &str) -> Result<T, ExportError>
     text.parse().map_err(|_| ExportError::Malformed { what: "a number in the header" })
 }
 
-/// One array of `parts * count` numbers of eight bytes, after its size.
+/// Reads one array of `parts * count` numbers of eight bytes, after its size.
 pub(crate) fn block(
     input: &mut impl Read,
     parts: usize,

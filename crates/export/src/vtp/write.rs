@@ -3,13 +3,13 @@ use crate::{ExportError, Frame, Strand};
 use std::borrow::Borrow;
 use std::io::{Seek, SeekFrom, Write};
 
-/// Bytes of an array that wait to be written together.
+/// Number of bytes of an array that are buffered and written together.
 const WAITING: usize = 1 << 16;
 
 /// Writes `frame`. Cost: about 190 bytes per point.
 ///
 /// # Errors
-/// Refuses unsound frames, when some of it may be written; fails if `out` does.
+/// Refuses invalid frames, when some of the file may be written; fails if `out` does.
 pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportError> {
     let counts: Vec<usize> = frame.strands.iter().map(|strand| strand.points.len()).collect();
     write_strands(out, (frame.index, frame.time), &counts, frame.strands.iter())
@@ -19,7 +19,7 @@ pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportE
 /// numbers of their points. Cost: about 190 bytes per point, and the memory of one strand.
 ///
 /// # Errors
-/// Refuses unsound frames, when some of it may be written; fails if `out` does.
+/// Refuses invalid frames, when some of the file may be written; fails if `out` does.
 pub fn write_strands<S: Borrow<Strand>>(
     out: &mut (impl Write + Seek),
     (index, time): (usize, f64),
@@ -65,15 +65,15 @@ pub fn write_strands<S: Borrow<Strand>>(
     Ok(())
 }
 
-/// An array that is being written.
+/// An array that is being written, with its buffer.
 struct DataArray {
-    /// Where what waits belongs.
+    /// Byte offset of the buffered bytes in the file.
     at: u64,
     waiting: Vec<u8>,
 }
 
 impl DataArray {
-    /// Writes what waits.
+    /// Writes the buffered bytes.
     fn write(&mut self, out: &mut (impl Write + Seek)) -> Result<(), ExportError> {
         out.seek(SeekFrom::Start(self.at))?;
         out.write_all(&self.waiting)?;
