@@ -4,10 +4,9 @@ use std::fmt::Debug;
 /// The constitutive law of a cross section: the moment caused by a history of strains.
 ///
 /// The strain is `kappa - kappa0`, 1/m, the moment is in N m, both in the material frame. The
-/// memory
-/// of a law is a number of vectors for each section, which the caller stores, zero in the natural
-/// state. An implicit scheme evaluates responses at trial strains and commits the strain that it
-/// takes.
+/// memory of a law is a number of vectors for each section, which the caller stores, zero in the
+/// natural state. An implicit scheme evaluates responses at trial strains and commits the strain
+/// that it takes.
 ///
 /// A passive law returns no work that was not done on it: the moment at the end of a step times
 /// the rise of the strain is at least the rise of the stored energy.

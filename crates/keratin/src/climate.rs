@@ -1,4 +1,4 @@
-//! Humidity and temperature, and where a value stands between measured and guessed.
+//! Humidity and temperature of the air, and the standing of a value between measured and guessed.
 
 use crate::KeratinError;
 use crate::tables::Source;
@@ -10,14 +10,15 @@ use serde::{Deserialize, Serialize};
 pub struct Humidity(f64);
 
 impl Humidity {
-    /// No water at all.
+    /// Relative humidity 0: no water at all.
     pub const DRY: Self = Self(0.0);
-    /// Saturated air, or immersed.
+    /// Relative humidity 1: saturated air, or immersed hair.
     pub const SATURATED: Self = Self(1.0);
-    /// The 65 % at which the thesis's tables 2.9 and 2.10 hold, and diameters are taken to.
+    /// Relative humidity 0.65, at which the thesis's tables 2.9 and 2.10 hold; diameters are
+    /// assumed to hold there too.
     pub const STANDARD: Self = Self(0.65);
 
-    /// A relative humidity.
+    /// Creates a relative humidity from a fraction.
     ///
     /// # Errors
     /// [`KeratinError::Humidity`] outside `[0, 1]`.
@@ -29,7 +30,7 @@ impl Humidity {
         }
     }
 
-    /// The fraction.
+    /// Relative humidity as a fraction.
     #[must_use]
     pub fn fraction(self) -> f64 {
         self.0
@@ -58,13 +59,13 @@ pub struct Temperature(f64);
 impl Temperature {
     /// 23 C, at which most of the tables hold.
     pub const ROOM: Self = Self(23.0);
-    /// 0 C in kelvin.
+    /// Temperature 0 C in kelvin.
     const ZERO: f64 = 273.15;
 
-    /// A temperature in degrees Celsius.
+    /// Creates a temperature from degrees Celsius.
     ///
     /// # Errors
-    /// [`KeratinError::Temperature`] at absolute zero, below it, and for what is not finite.
+    /// [`KeratinError::Temperature`] at or below absolute zero, and for a value that is not finite.
     pub fn new(celsius: f64) -> Result<Self, KeratinError> {
         if celsius > -Self::ZERO && celsius.is_finite() {
             Ok(Self(celsius))
@@ -73,13 +74,13 @@ impl Temperature {
         }
     }
 
-    /// In degrees Celsius.
+    /// Temperature in degrees Celsius.
     #[must_use]
     pub fn celsius(self) -> f64 {
         self.0
     }
 
-    /// In kelvin.
+    /// Temperature in kelvin.
     #[must_use]
     pub fn kelvin(self) -> f64 {
         self.0 + Self::ZERO
@@ -100,47 +101,47 @@ impl From<Temperature> for f64 {
     }
 }
 
-/// From which side hair came to the humidity that it has.
+/// Sorption branch: the direction from which hair came to its present humidity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum SorptionBranch {
-    /// From drier air.
+    /// From drier air, taking up water.
     #[default]
     Absorption,
-    /// From more humid air: it holds a little more water.
+    /// From more humid air, giving off water: hair holds a little more water on this branch.
     Desorption,
 }
 
-/// The air around hair that has come to equilibrium with it.
+/// State of the air around hair that is in equilibrium with it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Climate {
-    /// Relative humidity.
+    /// Relative humidity of the air.
     pub humidity: Humidity,
-    /// Temperature.
+    /// Temperature of the air.
     pub temperature: Temperature,
-    /// From which side it was reached.
+    /// Sorption branch on which the humidity was reached.
     #[serde(default)]
     pub branch: SorptionBranch,
 }
 
 impl Climate {
-    /// 65 % at 23 C.
+    /// Air of 65 % humidity and 23 C.
     pub const STANDARD: Self = Self {
         humidity: Humidity::STANDARD,
         temperature: Temperature::ROOM,
         branch: SorptionBranch::Absorption,
     };
-    /// In water of 23 C.
+    /// Water of 23 C.
     pub const WET: Self = Self {
         humidity: Humidity::SATURATED,
         temperature: Temperature::ROOM,
         branch: SorptionBranch::Absorption,
     };
 
-    /// A humidity (fraction) and a temperature (C), reached from drier air.
+    /// Creates a climate from a humidity (fraction) and a temperature (C), reached from drier air.
     ///
     /// # Errors
-    /// Those of [`Humidity::new`] and [`Temperature::new`].
+    /// The errors of [`Humidity::new`] and [`Temperature::new`].
     pub fn new(humidity: f64, celsius: f64) -> Result<Self, KeratinError> {
         Ok(Self {
             humidity: Humidity::new(humidity)?,
@@ -150,18 +151,19 @@ impl Climate {
     }
 }
 
-/// What to do where nobody measured.
+/// Treatment of values outside the measured range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Outside {
-    /// Refuse, with the range that is measured.
+    /// Refuse, with an error that names the measured range.
     #[default]
     Refuse,
-    /// Continue the nearest curve, and mark the value as [`Standing::Extrapolated`].
+    /// Extrapolate the nearest curve, and mark the value as [`Standing::Extrapolated`].
     Mark,
 }
 
 impl Outside {
-    /// The standing of a value of `quantity` at `value`, measured for `of` in `range`.
+    /// Standing of a value of `quantity` at the point `value`, where `of` has been measured in
+    /// `range`.
     pub(crate) fn judge(
         self,
         quantity: &'static str,
@@ -180,32 +182,33 @@ impl Outside {
     }
 }
 
-/// How far a value is from a measurement; the later, the farther.
+/// Reliability of a value: the later the variant, the farther from a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Standing {
-    /// As measured, in these conditions.
+    /// Measured in these conditions.
     Measured,
-    /// Between measurements.
+    /// Interpolated between measurements.
     Interpolated,
-    /// By a curve, a material or a reading that the documentation names as assumed.
+    /// Based on a curve, a material or a reading of the thesis that the documentation names as
+    /// assumed.
     Assumed,
-    /// Outside of the conditions of all measurements.
+    /// Extrapolated beyond the conditions of all measurements.
     Extrapolated,
 }
 
-/// A value, how far it is to be trusted, and where it comes from.
+/// A value with its reliability and its sources.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredValue {
-    /// The value, SI.
+    /// The value, in SI units.
     pub value: f64,
-    /// How far it is from a measurement.
+    /// Reliability of the value.
     pub standing: Standing,
-    /// The numbers of the thesis that it is made of.
+    /// Numbers of the thesis from which the value is computed.
     pub sources: Vec<Source>,
 }
 
 impl MeasuredValue {
-    /// A value from one number.
+    /// A value from one number and its sources.
     pub(crate) fn new(value: f64, standing: Standing, sources: &[Source]) -> Self {
         Self { value, standing, sources: sources.to_vec() }
     }

@@ -1,20 +1,20 @@
 use rapunzel_fiber::FiberError;
 use thiserror::Error;
 
-/// What can be wrong with a question about keratin.
+/// Errors of properties of keratin.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum KeratinError {
-    /// A relative humidity that is none.
+    /// A relative humidity outside `[0, 1]`.
     #[error("the relative humidity is {0}, but must lie in [0, 1]; give a fraction, not per cent")]
     Humidity(f64),
-    /// A temperature that is none.
+    /// A temperature at or below absolute zero, or not finite.
     #[error("the temperature is {0} C, but must be finite and above -273.15 C")]
     Temperature(f64),
     /// A quantity that must be positive and finite is not.
     #[error("{quantity} is {value}, but must be positive and finite; give it in SI units")]
     NotPositive {
-        /// Which quantity, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
@@ -22,15 +22,15 @@ pub enum KeratinError {
     /// A quantity that must be finite and at least zero is not.
     #[error("{quantity} is {value}, but must be finite and not negative")]
     Negative {
-        /// Which quantity, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
     },
-    /// A part of something that is none.
+    /// A fraction outside `[0, 1]`.
     #[error("{quantity} is {value}, but must lie in [0, 1]")]
     Part {
-        /// Which quantity.
+        /// Name of the quantity.
         quantity: &'static str,
         /// The value that was given.
         value: f64,
@@ -38,47 +38,47 @@ pub enum KeratinError {
     /// A name that no type, treatment or product has.
     #[error("there is no {what} \"{name}\"; did you mean {}?", nearest.join(" or "))]
     Unknown {
-        /// What was asked for.
+        /// Kind of name that was looked up.
         what: &'static str,
-        /// The name that was given.
+        /// The unknown name.
         name: String,
-        /// The names nearest to it.
+        /// The known names nearest to it.
         nearest: Vec<&'static str>,
     },
-    /// A value was asked for where nobody measured.
+    /// A value outside the measured range.
     #[error(
         "{quantity} is measured for {of} in [{}, {}], not at {value}; ask there, or allow \
          extrapolation (in the library: Outside::Mark)", range[0], range[1]
     )]
     Outside {
-        /// The quantity.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// What it depends on, with its unit.
+        /// Name of the variable it depends on, with its unit.
         of: &'static str,
-        /// Where it was asked for.
+        /// Value of the variable.
         value: f64,
-        /// Where it is measured.
+        /// Measured range of the variable.
         range: [f64; 2],
     },
-    /// The thesis has no value for this.
+    /// A quantity for which the thesis has no value.
     #[error("the thesis has no {quantity} of {of}; the tables list what there is")]
     NotMeasured {
-        /// The quantity.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// Of what.
+        /// Name of the material or condition without a value.
         of: String,
     },
     /// Too few readings for a protocol.
     #[error("{protocol} needs {needed} readings, but has {found}; record longer or more often")]
     Readings {
-        /// The protocol.
+        /// Name of the protocol.
         protocol: &'static str,
-        /// How many it needs at least.
+        /// Least number of readings that it needs.
         needed: usize,
-        /// How many there are.
+        /// Number of readings given.
         found: usize,
     },
-    /// The fibre that was described is none.
+    /// An invalid description of a fibre.
     #[error(transparent)]
     Fiber(#[from] FiberError),
 }
@@ -101,7 +101,7 @@ pub(crate) fn not_negative(quantity: &'static str, value: f64) -> Result<f64, Ke
     }
 }
 
-/// The value of this name, without regard to case, or an error with the nearest names.
+/// The value with the given name, without regard to case, or an error with the nearest names.
 pub(crate) fn named<T: Copy>(
     what: &'static str,
     name: &str,
@@ -120,7 +120,7 @@ pub(crate) fn named<T: Copy>(
     Err(KeratinError::Unknown { what, name: name.to_owned(), nearest })
 }
 
-/// How many letters must be changed, added or left out to make `a` of `b`.
+/// Edit distance: the least number of letters to change, add or leave out between `a` and `b`.
 fn distance(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.chars().count()).collect();
     for (i, x) in a.chars().enumerate() {

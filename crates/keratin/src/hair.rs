@@ -1,4 +1,4 @@
-//! A hair: its type or own diameters, its treatment, its section in a climate.
+//! Hair: type or given diameters, treatment, and section in a climate.
 
 use crate::climate::{Climate, Humidity, MeasuredValue, Outside, Standing};
 use crate::error::{named, not_negative, positive};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use std::sync::LazyLock;
 
-/// Micrometres in metres.
+/// One micrometre in metres.
 const MICRO: f64 = 1e-6;
 
 /// Declares a list of names that are read from text, with the nearest names when misspelt.
@@ -23,10 +23,10 @@ macro_rules! names {
         pub enum $name { $($(#[$doc])* $variant,)* }
 
         impl $name {
-            /// All of them.
+            /// All values, in the order of the tables.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
-            /// The name, as in the tables.
+            /// Name of the value, as in the tables.
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $text,)* }
@@ -62,27 +62,27 @@ names! {
     /// The types of hair of table 2.2. The first four are from one study, the others from another:
     /// do not compare across.
     HairType, "type of hair" {
-        /// Swift 1995.
+        /// West European hair (Swift 1995).
         WestEuropean = "West European",
-        /// Swift 1995.
+        /// Chinese hair (Swift 1995).
         Chinese = "Chinese",
-        /// Swift 1995.
+        /// Indian hair (Swift 1995).
         Indian = "Indian",
-        /// Swift 1995.
+        /// African hair (Swift 1995).
         African = "African",
-        /// Robbins 2002.
+        /// Caucasian hair (Robbins 2002).
         Caucasian = "Caucasian",
-        /// Robbins 2002.
+        /// Mongolian hair (Robbins 2002).
         Mongolian = "Mongolian",
-        /// Robbins 2002.
+        /// Ethiopian hair (Robbins 2002).
         Ethiopian = "Ethiopian",
     }
 }
 
 names! {
-    /// The treatments of table 2.10, and none, for which table 2.9 is taken.
+    /// The treatments of table 2.10, and none, for which table 2.9 holds.
     Treatment, "treatment" {
-        /// Not stated: table 2.9, G = 0.89 GPa.
+        /// No stated treatment: table 2.9, G = 0.89 GPa.
         None = "none",
         /// The untreated hair of table 2.10, G = 1.02 GPa: another study.
         Untreated = "untreated",
@@ -100,13 +100,13 @@ names! {
 }
 
 names! {
-    /// Which Young's modulus is at the base.
+    /// Classes of diameter with their own Young's modulus.
     Thickness, "class of diameter" {
-        /// Any: 3.89 GPa in tension, table 2.9.
+        /// Any diameter: 3.89 GPa in tension, table 2.9.
         Any = "any",
-        /// Below 70 um: the mean of table 2.6, 4.59 GPa at 45 % humidity.
+        /// Diameters below 70 um: the mean of table 2.6, 4.59 GPa at 45 % humidity.
         Thin = "thin",
-        /// Above 80 um: the mean of table 2.6, 2.20 GPa at 45 % humidity.
+        /// Diameters above 80 um: the mean of table 2.6, 2.20 GPa at 45 % humidity.
         Thick = "thick",
     }
 }
@@ -114,13 +114,13 @@ names! {
 names! {
     /// The kinds of hair of table 2.1.
     Growth, "kind of hair" {
-        /// Before birth.
+        /// Hair before birth.
         Lanugo = "lanugo",
-        /// At 1 to 12 years.
+        /// Hair at 1 to 12 years.
         Child = "child",
-        /// Beyond.
+        /// Hair of adults.
         Adult = "adult",
-        /// What a thinning scalp bears.
+        /// Hair of a thinning scalp.
         Vellus = "vellus",
     }
 }
@@ -136,11 +136,11 @@ names! {
 }
 
 impl Growth {
-    /// The kind of hair at an age in years, by table 2.1: which of the two that adults have,
-    /// thinning decides and not age.
+    /// The kind of hair at an age in years, by table 2.1. Of the two kinds of adults it is `Adult`,
+    /// since `Vellus` depends on thinning and not on age.
     ///
     /// # Errors
-    /// [`KeratinError::Negative`] for an age that is.
+    /// [`KeratinError::Negative`] for a negative age.
     pub fn at_age(years: f64) -> Result<Self, KeratinError> {
         let years = not_negative("age (a)", years)?;
         Ok(if years < 1.0 {
@@ -152,7 +152,7 @@ impl Growth {
         })
     }
 
-    /// Greatest mean length (m) and diameter (m), table 2.1.
+    /// Largest mean length (m) and diameter (m) of the kind, table 2.1.
     #[must_use]
     pub fn size(self) -> [MeasuredValue; 2] {
         let table = &tables().growth;
@@ -166,7 +166,7 @@ impl Growth {
 /// Hairs per area of scalp, 1/m^2, table 2.4.
 ///
 /// # Errors
-/// [`KeratinError::Outside`] for an age that is not in 16 to 55 years, unless marked.
+/// [`KeratinError::Outside`] for an age outside 16 to 55 years, unless values are marked.
 pub fn follicle_density(
     sex: Sex,
     years: f64,
@@ -182,11 +182,11 @@ pub fn follicle_density(
 
 /// A hair of given type, class and treatment.
 ///
-/// All that depends on the climate is asked for with one: [`Hair::section`], [`Hair::density`]
-/// here, moduli in [`crate::moduli`].
+/// Everything that depends on the climate takes one: [`Hair::section`] and [`Hair::density`] here,
+/// moduli in [`crate::moduli`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hair {
-    /// Diameters at 65 % humidity, m.
+    /// Largest and smallest diameter at 65 % humidity, m.
     diameters: [f64; 2],
     kind: Option<HairType>,
     pub(crate) thickness: Thickness,
@@ -195,8 +195,8 @@ pub struct Hair {
 }
 
 impl Hair {
-    /// A hair of a type of table 2.2, untreated, of any thickness; values where nobody measured are
-    /// refused.
+    /// A hair of a type of table 2.2, untreated, of any thickness; values outside the measured
+    /// range are refused.
     #[must_use]
     pub fn of(kind: HairType) -> Self {
         let row = &tables().diameters.rows[kind as usize];
@@ -209,10 +209,10 @@ impl Hair {
         }
     }
 
-    /// A hair of own diameters, m, at 65 % humidity.
+    /// A hair with given diameters, m, at 65 % humidity.
     ///
     /// # Errors
-    /// [`KeratinError::NotPositive`] for a diameter that is not.
+    /// [`KeratinError::NotPositive`] for a diameter that is not positive and finite.
     pub fn with_diameters(largest: f64, smallest: f64) -> Result<Self, KeratinError> {
         let largest = positive("largest diameter (m)", largest)?;
         let smallest = positive("smallest diameter (m)", smallest)?;
@@ -220,26 +220,26 @@ impl Hair {
         Ok(Self { diameters, kind: None, ..Self::of(HairType::WestEuropean) })
     }
 
-    /// The same hair, treated.
+    /// Sets the treatment of the hair.
     #[must_use]
     pub fn treated(self, treatment: Treatment) -> Self {
         Self { treatment, ..self }
     }
 
-    /// The same hair with the modulus of a class of diameters.
+    /// Sets the class of diameter whose Young's modulus is used.
     #[must_use]
     pub fn of_thickness(self, thickness: Thickness) -> Self {
         Self { thickness, ..self }
     }
 
-    /// The same hair, of which values may, or may not, be asked for where nobody measured.
+    /// Sets whether values outside the measured range are refused or extrapolated.
     #[must_use]
     pub fn outside(self, outside: Outside) -> Self {
         Self { outside, ..self }
     }
 
-    /// Largest and smallest diameter, m. Those of table 2.2 are taken to hold at 65 % humidity,
-    /// which the thesis does not say; from there hair swells as [`water::swelling`] has it.
+    /// Largest and smallest diameter, m. Table 2.2 is taken to hold at 65 % humidity, which the
+    /// thesis does not say; at other humidities hair swells by [`water::swelling`].
     #[must_use]
     pub fn diameters(&self, climate: &Climate) -> [MeasuredValue; 2] {
         let standard = climate.humidity == Humidity::STANDARD;
@@ -256,21 +256,21 @@ impl Hair {
         })
     }
 
-    /// The cross section: an ellipse with its long axis along d1.
+    /// Cross section, m: an ellipse with its long axis along d1.
     #[must_use]
     pub fn section(&self, climate: &Climate) -> Section {
         let half = 0.5 * swelling_from_standard(climate)[0];
         Section::Ellipse { a: half * self.diameters[0], b: half * self.diameters[1] }
     }
 
-    /// By which factor the hair is longer than at 65 % humidity.
+    /// Length of the hair over its length at 65 % humidity.
     #[must_use]
     pub fn elongation(&self, climate: &Climate) -> f64 {
         swelling_from_standard(climate)[1]
     }
 
-    /// Mass density, kg/m^3: 1300 at 65 % humidity; elsewhere by the water that is taken up and the
-    /// volume that it fills.
+    /// Mass density, kg/m^3: 1300 at 65 % humidity; elsewhere computed from the mass of the water
+    /// taken up and the swollen volume.
     #[must_use]
     pub fn density(&self, climate: &Climate) -> MeasuredValue {
         let (at_standard, source) = number("density");
@@ -283,13 +283,13 @@ impl Hair {
         MeasuredValue { value: 1e3 * at_standard * mass / (wide * wide * long), standing, sources }
     }
 
-    /// Mass per length, kg/m, of the swollen hair with its water.
+    /// Mass per length of the swollen hair with its water, kg/m.
     #[must_use]
     pub fn linear_density(&self, climate: &Climate) -> f64 {
         self.density(climate).value * self.section(climate).area()
     }
 
-    /// Whether the diameters lie in the range that Vernall saw, lines 350 and 352.
+    /// Whether the diameters lie in the range that Vernall observed, lines 350 and 352.
     #[must_use]
     pub fn is_of_usual_size(&self) -> bool {
         let seen = ["major_diameter_observed_range", "minor_diameter_observed_range"];
@@ -300,7 +300,7 @@ impl Hair {
     }
 }
 
-/// By which factors hair is thicker and longer than at 65 % humidity.
+/// Thickness and length of hair over their values at 65 % humidity.
 fn swelling_from_standard(climate: &Climate) -> [f64; 2] {
     static STANDARD: LazyLock<[f64; 2]> = LazyLock::new(|| water::swelling(&Climate::STANDARD));
     let [wide, long] = water::swelling(climate);

@@ -1,4 +1,4 @@
-//! The moduli of a hair in a climate.
+//! Elastic moduli of a hair in a climate.
 //!
 //! Base values are those of table 2.9 (or 2.6, 2.10); ratios carry them to other climates, as the
 //! spread between studies exceeds the effect of humidity. The curves between are described in the
@@ -24,21 +24,24 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 const GIGA: f64 = 1e9;
-/// Rows of table 2.9.
+/// Row of the modulus in tension in table 2.9.
 const STRETCHING: usize = 0;
+/// Row of the modulus in bending in table 2.9.
 const BENDING: usize = 1;
+/// Row of the modulus in torsion in table 2.9.
 const TORSION: usize = 2;
 
-/// What the curves need, computed once.
+/// Parameters of the curves, computed once.
 struct Anchors {
     /// Regain at 60, 65 and 100 % humidity.
     regain: [f64; 3],
-    /// `d ln E / dR` below 60 %, of E and of G; positive.
+    /// `d ln E / dR` below 60 % humidity, of Young's modulus and of the shear modulus; positive.
     steepness: [f64; 2],
-    /// Logarithm of the factor of temperature at 20, 25, 40 and 90 C.
+    /// Pairs of temperature (20, 25, 40 and 90 C) and logarithm of the temperature factor.
     warmth: [[f64; 2]; 4],
-    /// Means of table 2.6, Pa.
+    /// Mean modulus of thin hairs in table 2.6, Pa.
     thin: f64,
+    /// Mean modulus of thick hairs in table 2.6, Pa.
     thick: f64,
 }
 
@@ -65,18 +68,18 @@ static ANCHORS: LazyLock<Anchors> = LazyLock::new(|| {
     }
 });
 
-/// A humidity that is a constant of this file.
+/// A humidity from a constant of this file.
 fn humidity(fraction: f64) -> Humidity {
     Humidity::new(fraction).unwrap_or(Humidity::STANDARD)
 }
 
-/// A modulus at 65 % humidity with what it becomes elsewhere.
+/// A modulus at 65 % humidity and its dependence on humidity.
 struct ModulusCurve {
     quantity: &'static str,
     at_standard: f64,
-    /// By what it falls from 65 % to 100 % humidity.
+    /// Ratio by which the modulus falls from 65 % to 100 % humidity.
     drop: f64,
-    /// Which steepness holds below 60 %, and what is to be thought of it.
+    /// Index of the steepness that holds below 60 % humidity, and the standing of values there.
     dry: (usize, Standing),
     sources: Vec<Source>,
 }
@@ -88,7 +91,7 @@ impl ModulusCurve {
         Self { quantity, at_standard: GIGA * modulus, drop: ratio_65_100, dry, sources }
     }
 
-    /// The factor of humidity at a regain, 1 at 65 %.
+    /// Humidity factor of the modulus at a regain, 1 at 65 % humidity.
     fn factor(&self, regain: f64) -> f64 {
         let Anchors { regain: [low, standard, wet], steepness, .. } = &*ANCHORS;
         if regain >= *wet {
@@ -125,7 +128,7 @@ impl ModulusCurve {
     }
 }
 
-/// The factor of temperature.
+/// Temperature factor of a modulus.
 fn warmth(
     hair: &Hair,
     climate: &Climate,
@@ -148,7 +151,7 @@ impl Hair {
     /// Young's modulus in tension, Pa.
     ///
     /// # Errors
-    /// [`KeratinError::Outside`] where nobody measured, unless the hair's values are marked.
+    /// [`KeratinError::Outside`] outside the measured range, unless the hair's values are marked.
     pub fn stretching_modulus(&self, climate: &Climate) -> Result<MeasuredValue, KeratinError> {
         let mut curve =
             ModulusCurve::of("Young's modulus in tension", STRETCHING, (0, Standing::Interpolated));
@@ -165,7 +168,7 @@ impl Hair {
         curve.at(self, climate)
     }
 
-    /// Young's modulus in bending, Pa; of a class of diameters, in the same ratio to that in
+    /// Young's modulus in bending, Pa; for a class of diameter, in the same ratio to the modulus in
     /// tension as for any hair.
     ///
     /// # Errors
@@ -184,7 +187,7 @@ impl Hair {
         Ok(bending)
     }
 
-    /// Shear modulus, Pa. It is no function of Young's modulus: hair is not isotropic.
+    /// Shear modulus, Pa. It is not computed from Young's modulus, since hair is not isotropic.
     ///
     /// Treated hair: table 2.10 gives the rigidity `G A^2` at 100 % over that at 65 %, and the
     /// section swells as [`water::swelling`] has it.
@@ -204,9 +207,9 @@ impl Hair {
         curve.at(self, climate)
     }
 
-    /// The logarithmic decrement of a torsion pendulum (2.14), table 2.10 at 65 % humidity. It
-    /// rises with humidity, line 829, but by how much is not said: marked values are the same
-    /// everywhere.
+    /// Logarithmic decrement of a torsion pendulum (2.14), table 2.10 at 65 % humidity. It rises
+    /// with humidity (line 829), but the thesis does not say by how much: extrapolated values are
+    /// the same everywhere.
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
@@ -224,7 +227,7 @@ impl Hair {
         Ok(MeasuredValue::new(decrement, standing, &[tables().torsion.row_source(index)]))
     }
 
-    /// The loss modulus in torsion, Pa: `decrement * G / pi`.
+    /// Loss modulus in torsion, Pa: `decrement * G / pi`.
     ///
     /// # Errors
     /// As [`Hair::log_decrement`].
@@ -248,7 +251,7 @@ impl Hair {
         Ok(Vector3::new(e * i1, e * i2, g * section.torsion_constant()))
     }
 
-    /// All that a rod needs to know of a straight hair in this climate.
+    /// Section, density and stiffness of a straight hair in this climate, as a rod needs them.
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`].
@@ -267,7 +270,7 @@ impl Hair {
 }
 
 impl Treatment {
-    /// Its row in table 2.10.
+    /// Row of the treatment in table 2.10, `None` for no treatment.
     fn row(self) -> Option<usize> {
         (self as usize).checked_sub(1)
     }
@@ -286,7 +289,7 @@ pub fn oscillating_moduli() -> [MeasuredValue; 2] {
 /// humidity. At these rates hair is twice as stiff as in a tensile test.
 ///
 /// # Errors
-/// [`KeratinError::Outside`] beyond, unless marked.
+/// [`KeratinError::Outside`] beyond these humidities, unless values are marked.
 pub fn sound(
     humidity: Humidity,
     outside: crate::Outside,

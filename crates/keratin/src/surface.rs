@@ -1,4 +1,4 @@
-//! What happens between hairs and what they touch: friction, charge, and the bonds of hair spray.
+//! Surface properties of hair: friction, electric resistance, waviness, and bonds of hair spray.
 
 use crate::climate::{Climate, Humidity, MeasuredValue, Outside, Standing, Temperature};
 use crate::error::named;
@@ -15,27 +15,27 @@ names! {
         WithScales = "with the scales",
         /// From tip to root.
         AgainstScales = "against the scales",
-        /// Between fibres that point the same way, in either direction.
+        /// Between fibres that point in the same direction, sliding either way.
         SameWay = "same way",
     }
 }
 
-/// Whether the surfaces are wet.
+/// Whether the surfaces in contact are wet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wetness {
-    /// In air.
+    /// Dry: in air.
     Dry,
-    /// With water on them.
+    /// Wet: with water on the surfaces.
     Wet,
 }
 
 /// Coefficients of friction, table 2.11.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionCoefficients {
-    /// At rest. For hair nobody measured it: it is then the least that is possible, the kinetic
-    /// one, and [`Standing::Assumed`].
+    /// Static coefficient of friction. For hair it was not measured: it is then the least possible
+    /// value, the kinetic coefficient, marked as [`Standing::Assumed`].
     pub stick: MeasuredValue,
-    /// In motion.
+    /// Kinetic coefficient of friction.
     pub slip: MeasuredValue,
 }
 
@@ -89,12 +89,12 @@ pub fn friction(
     Ok(FrictionCoefficients { stick, slip })
 }
 
-/// Whether the static coefficient of a row is below the kinetic one, which cannot be.
+/// Whether the static coefficient of a row is below the kinetic one, which is impossible.
 fn is_shifted(row: &FrictionRow) -> bool {
     row.mu_s_wet.zip(row.mu_k_wet).is_some_and(|(stick, slip)| stick < slip)
 }
 
-/// How fast resistance falls with the moisture content M: `M^-15.8`, as for wool.
+/// Exponent of the dependence of resistance on the moisture content M: `M^-15.8`, as for wool.
 const RESISTANCE_EXPONENT: f64 = 15.8;
 
 /// Electric resistance of hair, ohm.
@@ -126,13 +126,13 @@ pub fn resistance(climate: &Climate, outside: Outside) -> Result<MeasuredValue, 
 names! {
     /// Classes of hair spray, table 2.12.
     Spray, "class of hair spray" {
-        /// The strongest.
+        /// Ultra-high hold, the strongest class.
         UltraHighHold = "ultra-high hold",
-        /// Strong.
+        /// Hard to hold, a strong class.
         HardToHold = "hard-to-hold",
-        /// Usual.
+        /// Regular hold, the usual class.
         RegularHold = "regular hold",
-        /// Weak.
+        /// Light hold, the weakest class.
         LightHold = "light hold",
     }
 }

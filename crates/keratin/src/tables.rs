@@ -1,17 +1,17 @@
-//! The tables and facts of the thesis's chapter 2 as printed, in the units that they name.
+//! The tables and facts of the thesis's chapter 2 as printed, in their printed units.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Where a number comes from.
+/// Source of a number in the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source {
-    /// The number of the table, as "2.9", or the key of the fact.
+    /// Number of the table, as "2.9", or key of the fact.
     pub place: &'static str,
     /// Line of the thesis's plain text.
     pub line: u32,
-    /// The study that the thesis cites, or nothing where it cites none.
+    /// Study that the thesis cites, empty where it cites none.
     pub study: &'static str,
 }
 
@@ -19,30 +19,30 @@ pub struct Source {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table<R: 'static> {
-    /// Its number, as "2.9".
+    /// Number of the table, as "2.9".
     pub id: &'static str,
-    /// What it lists.
+    /// Contents of the table.
     pub title: &'static str,
-    /// The studies that it is from.
+    /// Studies that the table is from.
     pub source: &'static str,
-    /// The conditions of the measurement, as far as they are given.
+    /// Conditions of the measurement, as far as they are given.
     #[serde(default)]
     pub conditions: &'static str,
-    /// What to know before using it.
+    /// Caveats for the use of the table.
     #[serde(default)]
     pub note: &'static str,
     /// Line of the caption in the thesis's plain text.
     pub caption_line: u32,
-    /// Line of the first row.
+    /// Line of the first row in the thesis's plain text.
     pub first_row_line: u32,
-    /// The unit of each column that has one.
+    /// Unit of each column that has one.
     pub units: BTreeMap<&'static str, &'static str>,
-    /// The rows, in the printed order.
+    /// Rows of the table, in the printed order.
     pub rows: Vec<R>,
 }
 
 impl<R> Table<R> {
-    /// Where the row of this index comes from.
+    /// Source of the row with this index.
     #[must_use]
     pub fn row_source(&self, index: usize) -> Source {
         let line = self.first_row_line + u32::try_from(index).unwrap_or(u32::MAX);
@@ -102,18 +102,18 @@ rows! {
     SprayRow { class: &'static str, force: (f64, f64), }
 }
 
-/// The value of a fact.
+/// Value of a fact.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub enum Value {
     /// A number.
     Number(f64),
-    /// Least and most.
+    /// Least and largest value.
     Range(f64, f64),
     /// Several numbers.
     List(Vec<f64>),
     /// A formula or a statement.
     Text(&'static str),
-    /// Something that is so, or not.
+    /// A yes-or-no statement.
     Flag(bool),
 }
 
@@ -121,67 +121,67 @@ pub enum Value {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fact {
-    /// Its name.
+    /// Name of the fact.
     pub key: &'static str,
-    /// Its value in `unit`.
+    /// Value of the fact in `unit`.
     pub value: Value,
-    /// The unit.
+    /// Unit of the value.
     pub unit: &'static str,
-    /// The material, where it is not hair.
+    /// Material of the fact, where it is not hair.
     #[serde(default)]
     pub material: &'static str,
     /// The conditions of the measurement.
     #[serde(default)]
     pub conditions: &'static str,
-    /// The study.
+    /// Study that the fact is from.
     #[serde(default)]
     pub source: &'static str,
-    /// What to know before using it.
+    /// Caveats for the use of the fact.
     #[serde(default)]
     pub note: &'static str,
-    /// Line of the thesis's plain text.
+    /// Line of the fact in the thesis's plain text.
     pub line: u32,
 }
 
 impl Fact {
-    /// Where it comes from.
+    /// Source of the fact.
     #[must_use]
     pub fn origin(&self) -> Source {
         Source { place: self.key, line: self.line, study: self.source }
     }
 }
 
-/// All that is measured.
+/// All tables and facts of chapter 2.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tables {
-    /// Where all of this is from.
+    /// Reference of the thesis.
     pub thesis: &'static str,
-    /// Table 2.1.
+    /// Table 2.1: hair by age.
     pub growth: Table<Growth>,
-    /// Table 2.2.
+    /// Table 2.2: diameters by type.
     pub diameters: Table<Diameters>,
-    /// Table 2.3.
+    /// Table 2.3: waviness by type and treatment.
     pub waviness: Table<Waviness>,
-    /// Table 2.4.
+    /// Table 2.4: hairs per area of scalp, by age and sex.
     pub follicles: Table<Follicles>,
-    /// Table 2.5.
+    /// Table 2.5: speed of sound and modulus by humidity.
     pub sound: Table<Sound>,
-    /// Table 2.6.
+    /// Table 2.6: moduli of thin and thick hairs of one person.
     pub nikiforidis: Table<Nikiforidis>,
-    /// Table 2.7.
+    /// Table 2.7: ratios of second moments of area by type.
     pub second_moments: Table<SecondMoments>,
-    /// Table 2.8.
+    /// Table 2.8: moduli in bending and in tension.
     pub scott_robbins: Table<ScottRobbins>,
-    /// Table 2.9.
+    /// Table 2.9: moduli at 60 to 65 % humidity, and their ratios to those at 100 %.
     pub moduli: Table<Modulus>,
-    /// Table 2.10.
+    /// Table 2.10: torsion after treatments.
     pub torsion: Table<Torsion>,
-    /// Table 2.11.
+    /// Table 2.11: coefficients of friction.
     pub friction: Table<FrictionRow>,
-    /// Table 2.12.
+    /// Table 2.12: strength of bonds of hair spray.
     pub sprays: Table<SprayRow>,
-    /// The numbers in the prose, in its order.
+    /// Numbers in the prose, in the order of the text.
     pub facts: Vec<Fact>,
 }
 
@@ -197,7 +197,7 @@ pub fn tables() -> &'static Tables {
     &TABLES
 }
 
-/// The fact of this name, if there is one. Cost: a search among 85 names.
+/// The fact with this name, if there is one. Cost: a search among 85 names.
 #[must_use]
 pub fn fact(key: &str) -> Option<&'static Fact> {
     static BY_KEY: LazyLock<BTreeMap<&str, &Fact>> =
@@ -205,10 +205,10 @@ pub fn fact(key: &str) -> Option<&'static Fact> {
     BY_KEY.get(key).copied()
 }
 
-/// The value of a fact that is a number, and where it is from.
+/// Value of a fact that is a number, and its source.
 ///
 /// # Panics
-/// If there is none of this name, which the tests of its callers exclude.
+/// If there is no fact with this name, which the tests of its callers exclude.
 pub(crate) fn number(key: &'static str) -> (f64, Source) {
     match fact(key) {
         Some(Fact { value: Value::Number(value), line, source, .. }) => {
@@ -218,10 +218,10 @@ pub(crate) fn number(key: &'static str) -> (f64, Source) {
     }
 }
 
-/// Least and most of a fact that is a range, and where it is from.
+/// Least and largest value of a fact that is a range, and their source.
 ///
 /// # Panics
-/// As [`number`].
+/// If there is no such fact, as for [`number`].
 pub(crate) fn range(key: &'static str) -> ([f64; 2], Source) {
     match fact(key) {
         Some(Fact { value: Value::Range(low, high), line, source, .. }) => {

@@ -1,4 +1,4 @@
-//! How much water hair holds, and how it swells.
+//! Water content and swelling of hair.
 //!
 //! The thesis gives two numbers of the isotherm, 30 % at saturation and 15 % at ordinary humidity,
 //! both read as regain (water by dry mass), and a figure (2.11) without values. The curve between
@@ -13,12 +13,13 @@ use crate::climate::{Climate, Humidity, MeasuredValue, SorptionBranch, Standing}
 use crate::tables::number;
 use std::sync::LazyLock;
 
-/// Ratio of the binding of the first layer of water to that of the next.
+/// Constant `C` of the isotherm: ratio of the binding of the first layer of water to that of the
+/// next.
 const FIRST_LAYER: f64 = 10.0;
-/// Most additional regain on the desorption branch.
+/// Largest additional regain on the desorption branch.
 const HYSTERESIS: f64 = 0.02;
 
-/// The isotherm's free numbers, and the swelling at saturation.
+/// Parameters of the isotherm, and the swelling at saturation.
 struct Isotherm {
     monolayer: f64,
     multilayer: f64,
@@ -53,7 +54,7 @@ fn shape(activity: f64, k: f64) -> f64 {
     FIRST_LAYER * x / ((1.0 - x) * (1.0 - x + FIRST_LAYER * x))
 }
 
-/// Regain at saturation.
+/// Regain at saturation, a fraction.
 pub(crate) fn saturation() -> f64 {
     ISOTHERM.saturation
 }
@@ -77,7 +78,7 @@ pub fn regain(climate: &Climate) -> MeasuredValue {
     MeasuredValue::new(value, standing, &[at_saturation, at_ordinary])
 }
 
-/// The regain alone.
+/// Regain of hair in a climate, a fraction, without its standing.
 pub(crate) fn value_at(climate: &Climate) -> f64 {
     let a = climate.humidity.fraction();
     let more = match climate.branch {
@@ -87,13 +88,13 @@ pub(crate) fn value_at(climate: &Climate) -> f64 {
     ISOTHERM.monolayer * shape(a, ISOTHERM.multilayer) + more
 }
 
-/// The moisture content (2.8) of a regain, both fractions: `M = R / (1 + R)`.
+/// Moisture content (2.8) for a regain, both fractions: `M = R / (1 + R)`.
 #[must_use]
 pub fn content(regain: f64) -> f64 {
     regain / (1.0 + regain)
 }
 
-/// By how much hair is thicker and longer than dry, as ratios: up to 16 % and 2 % at saturation, in
+/// Thickness and length of hair over those of dry hair: up to 16 % and 2 % more at saturation, in
 /// proportion to the regain (the proportion is assumed; with it volume grows as water comes in).
 #[must_use]
 pub fn swelling(climate: &Climate) -> [f64; 2] {

@@ -61,10 +61,8 @@ impl<const D: usize> System<D> {
     /// at this rate less the [power of the supports](Self::support_power).
     ///
     /// This balance leaves out instantaneous changes (contacts, springs that give way, supports
-    /// that
-    /// take a moving node), the controller of an [`Enclosure`](crate::Enclosure), loads and gravity
-    /// that
-    /// change in time, and the numerical damping of the implicit integrator.
+    /// that take a moving node), the controller of an [`Enclosure`](crate::Enclosure), loads and
+    /// gravity that change in time, and the numerical damping of the implicit integrator.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
         let air = self.wind.at(self.time);

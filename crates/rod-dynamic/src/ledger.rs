@@ -8,7 +8,6 @@ use std::ops::AddAssign;
 ///
 /// Gravity, loads and wind are those at the end of the step. Where they are steady, all entries
 /// but `integrator` have the order of accuracy of the method.
-/// they are steady all lines but that of the integrator are of the order of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ledger {
     /// Change of the kinetic energy over the step, J.

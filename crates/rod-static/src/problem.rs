@@ -95,11 +95,9 @@ impl Problem {
     /// Finds an equilibrium, stable if one is found. No random numbers.
     ///
     /// Where the end is free and no moment acts on it, the energy is minimised from the natural
-    /// shape.
-    /// Else, and if that fails, by continuation from the natural shape without loads but bent by
-    /// the
-    /// moment on the end, and from bent shapes, the nearest to the end condition first; from an
-    /// unstable equilibrium the energy is minimised further.
+    /// shape. Else, and if that fails, by continuation from the natural shape without loads but
+    /// bent by the moment on the end, and from bent shapes, the nearest to the end condition first;
+    /// from an unstable equilibrium the energy is minimised further.
     ///
     /// # Errors
     /// [`StaticError::NotFound`] if no start leads to an equilibrium.

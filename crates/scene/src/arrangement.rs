@@ -138,8 +138,7 @@ fn check_axes(check: &mut Check, semi_axes: &[f64]) {
 /// normal.
 ///
 /// The roots are evenly spaced in height, which on a sphere is even in area, and each is rotated
-/// from
-/// the one before by the golden ratio of a full turn.
+/// from the one before by the golden ratio of a full turn.
 pub fn scalp(
     semi_axes: [f64; 3],
     count: usize,

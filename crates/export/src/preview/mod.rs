@@ -104,11 +104,10 @@ impl PreviewFrame {
 /// All pictures share one orthographic view, from the side that shows the most of the box around
 /// all frames and objects, and one scale, which the bar at the bottom gives for lengths across the
 /// view: nothing is cut off. Near fibres are dark, far ones fade; a highlight shows their
-/// direction,
-/// and marks show their supports. Behind and between the fibres are `objects`: one list for each
-/// frame, or one for all frames, or none. `winds`, velocities of the air (world), m/s, one for each
-/// frame or none, are shown by a wind rose each. Cost: linear in the pixels that fibres and objects
-/// cover.
+/// direction, and marks show their supports. Behind and between the fibres are `objects`: one list
+/// for each frame, or one for all frames, or none. `winds`, velocities of the air (world), m/s, one
+/// for each frame or none, are shown by a wind rose each. Cost: linear in the pixels that fibres
+/// and objects cover.
 ///
 /// # Errors
 /// Refuses an empty list of frames, frames without strands, invalid surfaces, objects that are

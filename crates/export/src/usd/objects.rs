@@ -11,8 +11,7 @@ const COLOR: [f64; 3] = [0.4, 0.45, 0.5];
 /// Writes a layer of objects, each a `Mesh` in its own frame that is moved by its transform.
 ///
 /// `objects` are the objects of the first frame; `poses` has the poses of all objects in every
-/// frame, or
-/// only in the first if they are at rest.
+/// frame, or only in the first if they are at rest.
 ///
 /// # Errors
 /// [`ExportError::Empty`] without objects; [`ExportError::Series`] if poses are missing;

@@ -9,11 +9,11 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_fiber::generate::Helix;
 
-/// Waviness `C = n l_t / l_c` of a hair with `maxima` waves that is `natural` metres long as it
-/// lies and `stretched` metres under a weight of 1 g.
+/// Waviness `C = n l_t / l_c` of a hair with `maxima` waves whose length is `natural` (m) as it
+/// lies and `stretched` (m) under a weight of 1 g.
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for a length that is not.
+/// [`KeratinError::NotPositive`] for a length that is not positive and finite.
 pub fn waviness(maxima: usize, stretched: f64, natural: f64) -> Result<f64, KeratinError> {
     positive("stretched length (m)", stretched)?;
     positive("natural length (m)", natural)?;
@@ -34,44 +34,44 @@ pub fn maxima(curve: &[Point3<f64>], side: &Vector3<f64>) -> usize {
     heights.windows(3).filter(|w| w[1] > w[0] && w[1] >= w[2]).count()
 }
 
-/// The curl retention index `(L_inf - L) / L_inf` of a curl that hangs `hanging` metres deep and is
-/// `straight` metres long unwound; the thesis takes it after three hours.
+/// Curl retention index `(L_inf - L) / L_inf` of a curl that hangs `hanging` metres deep and is
+/// `straight` metres long unwound; the thesis measures it after three hours.
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for a length that is not.
+/// [`KeratinError::NotPositive`] for a length that is not positive and finite.
 pub fn retention(straight: f64, hanging: f64) -> Result<f64, KeratinError> {
     positive("straight length (m)", straight)?;
     positive("hanging length (m)", hanging)?;
     Ok((straight - hanging) / straight)
 }
 
-/// How a water wave is made and kept.
+/// Protocol of a water wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaterWave {
-    /// The helix that it is wound to.
+    /// Helix on which the hair is wound.
     pub mandrel: Helix,
-    /// How long it is held wet, s.
+    /// Time for which it is held wet, s.
     pub wet: f64,
-    /// The air in which it is dried.
+    /// Climate in which it is dried.
     pub air: Climate,
-    /// How long it is dried, s.
+    /// Time for which it is dried, s.
     pub drying: f64,
-    /// How long it then hangs in the air of the test, s.
+    /// Time for which it then hangs in the climate of the test, s.
     pub incubation: f64,
 }
 
 impl WaterWave {
-    /// Held wet for ten minutes, dried for an hour in the standard climate at 50 % humidity, and
-    /// kept for three hours: the thesis gives only the last.
+    /// A water wave held wet for ten minutes, dried for an hour in the standard climate at 50 %
+    /// humidity, and kept for three hours; the thesis gives only the last time.
     ///
     /// # Errors
-    /// None in fact: 50 % is a humidity.
+    /// Never fails: 50 % is a valid humidity.
     pub fn on(mandrel: Helix) -> Result<Self, KeratinError> {
         let air = Climate::new(0.5, Climate::STANDARD.temperature.celsius())?;
         Ok(Self { mandrel, wet: 600.0, air, drying: 3600.0, incubation: 3.0 * 3600.0 })
     }
 
-    /// What part of the winding a hair has after the incubation, unloaded, in a climate.
+    /// Fraction of the winding that an unloaded hair keeps after the incubation in a climate.
     ///
     /// # Errors
     /// As [`Hair::bending_modulus`].
@@ -81,12 +81,12 @@ impl WaterWave {
         Ok(wave.release(self.incubation))
     }
 
-    /// The curl after the incubation, hanging from the origin, unloaded: its natural curvature is
-    /// the set times that of the mandrel, its stiffness and mass are those of the hair in that
-    /// climate.
+    /// The unloaded curl after the incubation, hanging from the origin: its natural curvature is
+    /// the set times the curvature of the mandrel, its stiffness and mass are those of the hair in
+    /// the climate.
     ///
     /// # Errors
-    /// As [`Hair::bending_modulus`], and for a length or a mandrel that is none.
+    /// The errors of [`Hair::bending_modulus`], and invalid lengths and mandrels.
     pub fn curl(
         &self,
         hair: &Hair,

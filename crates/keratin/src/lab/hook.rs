@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// area of the section (m^2): `E_B = pi T d^2 / (2 A^2)`.
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for a reading that is not.
+/// [`KeratinError::NotPositive`] for a reading that is not positive and finite.
 ///
 /// # Bias
 /// For a weightless hair with long legs of circular section the formula is exact: the elastica that
@@ -28,8 +28,8 @@ pub fn bending_modulus(tension: f64, distance: f64, area: f64) -> Result<f64, Ke
     Ok(PI * tension * distance * distance / (2.0 * area * area))
 }
 
-/// What the formula gives for a hair of this section, over its true modulus: `4 pi I / A^2`, the
-/// smaller diameter over the larger.
+/// Ratio of the formula's result to the true modulus for a hair of this section: `4 pi I / A^2`,
+/// the smaller diameter over the larger.
 #[must_use]
 pub fn section_bias(section: &Section) -> f64 {
     let (a, b) = section.semi_axes();

@@ -1,9 +1,9 @@
-//! The instruments of chapter 2: what they read, as numbers, and the fibres that are put in.
+//! The instruments of chapter 2: their readings as numbers, and the fibres for them.
 //!
 //! Each module is one instrument. It evaluates readings by the formula of the thesis, with the bias
 //! of that formula where it has one, and builds the fibre for a simulation that gives the readings.
-//! What moves the fibre is another crate's business: `rapunzel-sim` runs all [`Instrument`]s, also
-//! those that need contacts, and the tests of this crate some with rods at rest and in motion.
+//! Motion is simulated elsewhere: `rapunzel-sim` runs all [`Instrument`]s, also those that need
+//! contacts, and the tests of this crate run some with rods at rest and in motion.
 
 use crate::KeratinError;
 use crate::error::named;
@@ -29,7 +29,7 @@ names! {
         Hook = "hook",
         /// A torsion pendulum: shear modulus and logarithmic decrement.
         Pendulum = "pendulum",
-        /// A rod that swings: storage and loss modulus in bending.
+        /// A swinging rod: storage and loss modulus in bending.
         Oscillation = "oscillation",
         /// A fibre drawn over a cylinder: the coefficient of friction.
         Capstan = "capstan",
@@ -37,7 +37,7 @@ names! {
         Waviness = "waviness",
         /// A water wave after three hours: the curl retention index.
         CurlRetention = "curl-retention",
-        /// The room that the hairs of a tress take.
+        /// The volume that the hairs of a tress occupy.
         TressVolume = "tress-volume",
         /// A comb drawn through a tress: its force.
         Combing = "combing",

@@ -8,12 +8,12 @@ use std::f64::consts::PI;
 /// The first zero of `1 + cos x cosh x`: a cantilever's `L sqrt(omega) (rho A / E I)^(1/4)`.
 const CANTILEVER: f64 = 1.875_104_068_711_961;
 
-/// Period and decrement of a record.
+/// Period and logarithmic decrement of a free oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillation {
-    /// Period, s.
+    /// Period of the oscillation, s.
     pub period: f64,
-    /// Logarithmic decrement (2.14), `ln(a_1 / a_n) / n` with `n` the oscillations between.
+    /// Logarithmic decrement (2.14), `ln(a_1 / a_n) / n` with `n` oscillations between.
     pub log_decrement: f64,
 }
 
@@ -41,7 +41,7 @@ impl Oscillation {
         })
     }
 
-    /// The angular frequency without damping, rad/s: that of the record is lower.
+    /// Angular frequency without damping, rad/s, which is higher than the measured one.
     #[must_use]
     pub fn natural_frequency(&self) -> f64 {
         (4.0 * PI * PI + self.log_decrement.powi(2)).sqrt() / self.period
@@ -70,7 +70,7 @@ fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> (f64, f64) {
 /// (kg/m) and second moment of area (m^4) that swings in its lowest mode.
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for a length, density or moment that is not.
+/// [`KeratinError::NotPositive`] for a length, density or moment that is not positive and finite.
 pub fn moduli(
     reading: &Oscillation,
     length: f64,
@@ -85,8 +85,8 @@ pub fn moduli(
     Ok([storage, storage * reading.loss_tangent()])
 }
 
-/// The retardation time, s, with which a rod after Kelvin and Voigt has a loss tangent at an
-/// angular frequency, rad/s.
+/// Retardation time, s, of a Kelvin-Voigt rod with the given loss tangent at an angular frequency,
+/// rad/s.
 #[must_use]
 pub fn damping_time(loss_tangent: f64, frequency: f64) -> f64 {
     loss_tangent / frequency

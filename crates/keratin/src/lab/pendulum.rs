@@ -6,12 +6,13 @@ use nalgebra::{Isometry3, Vector3};
 use rapunzel_fiber::{Fiber, NodeProperties, Section};
 use std::f64::consts::PI;
 
-/// A bob on a fibre.
+/// The bob of a torsion pendulum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bob {
-    /// Mass, kg.
+    /// Mass of the bob, kg.
     pub mass: f64,
-    /// Moment of inertia about the fibre, kg m^2; half as much across, as of a thin disc.
+    /// Moment of inertia of the bob about the fibre, kg m^2; half as much across, as of a thin
+    /// disc.
     pub inertia: f64,
 }
 
@@ -19,7 +20,7 @@ pub struct Bob {
 /// of a thousandth of the others, that carries it.
 ///
 /// # Errors
-/// Refuses a bob or a length that is not positive, and what [`Fiber::new`] refuses.
+/// Refuses a bob or a length that is not positive, and invalid arguments of [`Fiber::new`].
 pub fn fiber(
     node: NodeProperties,
     length: f64,
@@ -41,11 +42,11 @@ pub fn fiber(
     Ok(Fiber::new(Isometry3::identity(), lengths, nodes)?)
 }
 
-/// Rigidity (2.12), N m^2: the torque of a turn per length, `8 pi^3 I l / T^2` with the moment of
-/// inertia of the bob (kg m^2), the length of the fibre (m) and the period (s).
+/// Torsional rigidity (2.12), N m^2, the torque per twist per length: `8 pi^3 I l / T^2` with the
+/// moment of inertia of the bob (kg m^2), the length of the fibre (m) and the period (s).
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for a reading that is not.
+/// [`KeratinError::NotPositive`] for a reading that is not positive and finite.
 pub fn rigidity(inertia: f64, length: f64, period: f64) -> Result<f64, KeratinError> {
     positive("moment of inertia of the bob (kg m^2)", inertia)?;
     positive("length (m)", length)?;
@@ -59,13 +60,14 @@ pub fn rigidity(inertia: f64, length: f64, period: f64) -> Result<f64, KeratinEr
 /// The formula is that of a circle. For an ellipse it gives [`section_bias`] times the modulus.
 ///
 /// # Errors
-/// [`KeratinError::NotPositive`] for an area that is not.
+/// [`KeratinError::NotPositive`] for an area that is not positive and finite.
 pub fn shear_modulus(rigidity: f64, area: f64) -> Result<f64, KeratinError> {
     positive("area of the section (m^2)", area)?;
     Ok(rigidity / (area * area))
 }
 
-/// What (2.13) gives for this section over the true modulus: `2 pi J / A^2 = 2 a b / (a^2 + b^2)`.
+/// Ratio of the result of (2.13) to the true modulus for this section:
+/// `2 pi J / A^2 = 2 a b / (a^2 + b^2)`.
 #[must_use]
 pub fn section_bias(section: &Section) -> f64 {
     2.0 * PI * section.torsion_constant() / section.area().powi(2)

@@ -6,8 +6,8 @@ use crate::law::Tension;
 /// A point of a stress-strain curve: strain, and stress in Pa.
 pub type CurvePoint = [f64; 2];
 
-/// Stretches a fibre to a strain in equal parts; shorter where it breaks. With a strain below the
-/// present one, lets it back.
+/// Stretches a fibre to a strain in equal parts, or until it breaks. With a strain below the
+/// present one, the fibre is unloaded.
 pub fn stretch(fiber: &mut Tension, strain: f64, parts: u32) -> Vec<CurvePoint> {
     let from = fiber.strain();
     let mut curve = vec![[from, fiber.stress()]];
@@ -19,11 +19,11 @@ pub fn stretch(fiber: &mut Tension, strain: f64, parts: u32) -> Vec<CurvePoint> 
     curve
 }
 
-/// The slope of a curve between two strains, Pa, by least squares: over the Hookean region, Young's
+/// The slope of a curve between two strains, Pa, by least squares: in the Hookean region, Young's
 /// modulus.
 ///
 /// # Errors
-/// [`KeratinError::Readings`] for fewer than two points there.
+/// [`KeratinError::Readings`] for fewer than two points between the strains.
 pub fn modulus(curve: &[CurvePoint], from: f64, to: f64) -> Result<f64, KeratinError> {
     let inside: Vec<_> = curve.iter().filter(|[e, _]| (from..=to).contains(e)).collect();
     if inside.len() < 2 {
@@ -38,7 +38,7 @@ pub fn modulus(curve: &[CurvePoint], from: f64, to: f64) -> Result<f64, KeratinE
     Ok(both / own)
 }
 
-/// The area below a curve, Pa: work per volume, negative on the way back.
+/// The area below a curve, Pa: work per volume, negative on unloading.
 #[must_use]
 pub fn work(curve: &[CurvePoint]) -> f64 {
     curve.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum()

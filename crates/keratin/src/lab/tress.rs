@@ -1,11 +1,11 @@
-//! The radial volume of a tress: how much room its hairs take.
+//! The radial volume of a tress: the volume that its hairs occupy.
 
 use nalgebra::{Point3, Vector2};
 
-/// The volume of a tress that hangs along z, m^3: of each of `slices` slices between the top and
-/// the bottom that of a disc with the second moment of the nodes in it, `2 pi <|r - <r>|^2> dz`.
+/// The volume of a tress that hangs along z, m^3: each of `slices` slices between the top and the
+/// bottom counts as a disc with the second moment of the nodes in it, `2 pi <|r - <r>|^2> dz`.
 ///
-/// A cylinder or a cone that is filled evenly gives its own volume. Slices with fewer than two
+/// The result for an evenly filled cylinder or cone is its volume. Slices with fewer than two
 /// nodes count as empty. The thesis speaks of the body of hair (2.3.4) and gives no formula: this
 /// one is ours.
 #[must_use]

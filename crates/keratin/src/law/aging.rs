@@ -2,8 +2,8 @@ use super::{MaxwellElement, Relaxation};
 use crate::KeratinError;
 use crate::tables::number;
 
-/// Ages of Chapman's classes, s: 10, 100 and 1000 minutes, and what he calls highly aged, here one
-/// decade more.
+/// Ages of Chapman's classes, s: 10, 100 and 1000 minutes, and one decade more for his class
+/// "highly aged".
 const CLASSES: [f64; 4] = [600.0, 6e3, 6e4, 6e5];
 
 /// A keratin that stiffens with its age, the time since it was last soaked (thesis, lines 566 to
@@ -14,9 +14,9 @@ const CLASSES: [f64; 4] = [600.0, 6e3, 6e4, 6e5];
 /// principle is replaced by Chapman's modified superposition, [`Aging::stress`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aging {
-    /// `G` at an age of 10 minutes, Pa.
+    /// Relaxation function `G` at an age of 10 minutes, Pa.
     young: Relaxation,
-    /// Shift per decade, Pa.
+    /// Shift of the relaxation function per decade of age, Pa.
     shift: f64,
 }
 
@@ -37,7 +37,7 @@ impl Aging {
     /// minutes.
     ///
     /// # Errors
-    /// None in fact: the numbers are those of the tables.
+    /// Never fails: the numbers are those of the tables.
     pub fn wool() -> Result<Self, KeratinError> {
         let shift = 1e9 * number("relaxation_modulus_shift_per_ageing_class").0;
         let aged = 1e9 * number("relaxation_modulus_bending_1min").0;
@@ -46,7 +46,7 @@ impl Aging {
         Self::new(young, shift)
     }
 
-    /// The relaxation function at an age, s.
+    /// The relaxation function (Pa) at an age, s.
     #[must_use]
     pub fn at_age(&self, age: f64) -> Relaxation {
         let more = self.shift * decades(age);
@@ -65,7 +65,8 @@ impl Aging {
     }
 }
 
-/// How many decades an age is beyond that of the youngest class, within the classes.
+/// Number of decades from the age of the youngest class to `age`, limited to the range of the
+/// classes.
 fn decades(age: f64) -> f64 {
     (age.clamp(CLASSES[0], CLASSES[3]) / CLASSES[0]).log10()
 }

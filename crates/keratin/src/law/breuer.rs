@@ -12,21 +12,21 @@ const GAS_CONSTANT: f64 = 8.314_462_618;
 /// in print: with them as printed the force rises with humidity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Breuer {
-    /// `dH`, J/kg.
+    /// Enthalpy `dH`, J/kg.
     pub enthalpy: f64,
-    /// `dL`, m/kg.
+    /// Length `dL`, m/kg.
     pub length: f64,
-    /// `T_S` of dry hair.
+    /// Melting temperature `T_S` of dry hair.
     pub melting: Temperature,
-    /// `K1`, of water at a crystalline residue, and `K2`, at an amorphous one.
+    /// Binding constants of water, `K1` at a crystalline and `K2` at an amorphous residue.
     pub binding: [f64; 2],
     /// Mean molar mass of a residue, kg/mol.
     pub residue: f64,
 }
 
 impl Breuer {
-    /// The numbers of line 695, with the binding constants exchanged, for hair that melts dry at
-    /// the given temperature; 0.11 kg/mol for a residue.
+    /// Breuer's equation for hair that melts dry at the given temperature, with the numbers of line
+    /// 695, the binding constants exchanged, and 0.11 kg/mol for a residue.
     #[must_use]
     pub fn hair(melting: Temperature) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Breuer {
         }
     }
 
-    /// The force, N, at a temperature and in air of a humidity, which is the activity of the water.
+    /// Equilibrium force, N, at a temperature and a humidity, which is the activity of the water.
     #[must_use]
     pub fn force(&self, temperature: Temperature, humidity: Humidity) -> f64 {
         let (t, a) = (temperature.kelvin(), humidity.fraction());

@@ -17,7 +17,8 @@ pub struct Creep {
 }
 
 impl From<&Relaxation> for Creep {
-    /// Cost: some hundred evaluations per Maxwell element.
+    /// The exact creep compliance of a relaxation function. Cost: some hundred evaluations per
+    /// Maxwell element.
     fn from(relaxation: &Relaxation) -> Self {
         let branches = relaxation.branches();
         let equilibrium = relaxation.equilibrium();
@@ -60,7 +61,7 @@ impl From<&Relaxation> for Creep {
 }
 
 impl Creep {
-    /// `J(t)`; 0 before the stress, `t < 0`.
+    /// Creep compliance `J(t)`; 0 before the stress, `t < 0`.
     #[must_use]
     pub fn at(&self, t: f64) -> f64 {
         if t < 0.0 {

@@ -4,7 +4,7 @@ use crate::error::{not_negative, positive};
 /// A Maxwell element: a spring and a dashpot in series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaxwellElement {
-    /// Modulus of the spring; the unit is that of the law.
+    /// Modulus of the spring, in the unit of the law.
     pub modulus: f64,
     /// Relaxation time, viscosity over modulus, s.
     pub time: f64,
@@ -13,7 +13,7 @@ pub struct MaxwellElement {
 /// The relaxation function `G(t)` of a generalized Maxwell model: a spring beside Maxwell elements,
 /// `G(t) = G_inf + sum_i G_i exp(-t / tau_i)`.
 ///
-/// Moduli are in any unit, Pa for stresses, 1 for the part of a stiffness.
+/// Moduli are in any unit: Pa for stresses, 1 for fractions of a stiffness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relaxation {
     equilibrium: f64,
@@ -25,8 +25,8 @@ impl Relaxation {
     /// fluid.
     ///
     /// # Errors
-    /// Refuses an `equilibrium` that is negative, moduli and times that are not positive, and a
-    /// model that has nothing at all.
+    /// Refuses a negative `equilibrium`, moduli and times that are not positive, and a model
+    /// without spring and elements.
     pub fn new(equilibrium: f64, mut branches: Vec<MaxwellElement>) -> Result<Self, KeratinError> {
         not_negative("equilibrium modulus", equilibrium)?;
         for branch in &branches {
@@ -47,12 +47,13 @@ impl Relaxation {
         Ok(Self { equilibrium, branches })
     }
 
-    /// The modulus at `t_ref` seconds and its loss per decade of time, constant between two times
-    /// as Chapman found for wool between 0.1 and 1000 minutes (thesis, lines 558 to 562): a
-    /// constant distribution of relaxation times, here four in each decade.
+    /// A relaxation function with a given modulus at `t_ref` seconds and a given loss per decade of
+    /// time, constant between two times as Chapman found for wool between 0.1 and 1000 minutes
+    /// (thesis, lines 558 to 562): a constant distribution of relaxation times, here four in each
+    /// decade.
     ///
     /// # Errors
-    /// As [`Relaxation::new`]; also where the loss would make the modulus negative.
+    /// The errors of [`Relaxation::new`]; also a loss that would make the modulus negative.
     pub fn logarithmic(
         modulus: f64,
         t_ref: f64,
@@ -74,13 +75,13 @@ impl Relaxation {
         Self::new(modulus - transient, branches)
     }
 
-    /// `G_inf`, what remains after infinite time.
+    /// Equilibrium modulus `G_inf`, which remains after infinite time.
     #[must_use]
     pub fn equilibrium(&self) -> f64 {
         self.equilibrium
     }
 
-    /// `G(0)`, the modulus of an instantaneous strain.
+    /// Glassy modulus `G(0)`, of an instantaneous strain.
     #[must_use]
     pub fn glassy(&self) -> f64 {
         self.equilibrium + self.branches.iter().map(|b| b.modulus).sum::<f64>()
@@ -92,7 +93,7 @@ impl Relaxation {
         &self.branches
     }
 
-    /// `G(t)`; 0 before the strain, `t < 0`.
+    /// Relaxation function `G(t)`; 0 before the strain, `t < 0`.
     #[must_use]
     pub fn at(&self, t: f64) -> f64 {
         if t < 0.0 {
@@ -101,7 +102,7 @@ impl Relaxation {
         self.branches.iter().fold(self.equilibrium, |g, b| g + b.modulus * (-t / b.time).exp())
     }
 
-    /// `dG/dt` for `t >= 0`.
+    /// Derivative `dG/dt` of the relaxation function for `t >= 0`.
     #[must_use]
     pub fn rate(&self, t: f64) -> f64 {
         self.branches.iter().map(|b| -b.modulus / b.time * (-t / b.time).exp()).sum()

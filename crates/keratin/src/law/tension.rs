@@ -5,20 +5,20 @@ use crate::hair::Hair;
 use crate::tables::{Value, fact, number};
 
 /// A fibre in tension beyond Hooke's law: a Hookean region, a yield region and a post-yield region
-/// (thesis 2.4.1.2), and back along a lower path, as in water, where 30 % and more are fully
+/// (thesis 2.4.1.2), and unloading along a lower path, as in water, where 30 % and more are fully
 /// recovered (figure 2.10).
 ///
-/// The stress follows strain with the Hookean modulus as long as it is between two paths: the upper
-/// one, with slopes in the ratio 100:1:10, and the lower one, the `recovery` times the upper. It is
-/// independent of rate, and passive: slopes of the paths are at most the Hookean modulus.
-/// Compression is Hookean. Not included is what a dry fibre keeps for hours of a strain beyond
-/// yield.
+/// The stress follows strain with the Hookean modulus between two paths: the upper one, with slopes
+/// in the ratio 100:1:10, and the lower one, `recovery` times the upper. The stress is independent
+/// of rate, and the law passive: slopes of the paths are at most the Hookean modulus. Compression
+/// is Hookean. Not included is the residual strain that a dry fibre keeps for hours after a strain
+/// beyond yield.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tension {
     modulus: f64,
     /// Strains at the ends of the Hookean and of the yield region, and at break.
     limits: [f64; 3],
-    /// Slopes of the regions, Pa.
+    /// Slopes of the three regions, Pa.
     slopes: [f64; 3],
     recovery: f64,
     strain: f64,
@@ -26,8 +26,8 @@ pub struct Tension {
 }
 
 impl Tension {
-    /// A fibre of the given modulus, Pa, and stress on the way back in parts of that on the way up,
-    /// in `[0, 1]`: 1 is elastic.
+    /// A fibre of the given modulus, Pa; `recovery` in `[0, 1]` is the ratio of the stress on
+    /// unloading to the stress on loading, 1 for an elastic fibre.
     ///
     /// Limits are those of the thesis: 2 % and 30 % more (line 472), 50 % at break (line 664).
     ///
@@ -56,7 +56,7 @@ impl Tension {
     }
 
     /// A hair in a climate: its modulus in tension; in water it breaks at 100 % instead of 50 %
-    /// strain, and in proportion between.
+    /// strain, and in between in proportion.
     ///
     /// # Errors
     /// As [`Hair::stretching_modulus`] and [`Tension::new`].
@@ -76,19 +76,19 @@ impl Tension {
         self.limits[2]
     }
 
-    /// The strain.
+    /// Present strain.
     #[must_use]
     pub fn strain(&self) -> f64 {
         self.strain
     }
 
-    /// The stress, Pa.
+    /// Present stress, Pa.
     #[must_use]
     pub fn stress(&self) -> f64 {
         self.stress
     }
 
-    /// The stress on first loading, Pa.
+    /// Stress on first loading at a strain, Pa.
     #[must_use]
     pub fn envelope(&self, strain: f64) -> f64 {
         let [hooke, yields, _] = self.limits;
@@ -98,8 +98,8 @@ impl Tension {
             + s2 * (strain - yields).max(0.0)
     }
 
-    /// Moves to `strain` and returns the stress, Pa; `None` if the fibre breaks on the way, and
-    /// then nothing changes. How a way in one direction is divided does not matter.
+    /// Moves to `strain` and returns the stress, Pa; `None` if the fibre would break on the way,
+    /// and then nothing changes. A monotonic path may be divided into any number of calls.
     pub fn strain_to(&mut self, strain: f64) -> Option<f64> {
         if !strain.is_finite() || strain > self.limits[2] {
             return None;
@@ -113,7 +113,7 @@ impl Tension {
         Some(self.stress)
     }
 
-    /// The work per volume, Pa, that the fibre would return if let go, slowly: the area below the
+    /// Work per volume, Pa, that the fibre would return if slowly unloaded: the area below the
     /// lower path and Hooke's line down to it.
     #[must_use]
     pub fn available_work(&self) -> f64 {
@@ -135,7 +135,7 @@ impl Tension {
         0.5 * (self.stress + met) * (self.strain - high) + self.recovery * self.area(high)
     }
 
-    /// The area below the upper path.
+    /// Area below the upper path up to a strain, Pa.
     fn area(&self, strain: f64) -> f64 {
         let [hooke, yields, _] = self.limits;
         let corners = [0.0, strain.min(hooke), strain.min(yields), strain];

@@ -4,21 +4,22 @@ use crate::hair::Hair;
 use crate::tables::number;
 use crate::{KeratinError, water};
 
-/// Where hair softens without any water, K: 144 C, Wortmann, Stapels, Elliott, Chandra, Biopolymers
+/// Transition temperature of dry hair, K: 144 C, Wortmann, Stapels, Elliott, Chandra, Biopolymers
 /// 81 (2006) 371, who find that Fox's equation holds for hair.
 const DRY: f64 = 417.15;
 /// Relaxation time at a transition, s: assumed, the usual one of a glass.
 const AT_TRANSITION: f64 = 100.0;
-/// Degrees that change a relaxation time tenfold: assumed.
+/// Temperature change, K, that changes a relaxation time tenfold: assumed.
 const PER_DECADE: f64 = 10.0;
-/// How many decades the times of the component of `T_c^l` are from that at the transition: wool's
-/// are evenly distributed over 0.1 to 1000 minutes (thesis, line 562).
+/// Decades from the relaxation time at the transition to those of the five elements of the
+/// component of `T_c^l`: wool's are evenly distributed over 0.1 to 1000 minutes (thesis, line 562).
 const SPREAD: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
-/// Most decades from the time at the transition: beyond, solid is solid and fluid is fluid.
+/// Largest number of decades from the relaxation time at the transition: beyond, solid is solid and
+/// fluid is fluid.
 const MOST_DECADES: f64 = 12.0;
 /// Relaxation time of the helices, s: assumed.
 const HELICES: f64 = 3600.0;
-/// Steps of a release.
+/// Number of steps of a release.
 const STEPS: i32 = 64;
 
 /// The temperatures `T_c^l` and `T_c^h` at which the two components of Nagase's model change from
@@ -56,7 +57,7 @@ pub fn transitions(climate: &Climate) -> [Temperature; 2] {
 /// Moduli are those in bending: what is lost from 65 % to 100 % humidity belongs to the first; of
 /// the rest, 1.2 parts to the spring and 0.2 to the helices, as line 699 divides it.
 ///
-/// It is passive: the climate changes relaxation times, not moduli.
+/// The model is passive: the climate changes relaxation times, not moduli.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeElement {
     strand: MaxwellModel,
@@ -67,17 +68,17 @@ impl ThreeElement {
     /// A hair in its natural shape, in a climate.
     ///
     /// # Errors
-    /// None in fact: the moduli are asked for where they are measured.
+    /// Never fails: the moduli are evaluated where they are measured.
     pub fn new(hair: &Hair, climate: Climate) -> Result<Self, KeratinError> {
         Ok(Self { strand: MaxwellModel::of(0.0, elements(hair, &climate)?), climate })
     }
 
     /// The law of a hair's section in a climate, for a rod: stiffnesses as at 65 % humidity, all
-    /// three with the parts that bending has. What sections remember stays valid when the law is
-    /// replaced by that of another climate.
+    /// three with the fractions of the modulus in bending. The memory of sections stays valid when
+    /// the law is replaced by the law of another climate.
     ///
     /// # Errors
-    /// None in fact, as for [`ThreeElement::new`].
+    /// Never fails, as [`ThreeElement::new`].
     pub fn section(hair: &Hair, climate: &Climate) -> Result<Viscoelastic, KeratinError> {
         let mut parts = elements(hair, climate)?;
         let whole = hair.bending_modulus(&Climate::STANDARD)?.value;
@@ -85,38 +86,38 @@ impl ThreeElement {
         Ok(Viscoelastic::of(hair.stiffness(&Climate::STANDARD)?, parts))
     }
 
-    /// Brings the hair into another climate, at once through all of it.
+    /// Sets the climate, at once throughout the hair.
     pub fn enter(&mut self, climate: Climate) {
         self.strand.set_times(times(&climate));
         self.climate = climate;
     }
 
-    /// The climate.
+    /// Present climate.
     #[must_use]
     pub fn climate(&self) -> &Climate {
         &self.climate
     }
 
-    /// The strain, or curvature less the natural one in any unit.
+    /// Present strain, or curvature less the natural one in any unit.
     #[must_use]
     pub fn strain(&self) -> f64 {
         self.strand.strain()
     }
 
-    /// The energy per volume that is stored, Pa by the square of the unit of strain.
+    /// Stored energy per volume, Pa times the square of the unit of strain.
     #[must_use]
     pub fn stored_energy(&self) -> f64 {
         self.strand.stored_energy()
     }
 
-    /// Moves to a strain within `dt` seconds.
+    /// Moves linearly to a strain within `dt` seconds, and returns stress and work.
     pub fn bend_to(&mut self, strain: f64, dt: f64) -> super::RelaxationStep {
         self.strand.strain_to(strain, dt)
     }
 
-    /// Lets go for a time, s, and returns the strain then. The first step is at once; the others
-    /// grow with time, 64 in all, so that the strain is good to about a per cent of what was let
-    /// go.
+    /// Releases the hair for a time, s, and returns the strain at its end. The first step is at
+    /// once; the others grow with time, 64 in all, so that the strain is accurate to about one
+    /// percent of the strain at the release.
     pub fn release(&mut self, seconds: f64) -> f64 {
         self.strand.stress_to(0.0, 0.0);
         let at = |i: i32| seconds * (f64::from(i) / f64::from(STEPS)).powi(3);
@@ -127,7 +128,7 @@ impl ThreeElement {
     }
 
     /// A water wave: wound wet (23 C) to a strain of 1, held for `wet` seconds, dried in `air` for
-    /// `drying` seconds, and let go. Its strain is then the part of the winding that it kept.
+    /// `drying` seconds, and released. Its strain is then the fraction of the winding that it kept.
     ///
     /// # Errors
     /// As [`ThreeElement::new`].
@@ -147,7 +148,7 @@ impl ThreeElement {
     }
 }
 
-/// The elements, in a fixed order: those that are soft above `T_c^l`, that above `T_c^h`, the
+/// The elements, in a fixed order: those that are soft above `T_c^l`, the one above `T_c^h`, the
 /// helices.
 fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<MaxwellElement>, KeratinError> {
     let glassy = hair.bending_modulus(&Climate::STANDARD)?.value;
@@ -159,7 +160,7 @@ fn elements(hair: &Hair, climate: &Climate) -> Result<Vec<MaxwellElement>, Kerat
     Ok(moduli.zip(times(climate)).map(|(modulus, time)| MaxwellElement { modulus, time }).collect())
 }
 
-/// The relaxation times of the elements, s.
+/// Relaxation times of the elements in a climate, s, in the same order.
 fn times(climate: &Climate) -> impl Iterator<Item = f64> {
     let celsius = climate.temperature.celsius();
     let time = move |transition: Temperature, spread: f64| {

@@ -4,8 +4,8 @@ use crate::error::{not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_fiber::{SectionLaw, SectionResponse};
 
-/// The share of a Maxwell element's stress that remains after `x` relaxation times, and its mean
-/// over them, which is also the share of a strain that grew meanwhile.
+/// Fraction of a Maxwell element's stress that remains after `x` relaxation times, and its mean
+/// over them, which is also the fraction of a strain that grew linearly meanwhile.
 fn decay(x: f64) -> (f64, f64) {
     let left = (-x).exp();
     // Below the limit, the next term of the series is below the last digit; above it, three are
@@ -31,18 +31,18 @@ fn fading(x: f64) -> [f64; 3] {
     [squares, products, rises]
 }
 
-/// What a step did.
+/// Stress and work of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelaxationStep {
-    /// Stress at its end.
+    /// Stress at the end of the step.
     pub stress: f64,
-    /// Work done over it, per volume: the integral of stress by strain.
+    /// Work done in the step per volume: the integral of stress by strain.
     pub work: f64,
 }
 
 /// A generalized Maxwell model in one dimension: its strain and the stresses of its elements.
 ///
-/// Steps in which the strain runs straight are exact for any length. It is passive.
+/// Steps in which the strain changes linearly are exact for any step size. The model is passive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaxwellModel {
     equilibrium: f64,
@@ -52,38 +52,38 @@ pub struct MaxwellModel {
 }
 
 impl MaxwellModel {
-    /// An unstrained strand.
+    /// An unstrained model of a relaxation function.
     #[must_use]
     pub fn new(law: &Relaxation) -> Self {
         Self::of(law.equilibrium(), law.branches().to_vec())
     }
 
-    /// An unstrained strand of these elements, in this order.
+    /// An unstrained model of these elements, in this order.
     pub(super) fn of(equilibrium: f64, branches: Vec<MaxwellElement>) -> Self {
         let stresses = vec![0.0; branches.len()];
         Self { equilibrium, branches, strain: 0.0, stresses }
     }
 
-    /// Goes on with other relaxation times: strains and stresses stay.
+    /// Sets other relaxation times; strains and stresses are unchanged.
     pub(super) fn set_times(&mut self, times: impl IntoIterator<Item = f64>) {
         for (branch, time) in self.branches.iter_mut().zip(times) {
             branch.time = time;
         }
     }
 
-    /// The strain.
+    /// Present strain.
     #[must_use]
     pub fn strain(&self) -> f64 {
         self.strain
     }
 
-    /// The stress.
+    /// Present stress.
     #[must_use]
     pub fn stress(&self) -> f64 {
         self.equilibrium * self.strain + self.stresses.iter().sum::<f64>()
     }
 
-    /// The energy per volume that the springs store.
+    /// Energy per volume that the springs store.
     #[must_use]
     pub fn stored_energy(&self) -> f64 {
         let springs = self.stresses.iter().zip(&self.branches);
@@ -91,7 +91,7 @@ impl MaxwellModel {
         0.5 * (self.equilibrium * self.strain * self.strain + of_branches)
     }
 
-    /// Moves to `strain`, which is finite, within `dt` seconds (0: at once).
+    /// Moves linearly to `strain`, which is finite, within `dt` seconds (0: at once).
     pub fn strain_to(&mut self, strain: f64, dt: f64) -> RelaxationStep {
         let rise = strain - self.strain;
         let mut work = self.equilibrium * (self.strain + 0.5 * rise) * rise;
@@ -107,8 +107,8 @@ impl MaxwellModel {
         RelaxationStep { stress: self.stress(), work }
     }
 
-    /// Creeps straight for `dt` seconds to the strain at which it has the given stress. The stress
-    /// between is not that one: for a constant stress, take short steps.
+    /// Moves linearly within `dt` seconds to the strain at which the model has the given stress.
+    /// The stress during the step is different: for a constant stress, take short steps.
     pub fn stress_to(&mut self, stress: f64, dt: f64) -> RelaxationStep {
         let (mut stiffness, mut rest) = (self.equilibrium, self.equilibrium * self.strain);
         for (q, b) in self.stresses.iter().zip(&self.branches) {
@@ -120,10 +120,10 @@ impl MaxwellModel {
     }
 }
 
-/// The law of a viscoelastic section: `K` times a relaxation function in parts of `K`, and Kelvin
-/// and Voigt's damping beside it, `m = K (G * dE + tau dE/dt)`.
+/// The law of a viscoelastic section: `K` times a relaxation function in fractions of `K`, and
+/// Kelvin-Voigt damping in parallel, `m = K (G * dE + tau dE/dt)`.
 ///
-/// It is passive. A step costs one exponential per Maxwell element.
+/// The law is passive. A step costs one exponential per Maxwell element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viscoelastic {
     stiffness: Vector3<f64>,
@@ -133,8 +133,9 @@ pub struct Viscoelastic {
 }
 
 impl Viscoelastic {
-    /// A section of stiffness `K` (N m^2, as in [`rapunzel_fiber::NodeProperties`]) that relaxes as
-    /// `relaxation` says in parts of `K`, with the retardation time `damping_time`, s (0: none).
+    /// A section of stiffness `K` (N m^2, as in [`rapunzel_fiber::NodeProperties`]) with the
+    /// relaxation function `relaxation` in fractions of `K` and the retardation time
+    /// `damping_time`, s (0: none).
     ///
     /// # Errors
     /// Refuses stiffnesses that are not positive and a negative time.
@@ -151,12 +152,12 @@ impl Viscoelastic {
         Ok(Self { stiffness, equilibrium, branches, damping_time })
     }
 
-    /// A section of these elements alone, in parts of `K` and in this order.
+    /// A section of these elements alone, with moduli in fractions of `K`, in this order.
     pub(super) fn of(stiffness: Vector3<f64>, branches: Vec<MaxwellElement>) -> Self {
         Self { stiffness, equilibrium: 0.0, branches, damping_time: 0.0 }
     }
 
-    /// Kelvin and Voigt's section: `m = K (E + tau dE/dt)`.
+    /// A Kelvin-Voigt section: `m = K (E + tau dE/dt)`.
     ///
     /// # Errors
     /// As [`Viscoelastic::new`].
@@ -166,7 +167,8 @@ impl Viscoelastic {
 }
 
 impl SectionLaw for Viscoelastic {
-    /// The strain at the last commit, then the stress of each element, in parts of `K`.
+    /// Two parts: the strain at the last commit, and the stress of each element in fractions of
+    /// `K`.
     fn memory(&self) -> usize {
         1 + self.branches.len()
     }

@@ -221,13 +221,13 @@ impl StageEquations {
         let m = mean(&la.moment(&a.kappa), &lb.moment(&b.kappa));
         let (kappa_hat, omega_hat) = (k * so3::hat(&kappa), k * so3::hat(&omega));
 
-        // Derivatives of the four equations by the unknowns of a node, named equation_unknown.
         // theta at the middle = half^T theta_a + (h/2) J d kappa.
         let lever = k * so3::right_jacobian(&(k * kappa));
         let force = so3::hat(&(middle.inverse() * s.force))
             + Matrix3::from_diagonal(&self.drag) * so3::hat(&(middle.inverse() * self.wind));
         let force = -s.h * force;
 
+        // Derivatives of the four equations by the unknowns of a node, named equation_unknown.
         let v_v =
             k * (self.c * s.rho * one + Matrix3::from_diagonal(&self.drag)) + s.rho * omega_hat;
         let v_omega = -k * s.rho * so3::hat(&v);
