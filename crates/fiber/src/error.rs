@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// What can be wrong with the description of a fibre.
+/// Errors of the description of a fibre.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FiberError {

@@ -11,9 +11,9 @@ use std::str::FromStr;
 names! {
     /// Direction of sliding, table 2.11.
     Direction, "direction" {
-        /// From root to tip of the hair that slides.
+        /// Sliding with the scales: from root to tip of the hair that slides.
         WithScales = "with the scales",
-        /// From tip to root.
+        /// Sliding against the scales: from tip to root of the hair that slides.
         AgainstScales = "against the scales",
         /// Between fibres that point in the same direction, sliding either way.
         SameWay = "same way",

@@ -3,7 +3,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Bending resistance of a joint between two segments, which the first text lacks in its rope.
 ///
-/// Its energy is `k |t2 - t1|^2 / 2 = k (1 - cos phi)`, where `t1` and `t2` are the unit tangents
+/// The energy is `k |t2 - t1|^2 / 2 = k (1 - cos phi)`, where `t1` and `t2` are the unit tangents
 /// of the two segments that meet in the middle node and `phi` is the angle between them; `k`, N m,
 /// is the bending stiffness of the rope, N m^2, divided by the length of a segment. It does not
 /// keep lengths: both segments should be springs.

@@ -4,7 +4,7 @@ use rapunzel_collision::CollisionError;
 use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
-/// What can be wrong with a mass-spring system, or with a step of it.
+/// Errors of a mass-spring system, or of a step of it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SpringError {

@@ -78,12 +78,12 @@ pub(crate) struct SpringRun {
     pub(crate) j: usize,
     /// Whether all springs of the run have the parameters of the first.
     pub(crate) uniform: bool,
-    /// First node that a later run may touch.
+    /// First node that a later run may have springs at.
     pub(crate) frontier: usize,
 }
 
 impl SpringRun {
-    /// First node beyond those that the run touches.
+    /// First node beyond those of the springs of the run.
     pub(crate) fn end(&self) -> usize {
         self.i.max(self.j) + self.count
     }

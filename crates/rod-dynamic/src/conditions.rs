@@ -23,7 +23,7 @@ impl Load {
     }
 }
 
-/// What holds or loads one end of a rod.
+/// Boundary condition at one end of a rod.
 ///
 /// The variant may change between steps (a held end may be released) but not within one.
 #[derive(Debug, Clone, Copy, PartialEq)]

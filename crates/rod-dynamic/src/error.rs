@@ -2,16 +2,16 @@
 use rapunzel_vibration::VibrationError;
 use thiserror::Error;
 
-/// What can be wrong with a rod, its state or its parameters.
+/// Errors of a rod, its state or its parameters.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RodError {
-    /// An argument that makes no sense.
+    /// An invalid argument.
     #[error("{what}: {why}")]
     Invalid {
         /// Name of the argument.
         what: &'static str,
-        /// What is wrong and what is allowed.
+        /// Description of the problem and of the allowed values.
         why: &'static str,
     },
     /// An array of the wrong length.
@@ -46,7 +46,7 @@ pub enum StepError {
         what: &'static str,
         /// Time of the invalid condition, s.
         time: f64,
-        /// What is wrong and what is allowed.
+        /// Description of the problem and of the allowed values.
         why: &'static str,
     },
     /// Newton's method did not converge, however small the step.

@@ -145,7 +145,7 @@ impl AddAssign for Momentum {
 pub struct RodStepReport {
     /// Newton iterations, over all sub-steps.
     pub iterations: usize,
-    /// How often the step was halved because Newton's method failed.
+    /// Number of times the step was halved because Newton's method failed.
     pub halvings: usize,
     /// Relative residual of the last solve.
     pub residual: f64,

@@ -54,7 +54,7 @@ impl Equilibrium {
         self.elastic_energy() + self.load_energy()
     }
 
-    /// How many points are conjugate to the far end; zero for a stable equilibrium.
+    /// Number of points conjugate to the far end; zero for a stable equilibrium.
     #[must_use]
     pub fn conjugate_points(&self) -> usize {
         self.conjugate_points

@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// What can be wrong with a static problem, or with its solution.
+/// Errors of a static problem, or of its solution.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StaticError {

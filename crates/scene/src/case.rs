@@ -11,7 +11,7 @@ use crate::{
 use rapunzel_fiber::{NodeProperties, Section};
 use serde::{Deserialize, Serialize};
 
-/// One rod, what loads it and what holds it.
+/// One rod with its loads and its boundary conditions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {

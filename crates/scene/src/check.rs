@@ -56,7 +56,7 @@ pub(crate) enum Allowed {
     Positive,
     /// Zero or above.
     NonNegative,
-    /// Of either sign.
+    /// Finite, of either sign.
     Finite,
     /// Between two bounds, which are allowed too.
     Within(f64, f64),

@@ -124,9 +124,9 @@ pub struct Bonds {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
-    /// The same in all directions.
+    /// Isotropic friction with one coefficient.
     Isotropic(f64),
-    /// The same in all directions, with a larger coefficient for a sticking contact than for a
+    /// Isotropic friction, with a larger coefficient for a sticking contact than for a
     /// sliding one: a contact sticks if it slipped by no more than the `slip` of the contact
     /// settings when the step began.
     Resting {

@@ -15,7 +15,7 @@ pub enum Motion {
     /// At rest.
     #[default]
     Fixed,
-    /// To and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns with
+    /// A swing to and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns with
     /// the arc.
     Swing {
         /// Angle of the arc, degrees.
@@ -45,7 +45,7 @@ pub enum Motion {
         /// End of the motion, s.
         until: f64,
     },
-    /// To and fro along a line, `amplitude sin(2 pi frequency t)`.
+    /// An oscillation along a line, `amplitude sin(2 pi frequency t)`.
     Shake {
         /// Largest displacement, m, world frame.
         amplitude: [f64; 3],
@@ -77,7 +77,7 @@ pub enum Pace {
     /// A cosine in time: it starts and turns around smoothly.
     #[default]
     Smooth,
-    /// At constant speed, as in the thesis; the velocity jumps at the ends of the arc.
+    /// Constant speed, as in the thesis; the velocity jumps at the ends of the arc.
     Constant,
 }
 

@@ -15,7 +15,7 @@ fn decay(x: f64) -> (f64, f64) {
     (left, mean)
 }
 
-/// What a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by `q = q0
+/// Energy that a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by `q = q0
 /// exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
 fn fading(x: f64) -> [f64; 3] {
     let (left, mean) = decay(x);

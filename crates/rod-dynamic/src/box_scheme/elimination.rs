@@ -95,7 +95,7 @@ impl PivotRows {
 /// Rows are pivoted among the 18 of a segment (six carried on, twelve new), which is all that is
 /// needed for stability. The rotation increments of the nodes, which depend on all curvatures
 /// before them, do not enlarge the system: they are kept as three passive rows
-/// `theta = T x + t` in the unknowns of the current node and substituted on the way.
+/// `theta = T x + t` in the unknowns of the current node and substituted during the elimination.
 ///
 /// Cost: 6.7e3 multiplications and additions per segment. No allocation after the first solve.
 #[derive(Debug, Clone)]

@@ -16,7 +16,7 @@ use rapunzel_fiber::so3;
 const DRIFT_GAIN: f64 = 0.5;
 /// Rounding errors of a sum of a few terms, relative to the largest.
 const SETUP_ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Where nothing at all acts, residuals are measured by this, in units of the solver.
+/// Least scale of the residuals, for a rod without any load, in units of the solver.
 const LEAST_LOAD: f64 = 1e-12;
 
 /// Turns a state and the conditions of a step into the equations of the step.

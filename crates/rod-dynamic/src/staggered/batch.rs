@@ -211,7 +211,7 @@ impl StaggeredBatch {
         }
     }
 
-    /// How many numbers [`StaggeredBatch::save`] appends.
+    /// Number of scalars that [`StaggeredBatch::save`] appends.
     fn numbers(&self) -> usize {
         1 + (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber)).sum::<usize>()
     }

@@ -355,7 +355,7 @@ impl<S: Simd> RotationChain<S> {
     }
 
     /// Newton's method on all lanes at once. Lanes that are not `wanted` stay as they are, and so
-    /// do lanes once they have converged: no fibre depends on its neighbours in the pack. `far`
+    /// do lanes once they have converged: no fibre depends on its neighbours in the batch. `far`
     /// says that the solution is expected to be far away.
     #[inline(always)]
     pub(super) fn newton(

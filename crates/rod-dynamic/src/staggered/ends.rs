@@ -163,7 +163,7 @@ pub(super) fn frame(end: &End) -> [f64; 4] {
     EndPart::of(end).frame
 }
 
-/// One end, with zeros for what it does not have.
+/// Components of one end, zero where its kind has none.
 struct EndPart {
     kind: EndKind,
     position: Vector3<f64>,

@@ -17,14 +17,14 @@ const LONG: f64 = 1e3;
 
 /// Curvature that is added to leave a saddle of the energy, as the turn of the whole rod in rad.
 const KICK: f64 = 0.05;
-/// How often a saddle is left before it is returned as the result.
+/// Number of saddles that are left before one is returned as the result.
 const MAX_KICKS: usize = 4;
 
 /// Why no equilibrium was found.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EquilibriumError {
-    /// The rod or the state to start from makes no sense.
+    /// Invalid rod, or invalid state to start from.
     #[error(transparent)]
     Rod(#[from] RodError),
     /// The loads make no sense, or Newton's method did not converge.

@@ -8,7 +8,7 @@
 //!
 //! With `u` the displacement over the step, the end of the step has the velocity `cv u + vc` and
 //! the acceleration `c1 (u - du)`. Backward Euler is the same without memory of accelerations: its
-//! velocity is the mean one over the step, which is what laws of contact speak of.
+//! velocity is the mean one over the step, which contact laws refer to.
 
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
