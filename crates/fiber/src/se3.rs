@@ -44,8 +44,8 @@ pub fn adjoint(pose: &IsometryMatrix3<f64>) -> Matrix6<f64> {
 
 /// The right Jacobian `J`: `exp(xi + dxi) = exp(xi) exp(J dxi)` to first order.
 ///
-/// The lower left block of `J` is the derivative of the Jacobian of SO(3) at `u` along `v`, because the
-/// power series of the two share their coefficients.
+/// The lower left block of `J` is the derivative of the Jacobian of SO(3) at `u` along `v`, because
+/// the power series of the two share their coefficients.
 #[must_use]
 pub fn right_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
     let (u, v) = split(xi);

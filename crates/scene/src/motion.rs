@@ -15,8 +15,8 @@ pub enum Motion {
     /// At rest.
     #[default]
     Fixed,
-    /// A swing to and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns with
-    /// the arc.
+    /// A swing to and fro on an arc, as hair on a turning head (thesis 3.4.9.8). The bundle turns
+    /// with the arc.
     Swing {
         /// Angle of the arc, degrees.
         angle: f64,

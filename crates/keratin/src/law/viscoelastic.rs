@@ -15,8 +15,9 @@ fn decay(x: f64) -> (f64, f64) {
     (left, mean)
 }
 
-/// Energy that a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by `q = q0
-/// exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and `r^2`.
+/// Energy that a Maxwell element of modulus 1 dissipates in `x` relaxation times, `int q^2 dx`, by
+/// `q = q0 exp(-y) + r (1 - exp(-y)) / x` after `y` of them: the factors of `q0^2`, `2 q0 r` and
+/// `r^2`.
 fn fading(x: f64) -> [f64; 3] {
     let (left, mean) = decay(x);
     let squares = 0.5 * x * mean * (1.0 + left);
