@@ -2,7 +2,7 @@
 
 use crate::direct_sum::{Cloud, add_pairs, places};
 use crate::error::{check_charges, check_positions};
-use crate::harmonics::{Gradient, HarmonicTables, count, regular};
+use crate::harmonics::{Gradient, HarmonicTables, count, regular_at};
 use crate::method::{Fields, Method};
 use crate::multipole::tree::Octree;
 use crate::multipole::upward::Multipoles;
@@ -105,13 +105,7 @@ fn add_multipole(
     let r = x.norm();
     let unit = x / r;
     let mut values = [0.0; count(MAX_ORDER)];
-    regular(
-        pulp::Scalar::new(),
-        HarmonicTables::get(),
-        order,
-        unit.into(),
-        &mut values[..count(order)],
-    );
+    regular_at(HarmonicTables::get(), order, unit.into(), &mut values[..count(order)]);
     // Degree n of the unit direction times scale^n / r^(n+1).
     let dot = |n: usize, c: usize| -> f64 {
         (n * n..count(n)).map(|k| gradient.terms[k][c] * values[k]).sum()

@@ -3,12 +3,12 @@
 use super::admm_part::AdmmPart;
 use super::admm_state::AdmmState;
 use super::anderson::AndersonUpdate;
-use super::contact_lanes::{ContactLanes, RegisterVectors, norm};
+use super::contact_lanes::{ContactLanes, norm};
 use crate::VectorLanes;
 use crate::metric;
 use crate::residual::ResidualSums;
 use pulp::{Arch, Simd, WithSimd};
-use rapunzel_lanes::{LANES, Lane};
+use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Step of the descent, relative to the largest with which it does not diverge.
 const STEP_MARGIN: f64 = 0.95;
@@ -74,16 +74,16 @@ fn prox<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState, keeps_velociti
         let (response, adhesion) = (lanes.responses(), lanes.adhesion());
         // The velocity without the contact's own impulse, from the state h.
         let velocity = lanes.relative_velocities(&state.h, &lanes.group.sides);
-        let q = less(velocity, times(lanes.given_impulses(), response));
+        let q = velocity - lanes.given_impulses().scale(response);
         // Signorini's law of the normal, then Coulomb's limit of the friction that would stop the
         // slip.
         let answer = (response + lanes.compliance()).recip();
-        let normal = (-q[0] * answer).max(-adhesion);
-        let [s, t] = lanes.project([-q[1] * answer, -q[2] * answer], normal + adhesion);
-        let r = [normal, s, t];
+        let normal = (-q.0[0] * answer).max(-adhesion);
+        let [s, t] = lanes.project([-q.0[1] * answer, -q.0[2] * answer], normal + adhesion);
+        let r = V3([normal, s, t]);
         store_impulses(&lanes, r, &mut part.impulses, state, part.contacts.start);
         if keeps_velocities {
-            lanes.store(sum(q, times(r, response)), &mut part.wanted[lanes.group_index]);
+            lanes.store(q + r.scale(response), &mut part.wanted[lanes.group_index]);
         }
     }
 }
@@ -101,15 +101,12 @@ fn eval_splitting<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
         let (zero, weight) = (lanes.splat(0.0), lanes.weights());
         // Where nothing holds a contact, only what closes the gap is wrong.
         let loose = -lanes.adhesion();
-        let off = [
-            r[0].less_or_equal(loose).select(v[0].min(zero), v[0] - wanted[0]),
-            r[0].less_or_equal(loose).select(zero, v[1] - wanted[1]),
-            r[0].less_or_equal(loose).select(zero, v[2] - wanted[2]),
-        ];
-        let u = sum(v, times(r, lanes.compliance()));
+        let open = V3([v.0[0].min(zero), zero, zero]);
+        let off = r.0[0].less_or_equal(loose).select(open, v - wanted);
+        let u = v + r.scale(lanes.compliance());
         sums.residual_squares = sums.residual_squares + squared(off) * (weight * weight);
         sums.impulse_squares = sums.impulse_squares + squared(r);
-        sums.normal_error = sums.normal_error.max(off[0].abs());
+        sums.normal_error = sums.normal_error.max(off.0[0].abs());
         sums.slip_error = sums.slip_error.max(slip_error(&lanes, u, r, weight));
     }
     part.sums = sums.reduce();
@@ -157,10 +154,10 @@ fn descent_gradient<S: Simd>(
         // Plain descent does not diverge with D below twice the reciprocal of the largest response.
         let bound = lanes.splat(metric::largest_response(state.metric_weight)) * lanes.responses();
         let mass = (bound / lanes.splat(2.0 * STEP_MARGIN) + lanes.compliance()).recip();
-        u[0] = u[0] + lanes.dissipation([u[1], u[2]]);
-        let next = nearest_in_cone(&lanes, less(r, times(u, mass)));
+        u.0[0] = u.0[0] + lanes.dissipation([u.0[1], u.0[2]]);
+        let next = nearest_in_cone(&lanes, r - u.scale(mass));
         lanes.store(next, &mut images[lanes.group_index]);
-        let increment = times(less(next, r), lanes.responses().sqrt());
+        let increment = (next - r).scale(lanes.responses().sqrt());
         lanes.store(increment, &mut increments[lanes.group_index]);
     }
     if evaluates_residual {
@@ -173,10 +170,10 @@ fn descent_gradient<S: Simd>(
 fn relative_velocities<S: Simd>(
     lanes: &ContactLanes<S>,
     state: &AdmmState,
-    impulse: RegisterVectors<S>,
-) -> RegisterVectors<S> {
+    impulse: V3<S>,
+) -> V3<S> {
     let velocity = lanes.relative_velocities(&state.velocity_changes, &lanes.group.points);
-    sum(velocity, times(impulse, lanes.compliance()))
+    velocity + impulse.scale(lanes.compliance())
 }
 
 /// The next impulses of the descent: the accelerated ones, back into the cones.
@@ -203,13 +200,13 @@ fn descent_update<S: Simd>(
 #[inline(always)]
 fn store_impulses<S: Simd>(
     lanes: &ContactLanes<S>,
-    r: RegisterVectors<S>,
+    r: V3<S>,
     impulses: &mut [VectorLanes<f64>],
     state: &AdmmState,
     start: usize,
 ) {
     lanes.store(r, &mut impulses[lanes.group_index]);
-    let changes = lanes.unpack(lanes.in_world(less(r, lanes.given_impulses())));
+    let changes = lanes.unpack(lanes.in_world(r - lanes.given_impulses()));
     for (i, change) in lanes.range().zip(&changes) {
         state.impulse_changes.set(start + i, change);
     }
@@ -217,52 +214,31 @@ fn store_impulses<S: Simd>(
 
 /// Impulses within the cones, whose tips are at minus the adhesion, nearest to others, N s.
 #[inline(always)]
-fn nearest_in_cone<S: Simd>(
-    lanes: &ContactLanes<S>,
-    [n, s, t]: RegisterVectors<S>,
-) -> RegisterVectors<S> {
+fn nearest_in_cone<S: Simd>(lanes: &ContactLanes<S>, V3([n, s, t]): V3<S>) -> V3<S> {
     let tip = lanes.adhesion();
-    let [n, s, t] = lanes.project_cone([n + tip, s, t]);
-    [n - tip, s, t]
+    let V3([n, s, t]) = lanes.project_cone(V3([n + tip, s, t]));
+    V3([n - tip, s, t])
 }
 
 /// Slips that the friction does not allow, m/s, as the slip of [`crate::Violation`].
 #[inline(always)]
 fn slip_error<S: Simd>(
     lanes: &ContactLanes<S>,
-    u: RegisterVectors<S>,
-    impulse: RegisterVectors<S>,
+    u: V3<S>,
+    impulse: V3<S>,
     weight: Lane<S>,
 ) -> Lane<S> {
     let zero = lanes.splat(0.0);
-    let limit = (impulse[0] + lanes.adhesion()).max(zero);
-    let [_, s, t] = less(impulse, times(u, weight));
+    let limit = (impulse.0[0] + lanes.adhesion()).max(zero);
+    let V3([_, s, t]) = impulse - u.scale(weight);
     let [s, t] = lanes.project([s, t], limit);
-    let along = (impulse[1] - s) * u[1] + (impulse[2] - t) * u[2];
-    along.less_or_equal(zero).select(zero, along / norm([u[1], u[2]])) / weight
+    let along = (impulse.0[1] - s) * u.0[1] + (impulse.0[2] - t) * u.0[2];
+    along.less_or_equal(zero).select(zero, along / norm([u.0[1], u.0[2]])) / weight
 }
 
-/// Sums of vectors.
+/// Squares of the norms of vectors: sums of rounded squares, as each contact alone has them.
 #[inline(always)]
-fn sum<S: Simd>(a: RegisterVectors<S>, b: RegisterVectors<S>) -> RegisterVectors<S> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// Differences of vectors.
-#[inline(always)]
-fn less<S: Simd>(a: RegisterVectors<S>, b: RegisterVectors<S>) -> RegisterVectors<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// Products of vectors and numbers.
-#[inline(always)]
-fn times<S: Simd>(a: RegisterVectors<S>, b: Lane<S>) -> RegisterVectors<S> {
-    [a[0] * b, a[1] * b, a[2] * b]
-}
-
-/// Squares of the norms of vectors.
-#[inline(always)]
-fn squared<S: Simd>([x, y, z]: RegisterVectors<S>) -> Lane<S> {
+fn squared<S: Simd>(V3([x, y, z]): V3<S>) -> Lane<S> {
     x * x + y * y + z * z
 }
 
@@ -284,15 +260,16 @@ impl<S: Simd> LaneSums<S> {
     /// Adds contacts with their relative velocities, m/s, and impulses, N s, in their frames, as
     /// [`crate::Violation`] does.
     #[inline(always)]
-    fn add(&mut self, lanes: &ContactLanes<S>, u: RegisterVectors<S>, impulse: RegisterVectors<S>) {
+    fn add(&mut self, lanes: &ContactLanes<S>, u: V3<S>, impulse: V3<S>) {
         let weight = lanes.weights();
         // The impulse from the cone's tip.
-        let r = [impulse[0] + lanes.adhesion(), impulse[1], impulse[2]];
-        let saxce = [u[0] + lanes.dissipation([u[1], u[2]]), u[1], u[2]];
+        let r = V3([impulse.0[0] + lanes.adhesion(), impulse.0[1], impulse.0[2]]);
+        let [n, s, t] = u.0;
+        let saxce = V3([n + lanes.dissipation([s, t]), s, t]);
         // The natural map of the law, with de Saxcé's term along the normal.
-        let projected = lanes.project_cone(less(r, times(saxce, weight)));
-        let normal_error = u[0].min(r[0] / weight).abs();
-        self.residual_squares = self.residual_squares + squared(less(r, projected));
+        let projected = lanes.project_cone(r - saxce.scale(weight));
+        let normal_error = n.min(r.0[0] / weight).abs();
+        self.residual_squares = self.residual_squares + squared(r - projected);
         self.impulse_squares = self.impulse_squares + squared(r);
         self.normal_error = self.normal_error.max(normal_error);
         self.slip_error = self.slip_error.max(slip_error(lanes, u, impulse, weight));

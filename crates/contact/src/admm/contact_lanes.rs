@@ -8,12 +8,9 @@ use super::shared_vectors::SharedVectors;
 use crate::{Contact, VectorLanes};
 use nalgebra::Vector3;
 use pulp::Simd;
-use rapunzel_lanes::{LANES, Lane};
+use rapunzel_lanes::{LANES, Lane, V3};
 use std::array::from_fn;
 use std::ops::Range;
-
-/// A vector of each contact of a register, by component.
-pub(super) type RegisterVectors<S> = [Lane<S>; 3];
 
 /// Contacts of a group that share a register.
 #[derive(Clone, Copy)]
@@ -96,19 +93,19 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
 
     /// Vectors of this register, from those of the whole group.
     #[inline(always)]
-    pub(super) fn load(&self, [x, y, z]: &VectorLanes<f64>) -> RegisterVectors<S> {
-        [self.lane(x), self.lane(y), self.lane(z)]
+    pub(super) fn load(&self, [x, y, z]: &VectorLanes<f64>) -> V3<S> {
+        V3([self.lane(x), self.lane(y), self.lane(z)])
     }
 
     /// Puts vectors where [`Self::load`] finds them.
     #[inline(always)]
-    pub(super) fn store(&self, vectors: RegisterVectors<S>, into: &mut VectorLanes<f64>) {
-        vectors.into_iter().zip(into).for_each(|(x, into)| x.store(into, self.register));
+    pub(super) fn store(&self, vectors: V3<S>, into: &mut VectorLanes<f64>) {
+        vectors.0.into_iter().zip(into).for_each(|(x, into)| x.store(into, self.register));
     }
 
     /// Lanes of vectors that lie one after another.
     #[inline(always)]
-    fn pack(&self, vectors: &[Vector3<f64>; LANES]) -> RegisterVectors<S> {
+    fn pack(&self, vectors: &[Vector3<f64>; LANES]) -> V3<S> {
         let mut numbers = [[0.0; LANES]; 3];
         for (lane, vector) in vectors.iter().take(S::F64_LANES).enumerate() {
             for k in 0..3 {
@@ -116,15 +113,15 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
             }
         }
         let [x, y, z] = &numbers;
-        [Lane::load(self.simd, x, 0), Lane::load(self.simd, y, 0), Lane::load(self.simd, z, 0)]
+        V3([x, y, z].map(|numbers| Lane::load(self.simd, numbers, 0)))
     }
 
     /// Vectors one after another, from their lanes.
     #[inline(always)]
-    pub(super) fn unpack(&self, vectors: RegisterVectors<S>) -> [Vector3<f64>; LANES] {
+    pub(super) fn unpack(&self, vectors: V3<S>) -> [Vector3<f64>; LANES] {
         let mut numbers = [[0.0; LANES]; 3];
         for k in 0..3 {
-            vectors[k].store(&mut numbers[k], 0);
+            vectors.0[k].store(&mut numbers[k], 0);
         }
         let [x, y, z] = numbers;
         from_fn(|lane| Vector3::new(x[lane], y[lane], z[lane]))
@@ -132,7 +129,7 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
 
     /// Impulses that were given, N s, in the frames.
     #[inline(always)]
-    pub(super) fn given_impulses(&self) -> RegisterVectors<S> {
+    pub(super) fn given_impulses(&self) -> V3<S> {
         self.load(&self.group.impulses)
     }
 
@@ -143,36 +140,37 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         &self,
         changes: &SharedVectors,
         indices: &SideIndices,
-    ) -> RegisterVectors<S> {
+    ) -> V3<S> {
         let from = self.register * S::F64_LANES;
         let mut between = [Vector3::zeros(); LANES];
         for lane in 0..S::F64_LANES {
             let [first, second] = [indices[0][from + lane], indices[1][from + lane]];
             between[lane] = changes.get(first as usize) - changes.get(second as usize);
         }
-        let [x, y, z] = self.pack(&between);
-        let (frame, mut relative) = (self.frame(), [self.splat(0.0); 3]);
+        let V3([x, y, z]) = self.pack(&between);
+        let (frame, mut relative) = (self.frame(), V3::splat(self.simd, 0.0));
         for i in 0..3 {
-            let [a, b, c] = frame[i];
-            relative[i] = a * x + b * y + c * z + self.lane(&self.group.velocities[i]);
+            let [a, b, c] = frame[i].0;
+            relative.0[i] = a * x + b * y + c * z + self.lane(&self.group.velocities[i]);
         }
         relative
     }
 
     /// Normals and both tangents, world.
     #[inline(always)]
-    fn frame(&self) -> [RegisterVectors<S>; 3] {
-        let [[a, b, c], [x, y, z]] = [0, 1].map(|axis| self.load(&self.group.axes[axis]));
-        [[a, b, c], [x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
+    fn frame(&self) -> [V3<S>; 3] {
+        let [normal, along] = [0, 1].map(|axis| self.load(&self.group.axes[axis]));
+        let (V3([a, b, c]), V3([x, y, z])) = (normal, along);
+        [normal, along, V3([b * z - c * y, c * x - a * z, a * y - b * x])]
     }
 
     /// Vectors in the world frame, from those in the contacts' frames.
     #[inline(always)]
-    pub(super) fn in_world(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
-        let [a, b, c] = self.frame();
-        let mut world = [self.splat(0.0); 3];
+    pub(super) fn in_world(&self, V3([n, s, t]): V3<S>) -> V3<S> {
+        let [V3(a), V3(b), V3(c)] = self.frame();
+        let mut world = V3::splat(self.simd, 0.0);
         for k in 0..3 {
-            world[k] = a[k] * n + b[k] * s + c[k] * t;
+            world.0[k] = a[k] * n + b[k] * s + c[k] * t;
         }
         world
     }
@@ -184,11 +182,11 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         if let Some(circles) = &self.group.circles {
             return self.lane(circles) * norm([s, t]);
         }
-        let mut all = self.unpack([s, t, s]);
+        let mut all = self.unpack(V3([s, t, s]));
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             found.z = contact.friction.dissipation(&found.xy());
         }
-        let [_, _, power] = self.pack(&all);
+        let V3([_, _, power]) = self.pack(&all);
         power
     }
 
@@ -204,18 +202,18 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
             let share = scale.less_or_equal(zero).select(zero, share);
             return [s * share, t * share];
         }
-        let mut all = self.unpack([s, t, scale]);
+        let mut all = self.unpack(V3([s, t, scale]));
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             let nearest = contact.friction.project(&found.xy(), found.z);
             (found.x, found.y) = (nearest.x, nearest.y);
         }
-        let [s, t, _] = self.pack(&all);
+        let V3([s, t, _]) = self.pack(&all);
         [s, t]
     }
 
     /// Impulses within the cones nearest to others, as [`crate::LimitCurve::project_cone`].
     #[inline(always)]
-    pub(super) fn project_cone(&self, [n, s, t]: RegisterVectors<S>) -> RegisterVectors<S> {
+    pub(super) fn project_cone(&self, V3([n, s, t]): V3<S>) -> V3<S> {
         if let Some(circles) = &self.group.circles {
             let (zero, one, mu) = (self.splat(0.0), self.splat(1.0), self.lane(circles));
             // Coulomb's cone: inside stays, the polar cone goes to the tip, the rest onto the
@@ -225,13 +223,10 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
             let normal = outer / (one + mu * mu);
             let share = size.less_or_equal(inside).select(one, mu * normal / size);
             let normal = size.less_or_equal(inside).select(n, normal);
-            return [
-                outer.less_or_equal(zero).select(zero, normal),
-                outer.less_or_equal(zero).select(zero, s * share),
-                outer.less_or_equal(zero).select(zero, t * share),
-            ];
+            let border = V3([normal, s * share, t * share]);
+            return outer.less_or_equal(zero).select(V3::splat(self.simd, 0.0), border);
         }
-        let mut all = self.unpack([n, s, t]);
+        let mut all = self.unpack(V3([n, s, t]));
         for (found, contact) in all.iter_mut().zip(&self.contacts[self.range()]) {
             *found = contact.friction.project_cone(found);
         }
@@ -267,11 +262,12 @@ mod tests {
             for register in 0..ContactLanes::<S>::registers(contacts.len()) {
                 let lanes = ContactLanes::new(simd, groups, contacts, register);
                 let own = &q[lanes.range()];
-                let [n, s, t] = lanes.pack(&from_fn(|i| own.get(i).copied().unwrap_or_default()));
-                let cone = lanes.unpack(lanes.project_cone([n, s, t]));
+                let V3([n, s, t]) =
+                    lanes.pack(&from_fn(|i| own.get(i).copied().unwrap_or_default()));
+                let cone = lanes.unpack(lanes.project_cone(V3([n, s, t])));
                 let power = lanes.dissipation([s, t]);
                 let [s, t] = lanes.project([s, t], n);
-                let others = lanes.unpack([power, s, t]);
+                let others = lanes.unpack(V3([power, s, t]));
                 for (found, all) in found.iter_mut().zip([cone, others]) {
                     found[lanes.range()].copy_from_slice(&all[..own.len()]);
                 }

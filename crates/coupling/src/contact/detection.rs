@@ -31,7 +31,16 @@ pub(crate) struct ContactDetector {
     /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
     holds: bool,
     candidates: Candidates,
-    leads_through: bool,
+}
+
+/// What fibres and objects are in each other at the end of a motion.
+pub(crate) struct Overlaps {
+    /// Contact points of the pairs that were listed, sorted by pair and place.
+    pub(crate) points: Vec<ContactPoint>,
+    /// Largest depth of all pairs, m; not below zero.
+    pub(crate) deepest: f64,
+    /// Whether the motion leads fibres through each other, whatever the points at its end.
+    pub(crate) through: bool,
 }
 
 /// All nodes before and after a step.
@@ -58,48 +67,44 @@ impl ContactDetector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        Ok(Self { margin, more, holds, candidates, leads_through: false })
+        Ok(Self { margin, more, holds, candidates })
     }
 
-    /// Whether the last motion whose touches were asked for at its end leads fibres through each
-    /// other, whatever the touches there.
-    pub(crate) fn leads_through(&self) -> bool {
-        self.leads_through
-    }
-
-    /// All touches of a motion, with their places and normals at its end, sorted by pair and place;
-    /// none is missed that a straight motion of all nodes would lead through.
-    pub(crate) fn touches(
+    /// Replaces `touches` by all contact points of a motion, with their places and normals at its
+    /// end, sorted by pair and place; none is missed that a straight motion of all nodes would lead
+    /// through.
+    pub(crate) fn detect(
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
         touches: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
-        self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches)
+        self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches).map(|_| ())
     }
 
-    /// The touches of fibres that are deeper than `depth`, m, in each other at the end of a motion,
-    /// or that it would lead through each other, with gaps up to the margin, and those of objects.
-    /// The others of a dense list are many, and of no use where it has been solved. Returns how
-    /// deep the deepest are, m; not below zero.
+    /// Contact points of fibres that are deeper than `depth`, m, in each other at the end of a
+    /// motion, or that it would lead through each other, with gaps up to the margin, and contact
+    /// points of objects. The others of a dense list are many, and of no use where it has been
+    /// solved.
     pub(crate) fn overlaps(
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
         depth: f64,
-        touches: &mut Vec<ContactPoint>,
-    ) -> Result<f64, CollisionError> {
-        let mut deepest = 0.0;
+    ) -> Result<Overlaps, CollisionError> {
+        let (mut points, mut deepest) = (Vec::new(), 0.0);
         let chosen = |end: &Capsules, near, fast: &[CapsuleContact]| {
             let (chosen, left) = of_overlapping(end, near, fast, depth);
             deepest = left;
             chosen
         };
-        self.list(motion, objects, self.margin, chosen, touches)?;
-        Ok(touches.iter().map(|touch| -touch.gap).fold(deepest, f64::max))
+        let through = self.list(motion, objects, self.margin, chosen, &mut points)?;
+        let deepest = points.iter().map(|point| -point.gap).fold(deepest, f64::max);
+        Ok(Overlaps { points, deepest, through })
     }
 
-    /// The touches with gaps up to `margin`, m, of those pairs that are near which `chosen` leaves.
+    /// Replaces `touches` by the contact points with gaps up to `margin`, m, of the near pairs that
+    /// `chosen` leaves. Returns whether the motion leads fibres through each other.
     fn list(
         &mut self,
         motion: &NodeMotion,
@@ -107,7 +112,7 @@ impl ContactDetector {
         margin: f64,
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[CapsuleContact]) -> Vec<Pair>,
         touches: &mut Vec<ContactPoint>,
-    ) -> Result<(), CollisionError> {
+    ) -> Result<bool, CollisionError> {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
         let (near, fast) = sort(&start, &end, &pairs, margin, self.holds);
@@ -121,14 +126,14 @@ impl ContactDetector {
         let mut contacts = Vec::new();
         contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
         drop(near);
-        self.leads_through = fast.iter().any(|contact| leads_through(&start, &end, contact));
+        let through = fast.iter().any(|contact| leads_through(&start, &end, contact));
         add(&end, fast, &mut contacts);
         let mut others = of_objects(motion, objects, margin);
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, touches);
         keep_sides(&start, touches);
-        Ok(())
+        Ok(through)
     }
 }
 
@@ -354,7 +359,7 @@ mod tests {
         let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut touches = Vec::new();
-        detector.touches(&motion, &[], &mut touches).expect("one layout");
+        detector.detect(&motion, &[], &mut touches).expect("one layout");
         touches
     }
 
@@ -417,15 +422,13 @@ mod tests {
             let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
             let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
             let mut detector = ContactDetector::new(radius, radius, false).expect("lengths");
-            let mut touches = Vec::new();
-            let deepest = detector.overlaps(&motion, &[], 0.1 * radius, &mut touches);
-            let deepest = deepest.expect("one layout");
-            assert_eq!(detector.leads_through(), through, "{height}");
-            let deep = touches.iter().any(|touch| touch.gap < -0.5 * radius);
+            let found = detector.overlaps(&motion, &[], 0.1 * radius).expect("one layout");
+            assert_eq!(found.through, through, "{height}");
+            let deep = found.points.iter().any(|point| point.gap < -0.5 * radius);
             assert_eq!(deep, height < 0.7, "{height}");
             // What is hardly deep is told, but not listed.
-            assert_eq!(touches.is_empty(), height > 0.7, "{height}");
-            let depth = 2.0 * radius * (1.0 - height).max(0.0);
+            assert_eq!(found.points.is_empty(), height > 0.7, "{height}");
+            let (depth, deepest) = (2.0 * radius * (1.0 - height).max(0.0), found.deepest);
             assert!(through || (deepest - depth).abs() < 1e-9 * radius, "{height}: {deepest}");
         }
     }

@@ -30,7 +30,7 @@ pub(super) fn touches(
         dt: INSTANT,
     };
     let mut touches = Vec::new();
-    detector.touches(&motion, system.objects, &mut touches)?;
+    detector.detect(&motion, system.objects, &mut touches)?;
     let too_deep = |touch: &&ContactPoint| {
         let held = [0, 1].iter().all(|&side| is_held(system, touch, side));
         -touch.gap > if held { depth } else { OVERLAP * radius }

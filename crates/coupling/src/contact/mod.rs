@@ -42,6 +42,7 @@ mod in_contact;
 mod initial_overlaps;
 mod laws;
 mod leaps;
+mod newton;
 mod node_arrays;
 mod problem;
 mod stepper;

@@ -1,6 +1,6 @@
 use super::adhesive_film::AdhesiveFilm;
 use super::contact_work::ContactWork;
-use super::detection::{self, ContactDetector};
+use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::laws::ContactLaws;
@@ -23,27 +23,10 @@ use rapunzel_collision::{CollisionError, segment_radii};
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
-/// Most iterations of Newton's method with one list of contacts, and most lists.
-const MOST_ITERATIONS: usize = 8;
+/// Most lists of contacts in a substep.
 const MOST_LISTS: usize = 9;
 /// From this list on no contact is dropped: some would come and go for ever.
-const PATIENCE: usize = 3;
-/// Increments below this, rad, need not be taken.
-const SMALL_TURN: f64 = 1e-4;
-/// After one that is smaller than this the next is taken to be: it is of the order of the square.
-/// Of a falling lock it was the square, and 190 times that at worst, where that was less than a
-/// third of what may stay.
-const LAST_TURN: f64 = 1e-3;
-/// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost
-/// less.
-const LOST: f64 = 0.5;
-/// Dense contacts take longer: so many times the iterations follow those that did not do.
-const LONGER: usize = 4;
-/// What they must leave of the error, or the step leads nowhere.
-const PROGRESS: f64 = 0.3;
-/// An error below which fibres are so near to where they go, in tolerances, that it is seen which
-/// contacts will not do.
-const CLOSE: f64 = 60.0;
+pub(super) const PATIENCE: usize = 3;
 /// Gaps up to so many radii are listed.
 const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider
@@ -54,22 +37,22 @@ const MOST_HALVINGS: u32 = 6;
 
 /// Fibres with all contacts among them and with objects.
 pub(super) struct ContactStepper {
-    settings: ContactSettings,
-    film: Option<AdhesiveFilm>,
+    pub(super) settings: ContactSettings,
+    pub(super) film: Option<AdhesiveFilm>,
     detector: ContactDetector,
-    solver: ContactSolver,
+    pub(super) solver: ContactSolver,
     /// Radii of all segments, m.
-    radii: Vec<f64>,
+    pub(super) radii: Vec<f64>,
     /// The smallest radius of a segment, m.
     radius: f64,
     /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
-    /// Contact points of the step before, whose memory the next list takes.
-    touches: Vec<ContactPoint>,
+    /// Contact points of the last substep, whose memory the next list takes.
+    points: Vec<ContactPoint>,
     /// Workspace of the last contact problem.
     room: ProblemWorkspace,
     /// Time that phases of the step at hand have taken.
-    times: ContactTimes,
+    pub(super) times: ContactTimes,
     /// What touched in the last part.
     pub(super) memory: WarmStart,
     /// What tells how long phases take.
@@ -106,7 +89,7 @@ impl ContactStepper {
             radii,
             radius,
             bonds: Vec::new(),
-            touches: Vec::new(),
+            points: Vec::new(),
             room: ProblemWorkspace::default(),
             times: ContactTimes::default(),
             memory: WarmStart::default(),
@@ -181,13 +164,8 @@ impl ContactStepper {
         last: bool,
     ) -> Result<StepReport, SubstepFailure> {
         self.solver.forget();
-        let mut part = Substep {
-            time,
-            dt,
-            touches: std::mem::take(&mut self.touches),
-            work: ContactWork::default(),
-            report: StepReport::default(),
-        };
+        let mut part =
+            Substep { time, dt, work: ContactWork::default(), report: StepReport::default() };
         // It is forces that last: impulses grow with the step.
         let scale = self.memory.dt.map_or(0.0, |before| dt / before);
         let first = self.memory.dt.is_none();
@@ -195,13 +173,16 @@ impl ContactStepper {
         let mut known = if first { self.bonds.clone() } else { bearing };
         let solved =
             self.solve(system, &mut part, &ExpectedImpulses { known: &known, scale }, last);
-        if solved.is_ok() {
-            system.accept(time, dt);
-            cache_impulses(&part.touches, &mut known);
-        } else {
-            system.abandon();
-            if first {
-                known.clear();
+        match &solved {
+            Ok(()) => {
+                system.accept(time, dt);
+                cache_impulses(&self.points, &mut known);
+            }
+            Err(_) => {
+                system.abandon();
+                if first {
+                    known.clear();
+                }
             }
         }
         self.memory.bearing = known;
@@ -209,10 +190,12 @@ impl ContactStepper {
         self.memory.dt = Some(dt);
         self.memory.work += part.work;
         part.report.contact.parts = 1;
-        self.touches = part.touches;
         Ok(part.report)
     }
 
+    /// Solves a substep: lists contacts where it is expected to lead, solves them together with the
+    /// rods, and lists anew where that leads, until none is missing. Its contact points are then
+    /// the stepper's.
     fn solve(
         &mut self,
         system: &mut CoupledSystem,
@@ -227,39 +210,37 @@ impl ContactStepper {
             .fibers
             .with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
         laps.lap(&mut self.times.rods);
-        self.list(system, part, expected)?;
+        let points = self.list(system, part, expected)?;
         let mean = system.fibers.mean_velocities();
         let room = std::mem::take(&mut self.room);
-        let mut case = self.case(system, part, expected, &mean, room)?;
+        let mut case = self.case(system, part, expected, &mean, points, room)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let start = case.certificate(system, &part.touches, &mean);
+        let start = case.certificate(system, &mean);
         laps.lap(&mut self.times.laws);
         drop(mean);
         let mut effort = self.rough(ForcingTerm::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
+        let mut through = false;
         for list in 0..MOST_LISTS {
             let solved = self.converge(system, part, &mut case, list, effort, last)?;
-            let mut bearing = std::mem::take(&mut part.touches);
-            case.give_impulses(&mut bearing);
-            let deepest = self.look_at_end(system, part, &bearing)?;
+            case.give_impulses();
+            let found = self.look_at_end(system, part, case.points())?;
+            through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = system.fibers.mean_velocities();
-            part.work = case.work(system, &bearing, &mean);
+            part.work = case.work(system, &mean);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
-            (report.listed, report.active) = (case.contacts(), case.active());
+            (report.listed, report.active) = (case.points().len(), case.active());
             report.lists += 1;
-            report.depth = deepest;
-            worst_touch = Unresolved::deepest(time, &part.touches);
-            if solved && deepest <= self.depth() {
-                part.touches = bearing;
-                // What a way leads through may leave no touch at its end.
-                let through = self.detector.leads_through();
+            report.depth = found.deepest;
+            worst_touch = Unresolved::deepest(time, &found.points);
+            if solved && found.deepest <= self.depth() {
                 // About a bend or each other, two that are fast may turn so far that a step drives
                 // them.
                 let errors = [self.depth() / dt, self.settings.slip];
-                if through || case.drives(system, &part.touches, &mean, errors) {
-                    worst_touch = worst_touch.or_else(|| worst(system, part, &case));
+                if through || case.drives(system, &mean, errors) {
+                    worst_touch = worst_touch.or_else(|| case.worst(system, time));
                     // No part is so short that fibres may go through each other.
                     if through || !last {
                         return Err(SubstepFailure::Contacts(worst_touch));
@@ -267,40 +248,29 @@ impl ContactStepper {
                     part.report.contact.miss(worst_touch);
                 }
                 if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
-                    let bounds = [bonds.strength, self.settings.slip];
-                    case.tear(system, &mut part.touches, &mean, bounds)?;
+                    case.tear(system, &mean, bonds.strength, self.settings.slip)?;
                 }
-                self.room = case.into_workspace();
+                (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
-            case.set_gaps(system, &mut bearing, &mean, dt);
-            part.touches = merged(bearing, &part.touches, self.shallow(), list < PATIENCE);
-            case = self.case(system, part, expected, &mean, case.into_workspace())?;
-            effort = self.rough(ForcingTerm::where_off(deepest / self.depth()));
+            case.set_gaps(system, &mean, dt);
+            let (bearing, room) = case.into_parts();
+            let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
+            case = self.case(system, part, expected, &mean, points, room)?;
+            effort = self.rough(ForcingTerm::where_off(found.deepest / self.depth()));
         }
-        let worst_touch = worst_touch.or_else(|| worst(system, part, &case));
-        if !last || self.detector.leads_through() {
+        let worst_touch = worst_touch.or_else(|| case.worst(system, time));
+        if !last || through {
             return Err(SubstepFailure::Contacts(worst_touch));
         }
         part.report.contact.miss(worst_touch);
+        self.points = case.into_parts().0;
         Ok(())
-    }
-
-    /// An effort that need not be the last. What a film pulls is far more than what moves fibres:
-    /// loose answers would fling them apart.
-    fn rough(&self, effort: ForcingTerm) -> ForcingTerm {
-        if self.film.is_some() { ForcingTerm::LAST } else { self.of_use(effort) }
-    }
-
-    /// An effort as far as that is of use.
-    fn of_use(&self, effort: ForcingTerm) -> ForcingTerm {
-        let polished = self.settings.solver == ContactMethod::Polished;
-        if polished { effort.polished() } else { effort }
     }
 
     /// How deep in each other things may be after a step, m: so little that a film does not tear by
     /// an error.
-    fn depth(&self) -> f64 {
+    pub(super) fn depth(&self) -> f64 {
         let depth = self.settings.depth * 2.0 * self.radius;
         self.film.as_ref().map_or(depth, |film| depth.min(0.1 * film.reach()))
     }
@@ -310,82 +280,16 @@ impl ContactStepper {
         0.5 * self.depth()
     }
 
-    /// Solves the step with the contacts of a case, of the list of this number, from this effort
-    /// on. Tells whether rods and contacts are within their tolerances. Where all fly apart they
-    /// are not listed again: what is swept then could be everything.
-    fn converge(
-        &mut self,
-        system: &mut CoupledSystem,
-        part: &mut Substep,
-        case: &mut ContactProblem,
-        list: usize,
-        mut effort: ForcingTerm,
-        last: bool,
-    ) -> Result<bool, SubstepFailure> {
-        let patient = list >= PATIENCE;
-        let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
-        for _ in 0..MOST_ITERATIONS {
-            let error = case.error().unwrap_or(f64::INFINITY);
-            let solved = exact && error <= 1.0;
-            if solved && turn < LAST_TURN {
-                return Ok(true);
-            }
-            // The first list is of another end, and soon seen not to do.
-            if list == 0 && !solved && error < CLOSE && self.strays(system, part, case)? {
-                return Ok(false);
-            }
-            let mut laps = PhaseTimer::start(self.stopwatch);
-            let own = largest(system.fibers.for_groups(|group| group.linearize())?);
-            laps.lap(&mut self.times.rods);
-            if solved && own < SMALL_TURN {
-                return Ok(true);
-            }
-            let (increment, reached) = self.iterate(system, part, case, effort, patient)?;
-            (turn, exact) = (increment, effort.is_last());
-            // Fibres may be so entangled by where the step began that no impulses let them through.
-            let left = case.error().unwrap_or(f64::INFINITY);
-            if !reached && longer && !last && left > PROGRESS * error {
-                return Err(SubstepFailure::Contacts(worst(system, part, case)));
-            }
-            longer = !reached;
-            effort =
-                if longer { effort.again(LONGER) } else { self.of_use(ForcingTerm::after(left)) };
-        }
-        if turn > LOST {
-            Err(SubstepFailure::Contacts(worst(system, part, case)))
-        } else {
-            Ok(false)
-        }
-    }
-
-    /// Whether fibres have come deeper into each other than their contacts tell, by more than they
-    /// may: a solution with these contacts would be found to be none.
-    fn strays(
-        &mut self,
-        system: &CoupledSystem,
-        part: &Substep,
-        case: &ContactProblem,
-    ) -> Result<bool, CollisionError> {
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let mean = system.fibers.mean_velocities();
-        let ends = part.ends(system, &mean);
-        let near = case.near(system, &part.touches, &mean, part.dt);
-        let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
-        laps.lap(&mut self.times.detection);
-        let deeper =
-            |(touch, found): (&ContactPoint, f64)| touch.gap.min(0.0) - found > self.depth();
-        Ok(near.iter().zip(found).any(deeper))
-    }
-
-    /// The contacts of a part whose touches were listed where nodes have the given mean velocities.
-    /// Their impulses act from now on and no others: some may have been expected of touches that
-    /// are gone.
+    /// The problem of contact points that were listed where nodes have the given mean velocities.
+    /// Their impulses act from now on and no others: some may have been expected of contact points
+    /// that are gone.
     fn case(
         &mut self,
         system: &mut CoupledSystem,
         part: &Substep,
         expected: &ExpectedImpulses,
         mean: &[Vector3<f64>],
+        points: Vec<ContactPoint>,
         room: ProblemWorkspace,
     ) -> Result<ContactProblem, SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
@@ -393,115 +297,60 @@ impl ContactStepper {
         let laws =
             ContactLaws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
         let gives = self.settings.compliance > 0.0;
-        let before = if gives { cached_impulses(expected, &part.touches) } else { Vec::new() };
-        let case = ContactProblem::new(system, &part.touches, mean, part.dt, &laws, before, room)?;
+        let before = if gives { cached_impulses(expected, &points) } else { Vec::new() };
+        let case = ContactProblem::new(system, points, mean, part.dt, &laws, before, room)?;
         laps.lap(&mut self.times.laws);
-        let pushes = case.pushes(&part.touches);
-        system.push(pushes.clone(), part.time, part.dt)?;
-        system.fibers.with_impulses(pushes, |group, own| group.press(own))?;
+        system.push(case.pushes(), part.time, part.dt)?;
+        system.fibers.with_impulses(case.pushes(), |group, own| group.press(own))?;
         laps.lap(&mut self.times.rods);
         Ok(case)
     }
 
-    /// How well the contacts of a step of `dt` seconds must be solved.
-    fn tolerance(&self, dt: f64) -> Tolerance {
-        let ContactSettings { residual, slip, iterations, .. } = self.settings;
-        Tolerance { residual, normal: 0.5 * self.depth() / dt, slip, iterations }
-    }
-
-    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
-    /// increment, rad, and whether the contacts were solved as well as asked.
-    fn iterate(
-        &mut self,
-        system: &mut CoupledSystem,
-        part: &mut Substep,
-        case: &mut ContactProblem,
-        effort: ForcingTerm,
-        patient: bool,
-    ) -> Result<(f64, bool), SubstepFailure> {
-        self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let one = case.solve(system, &part.touches, &mut self.solver, patient)?;
-        laps.lap(&mut self.times.solver);
-        let pushes = case.pushes(&part.touches);
-        let turns = system.fibers.with_impulses(pushes.clone(), |group, own| group.advance(own))?;
-        system.push(pushes, part.time, part.dt)?;
-        case.turned(&turns);
-        let turn = largest(turns);
-        laps.lap(&mut self.times.rods);
-        let found = case.certificate(system, &part.touches, &system.fibers.mean_velocities());
-        case.set_error(self.tolerance(part.dt).error(&found));
-        laps.lap(&mut self.times.laws);
-        part.report.iterations += system.fibers.assembly().fibers().len();
-        part.report.worst_iterations += 1;
-        let report = &mut part.report.contact;
-        report.iterations += one.iterations;
-        report.solves += 1;
-        report.residual = found.residual;
-        report.normal_error = found.normal_error;
-        report.slip_error = found.slip_error;
-        Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
-    }
-
-    /// Lists the touches where the step leads, with the impulses expected of them.
+    /// Lists the contact points where the step leads, with the impulses expected of them.
     fn list(
         &mut self,
         system: &CoupledSystem,
-        part: &mut Substep,
+        part: &Substep,
         expected: &ExpectedImpulses,
-    ) -> Result<(), CollisionError> {
+    ) -> Result<Vec<ContactPoint>, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let mut touches = std::mem::take(&mut part.touches);
+        let mut points = std::mem::take(&mut self.points);
         // Lists take much room: the velocities go before, and come again.
         let ends = part.ends(system, &system.fibers.mean_velocities());
         let motion = part.motion(system, &self.radii, &ends);
-        self.detector.touches(&motion, system.objects, &mut touches)?;
-        match_cached(expected, &mut touches);
-        part.touches = touches;
+        self.detector.detect(&motion, system.objects, &mut points)?;
+        match_cached(expected, &mut points);
         laps.lap(&mut self.times.detection);
-        Ok(())
+        Ok(points)
     }
 
-    /// Lists those that overlap where the step has been solved to, with such touches. Returns by
-    /// how much at most, m, where these do not give way.
+    /// Lists what overlaps where the substep has been solved to, with such contacts; how deep at
+    /// most is told where these do not give way.
     fn look_at_end(
         &mut self,
         system: &CoupledSystem,
-        part: &mut Substep,
+        part: &Substep,
         bearing: &[ContactPoint],
-    ) -> Result<f64, CollisionError> {
+    ) -> Result<Overlaps, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let mut touches = Vec::new();
         let ends = part.ends(system, &system.fibers.mean_velocities());
         let motion = part.motion(system, &self.radii, &ends);
         let shallow = self.shallow();
-        let mut deepest = self.detector.overlaps(&motion, system.objects, shallow, &mut touches)?;
+        let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;
         if self.settings.compliance > 0.0 {
             // What is not listed is no deeper.
             let mut known = Vec::new();
             cache_impulses(bearing, &mut known);
             let impulses =
-                cached_impulses(&ExpectedImpulses { known: &known, scale: 1.0 }, &touches);
+                cached_impulses(&ExpectedImpulses { known: &known, scale: 1.0 }, &found.points);
             let gives = self.settings.compliance / part.dt;
-            let depth = |(touch, impulse): (&ContactPoint, Vector3<f64>)| {
-                -touch.gap - gives * impulse.dot(&touch.normal)
+            let depth = |(point, impulse): (&ContactPoint, Vector3<f64>)| {
+                -point.gap - gives * impulse.dot(&point.normal)
             };
-            let depths = touches.iter().zip(impulses).map(depth);
-            deepest = depths.fold(deepest.min(shallow), f64::max);
+            let depths = found.points.iter().zip(impulses).map(depth);
+            found.deepest = depths.fold(found.deepest.min(shallow), f64::max);
         }
-        part.touches = touches;
         laps.lap(&mut self.times.detection);
-        Ok(deepest)
+        Ok(found)
     }
-}
-
-/// The touch that is farthest from its law.
-fn worst(system: &CoupledSystem, part: &Substep, case: &ContactProblem) -> Option<Unresolved> {
-    let touch =
-        &part.touches[case.worst(system, &part.touches, &system.fibers.mean_velocities())?];
-    Some(Unresolved::new(part.time, touch))
-}
-
-fn largest(turns: Vec<f64>) -> f64 {
-    turns.into_iter().fold(0.0, f64::max)
 }

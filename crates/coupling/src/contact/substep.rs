@@ -2,7 +2,6 @@ use super::contact_work::ContactWork;
 use super::detection::NodeMotion;
 use super::system::CoupledSystem;
 use crate::StepReport;
-use crate::contact_point::ContactPoint;
 use nalgebra::{Point3, Vector3};
 
 /// A substep: the part of a step at hand.
@@ -10,7 +9,6 @@ pub(super) struct Substep {
     /// Start and length of the substep, s.
     pub(super) time: f64,
     pub(super) dt: f64,
-    pub(super) touches: Vec<ContactPoint>,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,
 }

@@ -17,7 +17,7 @@ mod translate;
 mod translation_tables;
 mod turn;
 
-pub(crate) use kernels::{Gradient, regular};
+pub(crate) use kernels::{Gradient, regular, regular_at};
 pub(crate) use shift::{Shift, TranslationKind};
 pub(crate) use tables::{HarmonicTables, count};
 pub(crate) use translate::Translator;

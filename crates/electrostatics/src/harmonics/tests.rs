@@ -9,7 +9,7 @@ fn expansion(order: usize, points: &[Vector3<f64>], scale: f64, outside: bool) -
     for point in points {
         let mut values = vec![0.0; count(order)];
         let x = (if outside { point / point.norm_squared() } else { point / scale }).into();
-        regular(pulp::Scalar::new(), HarmonicTables::get(), order, x, &mut values);
+        regular_at(HarmonicTables::get(), order, x, &mut values);
         for n in 0..=order {
             let factor = if outside { scale.powf(n as f64) / point.norm() } else { 1.0 };
             for k in n * n..count(n) {

@@ -1,7 +1,7 @@
 //! Constants that move expansions, made once for the highest degree.
 
 use super::MAX_ORDER;
-use super::kernels::regular;
+use super::kernels::regular_at;
 use super::tables::{HarmonicTables, count, factorials, index};
 use crate::quadrature::gauss_legendre;
 use rapunzel_lanes::{Real, Ways};
@@ -140,7 +140,7 @@ fn swaps<E: Real>(tables: &HarmonicTables) -> Vec<[Swap<E>; 4]> {
             let s = (1.0 - z * z).sqrt();
             let values = |x: [f64; 3]| {
                 let mut out = vec![0.0; count(MAX_ORDER)];
-                regular(pulp::Scalar::new(), tables, MAX_ORDER, x, &mut out);
+                regular_at(tables, MAX_ORDER, x, &mut out);
                 out
             };
             let [x, y] = [s * phi.cos(), s * phi.sin()];

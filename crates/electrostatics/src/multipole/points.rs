@@ -5,7 +5,7 @@ use crate::direct_sum::Cloud;
 use crate::harmonics::{Gradient, HarmonicTables, count, regular};
 use aligned_vec::{AVec, ConstAlign, avec};
 use pulp::{Arch, Simd, WithSimd};
-use rapunzel_lanes::LANES;
+use rapunzel_lanes::{LANES, Lane};
 use std::ops::Range;
 
 /// Scratch space for the harmonics of some points, aligned to registers.
@@ -51,20 +51,20 @@ impl WithSimd for PointMultipole<'_> {
         let (work, _) = S::as_mut_simd_f64s(work);
         let (values, rest) = work.split_at_mut(size);
         let totals = &mut rest[..size];
-        totals.fill(simd.splat_f64s(0.0));
+        totals.fill(Lane::splat(simd, 0.0).value);
         for first in range.clone().step_by(S::F64_LANES) {
             let end = range.end.min(first + S::F64_LANES);
             let x = places(simd, cell, &cloud.x, first..end);
             let mut charges = [0.0; LANES];
             charges[..end - first].copy_from_slice(&cloud.charge[first..end]);
-            let charge = S::as_simd_f64s(&charges).0[0];
-            regular(simd, HarmonicTables::get(), order, x, values);
+            let charge = Lane::load(simd, &charges, 0);
+            regular(HarmonicTables::get(), order, x, values);
             for (total, value) in totals.iter_mut().zip(&*values) {
-                *total = simd.mul_add_e_f64s(charge, *value, *total);
+                *total = charge.mul_add(Lane::new(simd, *value), Lane::new(simd, *total)).value;
             }
         }
         for (moment, total) in moments.iter_mut().zip(totals) {
-            *moment = simd.reduce_sum_f64s(*total);
+            *moment = Lane::new(simd, *total).reduce_sum();
         }
     }
 }
@@ -77,14 +77,14 @@ fn places<S: Simd>(
     cell: &Cell,
     places: &[Vec<f64>; 3],
     range: Range<usize>,
-) -> [S::f64s; 3] {
-    let inverse = simd.splat_f64s(1.0 / cell.scale);
+) -> [Lane<S>; 3] {
+    let inverse = Lane::splat(simd, 1.0 / cell.scale);
     let mut out = [inverse; 3];
     for d in 0..3 {
         let mut lanes = [cell.center[d]; LANES];
         lanes[..range.len()].copy_from_slice(&places[d][range.clone()]);
-        let offset = simd.sub_f64s(S::as_simd_f64s(&lanes).0[0], simd.splat_f64s(cell.center[d]));
-        out[d] = simd.mul_f64s(offset, inverse);
+        let offset = Lane::load(simd, &lanes, 0) - inverse.lift(cell.center[d]);
+        out[d] = offset * inverse;
     }
     out
 }
@@ -126,16 +126,15 @@ impl WithSimd for LocalEvaluation<'_> {
         let values = &mut work[..count(order)];
         for (first, out) in range.step_by(S::F64_LANES).zip(out.chunks_mut(S::F64_LANES)) {
             let x = places(simd, cell, points, first..first + out.len());
-            regular(simd, HarmonicTables::get(), order, x, values);
-            let mut sums = [simd.splat_f64s(0.0); 4];
+            regular(HarmonicTables::get(), order, x, values);
+            let mut sums = [Lane::splat(simd, 0.0); 4];
             for (terms, value) in local.terms.iter().zip(&*values) {
                 for (sum, term) in sums.iter_mut().zip(terms) {
-                    *sum = simd.mul_add_e_f64s(simd.splat_f64s(*term), *value, *sum);
+                    *sum = sum.lift(*term).mul_add(Lane::new(simd, *value), *sum);
                 }
             }
             for (c, sum) in sums.iter().enumerate() {
-                let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
-                for (out, lane) in out.iter_mut().zip(lanes) {
+                for (out, lane) in out.iter_mut().zip(sum.numbers()) {
                     out[c] += lane;
                 }
             }

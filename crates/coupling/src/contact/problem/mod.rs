@@ -1,6 +1,7 @@
 //! The contacts of a step as the solver takes them.
 
 mod culling;
+mod parameters;
 mod residuals;
 
 use super::group_body::{DelassusCache, GroupBody};
@@ -10,6 +11,7 @@ use crate::contact::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
+use parameters::ContactParameters;
 use rapunzel_contact::{
     Body, Contact, ContactError, ContactSolver, LimitCurve, Report, Solver, Tolerance,
 };
@@ -36,35 +38,11 @@ const NONE: usize = usize::MAX;
 /// A side of a contact: the number of the contact, and 0 or 1.
 type ContactSide = (usize, usize);
 
-/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than
-/// twice as large, and most of a dense list are never solved.
-struct ContactParameters {
-    bias: Vector3<f64>,
-    friction: LimitCurve,
-    adhesion: f64,
-    compliance: f64,
-    /// The gap at the start of the step over its length, m/s.
-    gap: f64,
-}
-
-impl ContactParameters {
-    /// The contact of a touch, as a solver takes it, between two points.
-    fn contact(&self, touch: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
-        Contact {
-            first,
-            second: (!touch.led).then_some(second),
-            frame: touch.frame(),
-            bias: self.bias,
-            friction: self.friction.clone(),
-            adhesion: self.adhesion,
-            compliance: self.compliance,
-        }
-    }
-}
-
-/// All contacts of a list, in the order of the touches they are made of. As long as it stands these
-/// keep their order; what is asked of it takes them.
+/// All contacts of a list, in the order of the contact points they are made of.
 pub(super) struct ContactProblem {
+    /// Where the contacts are; with gaps and impulses when they were listed, until
+    /// [`ContactProblem::give_impulses`] and [`ContactProblem::set_gaps`].
+    points: Vec<ContactPoint>,
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
@@ -103,7 +81,7 @@ impl ContactProblem {
     /// gap tells.
     pub(super) fn new(
         system: &CoupledSystem,
-        touches: &[ContactPoint],
+        points: Vec<ContactPoint>,
         nodes: &[Vector3<f64>],
         dt: f64,
         laws: &ContactLaws,
@@ -141,10 +119,10 @@ impl ContactProblem {
             };
             (ContactParameters { bias, friction, adhesion: 0.0, compliance, gap }, impulse)
         };
-        let made = touches.par_iter().enumerate().map(law);
+        let made = points.par_iter().enumerate().map(law);
         // Twice the room, as they would grow by, is much.
         own.clear();
-        own.reserve_exact(touches.len());
+        own.reserve_exact(points.len());
         let mut impulses = Vec::new();
         made.unzip_into_vecs(&mut own, &mut impulses);
         drop(start);
@@ -152,26 +130,27 @@ impl ContactProblem {
             return Err(error);
         }
         let pulls =
-            laws.adhesion(system.fibers.assembly(), touches, own.iter().map(|law| law.gap))?;
+            laws.adhesion(system.fibers.assembly(), &points, own.iter().map(|law| law.gap))?;
         own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
         let acts = |touch: &ContactPoint| touch.working || touch.impulse != Vector3::zeros();
-        let openings = (touches.len() > nodes.len()).then(|| {
-            let speeds = touches.par_iter().zip(&own).map(|(touch, law)| {
+        let openings = (points.len() > nodes.len()).then(|| {
+            let speeds = points.par_iter().zip(&own).map(|(touch, law)| {
                 let always = acts(touch) || law.adhesion > 0.0;
                 if always { ALWAYS } else { touch.gap / dt + law.bias.x - law.gap }
             });
-            ContactCulling::new(system, touches, speeds.collect(), nodes)
+            ContactCulling::new(system, &points, speeds.collect(), nodes)
         });
         let masses =
             system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working: Vec<usize> =
-            (0..touches.len()).into_par_iter().filter(|&i| acts(&touches[i])).collect();
-        let pushes = working.iter().map(|&i| touches[i].impulse).collect();
+            (0..points.len()).into_par_iter().filter(|&i| acts(&points[i])).collect();
+        let pushes = working.iter().map(|&i| points[i].impulse).collect();
         let mass = masses.fold(f64::INFINITY, f64::min);
-        let weights = vec![mass; touches.len()];
+        let weights = vec![mass; points.len()];
         let written = system.fibers.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
         Ok(Self {
+            points,
             laws: own,
             impulses,
             before,
@@ -186,13 +165,14 @@ impl ContactProblem {
         })
     }
 
-    /// Leaves its room for the next.
-    pub(super) fn into_workspace(self) -> ProblemWorkspace {
-        ProblemWorkspace { laws: self.laws, solved: self.solved }
+    /// Takes the problem apart: its contact points, and its workspace for the next.
+    pub(super) fn into_parts(self) -> (Vec<ContactPoint>, ProblemWorkspace) {
+        (self.points, ProblemWorkspace { laws: self.laws, solved: self.solved })
     }
 
-    pub(super) fn contacts(&self) -> usize {
-        self.laws.len()
+    /// The contact points.
+    pub(super) fn points(&self) -> &[ContactPoint] {
+        &self.points
     }
 
     /// What the last iteration left, in tolerances; `None` before the first.
@@ -236,19 +216,14 @@ impl ContactProblem {
 
     /// The contacts that may close where nodes are so fast, in their order. If these are many of
     /// all, it is found anew how fast contacts open.
-    fn look(
-        &mut self,
-        system: &CoupledSystem,
-        touches: &[ContactPoint],
-        nodes: &Velocities,
-    ) -> Vec<usize> {
+    fn look(&mut self, system: &CoupledSystem, nodes: &Velocities) -> Vec<usize> {
         let near = self.near_where(system, nodes.nodes());
-        let Some(openings) = self.openings.as_mut().filter(|_| near.len() > touches.len() / MANY)
+        let Some(openings) = self.openings.as_mut().filter(|_| near.len() > self.laws.len() / MANY)
         else {
             return near;
         };
-        let one = |(touch, law): (&ContactPoint, &ContactParameters)| opening(law, touch, nodes);
-        let speeds = touches.par_iter().zip(&self.laws).map(one);
+        let one = |(point, law): (&ContactPoint, &ContactParameters)| law.opening(point, nodes);
+        let speeds = self.points.par_iter().zip(&self.laws).map(one);
         openings.renew(speeds, nodes.nodes());
         openings.near(system.fibers.assembly().layout(), nodes.nodes())
     }
@@ -260,23 +235,22 @@ impl ContactProblem {
     pub(super) fn solve(
         &mut self,
         system: &mut CoupledSystem,
-        touches: &[ContactPoint],
         solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
         let nodes = system.fibers.linear_velocities();
         let linear = Velocities::new(system, &nodes);
-        let near = self.look(system, touches, &linear);
-        let works = near.par_iter().map(|&i| {
-            patient && self.working.binary_search(&i).is_ok() || self.acts(i, touches, &linear)
-        });
+        let near = self.look(system, &linear);
+        let works = near
+            .par_iter()
+            .map(|&i| patient && self.working.binary_search(&i).is_ok() || self.acts(i, &linear));
         let works: Vec<bool> = works.collect();
         let working = near.into_iter().zip(works).filter_map(|(i, works)| works.then_some(i));
         let working: Vec<usize> = working.collect();
         if let Some(openings) = &mut self.openings {
             openings.hold(&working);
         }
-        let [mut used, on_objects] = self.sides(system, touches, &working);
+        let [mut used, on_objects] = self.sides(system, &working);
         self.keep(&mut used);
         let sides: Vec<ContactSide> = used.iter().chain(&on_objects).flatten().copied().collect();
         let mut place = vec![NONE; self.laws.len()];
@@ -288,17 +262,17 @@ impl ContactProblem {
                 index[place[i]][side] = point;
             }
         }
-        let of_side = |&(i, side): &ContactSide| linear.of_side(&touches[i], side);
+        let of_side = |&(i, side): &ContactSide| linear.of_side(&self.points[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         drop(nodes);
         let (laws, all) = (&self.laws, working.par_iter().zip(&index));
-        let solved = all.map(|(&i, points)| laws[i].contact(&touches[i], *points));
+        let solved = all.map(|(&i, sides)| laws[i].contact(&self.points[i], *sides));
         self.solved.clear();
         self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
-        let points = each(&used, |i, side| point(system, &touches[i], side));
-        let levers = each(&on_objects, |i, side| touches[i].lever(side));
+        let points = each(&used, |i, side| point(system, &self.points[i], side));
+        let levers = each(&on_objects, |i, side| self.points[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
         let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
         let exact = residual.min(normal).min(slip) < ROUNDING;
@@ -318,7 +292,7 @@ impl ContactProblem {
             self.solved.par_iter().zip(&impulses).map(|(contact, own)| contact.frame * own);
         pushes.collect_into_vec(&mut self.pushes);
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
-        self.weigh(touches, &working, &traces);
+        self.weigh(&working, &traces);
         self.working = working;
         Ok(report)
     }
@@ -326,11 +300,11 @@ impl ContactProblem {
     /// Notes the masses that solved contacts compare errors with, by the traces of how their points
     /// answer themselves. Free bodies may be far heavier than what presses them: with these it
     /// stays that of a segment.
-    fn weigh(&mut self, touches: &[ContactPoint], working: &[usize], traces: &[f64]) {
+    fn weigh(&mut self, working: &[usize], traces: &[f64]) {
         let both = working.par_iter().zip(&self.solved);
         let mass = both.map(|(&i, Contact { first, second, .. })| {
             let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
-            (trace > 0.0 && !touches[i].has_free()).then(|| 3.0 / trace)
+            (trace > 0.0 && !self.points[i].has_free()).then(|| 3.0 / trace)
         });
         let masses: Vec<Option<f64>> = mass.collect();
         for (&i, mass) in working.iter().zip(masses) {
@@ -339,17 +313,12 @@ impl ContactProblem {
     }
 
     /// The sides of some contacts that move, by group of fibres and by object.
-    fn sides(
-        &self,
-        system: &CoupledSystem,
-        touches: &[ContactPoint],
-        contacts: &[usize],
-    ) -> [Vec<Vec<ContactSide>>; 2] {
+    fn sides(&self, system: &CoupledSystem, contacts: &[usize]) -> [Vec<Vec<ContactSide>>; 2] {
         let mut used = vec![Vec::new(); system.fibers.groups.len()];
         let mut on_objects = vec![Vec::new(); system.objects.len()];
         let moving = |&i: &usize| {
-            let [first, second] = touches[i].sides;
-            [Some(first), (!touches[i].led).then_some(second)]
+            let point = &self.points[i];
+            [Some(point.sides[0]), (!point.led).then_some(point.sides[1])]
         };
         let moving: Vec<_> = contacts.par_iter().map(moving).collect();
         for (&i, sides) in contacts.iter().zip(moving) {
@@ -365,30 +334,27 @@ impl ContactProblem {
         [used, on_objects]
     }
 
-    /// The touches that bear something or that the solver looked at last, with their impulses.
-    pub(super) fn pushes(
-        &self,
-        touches: &[ContactPoint],
-    ) -> impl Iterator<Item = ContactImpulse> + Clone {
-        self.working.iter().zip(&self.pushes).map(|(&i, push)| touches[i].push(*push))
+    /// Impulses of the contacts that bear something or that the solver looked at last.
+    pub(super) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {
+        self.working.iter().zip(&self.pushes).map(|(&i, push)| self.points[i].push(*push))
     }
 
-    /// Gives the impulses back to the touches, and tells which the solver looked at last.
-    pub(super) fn give_impulses(&self, touches: &mut [ContactPoint]) {
-        touches.par_iter_mut().for_each(|touch| {
-            (touch.impulse, touch.working) = (Vector3::zeros(), false);
+    /// Writes the impulses into the contact points, and which of them the solver looked at last.
+    pub(super) fn give_impulses(&mut self) {
+        self.points.par_iter_mut().for_each(|point| {
+            (point.impulse, point.working) = (Vector3::zeros(), false);
         });
         for (&i, push) in self.working.iter().zip(&self.pushes) {
-            (touches[i].impulse, touches[i].working) = (*push, true);
+            (self.points[i].impulse, self.points[i].working) = (*push, true);
         }
     }
 
     /// Whether a contact bears something, pulls, or closes where things are so fast.
-    fn acts(&self, i: usize, touches: &[ContactPoint], velocities: &Velocities) -> bool {
+    fn acts(&self, i: usize, velocities: &Velocities) -> bool {
         let law = &self.laws[i];
         self.impulses[i] != Vector3::zeros()
             || law.adhesion > 0.0
-            || opening(law, &touches[i], velocities) < 0.0
+            || law.opening(&self.points[i], velocities) < 0.0
     }
 }
 
@@ -400,11 +366,6 @@ fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
         traces
     };
     bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
-}
-
-/// The relative velocity of a contact along its normal, with its bias, m/s.
-fn opening(law: &ContactParameters, touch: &ContactPoint, velocities: &Velocities) -> f64 {
-    touch.normal.dot(&velocities.between(touch)) + law.bias.x
 }
 
 /// A side of a touch that is a fibre, as a point of its group.

@@ -1,10 +1,11 @@
 //! What the contacts of a step do where all nodes have given velocities.
 
-use super::{ContactProblem, opening};
+use super::ContactProblem;
 use crate::contact::contact_work::ContactWork;
 use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
 use crate::contact_point::ContactPoint;
+use crate::contact_report::Unresolved;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
 use rayon::prelude::*;
@@ -27,43 +28,31 @@ impl ContactProblem {
     }
 
     /// How well the law holds where all nodes have the given mean velocities.
-    pub(crate) fn certificate(
-        &self,
-        system: &CoupledSystem,
-        touches: &[ContactPoint],
-        mean: &[Vector3<f64>],
-    ) -> Report {
+    pub(crate) fn certificate(&self, system: &CoupledSystem, mean: &[Vector3<f64>]) -> Report {
         let near = self.near_where(system, mean);
         let mean = Velocities::new(system, mean);
         // What opens and bears nothing is right.
-        let acting: Vec<usize> =
-            near.into_par_iter().filter(|&i| self.acts(i, touches, &mean)).collect();
-        report(acting.len(), |k| self.judged(acting[k], &touches[acting[k]], &mean))
+        let acting: Vec<usize> = near.into_par_iter().filter(|&i| self.acts(i, &mean)).collect();
+        report(acting.len(), |k| self.judged(acting[k], &mean))
     }
 
-    /// Which contact is farthest from the law where all nodes have the given mean velocities.
-    pub(crate) fn worst(
-        &self,
-        system: &CoupledSystem,
-        touches: &[ContactPoint],
-        mean: &[Vector3<f64>],
-    ) -> Option<usize> {
-        let mean = Velocities::new(system, mean);
+    /// The contact that is farthest from the law in the substep that starts at `time`, s, where
+    /// the rods are.
+    pub(crate) fn worst(&self, system: &CoupledSystem, time: f64) -> Option<Unresolved> {
+        let nodes = system.fibers.mean_velocities();
+        let mean = Velocities::new(system, &nodes);
         let wrong = |i: usize| {
-            let (contact, velocity, impulse, weight) = self.judged(i, &touches[i], &mean);
+            let (contact, velocity, impulse, weight) = self.judged(i, &mean);
             Violation::new(&contact, &velocity, &impulse, weight).impulse
         };
-        (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))
+        let worst = (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))?;
+        Some(Unresolved::new(time, &self.points[worst]))
     }
 
     /// A contact with its relative velocity, what gives way included, its impulse and the mass that
     /// compares them.
-    fn judged(
-        &self,
-        i: usize,
-        touch: &ContactPoint,
-        mean: &Velocities,
-    ) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
+    fn judged(&self, i: usize, mean: &Velocities) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
+        let touch = &self.points[i];
         let contact = self.laws[i].contact(touch, [0, 1]);
         let impulse = self.impulses[i];
         let velocity = contact.frame.tr_mul(&mean.between(touch)) + contact.bias;
@@ -72,16 +61,11 @@ impl ContactProblem {
     }
 
     /// What the contacts do where all nodes have the given mean velocities.
-    pub(crate) fn work(
-        &self,
-        system: &CoupledSystem,
-        touches: &[ContactPoint],
-        mean: &[Vector3<f64>],
-    ) -> ContactWork {
+    pub(crate) fn work(&self, system: &CoupledSystem, mean: &[Vector3<f64>]) -> ContactWork {
         let mean = Velocities::new(system, mean);
         let of_one = |i: usize| {
-            let touch = &touches[i];
-            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            let touch = &self.points[i];
+            let (contact, velocity, impulse, _) = self.judged(i, &mean);
             let drive = contact.frame.tr_mul(&touch.drive());
             let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
             let given = (before - impulse) * contact.compliance;
@@ -126,16 +110,15 @@ impl ContactProblem {
     pub(crate) fn drives(
         &self,
         system: &CoupledSystem,
-        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
         [repair, slip]: [f64; 2],
     ) -> bool {
         let velocities = Velocities::new(system, mean);
         let given = |i: usize| {
-            if touches[i].drive() != Vector3::zeros() {
+            if self.points[i].drive() != Vector3::zeros() {
                 return 0.0;
             }
-            let (contact, velocity, impulse, _) = self.judged(i, &touches[i], &velocities);
+            let (contact, velocity, impulse, _) = self.judged(i, &velocities);
             let friction = impulse.yz().dot(&velocity.yz()) - impulse.yz().norm() * slip;
             let gap = self.laws[i].gap + impulse.x * contact.compliance;
             impulse.x.max(0.0) * (-gap - repair).max(0.0) + friction
@@ -147,55 +130,51 @@ impl ContactProblem {
     /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
     /// `tolerance`, m/s, where all nodes have the given mean velocities.
     pub(crate) fn tear(
-        &self,
+        &mut self,
         system: &CoupledSystem,
-        touches: &mut [ContactPoint],
         mean: &[Vector3<f64>],
-        [strength, tolerance]: [f64; 2],
+        strength: f64,
+        tolerance: f64,
     ) -> Result<(), ContactError> {
         let mean = Velocities::new(system, mean);
-        for (i, touch) in touches.iter_mut().enumerate().filter(|(_, touch)| touch.bonded) {
+        for i in 0..self.points.len() {
+            if !self.points[i].bonded {
+                continue;
+            }
             let mut bond = Bond::new(strength)?;
-            let (contact, velocity, impulse, _) = self.judged(i, touch, &mean);
+            let (contact, velocity, impulse, _) = self.judged(i, &mean);
             bond.update(&contact, &velocity, &impulse, tolerance);
-            touch.bonded = bond.is_intact();
+            self.points[i].bonded = bond.is_intact();
         }
         Ok(())
     }
 
-    /// The touches that may have closed where all nodes have the given mean velocities, with their
+    /// The contact points that may have closed where all nodes have the given mean velocities, with their
     /// gaps there.
     pub(crate) fn near(
         &self,
         system: &CoupledSystem,
-        touches: &[ContactPoint],
         mean: &[Vector3<f64>],
         dt: f64,
     ) -> Vec<ContactPoint> {
         let near = self.near_where(system, mean);
         let mean = Velocities::new(system, mean);
-        let one =
-            |&i: &usize| ContactPoint { gap: self.gap(i, &touches[i], &mean, dt), ..touches[i] };
+        let one = |&i: &usize| ContactPoint { gap: self.gap(i, &mean, dt), ..self.points[i] };
         near.par_iter().map(one).collect()
     }
 
     /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
-    pub(crate) fn set_gaps(
-        &self,
-        system: &CoupledSystem,
-        touches: &mut [ContactPoint],
-        mean: &[Vector3<f64>],
-        dt: f64,
-    ) {
+    pub(crate) fn set_gaps(&mut self, system: &CoupledSystem, mean: &[Vector3<f64>], dt: f64) {
         let mean = Velocities::new(system, mean);
-        let all = touches.par_iter_mut().enumerate();
-        all.for_each(|(i, touch)| touch.gap = self.gap(i, touch, &mean, dt));
+        let gap = |i| self.gap(i, &mean, dt);
+        let gaps: Vec<f64> = (0..self.points.len()).into_par_iter().map(gap).collect();
+        self.points.iter_mut().zip(gaps).for_each(|(point, gap)| point.gap = gap);
     }
 
     /// The gap along the normal, m, where nodes have the given mean velocities.
-    fn gap(&self, i: usize, touch: &ContactPoint, mean: &Velocities, dt: f64) -> f64 {
+    fn gap(&self, i: usize, mean: &Velocities, dt: f64) -> f64 {
         let law = &self.laws[i];
         // The bias may be another than that of the gap.
-        dt * (opening(law, touch, mean) - law.bias.x + law.gap)
+        dt * (law.opening(&self.points[i], mean) - law.bias.x + law.gap)
     }
 }

@@ -1,0 +1,158 @@
+//! Newton's method for rods and contacts of one list together, inexact: its iterations solve the
+//! contacts only as well as they are worth (`ForcingTerm`).
+
+use super::detection;
+use super::forcing_term::ForcingTerm;
+use super::problem::ContactProblem;
+use super::stepper::{ContactStepper, PATIENCE};
+use super::substep::Substep;
+use super::substep_failure::SubstepFailure;
+use super::system::CoupledSystem;
+use crate::contact_point::ContactPoint;
+use crate::phase_times::PhaseTimer;
+use rapunzel_collision::CollisionError;
+use rapunzel_contact::Tolerance;
+use rapunzel_scene::{ContactMethod, ContactSettings};
+
+/// Most iterations of Newton's method with one list of contacts.
+const MOST_ITERATIONS: usize = 8;
+/// Increments below this, rad, need not be taken.
+const SMALL_TURN: f64 = 1e-4;
+/// After one that is smaller than this the next is taken to be: it is of the order of the square.
+/// Of a falling lock it was the square, and 190 times that at worst, where that was less than a
+/// third of what may stay.
+const LAST_TURN: f64 = 1e-3;
+/// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost
+/// less.
+const LOST: f64 = 0.5;
+/// Dense contacts take longer: so many times the iterations follow those that did not do.
+const LONGER: usize = 4;
+/// What they must leave of the error, or the step leads nowhere.
+const PROGRESS: f64 = 0.3;
+/// An error below which fibres are so near to where they go, in tolerances, that it is seen which
+/// contacts will not do.
+const CLOSE: f64 = 60.0;
+
+impl ContactStepper {
+    /// Solves the step with the contacts of a case, of the list of this number, from this effort
+    /// on. Tells whether rods and contacts are within their tolerances. Where all fly apart they
+    /// are not listed again: what is swept then could be everything.
+    pub(super) fn converge(
+        &mut self,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        case: &mut ContactProblem,
+        list: usize,
+        mut effort: ForcingTerm,
+        last: bool,
+    ) -> Result<bool, SubstepFailure> {
+        let patient = list >= PATIENCE;
+        let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
+        for _ in 0..MOST_ITERATIONS {
+            let error = case.error().unwrap_or(f64::INFINITY);
+            let solved = exact && error <= 1.0;
+            if solved && turn < LAST_TURN {
+                return Ok(true);
+            }
+            // The first list is of another end, and soon seen not to do.
+            if list == 0 && !solved && error < CLOSE && self.strays(system, part, case)? {
+                return Ok(false);
+            }
+            let mut laps = PhaseTimer::start(self.stopwatch);
+            let own = largest(system.fibers.for_groups(|group| group.linearize())?);
+            laps.lap(&mut self.times.rods);
+            if solved && own < SMALL_TURN {
+                return Ok(true);
+            }
+            let (increment, reached) = self.iterate(system, part, case, effort, patient)?;
+            (turn, exact) = (increment, effort.is_last());
+            // Fibres may be so entangled by where the step began that no impulses let them through.
+            let left = case.error().unwrap_or(f64::INFINITY);
+            if !reached && longer && !last && left > PROGRESS * error {
+                return Err(SubstepFailure::Contacts(case.worst(system, part.time)));
+            }
+            longer = !reached;
+            effort =
+                if longer { effort.again(LONGER) } else { self.of_use(ForcingTerm::after(left)) };
+        }
+        if turn > LOST {
+            Err(SubstepFailure::Contacts(case.worst(system, part.time)))
+        } else {
+            Ok(false)
+        }
+    }
+
+    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
+    /// increment, rad, and whether the contacts were solved as well as asked.
+    fn iterate(
+        &mut self,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        case: &mut ContactProblem,
+        effort: ForcingTerm,
+        patient: bool,
+    ) -> Result<(f64, bool), SubstepFailure> {
+        self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let one = case.solve(system, &mut self.solver, patient)?;
+        laps.lap(&mut self.times.solver);
+        let turns = system.fibers.with_impulses(case.pushes(), |group, own| group.advance(own))?;
+        system.push(case.pushes(), part.time, part.dt)?;
+        case.turned(&turns);
+        let turn = largest(turns);
+        laps.lap(&mut self.times.rods);
+        let found = case.certificate(system, &system.fibers.mean_velocities());
+        case.set_error(self.tolerance(part.dt).error(&found));
+        laps.lap(&mut self.times.laws);
+        part.report.iterations += system.fibers.assembly().fibers().len();
+        part.report.worst_iterations += 1;
+        let report = &mut part.report.contact;
+        report.iterations += one.iterations;
+        report.solves += 1;
+        report.residual = found.residual;
+        report.normal_error = found.normal_error;
+        report.slip_error = found.slip_error;
+        Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
+    }
+
+    /// Whether fibres have come deeper into each other than their contacts tell, by more than they
+    /// may: a solution with these contacts would be found to be none.
+    fn strays(
+        &mut self,
+        system: &CoupledSystem,
+        part: &Substep,
+        case: &ContactProblem,
+    ) -> Result<bool, CollisionError> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let mean = system.fibers.mean_velocities();
+        let ends = part.ends(system, &mean);
+        let near = case.near(system, &mean, part.dt);
+        let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
+        laps.lap(&mut self.times.detection);
+        let deeper =
+            |(touch, found): (&ContactPoint, f64)| touch.gap.min(0.0) - found > self.depth();
+        Ok(near.iter().zip(found).any(deeper))
+    }
+
+    /// An effort that need not be the last. What a film pulls is far more than what moves fibres:
+    /// loose answers would fling them apart.
+    pub(super) fn rough(&self, effort: ForcingTerm) -> ForcingTerm {
+        if self.film.is_some() { ForcingTerm::LAST } else { self.of_use(effort) }
+    }
+
+    /// An effort as far as that is of use.
+    fn of_use(&self, effort: ForcingTerm) -> ForcingTerm {
+        let polished = self.settings.solver == ContactMethod::Polished;
+        if polished { effort.polished() } else { effort }
+    }
+
+    /// How well the contacts of a step of `dt` seconds must be solved.
+    pub(super) fn tolerance(&self, dt: f64) -> Tolerance {
+        let ContactSettings { residual, slip, iterations, .. } = self.settings;
+        Tolerance { residual, normal: 0.5 * self.depth() / dt, slip, iterations }
+    }
+}
+
+fn largest(turns: Vec<f64>) -> f64 {
+    turns.into_iter().fold(0.0, f64::max)
+}

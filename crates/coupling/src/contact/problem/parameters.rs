@@ -1,0 +1,35 @@
+use crate::contact::velocities::Velocities;
+use crate::contact_point::ContactPoint;
+use nalgebra::Vector3;
+use rapunzel_contact::{Contact, LimitCurve};
+
+/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than
+/// twice as large, and most of a dense list are never solved.
+pub(super) struct ContactParameters {
+    pub(super) bias: Vector3<f64>,
+    pub(super) friction: LimitCurve,
+    pub(super) adhesion: f64,
+    pub(super) compliance: f64,
+    /// The gap at the start of the step over its length, m/s.
+    pub(super) gap: f64,
+}
+
+impl ContactParameters {
+    /// The contact of a touch, as a solver takes it, between two points.
+    pub(super) fn contact(&self, touch: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
+        Contact {
+            first,
+            second: (!touch.led).then_some(second),
+            frame: touch.frame(),
+            bias: self.bias,
+            friction: self.friction.clone(),
+            adhesion: self.adhesion,
+            compliance: self.compliance,
+        }
+    }
+
+    /// The relative velocity of the contact along its normal, with its bias, m/s.
+    pub(super) fn opening(&self, point: &ContactPoint, velocities: &Velocities) -> f64 {
+        point.normal.dot(&velocities.between(point)) + self.bias.x
+    }
+}
