@@ -11,6 +11,7 @@ mod free_body;
 mod group;
 mod ledger;
 mod object;
+mod object_touches;
 mod pair;
 mod phase_times;
 mod report;

@@ -32,8 +32,6 @@ const STIFF: f64 = 100.0;
 const HELD: usize = 4;
 /// What a search for the minimum costs, in steps along its elements.
 const RELAX: usize = 10;
-/// Part by which numbers of two equilibria may differ that are turned into each other.
-const SAME: f64 = 1e-7;
 /// Torques that twist them as well.
 const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
@@ -117,7 +115,7 @@ impl Problem {
             for &turns in &turns {
                 let start = ContinuationStart { nodes: nodes.clone(), factor: 0.0, turns };
                 if let Some(one) = self.follow(&self.elements, &start, &effort)
-                    && !found.iter().any(|other| alike(other, &one))
+                    && !found.iter().any(|other| other.is_like(&one))
                 {
                     found.push(one);
                 }
@@ -391,17 +389,4 @@ impl Problem {
         let rod = self.rod.clone();
         Some(Equilibrium { rod, elements, nodes, factor, elastic, work, conjugate_points })
     }
-}
-
-/// Whether two equilibria may be turned or reflected into each other: their energies and what they
-/// carry at both ends are the same in size.
-fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
-    let sizes = |e: &Equilibrium| {
-        let [root, tip] =
-            [&e.nodes[0], &e.nodes[e.nodes.len() - 1]].map(|n| [n.m.norm(), n.n.norm()]);
-        [e.elastic, e.elastic - e.work, root[0], tip[0], root[1], tip[1]]
-    };
-    let (a, b) = (sizes(a), sizes(b));
-    let unit = 1.0 + a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    a.iter().zip(&b).all(|(a, b)| (a - b).abs() < SAME * unit)
 }

@@ -43,6 +43,7 @@ mod initial_overlaps;
 mod laws;
 mod leaps;
 mod node_arrays;
+mod pair_lists;
 mod problem;
 mod stepper;
 mod substep;
