@@ -69,12 +69,6 @@ impl Equilibrium {
         self.conjugate_points == 0
     }
 
-    /// Number of elements, each one step of order eight.
-    #[must_use]
-    pub fn element_count(&self) -> usize {
-        self.elements.len()
-    }
-
     /// Whether two equilibria may be turned or reflected into each other: their energies and what
     /// they carry at both ends are the same in size.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
