@@ -116,7 +116,7 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Brings back the directors at the start of a step that has been set out on.
     #[inline(always)]
-    pub(super) fn recall_directors(&mut self) {
+    fn recall_directors(&mut self) {
         let all = Lane::splat(self.chain.simd, 1.0);
         keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
     }

@@ -31,8 +31,6 @@ pub(super) enum StepProblem {
     Start,
     /// A step, from where the motion leads.
     Step,
-    /// The same step once more, from where the last solve ended.
-    Again,
     /// Equilibrium: inertia only keeps Newton's matrix from being singular.
     Rest,
 }
