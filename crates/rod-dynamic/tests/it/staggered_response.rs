@@ -22,7 +22,8 @@ fn hold() -> Steady {
     Steady(Instant::clamped(pose(), Vector3::new(0.0, 2.0, -9.81)))
 }
 
-/// Curly hairs in full fall, each a little different, and the state before the step that is under way.
+/// Curly hairs in full fall, each a little different, and the state before the step that is under
+/// way.
 fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     let rods = (0..fibers)
         .map(|i| {
