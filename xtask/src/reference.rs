@@ -8,8 +8,9 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 13] = [
+const SOURCES: [&str; 14] = [
     "lib",
+    "environment",
     "fibers",
     "arrangement",
     "material",

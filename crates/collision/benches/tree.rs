@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
-use rapunzel_collision::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
 use rapunzel_collision::{Candidates, Capsules, Pair, Tree, contacts, squared_distances};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;

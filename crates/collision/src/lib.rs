@@ -4,14 +4,11 @@ mod capsules;
 pub mod continuous;
 mod error;
 pub mod field;
-pub mod hierarchy;
 mod join;
 mod narrow;
-pub mod packing;
 mod random;
-pub mod scenes;
+pub mod thesis;
 mod triangle;
-pub mod volume;
 mod wide;
 
 pub use capsules::{Capsule, Capsules, Pair, segment_radii};

@@ -49,7 +49,7 @@ pub(crate) struct ContactPoint {
     /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit
     /// length. Of an object that moves freely it is the lever from its center of mass to where the
     /// impulse acts, m: on the axis of a fibre, in the middle of the gap between objects. Of one
-    /// that is led the mean velocity of its surface over the step, m/s.
+    /// that is kinematic the mean velocity of its surface over the step, m/s.
     pub(crate) arms: [Vector3<f64>; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
@@ -59,8 +59,8 @@ pub(crate) struct ContactPoint {
     pub(crate) working: bool,
     /// Whether a bond holds it together.
     pub(crate) bonded: bool,
-    /// Whether the second side is an object that is led.
-    pub(crate) led: bool,
+    /// Whether the second side is a kinematic object.
+    pub(crate) kinematic: bool,
 }
 
 /// The impulse of a contact on its two bodies.
@@ -99,7 +99,7 @@ impl ContactPoint {
 
     /// Whether a side is an object that moves freely.
     fn is_free(&self, side: usize) -> bool {
-        self.sides[side].is_object() && !(self.led && side == 1)
+        self.sides[side].is_object() && !(self.kinematic && side == 1)
     }
 
     /// Whether any side is an object that moves freely.
@@ -118,9 +118,10 @@ impl ContactPoint {
         if self.is_free(side) { self.arms[side] } else { Vector3::zeros() }
     }
 
-    /// Mean velocity of the second side's surface over the step if that is led, else zero, m/s.
+    /// Mean velocity of the second side's surface over the step if that is kinematic, else zero,
+    /// m/s.
     pub(crate) fn drive(&self) -> Vector3<f64> {
-        if self.led { self.arms[1] } else { Vector3::zeros() }
+        if self.kinematic { self.arms[1] } else { Vector3::zeros() }
     }
 
     /// Where it is along both sides, in segments.
@@ -173,7 +174,8 @@ impl ContactPoint {
         self.sides == other.sides && self.apart(other.at()) < 0.1
     }
 
-    /// Whether two touches of one pair lie beside each other with normals that face each other.
+    /// Whether two contact points of one pair lie beside each other with normals that face each
+    /// other.
     pub(crate) fn opposes(&self, other: &Self) -> bool {
         let facing = if self.sides.iter().any(BodyRef::is_object) { 0.0 } else { FACING };
         self.apart(other.at()) < 1.0 && self.normal.dot(&other.normal) < facing
@@ -252,9 +254,9 @@ pub(crate) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
     }
 }
 
-/// The touches of a list together with those of another that are deeper than `depth`, in place of
-/// those that oppose them or are near them, unless there is nothing to `replace` any more: then
-/// only what is both goes, as fibres that cross at a small angle may need two with opposite
+/// The contact points of a list together with those of another that are deeper than `depth`, in
+/// place of those that oppose them or are near them, unless there is nothing to `replace` any more:
+/// then only what is both goes, as fibres that cross at a small angle may need two with opposite
 /// normals. Both are sorted.
 pub(crate) fn merged(
     mut list: Vec<ContactPoint>,
@@ -263,22 +265,22 @@ pub(crate) fn merged(
     replace: bool,
 ) -> Vec<ContactPoint> {
     let mut new: Vec<ContactPoint> =
-        other.iter().filter(|touch| touch.gap < -depth).copied().collect();
-    list.retain(|touch| {
-        let start = new.partition_point(|deep| deep.sides < touch.sides);
-        let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == touch.sides);
+        other.iter().filter(|point| point.gap < -depth).copied().collect();
+    list.retain(|point| {
+        let start = new.partition_point(|deep| deep.sides < point.sides);
+        let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == point.sides);
         let deep = of_pair.find(|deep| {
-            let [opposes, near] = [deep.opposes(touch), deep.near(touch)];
+            let [opposes, near] = [deep.opposes(point), deep.near(point)];
             if replace { opposes || near } else { opposes && near }
         });
         let Some(deep) = deep else { return true };
-        deep.bonded |= touch.bonded;
+        deep.bonded |= point.bonded;
         if deep.impulse == Vector3::zeros() {
-            deep.impulse = touch.impulse;
+            deep.impulse = point.impulse;
         }
         false
     });
-    merge(&mut list, new, |touch, deep| touch.rank() > deep.rank());
+    merge(&mut list, new, |point, deep| point.rank() > deep.rank());
     list
 }
 
@@ -287,8 +289,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A touch of two fibres at a place along both, in segments, its normal up or down.
-    fn touch(place: f64, up: f64, gap: f64) -> ContactPoint {
+    /// A contact point of two fibres at a place along both, in segments, its normal up or down.
+    fn point(place: f64, up: f64, gap: f64) -> ContactPoint {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
         let segment = place as u32;
         ContactPoint {
@@ -301,7 +303,7 @@ mod tests {
             impulse: Vector3::zeros(),
             working: false,
             bonded: false,
-            led: false,
+            kinematic: false,
         }
     }
 
@@ -311,15 +313,15 @@ mod tests {
     #[test]
     fn opposite_touches_stay_both_in_the_end() {
         let places = |new: &ContactPoint, replace: bool| -> Vec<f64> {
-            let merged = merged(vec![touch(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
-            merged.iter().map(|touch| touch.at()[0]).collect()
+            let merged = merged(vec![point(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
+            merged.iter().map(|point| point.at()[0]).collect()
         };
-        let (beside, there) = (touch(2.9, -1.0, -1e-5), touch(3.25, -1.0, -1e-5));
+        let (beside, there) = (point(2.9, -1.0, -1e-5), point(3.25, -1.0, -1e-5));
         assert_eq!((places(&beside, true), places(&beside, false)), (vec![2.9], vec![2.9, 3.2]));
         assert_eq!((places(&there, true), places(&there, false)), (vec![3.25], vec![3.25]));
-        let alike = touch(3.25, 1.0, -1e-5);
+        let alike = point(3.25, 1.0, -1e-5);
         assert_eq!((places(&alike, true), places(&alike, false)), (vec![3.25], vec![3.2, 3.25]));
-        let shallow = touch(2.9, -1.0, -1e-7);
+        let shallow = point(2.9, -1.0, -1e-7);
         assert_eq!((places(&shallow, true), places(&shallow, false)), (vec![3.2], vec![3.2]));
     }
 

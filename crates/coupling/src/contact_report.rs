@@ -69,13 +69,13 @@ impl ContactReport {
 }
 
 impl Unresolved {
-    pub(crate) fn new(time: f64, touch: &ContactPoint) -> Self {
-        Self { time, sides: touch.sides, segment: touch.segment(), depth: -touch.gap }
+    pub(crate) fn new(time: f64, point: &ContactPoint) -> Self {
+        Self { time, sides: point.sides, segment: point.segment(), depth: -point.gap }
     }
 
-    /// Where the deepest of some touches is.
-    pub(crate) fn deepest(time: f64, touches: &[ContactPoint]) -> Option<Self> {
-        let deepest = touches.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+    /// Where the deepest of some contact points is.
+    pub(crate) fn deepest(time: f64, points: &[ContactPoint]) -> Option<Self> {
+        let deepest = points.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
         Some(Self::new(time, deepest))
     }
 }

@@ -6,6 +6,7 @@ mod contact;
 mod contact_point;
 mod contact_report;
 mod error;
+mod fiber_on_object;
 mod fibers;
 mod free_body;
 mod group;

@@ -1,21 +1,13 @@
 //! What fibres lie on and bump into, and each other.
 
-use crate::contact_point::{BodyRef, ContactPoint};
 use crate::free_body::FreeBody;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
-use rapunzel_collision::continuous::MovingSegment;
-use rapunzel_collision::field::{ContactSearch, DistanceField, FieldContact, Sample, Soup};
+use rapunzel_collision::field::{DistanceField, Soup};
 use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_rod_dynamic::Energy;
 use rapunzel_scene::FrictionLaw;
 use std::sync::Arc;
-
-/// How far along a segment, in its length, contacts beside the deepest one are.
-const ROLL: f64 = 0.2;
-
-/// Gaps that differ by no more than this, in radii, are the same.
-const EVEN: f64 = 1e-3;
 
 /// A distance field that objects share with whoever else asks it.
 pub type Field = Arc<dyn DistanceField + Send + Sync>;
@@ -52,58 +44,6 @@ pub enum ObjectMotion {
     Kinematic(Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>),
     /// Gravity and contacts.
     Dynamic(Box<FreeBody>),
-}
-
-/// The contacts beside the deepest one of a segment: as it turns it rolls on to them.
-fn beside(
-    deepest: &FieldContact,
-    field: &impl DistanceField,
-    capsule: &Capsule,
-    margin: f64,
-) -> impl Iterator<Item = FieldContact> {
-    [-ROLL, ROLL].into_iter().filter_map(move |way| {
-        let fraction = deepest.fraction + way;
-        let Sample { value, gradient } = field.sample(&capsule.at(fraction));
-        let (gap, normal) = (value - capsule.radius, gradient.try_normalize(0.0)?);
-        let listed = (0.0..=1.0).contains(&fraction) && gap <= margin;
-        listed.then_some(FieldContact { fraction, gap, normal })
-    })
-}
-
-/// Whether the gaps along a segment change evenly from one end to the other, as at a plane.
-fn is_even(
-    contacts: &[FieldContact],
-    ends: [f64; 2],
-    field: &impl DistanceField,
-    capsule: &Capsule,
-) -> bool {
-    let even = |fraction: f64, gap: f64| {
-        (gap - ends[0] - fraction * (ends[1] - ends[0])).abs() <= EVEN * capsule.radius
-    };
-    contacts.iter().all(|contact| even(contact.fraction, contact.gap))
-        && even(0.5, field.value(&capsule.at(0.5)) - capsule.radius)
-}
-
-/// The contacts at both ends of a segment, with these gaps. Where it lies flat, which end is deeper
-/// is a matter of roundings: a place that jumps would lose what it bears.
-fn at_ends(
-    gaps: [f64; 2],
-    field: &impl DistanceField,
-    capsule: &Capsule,
-    margin: f64,
-) -> impl Iterator<Item = FieldContact> {
-    [0.0, 1.0].into_iter().zip(gaps).filter_map(move |(fraction, gap)| {
-        let normal = field.sample(&capsule.at(fraction)).gradient.try_normalize(0.0)?;
-        (gap <= margin).then_some(FieldContact { fraction, gap, normal })
-    })
-}
-
-/// One fibre before and after a step.
-pub(crate) struct MovingFiber<'a> {
-    pub(crate) fiber: u32,
-    pub(crate) start: &'a [Point3<f64>],
-    pub(crate) end: &'a [Point3<f64>],
-    pub(crate) radii: &'a [f64],
 }
 
 impl CollisionObject {
@@ -225,132 +165,6 @@ impl CollisionObject {
         let radius = if self.size.is_finite() { 0.5 * (high - low).norm() } else { f64::INFINITY };
         (pose * nalgebra::center(low, high), radius)
     }
-
-    /// Appends where a fibre touches the object after the step from a time on by another, s, with
-    /// gaps up to `margin`, m, or would have passed into it on the way.
-    pub(crate) fn touches(
-        &self,
-        index: u32,
-        strand: &MovingFiber,
-        span: [f64; 2],
-        margin: f64,
-        found: &mut Vec<ContactPoint>,
-    ) {
-        let poses = self.poses(span);
-        let field = &*self.geometry.field;
-        let slope = field.lipschitz();
-        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
-        let own = |node: &Point3<f64>, when: usize| {
-            turns[when].inverse_transform_point(&(node - poses[when].translation.vector))
-        };
-        let after: Vec<_> = strand.end.iter().map(|node| own(node, 1)).collect();
-        let values: Vec<f64> = after.iter().map(|node| field.value(node)).collect();
-        // Where it rests they are as long in any frame.
-        let both = strand.start.iter().zip(strand.end);
-        let ways: Vec<f64> = if poses[0] == poses[1] {
-            both.map(|(before, after)| (after - before).norm()).collect()
-        } else {
-            both.map(|(before, after)| (own(after, 1) - own(before, 0)).norm()).collect()
-        };
-        let mut contacts: Vec<FieldContact> = Vec::new();
-        for (s, &radius) in strand.radii.iter().enumerate() {
-            let (start, end) = (strand.end[s], strand.end[s + 1]);
-            let length = (end - start).norm();
-            let (way, nearest) =
-                (ways[s].max(ways[s + 1]), 0.5 * (values[s] + values[s + 1] - slope * length));
-            // No point of other segments is near enough, or was on the way.
-            let reach = slope * way + radius + margin;
-            if nearest > reach {
-                continue;
-            }
-            let nearest = nearest.max(field.least_between(&after[s], &after[s + 1]));
-            if nearest > reach {
-                continue;
-            }
-            contacts.clear();
-            let [a, b] = [s, s + 1].map(|node| own(&strand.start[node], 0));
-            let moving = MovingSegment { before: [a, b], after: [after[s], after[s + 1]] };
-            let half = 0.5 * slope * way;
-            let clears = |[a, b]: [Point3<f64>; 2]| {
-                field.least_between(&a, &b) > half || self.clears(&a, &b, half)
-            };
-            let clear = way < radius || clears(moving.before) && clears(moving.after);
-            let passed = if clear { None } else { self.passing(&moving, radius) };
-            if let Some(contact) = passed {
-                contacts.push(contact);
-            } else if nearest <= radius + margin {
-                let capsule = Capsule { start: after[s], end: after[s + 1], radius };
-                let search =
-                    ContactSearch { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
-                let ends = [0, 1].map(|i| values[s + i] - radius);
-                // A search would find nothing between them that is nearer.
-                let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
-                    && is_even(&[], ends, &field, &capsule);
-                if !known {
-                    search.contacts(&field, &capsule, &mut contacts);
-                }
-                if known || is_even(&contacts, ends, &field, &capsule) {
-                    contacts.clear();
-                    contacts.extend(at_ends(ends, &field, &capsule, margin));
-                } else if let [deepest] = contacts[..] {
-                    contacts.extend(beside(&deepest, &field, &capsule, margin));
-                }
-            }
-            for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
-                let normal = poses[1] * contact.normal;
-                let axis = start + contact.fraction * (end - start);
-                let place = axis - normal * (contact.gap + radius);
-                let was = poses[0] * poses[1].inverse_transform_point(&place);
-                let own = match &self.motion {
-                    ObjectMotion::Kinematic(_) => (place - was) / span[1],
-                    ObjectMotion::Dynamic(body) => axis - body.centers()[1],
-                };
-                #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
-                let segment = s as u32;
-                found.push(ContactPoint {
-                    sides: [BodyRef::Fiber(strand.fiber), BodyRef::Object(index)],
-                    segments: [segment, 0],
-                    fractions: [contact.fraction, 0.0],
-                    normal,
-                    arms: [end - start, own],
-                    gap: contact.gap,
-                    impulse: Vector3::zeros(),
-                    working: false,
-                    bonded: false,
-                    led: !self.is_free(),
-                });
-            }
-        }
-    }
-
-    /// Whether all points between two, in the object's frame, are seen to be more than a `distance`
-    /// outside. Motions that begin and end so far from what they could reach in half their way
-    /// never meet the surface; few samples show that, where the search for an impact takes many.
-    fn clears(&self, a: &Point3<f64>, b: &Point3<f64>, distance: f64) -> bool {
-        let middle = nalgebra::center(a, b);
-        let (value, change) = (
-            self.geometry.field.value(&middle),
-            0.5 * self.geometry.field.lipschitz() * (b - a).norm(),
-        );
-        value - change > distance
-            || value > distance
-                && change > 0.1 * distance
-                && self.clears(a, &middle, distance)
-                && self.clears(&middle, b, distance)
-    }
-
-    /// Where the axis of a segment that moves in the object's frame meets the surface, with the gap
-    /// along the normal there that the end of the motion would leave.
-    fn passing(&self, moving: &MovingSegment, radius: f64) -> Option<FieldContact> {
-        let impact = moving.impact_on(&&*self.geometry.field, 0.0, 0.1 * radius)?;
-        let [fraction] = impact.coordinates;
-        let place = moving.at(impact.time, radius).at(fraction);
-        let Sample { value, gradient } = self.geometry.field.sample(&place);
-        let normal = gradient.try_normalize(0.0)?;
-        let surface = place - value * normal;
-        let gap = normal.dot(&(moving.at(1.0, radius).at(fraction) - surface)) - radius;
-        Some(FieldContact { fraction, gap, normal })
-    }
 }
 
 fn longest_way(corners: &[Point3<f64>], [start, end]: &[Isometry3<f64>; 2]) -> f64 {
@@ -365,60 +179,4 @@ pub fn extents(surface: &Soup) -> [[f64; 2]; 3] {
         let along = surface.vertices.iter().map(|p| p[k]);
         [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use rapunzel_collision::field::{Ball, HalfSpace};
-
-    const RADIUS: f64 = 3.5e-5;
-
-    /// The touches of one segment, 3 mm long, whose ends have these gaps above the top of a shape.
-    fn touches(field: Field, gaps: [f64; 2]) -> Vec<ContactPoint> {
-        let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
-        let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
-        let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
-        let object = CollisionObject::new(geometry, rests, None, None);
-        let [a, b] = gaps.map(|gap| RADIUS + gap);
-        let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
-        let strand = MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
-        let mut found = Vec::new();
-        object.touches(0, &strand, [0.0, 1e-3], RADIUS, &mut found);
-        found
-    }
-
-    fn plane() -> Field {
-        Arc::new(HalfSpace { point: Point3::origin(), normal: Vector3::z_axis() })
-    }
-
-    proptest! {
-        /// On a plane a segment touches at its ends that are near, whether it lies flat or not.
-        #[test]
-        fn a_segment_touches_a_plane_at_its_ends(
-            gaps in (-1e-6..1e-6, prop_oneof![-1e-7..1e-7, -1e-5..1e-4_f64]),
-            turned: bool,
-        ) {
-            let gaps = if turned { [gaps.1, gaps.0] } else { [gaps.0, gaps.1] };
-            let found = touches(plane(), gaps);
-            let ends = [0.0, 1.0].into_iter().zip(gaps).filter(|(_, gap)| *gap <= RADIUS);
-            let ends: Vec<_> = ends.collect();
-            prop_assert_eq!(found.len(), ends.len());
-            for (touch, (end, gap)) in found.iter().zip(ends) {
-                prop_assert_eq!(touch.fractions[0], end);
-                prop_assert!((touch.gap - gap).abs() < 1e-15);
-            }
-        }
-    }
-
-    /// On a ball it touches between its ends, and beside that, as it may roll.
-    #[test]
-    fn a_segment_touches_a_ball_where_it_is_deepest() {
-        let ball = Ball { center: Point3::origin(), radius: 0.1 };
-        let found = touches(Arc::new(ball), [0.1; 2]);
-        let places: Vec<_> = found.iter().map(|touch| touch.fractions[0]).collect();
-        assert_eq!(places.len(), 3, "{places:?}");
-        assert!(places.iter().any(|place| (place - 0.5).abs() < 0.05), "{places:?}");
-    }
 }

@@ -39,14 +39,14 @@ pub(crate) fn pairs(objects: &[CollisionObject]) -> Vec<[u32; 2]> {
 
 /// Where objects touch each other in a step from a time on by another, s, with gaps up to `margin`,
 /// m, at its end.
-pub(crate) fn touches(
+pub(crate) fn contact_points(
     objects: &[CollisionObject],
     span: [f64; 2],
     margin: f64,
 ) -> Vec<ContactPoint> {
     let found = pairs(objects).into_par_iter().map(|numbers| {
         let pair = ObjectPair::new(objects, numbers);
-        pair.touches(numbers.map(BodyRef::Object), span, margin)
+        pair.contact_points(numbers.map(BodyRef::Object), span, margin)
     });
     found.collect::<Vec<_>>().concat()
 }
@@ -89,14 +89,20 @@ impl<'a> ObjectPair<'a> {
         (b - a).norm() > r + q + reach
     }
 
-    /// The touches at the end of a step. Where an axis has come into the other, inside of which
-    /// faces are told by chance, they are those of the start, as in a rebound that has been missed.
-    fn touches(&self, sides: [BodyRef; 2], span: [f64; 2], margin: f64) -> Vec<ContactPoint> {
+    /// The contact points at the end of a step. Where an axis has come into the other, inside of
+    /// which faces are told by chance, they are those of the start, as in a rebound that has been
+    /// missed.
+    fn contact_points(
+        &self,
+        sides: [BodyRef; 2],
+        span: [f64; 2],
+        margin: f64,
+    ) -> Vec<ContactPoint> {
         let poses = self.0.map(|object| object.poses(span));
         let [start, end] =
             [0, 1].map(|when| PairStep { pair: self, sides, poses, when, dt: span[1], margin });
-        let (touches, inside) = end.touches(margin);
-        if inside { start.touches(margin + self.way(&poses)).0 } else { touches }
+        let (points, inside) = end.contact_points(margin);
+        if inside { start.contact_points(margin + self.way(&poses)).0 } else { points }
     }
 
     /// Which of the two are searched in the other's field.
@@ -125,9 +131,9 @@ struct PairStep<'a> {
 }
 
 impl PairStep<'_> {
-    /// The touches with gaps up to `reach`, m, where they are taken, and whether an axis is inside
-    /// there.
-    fn touches(&self, reach: f64) -> (Vec<ContactPoint>, bool) {
+    /// The contact points with gaps up to `reach`, m, where they are taken, and whether an axis is
+    /// inside there.
+    fn contact_points(&self, reach: f64) -> (Vec<ContactPoint>, bool) {
         let (objects, poses) = (self.pair.0, self.poses.map(|of_one| of_one[self.when]));
         if self.pair.is_apart([&poses[0], &poses[1]], reach) {
             return (Vec::new(), false);
@@ -160,15 +166,16 @@ impl PairStep<'_> {
                 }
                 inside |= contacts.iter().any(|contact| contact.gap < -bone.radius);
                 let sound = contacts.iter().filter(|c| c.normal != Vector3::zeros());
-                let touches = sound.map(|contact| self.touch(of, number, &bone, contact));
-                found.extend(touches.filter(|(touch, _)| touch.gap <= self.margin));
+                let points = sound.map(|contact| self.point(of, number, &bone, contact));
+                found.extend(points.filter(|(point, _)| point.gap <= self.margin));
             }
         }
         (distinct(found, SAME_CORNER * objects[0].size.min(objects[1].size)), inside)
     }
 
-    /// The touch that a contact of capsule number `bone` of one of the two is, and its place.
-    fn touch(
+    /// The contact point that a contact of capsule number `bone` of one of the two is, and its
+    /// place.
+    fn point(
         &self,
         of: usize,
         number: u32,
@@ -189,7 +196,7 @@ impl PairStep<'_> {
         // Numbers of one skeleton are so far apart that no two of its capsules are taken for one.
         let (mut segments, mut fractions) = ([0; 2], [0.0; 2]);
         (segments[of], fractions[of]) = (2 * number + 1, fraction);
-        let touch = ContactPoint {
+        let point = ContactPoint {
             sides: self.sides,
             segments,
             fractions,
@@ -199,9 +206,9 @@ impl PairStep<'_> {
             impulse: Vector3::zeros(),
             working: false,
             bonded: false,
-            led: !self.pair.0[1].is_free(),
+            kinematic: !self.pair.0[1].is_free(),
         };
-        (touch, place)
+        (point, place)
     }
 
     /// The way, m, in the step of a point fixed on one of the two.
@@ -215,13 +222,13 @@ impl PairStep<'_> {
 /// Drops all but the first of those that name one place, to within `distance`, m, and one normal.
 fn distinct(found: Vec<(ContactPoint, Point3<f64>)>, distance: f64) -> Vec<ContactPoint> {
     let mut kept: Vec<(ContactPoint, Point3<f64>)> = Vec::new();
-    for (touch, place) in found {
+    for (point, place) in found {
         let same = |(other, at): &(ContactPoint, Point3<f64>)| {
-            (place - at).norm() <= distance && touch.normal.dot(&other.normal) > PARALLEL
+            (place - at).norm() <= distance && point.normal.dot(&other.normal) > PARALLEL
         };
         if !kept.iter().any(same) {
-            kept.push((touch, place));
+            kept.push((point, place));
         }
     }
-    kept.into_iter().map(|(touch, _)| touch).collect()
+    kept.into_iter().map(|(point, _)| point).collect()
 }

@@ -1,7 +1,7 @@
 //! How charge comes onto fibres, and flows on them.
 
 use crate::ElectrostaticsError;
-use crate::error::{check_charges, check_count};
+use crate::error::{check_charges, check_count, check_positive};
 
 /// Steps in which a charge is dealt (thesis 4.5 and Algorithm 2, `COMPSTEP`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -129,12 +129,8 @@ impl ChargeFlow {
             ("the time", step),
         ];
         let lengths = lengths.iter().map(|length| ("the length of a segment", *length));
-        for (what, value) in positive.into_iter().chain(lengths) {
-            if !(value > 0.0 && value.is_finite()) {
-                let range = "positive and finite";
-                return Err(ElectrostaticsError::Setting { what, value, range });
-            }
-        }
+        let mut all = positive.into_iter().chain(lengths);
+        all.try_for_each(|(what, value)| check_positive(what, value))?;
         for value in outer.iter().copied().chain(self.head) {
             if !value.is_finite() {
                 let (what, range) = ("a potential", "finite");

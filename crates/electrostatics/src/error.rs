@@ -132,3 +132,11 @@ pub(crate) fn check_count(
     }
     Err(ElectrostaticsError::Count { what, given, needed })
 }
+
+/// Refuses a setting that is not positive and finite.
+pub(crate) fn check_positive(what: &'static str, value: f64) -> Result<(), ElectrostaticsError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ElectrostaticsError::Setting { what, value, range: "positive and finite" })
+}

@@ -1,7 +1,6 @@
 //! Many fibres laid out in common arrays, for hot loops.
 
 use crate::{Fiber, Layout};
-use nalgebra::Point3;
 use std::ops::Range;
 
 /// The largest number of fibres in a group: eight `f64` fill the widest vector register in use.
@@ -60,12 +59,6 @@ impl Assembly {
     /// first, then by index.
     pub fn groups(&self) -> impl ExactSizeIterator<Item = &[usize]> {
         self.groups.iter().map(|group| &self.order[group.clone()])
-    }
-
-    /// Positions of all nodes of the unloaded fibres (world), fibre after fibre, m.
-    #[must_use]
-    pub fn rest_positions(&self) -> Vec<Point3<f64>> {
-        self.fibers.iter().flat_map(|fiber| fiber.rest_shape().0).collect()
     }
 
     /// Cuts an array over nodes into one mutable slice per fibre, for a loop over fibres that

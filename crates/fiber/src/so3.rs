@@ -119,13 +119,35 @@ pub fn right_jacobian_inverse(u: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// The coefficient `(1 - (a/2) cot(a/2)) / a^2` of the inverse right Jacobian, for `a^2 = squared`.
-fn inverse_coefficient(squared: f64) -> f64 {
+#[must_use]
+pub fn inverse_coefficient(squared: f64) -> f64 {
     if squared < SMALL_SQUARED {
         let x = squared;
         (1.0 + x / 60.0 * (1.0 + x / 42.0 * (1.0 + x / 40.0))) / 12.0
     } else {
         let half = 0.5 * squared.sqrt();
         (1.0 - half / half.tan()) / squared
+    }
+}
+
+/// The derivative of [`inverse_coefficient`] by the square of the angle.
+#[must_use]
+pub fn inverse_coefficient_slope(squared: f64) -> f64 {
+    // (k - 1) |B_2k| / (2k)!, the series in powers of a^2; enough to rounding below 1/4.
+    const SERIES: [f64; 5] = [
+        1.0 / 720.0,
+        2.0 / 30_240.0,
+        3.0 / 1_209_600.0,
+        4.0 / 47_900_160.0,
+        5.0 * 691.0 / 1_307_674_368_000.0,
+    ];
+    let x = squared;
+    if x < 0.25 {
+        SERIES.iter().rev().fold(0.0, |sum, c| c + x * sum)
+    } else {
+        let half = 0.5 * x.sqrt();
+        let (sin, cot) = (half.sin(), 1.0 / half.tan());
+        ((half / (sin * sin) - cot) / (8.0 * half) - inverse_coefficient(x)) / x
     }
 }
 
@@ -198,6 +220,18 @@ pub(crate) mod tests {
         let v = log(&exp(&(PI * axis)));
         assert_relative_eq!(v.norm(), PI, max_relative = 1e-15);
         assert_relative_eq!(v.normalize().dot(&axis).abs(), 1.0, max_relative = 1e-15);
+    }
+
+    #[test]
+    fn slope_of_the_inverse_coefficient_is_its_derivative() {
+        let (below, above) = (0.25 * (1.0 - 1e-12), 0.25);
+        let [below, above] = [below, above].map(inverse_coefficient_slope);
+        assert_relative_eq!(below, above, epsilon = 1e-12);
+        for x in [0.1, 0.2, 0.3, 2.0, 9.0] {
+            let (h, c) = (1e-4, inverse_coefficient);
+            let difference = (c(x + h) - c(x - h)) / (2.0 * h);
+            assert_relative_eq!(inverse_coefficient_slope(x), difference, epsilon = 1e-10);
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::climate::{Climate, Humidity, MeasuredValue, Outside, Standing};
 use crate::error::{named, not_negative, positive};
-use crate::tables::{number, range, tables};
+use crate::tables::{number, tables};
 use crate::{KeratinError, water};
 use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};
@@ -287,16 +287,6 @@ impl Hair {
     #[must_use]
     pub fn linear_density(&self, climate: &Climate) -> f64 {
         self.density(climate).value * self.section(climate).area()
-    }
-
-    /// Whether the diameters lie in the range that Vernall observed, lines 350 and 352.
-    #[must_use]
-    pub fn is_of_usual_size(&self) -> bool {
-        let seen = ["major_diameter_observed_range", "minor_diameter_observed_range"];
-        self.diameters.iter().zip(seen).all(|(d, key)| {
-            let ([low, high], _) = range(key);
-            (low * MICRO..=high * MICRO).contains(d)
-        })
     }
 }
 

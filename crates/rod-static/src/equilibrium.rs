@@ -2,6 +2,9 @@ use crate::mesh::{MeshElement, Scaled};
 use crate::state::State;
 use crate::step::ShootingNode;
 
+/// Part by which numbers of two equilibria may differ that are turned into each other.
+const SAME: f64 = 1e-7;
+
 /// An equilibrium: the rod's state at any arc length, its energies and its stability.
 #[derive(Debug, Clone)]
 pub struct Equilibrium {
@@ -66,10 +69,17 @@ impl Equilibrium {
         self.conjugate_points == 0
     }
 
-    /// Number of elements, each one step of order eight.
-    #[must_use]
-    pub fn element_count(&self) -> usize {
-        self.elements.len()
+    /// Whether two equilibria may be turned or reflected into each other: their energies and what
+    /// they carry at both ends are the same in size.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let sizes = |e: &Self| {
+            let [root, tip] =
+                [&e.nodes[0], &e.nodes[e.nodes.len() - 1]].map(|n| [n.m.norm(), n.n.norm()]);
+            [e.elastic, e.elastic - e.work, root[0], tip[0], root[1], tip[1]]
+        };
+        let (a, b) = (sizes(self), sizes(other));
+        let unit = 1.0 + a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        a.iter().zip(&b).all(|(a, b)| (a - b).abs() < SAME * unit)
     }
 
     /// The node at the scaled arc length `s`.

@@ -3,6 +3,7 @@
 mod band;
 pub mod carlson;
 mod chain;
+mod continuation;
 pub mod elliptic;
 mod energy;
 mod equilibrium;

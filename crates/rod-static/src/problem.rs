@@ -1,29 +1,18 @@
 use crate::StaticError;
 use crate::chain::{Chain, TipHold};
+use crate::continuation::{Continuation, ContinuationStart};
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
 use crate::goal::Goal;
 use crate::mesh::{MeshElement, Scaled};
 use crate::rod::{EndCondition, Piece};
-use crate::shooting::{Effort, newton};
-use crate::stability::index;
+use crate::shooting::Effort;
 use crate::state::State;
 use crate::step::ShootingNode;
 use crate::target::Target;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
-/// First step of a continuation, as a fraction of the path.
-const FIRST: f64 = 0.25;
-/// Shortest step of a continuation, as a fraction of the part of the path behind it.
-const SHORTEST_LOAD_STEP: f64 = 1e-3;
-/// Least value of that part in the comparison with the shortest step: loads grow by their
-/// logarithm.
-const SMALLEST: f64 = 1e-6;
-/// Distance from the goal that is tried in one step, in lengths, radians and stiffness over length.
-const NEAR_SOLUTION: f64 = 0.1;
-/// Largest number of times that the elements of a solution are split.
-const REFINEMENTS: usize = 4;
 /// Moments that bend the shapes to start from, in units of stiffness over length.
 const BENDING: [f64; 4] = [1.5, 3.0, 5.0, 7.0];
 /// Number of directions in which the shapes to start from are bent.
@@ -35,8 +24,6 @@ const STIFF: f64 = 100.0;
 const HELD: usize = 4;
 /// Cost of a minimisation of the energy, in steps along its elements.
 const RELAX: usize = 10;
-/// Relative difference below which numbers of two equilibria count as equal.
-const SAME: f64 = 1e-7;
 /// Torques that twist the bent shapes to start from, in units of stiffness over length.
 const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
@@ -51,14 +38,6 @@ pub struct Problem {
     goal: Goal,
     /// Mesh from which every search for a solution starts.
     elements: Vec<MeshElement>,
-}
-
-/// Start of a continuation: a shape, the fraction of the loads that acts on it, and whole turns of
-/// the end about its tangent along the path.
-struct ContinuationStart {
-    nodes: Vec<ShootingNode>,
-    factor: f64,
-    turns: f64,
 }
 
 impl Problem {
@@ -120,8 +99,8 @@ impl Problem {
         for nodes in self.starts(&effort) {
             for &turns in &turns {
                 let start = ContinuationStart { nodes: nodes.clone(), factor: 0.0, turns };
-                if let Some(one) = self.follow(&self.elements, &start, &effort)
-                    && !found.iter().any(|other| alike(other, &one))
+                if let Some(one) = self.continuation(&effort).follow(&self.elements, &start)
+                    && !found.iter().any(|other| other.is_like(&one))
                 {
                     found.push(one);
                 }
@@ -140,7 +119,9 @@ impl Problem {
     pub fn solve_from(&self, start: &Equilibrium) -> Result<Equilibrium, StaticError> {
         let nodes = start.nodes.clone();
         let start_at = ContinuationStart { nodes, factor: start.factor, turns: 0.0 };
-        self.follow(&start.elements, &start_at, &Effort::new()).ok_or(StaticError::NotFound)
+        self.continuation(&Effort::new())
+            .follow(&start.elements, &start_at)
+            .ok_or(StaticError::NotFound)
     }
 
     /// The rod without its loads and its end condition, bent by the dead `moment` (N m, world
@@ -153,7 +134,8 @@ impl Problem {
         let elements = self.rod.elements([0.0, moment.norm()])?;
         let nodes = self.rod.natural(&elements, self.clamp, moment);
         let goal = Goal::Free { force: Vector3::zeros(), moment };
-        self.finish(elements, nodes, &goal, 0.0, &Effort::new()).ok_or(StaticError::NotFound)
+        let free = Continuation { rod: &self.rod, goal: &goal, effort: &Effort::new() };
+        free.finish(elements, nodes, 0.0).ok_or(StaticError::NotFound)
     }
 
     /// The equilibrium near the states `guess` at ascending arc lengths (m, the first of them
@@ -181,8 +163,13 @@ impl Problem {
         // Refine the elements for the guess, before Newton's method leaves it.
         let finer = self.rod.refined(elements, &nodes, 1.0);
         let (elements, nodes) = finer.unwrap_or_else(|| (elements.clone(), nodes));
-        let found = self.finish(elements, nodes, &self.goal, 1.0, &Effort::new());
+        let found = self.continuation(&Effort::new()).finish(elements, nodes, 1.0);
         found.ok_or(StaticError::NotFound)
+    }
+
+    /// Continuation to the goal of the problem.
+    fn continuation<'a>(&'a self, effort: &'a Effort) -> Continuation<'a> {
+        Continuation { rod: &self.rod, goal: &self.goal, effort }
     }
 
     /// The equilibrium of [`Problem::solve`], `None` if no start leads to one.
@@ -211,7 +198,7 @@ impl Problem {
             }
         }
         // Continuation in the loads and the end condition.
-        let found = self.follow(elements, start, effort);
+        let found = self.continuation(effort).follow(elements, start);
         if stable(&found) {
             return found;
         }
@@ -220,7 +207,7 @@ impl Problem {
             Some(saddle) => (&saddle.elements, saddle.nodes.clone()),
             // Where the loads block the continuation, they are applied after it.
             None if free => (elements, start.nodes.clone()),
-            None => (elements, self.continued(elements, start, 0.0, effort)?),
+            None => (elements, self.continuation(effort).continued(elements, start, 0.0)?),
         };
         let down = self.descend(elements, &nodes, effort).filter(Equilibrium::is_stable);
         down.or_else(|| self.around(elements, &nodes, effort)).or(found)
@@ -239,11 +226,11 @@ impl Problem {
         let start = ContinuationStart { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
         let nodes = match self.goal {
             Goal::Free { .. } => start.nodes,
-            _ => pushed.continued(elements, &start, 1.0, effort)?,
+            _ => pushed.continuation(effort).continued(elements, &start, 1.0)?,
         };
         let leaning = pushed.descend(elements, &nodes, effort)?;
         let start = ContinuationStart { nodes: leaning.nodes, factor: 1.0, turns: 0.0 };
-        self.follow(&leaning.elements, &start, effort)
+        self.continuation(effort).follow(&leaning.elements, &start)
     }
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
@@ -300,7 +287,7 @@ impl Problem {
             let load = rod.properties(element, 1.0)(middle).load * (element.to - element.from);
             nodes[i].n = nodes[i + 1].n + element.end_load + load;
         }
-        self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
+        self.continuation(effort).finish(elements.to_vec(), nodes, 1.0)
     }
 
     /// Shapes to start from: the natural one, bent by the moment on the end, then, if that is not
@@ -332,90 +319,4 @@ impl Problem {
         };
         shape(moment).into_iter().chain(TWISTING.into_iter().flat_map(bent))
     }
-
-    /// Continuation from `start` in the loads and in the end condition together, and refinement.
-    fn follow(
-        &self,
-        elements: &[MeshElement],
-        start: &ContinuationStart,
-        effort: &Effort,
-    ) -> Option<Equilibrium> {
-        let nodes = self.continued(elements, start, 1.0, effort)?;
-        self.finish(elements.to_vec(), nodes, &self.goal, 1.0, effort)
-    }
-
-    /// Continuation from `start` to the end condition and the fraction `loads` of the loads.
-    fn continued(
-        &self,
-        elements: &[MeshElement],
-        start: &ContinuationStart,
-        loads: f64,
-        effort: &Effort,
-    ) -> Option<Vec<ShootingNode>> {
-        let tip = start.nodes.last()?;
-        let mut nodes = start.nodes.clone();
-        let near = start.factor >= loads && self.goal.missed(tip)?.0.norm() < NEAR_SOLUTION;
-        let (mut at, mut step) = (0.0_f64, if near { 1.0 } else { FIRST });
-        // The step doubles after a success and halves after a failure.
-        while at < 1.0 {
-            let next = (at + step).min(1.0);
-            let goal = self.goal.on_the_way(tip, start.turns, next)?;
-            let factor = start.factor + (loads - start.factor) * next;
-            let mut trial = nodes.clone();
-            if newton(&self.rod, elements, &mut trial, &goal, factor, effort).is_some() {
-                (nodes, at, step) = (trial, next, 2.0 * step);
-            } else {
-                step *= 0.5;
-                if step < SHORTEST_LOAD_STEP * at.max(SMALLEST) {
-                    return None;
-                }
-            }
-        }
-        Some(nodes)
-    }
-
-    /// Refines the elements until the solution is resolved, and computes its stability and
-    /// energies.
-    fn finish(
-        &self,
-        mut elements: Vec<MeshElement>,
-        mut nodes: Vec<ShootingNode>,
-        goal: &Goal,
-        factor: f64,
-        effort: &Effort,
-    ) -> Option<Equilibrium> {
-        newton(&self.rod, &elements, &mut nodes, goal, factor, effort)?;
-        for _ in 0..REFINEMENTS {
-            let Some(finer) = self.rod.refined(&elements, &nodes, factor) else { break };
-            (elements, nodes) = finer;
-            newton(&self.rod, &elements, &mut nodes, goal, factor, effort)?;
-        }
-        // Stability by conjugate points, elastic energy, and work of the loads.
-        let conjugate_points = index(&self.rod, &elements, &nodes, goal, factor)?;
-        let (mut elastic, mut work) = (0.0, 0.0);
-        for (element, node) in elements.iter().zip(&nodes) {
-            let properties = self.rod.properties(element, factor);
-            let reached = node.step(element.from, element.to, properties);
-            elastic += reached.elastic;
-            work += reached.work + factor * element.end_load.dot(&reached.node.r);
-        }
-        if let Goal::Free { force, moment: _ } = goal {
-            work += force.dot(&nodes.last()?.r);
-        }
-        let rod = self.rod.clone();
-        Some(Equilibrium { rod, elements, nodes, factor, elastic, work, conjugate_points })
-    }
-}
-
-/// Whether two equilibria may be turned or reflected into each other: their energies, and the sizes
-/// of force and moment at both ends, are the same.
-fn alike(a: &Equilibrium, b: &Equilibrium) -> bool {
-    let sizes = |e: &Equilibrium| {
-        let [root, tip] =
-            [&e.nodes[0], &e.nodes[e.nodes.len() - 1]].map(|n| [n.m.norm(), n.n.norm()]);
-        [e.elastic, e.elastic - e.work, root[0], tip[0], root[1], tip[1]]
-    };
-    let (a, b) = (sizes(a), sizes(b));
-    let unit = 1.0 + a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    a.iter().zip(&b).all(|(a, b)| (a - b).abs() < SAME * unit)
 }

@@ -1,12 +1,8 @@
 use super::check::{Allowed, Check};
+use super::speed::{check_rate, check_speed, check_velocity};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
-
-/// Largest speed of an end, m/s; beyond it is a typing error or a jump.
-const FASTEST: f64 = 100.0;
-/// Largest angular speed of an end, degrees/s: a thousand turns per second.
-const FASTEST_TURN: f64 = 3.6e5;
 
 /// Motion of the roots of a bundle: all of them rigidly, as one body.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -222,33 +218,6 @@ fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
     let turned = orientation(last) * UnitQuaternion::from_scaled_axis(turned(last, next) * x);
     let moved = Vector3::from(last.translation).lerp(&next.translation.into(), x);
     Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
-}
-
-/// Reports a velocity (m/s) that is not finite or that is a jump.
-pub(crate) fn check_velocity(check: &mut Check, velocity: &[f64; 3]) {
-    check.vector("velocity", velocity, "m/s");
-    if velocity.iter().all(|x| x.is_finite()) {
-        check_speed(check, "velocity", Vector3::from(*velocity).norm());
-    }
-}
-
-/// Reports a field that moves an end at more than the largest speed, m/s.
-fn check_speed(check: &mut Check, field: &str, speed: f64) {
-    if speed > FASTEST {
-        let message =
-            format!("moves the end at {speed:?} m/s: a jump; at most {FASTEST} m/s are allowed");
-        check.refuse(field, message);
-    }
-}
-
-/// Reports a field that turns an end at more than the largest rate, degrees/s.
-fn check_rate(check: &mut Check, field: &str, rate: f64) {
-    if rate > FASTEST_TURN {
-        let message = format!(
-            "turns the end at {rate:?} degrees/s: a jump; at most {FASTEST_TURN} are allowed"
-        );
-        check.refuse(field, message);
-    }
 }
 
 fn check_keyframes(points: &[Keyframe], check: &mut Check) {

@@ -1,5 +1,5 @@
 use super::check::{Allowed, Check};
-use super::motion::check_velocity;
+use super::speed::check_velocity;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};

@@ -57,8 +57,8 @@ impl EnergyBudget {
     ) -> Result<(), CreatedEnergy> {
         let fallen = self.height - energy.gravitational;
         let given = works.map_or([fallen, 0.0, 0.0, 0.0, 0.0], |(works, contacts)| {
-            let ContactWork { led, adhesion, .. } = contacts;
-            [works.gravity, works.loads, works.drag, works.supports, led + adhesion]
+            let ContactWork { kinematic, adhesion, .. } = contacts;
+            [works.gravity, works.loads, works.drag, works.supports, kinematic + adhesion]
         });
         for (most, given) in self.most.iter_mut().zip(given) {
             *most = most.max(given);

@@ -1,8 +1,9 @@
 use crate::SimError;
+use crate::folder_lock::{LOCK, lock};
 use crate::manifest::Manifest;
 use crate::storage::{PARTIAL, require_plain, sync, write_atomically};
-use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Seek, Write};
+use std::fs::{self, File};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// What to do with a folder that already holds something.
@@ -60,7 +61,6 @@ pub(crate) const SPRINGS_USD: &str = "springs.usda";
 pub(crate) const OBJECTS_USD: &str = "objects.usda";
 pub(crate) const LOG: &str = "run.log";
 pub(crate) const FRAMES: &str = "frames";
-const LOCK: &str = ".lock";
 const MANIFEST: &str = ".rapunzel";
 /// Where a run waits for its first frame before it takes the place of an older one.
 const STAGED: &str = ".rapunzel-staged";
@@ -367,45 +367,6 @@ fn read_manifest(folder: &Path) -> Result<Option<Manifest>, SimError> {
 fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<(), SimError> {
     let text = manifest.to_string();
     write_atomically(&folder.join(MANIFEST), |to| to.write_all(text.as_bytes()))
-}
-
-/// Takes the lock of a folder and writes this process's number into it.
-fn lock(folder: &Path) -> Result<File, SimError> {
-    let path = folder.join(LOCK);
-    require_plain(&path, false)?;
-    let mut file = File::options()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(&path)
-        .map_err(SimError::io("write", &path))?;
-    let mut process = String::new();
-    // The holder may be about to write its number; what is no number is not from here.
-    let read = Read::by_ref(&mut file).take(64).read_to_string(&mut process);
-    let process = process.trim().to_owned();
-    let is_ours = read.is_ok() && process.bytes().all(|byte| byte.is_ascii_digit());
-    match file.try_lock() {
-        Ok(()) if is_ours => {}
-        Ok(()) => return Err(SimError::ForeignFile(path)),
-        Err(TryLockError::WouldBlock) => {
-            return Err(SimError::FolderInUse { path: folder.to_owned(), process });
-        }
-        Err(TryLockError::Error(source)) => return Err(SimError::io("lock", &path)(source)),
-    }
-    let number = format!("{}\n", std::process::id());
-    file.set_len(0)
-        .and_then(|()| file.rewind())
-        .and_then(|()| file.write_all(number.as_bytes()))
-        .map_err(SimError::io("write", &path))?;
-    Ok(file)
-}
-
-/// Whether a run holds the folder now.
-#[must_use]
-pub fn in_use(folder: &Path) -> bool {
-    File::open(folder.join(LOCK))
-        .is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 #[cfg(test)]

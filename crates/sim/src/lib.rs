@@ -8,6 +8,7 @@ mod error;
 mod estimate;
 mod file;
 mod folder;
+mod folder_lock;
 pub mod lab;
 mod manifest;
 mod mass_spring;
@@ -24,7 +25,8 @@ mod world;
 pub use error::SimError;
 pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;
-pub use folder::{Existing, RunFolder, claim, in_use};
+pub use folder::{Existing, RunFolder, claim};
+pub use folder_lock::in_use;
 pub use rapunzel_charging::{ChargeReport, ChargingError};
 pub use rapunzel_coupling::{
     ActiveContact, BodyRef, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger,

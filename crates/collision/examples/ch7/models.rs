@@ -2,8 +2,8 @@
 
 use crate::measure::chart;
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::hierarchy::Variant;
-use rapunzel_collision::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::hierarchy::Variant;
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 

@@ -3,8 +3,8 @@
 use crate::measure::{chart, correlation, least};
 use crate::models::Size;
 use nalgebra::Vector3;
-use rapunzel_collision::hierarchy::Variant;
-use rapunzel_collision::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::hierarchy::Variant;
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 

@@ -2,9 +2,9 @@
 
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use rapunzel_collision::hierarchy::{Counts, Variant};
-use rapunzel_collision::scenes::{self, MovingFibers};
-use rapunzel_collision::volume::Directions;
+use rapunzel_collision::thesis::hierarchy::{Counts, Variant};
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::volume::Directions;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 /// What the tests of section 7.4 measure, ms and counts.

@@ -2,9 +2,9 @@
 
 use crate::measure::{chart, least};
 use crate::models::{Size, model, models};
-use rapunzel_collision::hierarchy::{Counts, Variant};
-use rapunzel_collision::scenes::MovingFibers;
-use rapunzel_collision::volume::Directions;
+use rapunzel_collision::thesis::hierarchy::{Counts, Variant};
+use rapunzel_collision::thesis::scenes::MovingFibers;
+use rapunzel_collision::thesis::volume::Directions;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
 /// Times in ms, and counts.

@@ -7,7 +7,6 @@ mod continuous;
 mod field;
 mod geometry;
 mod hairstyle;
-mod hierarchies;
-mod scenes;
 mod step;
+mod thesis;
 mod wide;

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use rapunzel_collision::continuous::impacts;
-use rapunzel_collision::scenes;
+use rapunzel_collision::thesis::scenes;
 use rapunzel_collision::{Capsules, CollisionError, Pair, Tree};
 
 /// Every second fibre flies sideways at 10 m/s for 1 ms, through a dozen of the others.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use rapunzel_collision::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
 use rapunzel_collision::{
     Candidates, CapsuleContact, Capsules, CollisionError, Pair, Tree, Update, contacts,
 };

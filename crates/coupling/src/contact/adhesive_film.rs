@@ -61,18 +61,18 @@ impl AdhesiveFilm {
         self.range.max(crossing)
     }
 
-    /// Forces with which some touches draw, N, where they have the given gaps, m. Along fibres side
-    /// by side gap and pull are taken between neighbouring touches of a pair and shared by these.
-    /// Sorted by pair and place.
+    /// Forces with which some contact points draw, N, where they have the given gaps, m. Along
+    /// fibres side by side gap and pull are taken between neighbouring touches of a pair and shared
+    /// by these. Sorted by pair and place.
     pub(super) fn forces(
         &self,
         assembly: &Assembly,
-        touches: &[ContactPoint],
+        points: &[ContactPoint],
         gaps: &[f64],
     ) -> Vec<f64> {
-        let mut forces = vec![0.0; touches.len()];
-        let mut alone = vec![true; touches.len()];
-        for (i, pair) in touches.windows(2).enumerate() {
+        let mut forces = vec![0.0; points.len()];
+        let mut alone = vec![true; points.len()];
+        for (i, pair) in points.windows(2).enumerate() {
             let [a, b] = [&pair[0], &pair[1]];
             let way = b.at()[0] - a.at()[0];
             let BodyRef::Fiber(fiber) = a.sides[0] else { continue };
@@ -87,11 +87,11 @@ impl AdhesiveFilm {
             forces[i + 1] += length * shares[1];
         }
         if let Some((pair, volume)) = &self.crossing {
-            for (i, touch) in touches.iter().enumerate().filter(|(i, _)| alone[*i]) {
-                if let [BodyRef::Fiber(fiber), BodyRef::Fiber(_)] = touch.sides {
+            for (i, point) in points.iter().enumerate().filter(|(i, _)| alone[*i]) {
+                if let [BodyRef::Fiber(fiber), BodyRef::Fiber(_)] = point.sides {
                     let fiber = &assembly.fibers()[fiber as usize];
                     let most = self.at(gaps[i]) * fiber.length() / fiber.segments() as f64;
-                    forces[i] = pair.crossed_force(gaps[i], *volume, touch.turn()).min(most);
+                    forces[i] = pair.crossed_force(gaps[i], *volume, point.turn()).min(most);
                 }
             }
         }

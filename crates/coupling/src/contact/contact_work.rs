@@ -21,7 +21,7 @@ pub struct ContactWork {
     pub compliance: f64,
     /// Work, J, of objects with a given motion: all of their impulses times the velocities of their
     /// surfaces.
-    pub led: f64,
+    pub kinematic: f64,
 }
 
 impl ContactWork {
@@ -29,21 +29,22 @@ impl ContactWork {
     #[must_use]
     pub fn total(&self) -> f64 {
         let along = self.closing + self.repair + self.restitution + self.adhesion;
-        self.friction + along + self.compliance + self.led
+        self.friction + along + self.compliance + self.kinematic
     }
 }
 
 impl ContactWork {
     /// All works, J, in the order of the fields.
     pub(crate) fn numbers(&self) -> [f64; 7] {
-        let Self { friction, closing, repair, restitution, adhesion, compliance, led } = *self;
-        [friction, closing, repair, restitution, adhesion, compliance, led]
+        let Self { friction, closing, repair, restitution, adhesion, compliance, kinematic } =
+            *self;
+        [friction, closing, repair, restitution, adhesion, compliance, kinematic]
     }
 
     /// The work with these parts, J, in the order of the fields.
     pub(crate) fn from_numbers(numbers: &[f64; 7]) -> Self {
-        let [friction, closing, repair, restitution, adhesion, compliance, led] = *numbers;
-        Self { friction, closing, repair, restitution, adhesion, compliance, led }
+        let [friction, closing, repair, restitution, adhesion, compliance, kinematic] = *numbers;
+        Self { friction, closing, repair, restitution, adhesion, compliance, kinematic }
     }
 }
 
@@ -55,6 +56,6 @@ impl AddAssign for ContactWork {
         self.restitution += other.restitution;
         self.adhesion += other.adhesion;
         self.compliance += other.compliance;
-        self.led += other.led;
+        self.kinematic += other.kinematic;
     }
 }

@@ -1,9 +1,11 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
-use super::tunnelling::{bends, goes_on, keep_sides, leads_through, passing, travel};
+use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
+use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
-use crate::object::{CollisionObject, MovingFiber};
+use crate::fiber_on_object::MovingFiber;
+use crate::object::CollisionObject;
 use crate::pair;
 use nalgebra::Point3;
 use rapunzel_collision::{
@@ -13,18 +15,15 @@ use rapunzel_collision::{
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
-/// Pairs that one task takes.
-const DETECTION_CHUNK: usize = 2048;
-
 /// Fibres that one task looks for at objects.
 const FIBERS: usize = 8;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
 const RESERVE: f64 = 16.0;
 
-/// Finds touches, with lists that live for many steps.
+/// Finds contact points, with lists that live for many steps.
 pub(crate) struct ContactDetector {
-    /// Largest gap of a touch that is listed, m.
+    /// Largest gap of a contact point that is listed, m.
     margin: f64,
     /// How much larger it is where all are asked for, m.
     more: f64,
@@ -62,24 +61,24 @@ impl NodeMotion<'_> {
 }
 
 impl ContactDetector {
-    /// Lists touches with gaps up to `margin`, m, and up to `more` above it where all are asked
-    /// for; if a film `holds` them, also those that only had such gaps at the start.
+    /// Lists contact points with gaps up to `margin`, m, and up to `more` above it where all are
+    /// asked for; if a film `holds` them, also those that only had such gaps at the start.
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
         Ok(Self { margin, more, holds, candidates })
     }
 
-    /// Replaces `touches` by all contact points of a motion, with their places and normals at its
+    /// Replaces `points` by all contact points of a motion, with their places and normals at its
     /// end, sorted by pair and place; none is missed that a straight motion of all nodes would lead
     /// through.
     pub(crate) fn detect(
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
-        touches: &mut Vec<ContactPoint>,
+        points: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
-        self.list(motion, objects, self.margin + self.more, |_, near, _| near, touches).map(|_| ())
+        self.list(motion, objects, self.margin + self.more, |_, near, _| near, points).map(|_| ())
     }
 
     /// Contact points of fibres that are deeper than `depth`, m, in each other at the end of a
@@ -103,7 +102,7 @@ impl ContactDetector {
         Ok(Overlaps { points, deepest, through })
     }
 
-    /// Replaces `touches` by the contact points with gaps up to `margin`, m, of the near pairs that
+    /// Replaces `points` by the contact points with gaps up to `margin`, m, of the near pairs that
     /// `chosen` leaves. Returns whether the motion leads fibres through each other.
     fn list(
         &mut self,
@@ -111,7 +110,7 @@ impl ContactDetector {
         objects: &[CollisionObject],
         margin: f64,
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[CapsuleContact]) -> Vec<Pair>,
-        touches: &mut Vec<ContactPoint>,
+        points: &mut Vec<ContactPoint>,
     ) -> Result<bool, CollisionError> {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
@@ -131,8 +130,8 @@ impl ContactDetector {
         let mut others = of_objects(motion, objects, margin);
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
-        put_together(&end, &contacts, &others, touches);
-        keep_sides(&start, touches);
+        put_together(&end, &contacts, &others, points);
+        keep_sides(&start, points);
         Ok(through)
     }
 }
@@ -186,82 +185,19 @@ fn places(end: &Capsules, found: &[CapsuleContact], stay: &mut Vec<CapsuleContac
     }
 }
 
-/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their
-/// first fibres, then each of these by itself.
-fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
-    let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
-    let key = |pair: &Pair| [pair[1], pair[0]];
-    let is_sorted = |two: &[Pair]| (first(&two[0]), key(&two[0])) <= (first(&two[1]), key(&two[1]));
-    if pairs.par_windows(2).all(is_sorted) {
-        return pairs;
-    }
-    let mut next = vec![0; layout.fibers() + 1];
-    pairs.iter().for_each(|pair| next[first(pair) + 1] += 1);
-    (0..layout.fibers()).for_each(|fiber| next[fiber + 1] += next[fiber]);
-    let mut dealt = vec![[0; 2]; pairs.len()];
-    for pair in pairs {
-        let next = &mut next[first(&pair)];
-        dealt[*next] = pair;
-        *next += 1;
-    }
-    let of_fibers = dealt.par_chunk_by_mut(|a, b| first(a) == first(b));
-    of_fibers.for_each(|own| own.sort_unstable_by_key(key));
-    dealt
-}
-
-/// Selects from pairs of segments those whose fibres are somewhere deeper than `depth`, m, in each
-/// other, or in themselves at all, or have a contact on the way; and how deep those are that are
-/// left out, m.
-fn of_overlapping(
-    end: &Capsules,
-    mut near: Vec<Pair>,
-    on_the_way: &[CapsuleContact],
-    depth: f64,
-) -> (Vec<Pair>, f64) {
-    let fibers = |pair: &Pair| fibers(end.layout(), pair);
-    let overlaps = |pairs: &[Pair]| {
-        let (mut squared, mut chosen, mut deepest) = (Vec::new(), Vec::new(), 0.0);
-        squared_distances(end, pairs, &mut squared);
-        for (pair, squared) in pairs.iter().zip(squared) {
-            let reach = pair.map(|segment| end.radii()[segment as usize]).iter().sum::<f64>();
-            if squared >= reach * reach {
-                continue;
-            }
-            let [fiber, partner] = fibers(pair);
-            let deep = reach - squared.sqrt();
-            // The fast distances may be off by roundings. In a bend a fibre does not overlap
-            // itself.
-            if deep >= depth - 1e-6 * reach || fiber == partner {
-                chosen.push([fiber, partner]);
-            } else {
-                deepest = f64::max(deepest, deep);
-            }
-        }
-        (chosen, deepest)
-    };
-    let parts: Vec<_> = near.par_chunks(DETECTION_CHUNK).map(overlaps).collect();
-    let deepest = parts.iter().map(|(_, deepest)| *deepest).fold(0.0, f64::max);
-    let mut chosen: Vec<_> = parts.into_iter().flat_map(|(chosen, _)| chosen).collect();
-    chosen.extend(on_the_way.iter().map(|contact| fibers(&contact.pair)));
-    chosen.par_sort_unstable();
-    chosen.dedup();
-    near.retain(|pair| chosen.binary_search(&fibers(pair)).is_ok());
-    (near, deepest)
-}
-
-/// How far apart the fibres of some touches are at the end of a motion, m, whatever the places and
-/// normals of these; infinitely if one side is an object.
+/// How far apart the fibres of some contact points are at the end of a motion, m, whatever the
+/// places and normals of these; infinitely if one side is an object.
 pub(crate) fn gaps(
     motion: &NodeMotion,
-    touches: &[ContactPoint],
+    points: &[ContactPoint],
 ) -> Result<Vec<f64>, CollisionError> {
     let [_, end] = motion.capsules()?;
     let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
-    let chunk = |(touches, gaps): (&[ContactPoint], &mut [f64])| {
+    let chunk = |(points, gaps): (&[ContactPoint], &mut [f64])| {
         let (mut places, mut pairs, mut squared) = (Vec::new(), Vec::new(), Vec::new());
-        for (i, touch) in touches.iter().enumerate() {
-            if let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = touch.sides {
-                let [s, t] = touch.segments;
+        for (i, point) in points.iter().enumerate() {
+            if let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = point.sides {
+                let [s, t] = point.segments;
                 places.push(i);
                 pairs.push([first(fiber) + s, first(partner) + t]);
             }
@@ -272,8 +208,8 @@ pub(crate) fn gaps(
             gaps[place] = squared.sqrt() - r - q;
         }
     };
-    let mut gaps = vec![f64::INFINITY; touches.len()];
-    touches.par_chunks(DETECTION_CHUNK).zip(gaps.par_chunks_mut(DETECTION_CHUNK)).for_each(chunk);
+    let mut gaps = vec![f64::INFINITY; points.len()];
+    points.par_chunks(DETECTION_CHUNK).zip(gaps.par_chunks_mut(DETECTION_CHUNK)).for_each(chunk);
     Ok(gaps)
 }
 
@@ -288,7 +224,7 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
                 end: &motion.end[motion.layout.node_range(fiber)],
                 radii: &motion.radii[motion.layout.segment_range(fiber)],
             };
-            object.touches(index, &strand, [motion.time, motion.dt], margin, &mut found);
+            object.contact_points(index, &strand, [motion.time, motion.dt], margin, &mut found);
         }
         found
     };
@@ -296,48 +232,8 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
     let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
     let found: Vec<_> = fibers.map(strand).collect();
     let mut found = found.concat();
-    found.extend(pair::touches(objects, [motion.time, motion.dt], margin));
+    found.extend(pair::contact_points(objects, [motion.time, motion.dt], margin));
     found
-}
-
-/// Sorts pairs with their squared distances at the start, m²: returns those with gaps up to
-/// `margin`, m, at the end, or at `either` end, that cannot have passed through each other, and
-/// contacts of those that would.
-fn sort(
-    start: &Capsules,
-    end: &Capsules,
-    pairs: &[(Pair, f64)],
-    margin: f64,
-    either: bool,
-) -> (Vec<Pair>, Vec<CapsuleContact>) {
-    let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
-    let ways = start.positions().iter().zip(end.positions()).map(way);
-    // How far one can have gone relative to another, squared.
-    let most = 4.0 * ways.fold(0.0, f64::max);
-    let chunk = |pairs: &[(Pair, f64)]| {
-        let (numbers, before): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
-        let mut after = Vec::new();
-        squared_distances(end, &numbers, &mut after);
-        let (mut near, mut fast) = (Vec::with_capacity(pairs.len()), Vec::new());
-        for (pair, (before, after)) in numbers.into_iter().zip(before.into_iter().zip(after)) {
-            let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
-            let reach = r + q;
-            // Axes that were apart by more than the way cannot have crossed.
-            let far = (0.25 * reach * reach).max(before);
-            let crosses = most >= far && travel(start, end, pair) >= far;
-            let least = if either { before.min(after) } else { after };
-            // The fast distances may be off by roundings.
-            let close = (reach + margin) * (1.0 + 1e-6);
-            match crosses.then(|| passing(start, end, pair)).flatten() {
-                Some(contact) => fast.push(contact),
-                None if least <= close * close => near.push(pair),
-                None => (),
-            }
-        }
-        (near, fast)
-    };
-    let (near, fast): (Vec<_>, Vec<_>) = pairs.par_chunks(DETECTION_CHUNK).map(chunk).unzip();
-    (near.concat(), fast.concat())
 }
 
 #[cfg(test)]
@@ -349,8 +245,8 @@ mod tests {
     const RADIUS: f64 = 3.5e-5;
     const LENGTH: f64 = 3e-3;
 
-    /// The touches of fibres that do not move, by their nodes in lengths of a segment; the last
-    /// coordinate in radii.
+    /// The contact points of fibres that do not move, by their nodes in lengths of a segment; the
+    /// last coordinate in radii.
     fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<ContactPoint> {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
@@ -358,9 +254,9 @@ mod tests {
         let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
         let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
-        let mut touches = Vec::new();
-        detector.detect(&motion, &[], &mut touches).expect("one layout");
-        touches
+        let mut points = Vec::new();
+        detector.detect(&motion, &[], &mut points).expect("one layout");
+        points
     }
 
     proptest! {
@@ -369,42 +265,29 @@ mod tests {
         #[test]
         fn fibers_side_by_side_touch_across(shift in prop_oneof![-1e-2..1e-2, -0.9..0.9_f64]) {
             let line = |from: f64, z: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| [from + i, 0.0, z]);
-            let touches = touches_at_rest(&[&line(0.0, 0.0), &line(shift, 2.01)]);
-            for touch in &touches {
-                prop_assert!(touch.normal.x.abs() <= LEAN * (1.0 + 1e-9), "{touch:?}");
+            let points = touches_at_rest(&[&line(0.0, 0.0), &line(shift, 2.01)]);
+            for point in &points {
+                prop_assert!(point.normal.x.abs() <= LEAN * (1.0 + 1e-9), "{point:?}");
             }
             // Of places that are nearer to each other than a radius one stays.
             let apart = RADIUS / LENGTH;
             for node in [1.0, 2.0, 3.0] {
                 for side in [0, 1] {
-                    let there = |touch: &ContactPoint| (touch.at()[side] - node).abs() <= apart;
-                    prop_assert!(touches.iter().any(there), "{node}: {touches:?}");
+                    let there = |point: &ContactPoint| (point.at()[side] - node).abs() <= apart;
+                    prop_assert!(points.iter().any(there), "{node}: {points:?}");
                 }
             }
         }
     }
 
-    proptest! {
-        #[test]
-        fn pairs_are_put_in_order_by_their_fibers(
-            mut pairs in prop::collection::vec([0..12_u32, 0..12_u32], 0..60),
-        ) {
-            let layout = Layout::new([3, 1, 5, 3]);
-            let dealt = by_fibers(&layout, pairs.clone());
-            let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
-            pairs.sort_unstable_by_key(|pair| (first(pair), pair[1], pair[0]));
-            prop_assert_eq!(&dealt, &pairs);
-            prop_assert_eq!(by_fibers(&layout, dealt), pairs);
-        }
-    }
-
-    /// Where both segments lead away from what their node touches it is the node that touches.
+    /// Where both segments lead away from what their node touches it is the node that contact
+    /// points.
     #[test]
     fn a_bend_touches_with_its_node() {
         let bent = [[-1.0, 0.0, 40.0], [0.0, 0.0, 0.0], [1.0, 0.0, 40.0]];
-        let touches = touches_at_rest(&[&bent, &[[0.0, -1.0, -2.01], [0.0, 1.0, -2.01]]]);
-        let [touch] = touches[..] else { panic!("one touch: {touches:?}") };
-        assert!((touch.at()[0] - 1.0).abs() < 1e-12 && touch.normal.z > 1.0 - 1e-12, "{touch:?}");
+        let points = touches_at_rest(&[&bent, &[[0.0, -1.0, -2.01], [0.0, 1.0, -2.01]]]);
+        let [point] = points[..] else { panic!("one touch: {points:?}") };
+        assert!((point.at()[0] - 1.0).abs() < 1e-12 && point.normal.z > 1.0 - 1e-12, "{point:?}");
     }
 
     /// Of two crossed fibres the upper one, two diameters above, moves to another height: below the

@@ -6,29 +6,29 @@ use rapunzel_collision::{CapsuleContact, Capsules, Pair};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
-/// The touches of all contacts, and others between them, both in order, in place of what a list
-/// held.
+/// The contact points of all contacts, and others between them, both in order, in place of what a
+/// list held.
 pub(super) fn put_together(
     end: &Capsules,
     contacts: &[CapsuleContact],
     others: &[ContactPoint],
-    touches: &mut Vec<ContactPoint>,
+    points: &mut Vec<ContactPoint>,
 ) {
     let place = |(i, other): (usize, &ContactPoint)| {
         let rank = other.rank();
         i + contacts.partition_point(|contact| fiber_rank(end.layout(), contact) < rank)
     };
     let places: Vec<usize> = others.par_iter().enumerate().map(place).collect();
-    let touch = |i: usize| {
+    let point = |i: usize| {
         let before = places.partition_point(|&place| place < i);
         let own = places.get(before) == Some(&i);
         if own { others[before] } else { fiber_touch(end, &contacts[i - before]) }
     };
     let count = contacts.len() + others.len();
     // Twice the room, as they would grow by, is much.
-    touches.clear();
-    touches.reserve_exact(count);
-    (0..count).into_par_iter().map(touch).collect_into_vec(touches);
+    points.clear();
+    points.reserve_exact(count);
+    (0..count).into_par_iter().map(point).collect_into_vec(points);
 }
 
 /// The fibres of two segments.
@@ -74,7 +74,7 @@ fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
         impulse: Vector3::zeros(),
         working: false,
         bonded: false,
-        led: false,
+        kinematic: false,
     }
 }
 
@@ -103,19 +103,18 @@ mod tests {
             sides: [BodyRef::Fiber(fiber), BodyRef::Object(0)],
             ..fiber_touch(&end, &contacts[0])
         };
-        let mut touches = vec![of_object(1); 9];
+        let mut points = vec![of_object(1); 9];
         for others in [vec![], vec![of_object(0), of_object(2)]] {
-            put_together(&end, &contacts, &others, &mut touches);
+            put_together(&end, &contacts, &others, &mut points);
             let mut expected: Vec<ContactPoint> =
                 contacts.iter().map(|one| fiber_touch(&end, one)).collect();
             expected.extend(others);
             expected.sort_by_key(ContactPoint::rank);
-            let ranks = |touches: &[ContactPoint]| {
-                touches.iter().map(ContactPoint::rank).collect::<Vec<_>>()
-            };
-            assert!(contacts.len() > 2 && ranks(&touches) == ranks(&expected), "{touches:?}");
+            let ranks =
+                |points: &[ContactPoint]| points.iter().map(ContactPoint::rank).collect::<Vec<_>>();
+            assert!(contacts.len() > 2 && ranks(&points) == ranks(&expected), "{points:?}");
         }
-        put_together(&end, &[], &[], &mut touches);
-        assert!(touches.is_empty());
+        put_together(&end, &[], &[], &mut points);
+        assert!(points.is_empty());
     }
 }

@@ -11,10 +11,10 @@ const OVERLAP: f64 = 0.2;
 /// A step in which nothing moves, s.
 const INSTANT: f64 = 1e-12;
 
-/// All touches of a world, with the radii of all its segments, m. It is refused where things are so
-/// deep in each other that no step would part them: ends that are held may be no deeper than
+/// All contact points of a world, with the radii of all its segments, m. It is refused where things
+/// are so deep in each other that no step would part them: ends that are held may be no deeper than
 /// `depth`, m, and all else by a part of the smallest `radius`.
-pub(super) fn touches(
+pub(super) fn contact_points(
     system: &CoupledSystem,
     detector: &mut ContactDetector,
     radii: &[f64],
@@ -29,26 +29,26 @@ pub(super) fn touches(
         time: system.start,
         dt: INSTANT,
     };
-    let mut touches = Vec::new();
-    detector.detect(&motion, system.objects, &mut touches)?;
-    let too_deep = |touch: &&ContactPoint| {
-        let held = [0, 1].iter().all(|&side| is_held(system, touch, side));
-        -touch.gap > if held { depth } else { OVERLAP * radius }
+    let mut points = Vec::new();
+    detector.detect(&motion, system.objects, &mut points)?;
+    let too_deep = |point: &&ContactPoint| {
+        let held = [0, 1].iter().all(|&side| is_held(system, point, side));
+        -point.gap > if held { depth } else { OVERLAP * radius }
     };
-    match touches.iter().filter(too_deep).min_by(|a, b| a.gap.total_cmp(&b.gap)) {
-        Some(touch) => Err(CouplingError::Overlap {
-            sides: touch.sides,
-            segment: touch.segment(),
-            depth: -touch.gap,
+    match points.iter().filter(too_deep).min_by(|a, b| a.gap.total_cmp(&b.gap)) {
+        Some(point) => Err(CouplingError::Overlap {
+            sides: point.sides,
+            segment: point.segment(),
+            depth: -point.gap,
         }),
-        None => Ok(touches),
+        None => Ok(points),
     }
 }
 
-/// Whether a touch is where nothing moves its side: at an end that is held, or on an object that is
-/// led.
-fn is_held(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> bool {
-    let fiber = match touch.sides[side] {
+/// Whether a contact point is where nothing moves its side: at an end that is held, or on an object
+/// that is kinematic.
+fn is_held(system: &CoupledSystem, point: &ContactPoint, side: usize) -> bool {
+    let fiber = match point.sides[side] {
         BodyRef::Object(object) => return !system.objects[object as usize].is_free(),
         BodyRef::Fiber(fiber) => fiber as usize,
     };
@@ -57,5 +57,5 @@ fn is_held(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> bool {
     let segments = system.fibers.assembly().fibers()[fiber].segments() as f64;
     let ends = [(0.0, now.root), (segments, now.tip)];
     let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
-    ends.iter().any(|(place, end)| touch.at()[side] == *place && fixed(end))
+    ends.iter().any(|(place, end)| point.at()[side] == *place && fixed(end))
 }

@@ -1,4 +1,4 @@
-//! What a touch obeys, by the scene, its partner and what it did when the step began.
+//! What a contact point obeys, by the scene, its partner and what it did when the step began.
 
 use super::adhesive_film::AdhesiveFilm;
 use crate::contact_point::{BodyRef, ContactPoint};
@@ -36,71 +36,71 @@ impl<'a> ContactLaws<'a> {
         self.settings.compliance / (self.dt * self.dt)
     }
 
-    /// [`closing`] of a touch in the part. `gap` is that at the start over the length of the part,
-    /// `before` tells the relative velocity then, in the frame of the touch.
+    /// [`closing`] of a contact point in the part. `gap` is that at the start over the length of
+    /// the part, `before` tells the relative velocity then, in the frame of the contact point.
     pub(super) fn closing(
         &self,
-        touch: &ContactPoint,
+        point: &ContactPoint,
         gap: f64,
         before: impl Fn() -> Vector3<f64>,
     ) -> f64 {
-        let own = self.own(touch, |object| object.restitution);
+        let own = self.own(point, |object| object.restitution);
         let restitution = own.unwrap_or(self.settings.restitution);
         closing(gap, restitution, self.fall, || before().x)
     }
 
-    /// The limit curve of a touch whose relative velocity at the start of the part, m/s, in its
-    /// frame, `before` tells. Backward Euler ends with its mean velocity: the slip at the start is
-    /// that of the part before.
+    /// The limit curve of a contact point whose relative velocity at the start of the part, m/s, in
+    /// its frame, `before` tells. Backward Euler ends with its mean velocity: the slip at the start
+    /// is that of the part before.
     pub(super) fn friction(
         &self,
-        touch: &ContactPoint,
+        point: &ContactPoint,
         before: impl Fn() -> Vector3<f64>,
     ) -> Result<LimitCurve, ContactError> {
-        let between_objects = matches!(touch.sides[0], BodyRef::Object(_));
-        let own = self.own(touch, |object| {
+        let between_objects = matches!(point.sides[0], BodyRef::Object(_));
+        let own = self.own(point, |object| {
             object.friction.filter(|friction| !(between_objects && friction.needs_axis()))
         });
         let sticks = || before().yz().norm() <= self.settings.slip;
-        limit_curve(&own.unwrap_or(self.settings.friction), touch, sticks)
+        limit_curve(&own.unwrap_or(self.settings.friction), point, sticks)
     }
 
-    /// Tensile impulses that touches bear, N s; `gaps` are those at the start, as in
+    /// Tensile impulses that contact points bear, N s; `gaps` are those at the start, as in
     /// [`Self::closing`]. Sorted by pair and place; none where nothing pulls.
     pub(super) fn adhesion(
         &self,
         assembly: &Assembly,
-        touches: &[ContactPoint],
+        points: &[ContactPoint],
         gaps: impl Iterator<Item = f64>,
     ) -> Result<Vec<f64>, ContactError> {
         if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
             let bears = Bond::new(bonds.strength)?.adhesion(self.dt);
-            return Ok(touches.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
+            return Ok(points.iter().map(|t| if t.bonded { bears } else { 0.0 }).collect());
         }
         let Some(film) = self.film else { return Ok(Vec::new()) };
         let gaps: Vec<_> = gaps.map(|gap| gap * self.dt).collect();
-        let forces = film.forces(assembly, touches, &gaps);
+        let forces = film.forces(assembly, points, &gaps);
         Ok(forces.into_iter().map(|force| force * self.dt).collect())
     }
 
     /// What an object says of its own, the second side before the first.
     fn own<T>(
         &self,
-        touch: &ContactPoint,
+        point: &ContactPoint,
         of: impl Fn(&CollisionObject) -> Option<T>,
     ) -> Option<T> {
-        touch.sides.iter().rev().find_map(|side| match side {
+        point.sides.iter().rev().find_map(|side| match side {
             BodyRef::Object(object) => of(&self.objects[*object as usize]),
             BodyRef::Fiber(_) => None,
         })
     }
 }
 
-/// The limit curve of a touch, which `sticks` or slides. Of two fibres that touch, both have this
-/// friction, each by its own axis; with an object the axis is the fibre's.
+/// The limit curve of a contact point, which `sticks` or slides. Of two fibres that touch, both
+/// have this friction, each by its own axis; with an object the axis is the fibre's.
 fn limit_curve(
     friction: &FrictionLaw,
-    touch: &ContactPoint,
+    point: &ContactPoint,
     sticks: impl Fn() -> bool,
 ) -> Result<LimitCurve, ContactError> {
     match *friction {
@@ -118,9 +118,9 @@ fn limit_curve(
         }
         FrictionLaw::Cuticle { with, against, across } => {
             let curve = LimitCurve::cuticle(with, against, across);
-            match touch.sides[1] {
+            match point.sides[1] {
                 BodyRef::Object(_) => Ok(curve),
-                BodyRef::Fiber(_) => LimitCurve::between(&curve, &curve, touch.turn()),
+                BodyRef::Fiber(_) => LimitCurve::between(&curve, &curve, point.turn()),
             }
         }
     }

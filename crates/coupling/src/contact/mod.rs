@@ -4,14 +4,15 @@
 //! method, and every iteration solves all contacts together with the linearised rods:
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
-//! 2. touches are found where that would lead, as well as on the way there (`detection`,
-//!    `tunnelling`). A touch that has changed sides beside one of its pair that has not is none;
+//! 2. contact points are found where that would lead, as well as on the way there (`detection`,
+//!    `tunnelling`). A contact point that has changed sides beside one of its pair that has not is
+//!    none;
 //! 3. the rods are linearised where they are, all impulses are solved for (`problem`) as well as
 //!    that is of use (`forcing_term`), and the rods take the increment that belongs to them;
 //! 4. 3 repeats, with places and normals of the contacts kept, until rods and law agree, or until
 //!    it is seen that others are missing;
-//! 5. touches are looked for where the fibres really are. Those that are too deep replace or join
-//!    the list, and 3 to 5 repeat.
+//! 5. contact points are looked for where the fibres really are. Those that are too deep replace or
+//!    join the list, and 3 to 5 repeat.
 //!
 //! Normals are those of where the list was made: in the end, weighted with impulses, off by a
 //! hundredth of a radian where hair strikes, and by a third of that at rest. Gaps are looked at
@@ -26,8 +27,8 @@
 //! rod that buckles under given forces is held by the very contacts that press it. A step that does
 //! not end so is taken in halves (`stepper`).
 //!
-//! Objects are led on a way of their own or move freely (`free_body`): then they are bodies of the
-//! solver as the fibres are, and touch other objects too (`pair`).
+//! Objects are kinematic (they follow a given motion) or move freely (`free_body`): then they are
+//! bodies of the solver as the fibres are, and touch other objects too (`pair`).
 //!
 //! Contacts act on the axes of fibres: friction does not spin them.
 
@@ -44,6 +45,7 @@ mod laws;
 mod leaps;
 mod newton;
 mod node_arrays;
+mod pair_lists;
 mod problem;
 mod stepper;
 mod substep;

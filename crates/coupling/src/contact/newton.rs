@@ -130,7 +130,7 @@ impl ContactStepper {
         let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
         laps.lap(&mut self.times.detection);
         let deeper =
-            |(touch, found): (&ContactPoint, f64)| touch.gap.min(0.0) - found > self.depth();
+            |(point, found): (&ContactPoint, f64)| point.gap.min(0.0) - found > self.depth();
         Ok(near.iter().zip(found).any(deeper))
     }
 

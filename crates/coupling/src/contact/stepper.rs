@@ -96,10 +96,14 @@ impl ContactStepper {
             stopwatch: None,
         };
         let depths = [radius, stepper.depth()];
-        let touches =
-            initial_overlaps::touches(system, &mut stepper.detector, &stepper.radii, depths)?;
+        let points = initial_overlaps::contact_points(
+            system,
+            &mut stepper.detector,
+            &stepper.radii,
+            depths,
+        )?;
         if let Some(bonds) = bonds {
-            stepper.bonds = bonds_within(&touches, bonds.range);
+            stepper.bonds = bonds_within(&points, bonds.range);
         }
         Ok(stepper)
     }

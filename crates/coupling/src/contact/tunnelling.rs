@@ -108,33 +108,34 @@ pub(super) fn goes_on(end: &Capsules, contact: &CapsuleContact) -> bool {
     })
 }
 
-/// Whether the places of a touch of fibres were on the other side of each other at the start.
-fn turned(start: &Capsules, touch: &ContactPoint) -> bool {
-    let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = touch.sides else { return false };
-    let [s, t] = touch.segments;
+/// Whether the places of a contact point of fibres were on the other side of each other at the
+/// start.
+fn turned(start: &Capsules, point: &ContactPoint) -> bool {
+    let [BodyRef::Fiber(fiber), BodyRef::Fiber(partner)] = point.sides else { return false };
+    let [s, t] = point.segments;
     let at = |fiber: u32, segment: u32, fraction: f64| {
         let first = start.layout().segment_range(fiber as usize).start;
         start.get(first + segment as usize).at(fraction)
     };
-    let own = at(fiber, s, touch.fractions[0]);
-    (own - at(partner, t, touch.fractions[1])).dot(&touch.normal) < 0.0
+    let own = at(fiber, s, point.fractions[0]);
+    (own - at(partner, t, point.fractions[1])).dot(&point.normal) < 0.0
 }
 
-/// Drops the touches that have turned to the other side beside one of their pair that has not.
-/// About a bend one segment may meet a fibre that its neighbor would pass through, and find it on
-/// its far side: between the two normals the fibre could not move at all. Touches are sorted by
+/// Drops the contact points that have turned to the other side beside one of their pair that has
+/// not. About a bend one segment may meet a fibre that its neighbor would pass through, and find it
+/// on its far side: between the two normals the fibre could not move at all. Touches are sorted by
 /// pair.
-pub(super) fn keep_sides(start: &Capsules, touches: &mut Vec<ContactPoint>) {
-    let turned: Vec<bool> = touches.par_iter().map(|touch| turned(start, touch)).collect();
+pub(super) fn keep_sides(start: &Capsules, points: &mut Vec<ContactPoint>) {
+    let turned: Vec<bool> = points.par_iter().map(|point| turned(start, point)).collect();
     let jams = |i: usize| {
-        let pair = touches[i].sides;
-        let first = touches.partition_point(|touch| touch.sides < pair);
-        let from_first = touches[first..].iter().zip(&turned[first..]);
-        let mut of_pair = from_first.take_while(|(touch, _)| touch.sides == pair);
-        of_pair.any(|(touch, turned)| !turned && touch.opposes(&touches[i]))
+        let pair = points[i].sides;
+        let first = points.partition_point(|point| point.sides < pair);
+        let from_first = points[first..].iter().zip(&turned[first..]);
+        let mut of_pair = from_first.take_while(|(point, _)| point.sides == pair);
+        of_pair.any(|(point, turned)| !turned && point.opposes(&points[i]))
     };
-    let jammed = (0..touches.len()).into_par_iter().map(|i| turned[i] && jams(i)).collect();
-    retain_others(touches, jammed);
+    let jammed = (0..points.len()).into_par_iter().map(|i| turned[i] && jams(i)).collect();
+    retain_others(points, jammed);
 }
 
 #[cfg(test)]
@@ -145,8 +146,8 @@ mod tests {
     use rapunzel_fiber::Layout;
 
     proptest! {
-        /// Of touches of three fibres that cross each other, with normals up or down, those go that
-        /// have turned beside one of their pair that has not; two that both have stay.
+        /// Of contact points of three fibres that cross each other, with normals up or down, those
+        /// go that have turned beside one of their pair that has not; two that both have stay.
         #[test]
         fn touches_that_jam_others_go(
             mut all in prop::collection::vec((0..2_u32, 0..8_u32, any::<bool>()), 0..20),
@@ -162,7 +163,7 @@ mod tests {
             let nodes: Vec<_> = (0..layout.nodes()).map(|i| Point3::from(node(i))).collect();
             let radii = vec![0.4; layout.segments()];
             let start = Capsules::new(&layout, &nodes, &radii).expect("one layout");
-            let touch = |&(fiber, place, up): &(u32, u32, bool)| ContactPoint {
+            let point = |&(fiber, place, up): &(u32, u32, bool)| ContactPoint {
                 sides: [fiber, fiber + 1].map(BodyRef::Fiber),
                 segments: [place / 2; 2],
                 fractions: [0.5 * f64::from(place % 2); 2],
@@ -172,10 +173,10 @@ mod tests {
                 impulse: Vector3::zeros(),
                 working: false,
                 bonded: false,
-                led: false,
+                kinematic: false,
             };
-            let mut touches: Vec<_> = all.iter().map(touch).collect();
-            keep_sides(&start, &mut touches);
+            let mut points: Vec<_> = all.iter().map(point).collect();
+            keep_sides(&start, &mut points);
             let turned = |&(_, place, up): &(u32, u32, bool)| up == (0.5 * f64::from(place) > CROSSING);
             let jams = |one: &(u32, u32, bool)| {
                 // Within less than a segment.
@@ -184,11 +185,11 @@ mod tests {
                 };
                 turned(one) && all.iter().any(|other| beside(other) && !turned(other))
             };
-            let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(touch).collect();
-            let told = |touches: &[ContactPoint]| -> Vec<_> {
-                touches.iter().map(|one| (one.sides, one.at(), one.normal.z)).collect()
+            let expected: Vec<_> = all.iter().filter(|one| !jams(one)).map(point).collect();
+            let told = |points: &[ContactPoint]| -> Vec<_> {
+                points.iter().map(|one| (one.sides, one.at(), one.normal.z)).collect()
             };
-            prop_assert_eq!(told(&touches), told(&expected));
+            prop_assert_eq!(told(&points), told(&expected));
         }
     }
 }

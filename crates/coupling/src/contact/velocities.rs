@@ -47,22 +47,22 @@ impl<'a> Velocities<'a> {
     }
 
     /// Velocity of a side of a contact point, m/s; zero for an object with a given motion.
-    pub(super) fn of_side(&self, touch: &ContactPoint, side: usize) -> Vector3<f64> {
-        match touch.sides[side] {
+    pub(super) fn of_side(&self, point: &ContactPoint, side: usize) -> Vector3<f64> {
+        match point.sides[side] {
             BodyRef::Fiber(fiber) => {
                 let first = self.layout.node_range(fiber as usize).start;
-                let node = first + touch.segments[side] as usize;
-                self.nodes[node].lerp(&self.nodes[node + 1], touch.fractions[side])
+                let node = first + point.segments[side] as usize;
+                self.nodes[node].lerp(&self.nodes[node + 1], point.fractions[side])
             }
             BodyRef::Object(object) => {
                 let [velocity, omega] = self.objects[object as usize];
-                velocity + omega.cross(&touch.lever(side))
+                velocity + omega.cross(&point.lever(side))
             }
         }
     }
 
     /// Velocity of the first side of a contact point as seen from the second, m/s.
-    pub(super) fn between(&self, touch: &ContactPoint) -> Vector3<f64> {
-        self.of_side(touch, 0) - self.of_side(touch, 1)
+    pub(super) fn between(&self, point: &ContactPoint) -> Vector3<f64> {
+        self.of_side(point, 0) - self.of_side(point, 1)
     }
 }

@@ -144,11 +144,11 @@ impl ExpectedImpulses<'_> {
     }
 }
 
-/// Gives the impulses and bonds of remembered contacts to the touches of their pairs that are
-/// nearest: what held something still holds it there. Both are sorted by pair and place.
-pub(crate) fn match_cached(expected: &ExpectedImpulses, touches: &mut [ContactPoint]) {
+/// Gives the impulses and bonds of remembered contacts to the contact points of their pairs that
+/// are nearest: what held something still holds it there. Both are sorted by pair and place.
+pub(crate) fn match_cached(expected: &ExpectedImpulses, points: &mut [ContactPoint]) {
     let ExpectedImpulses { known, scale } = *expected;
-    touches.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
+    points.par_chunk_by_mut(|a, b| a.sides == b.sides).for_each(|group| {
         let sides = group[0].sides;
         let known = &known[known.partition_point(|r| r.push.sides < sides)..];
         let of_pair = known.iter().take_while(|r| r.push.sides == sides);
@@ -162,56 +162,57 @@ fn match_pair<'a>(
     scale: f64,
     mut group: &mut [ContactPoint],
 ) {
-    for touch in &mut *group {
-        (touch.impulse, touch.bonded) = (Vector3::zeros(), false);
+    for point in &mut *group {
+        (point.impulse, point.bonded) = (Vector3::zeros(), false);
     }
     for one in known {
         let place = one.push.at();
         // Those that come before are out of reach of all that follow.
-        let before = group.iter().take_while(|touch| touch.at()[0] <= place[0] - REACH).count();
+        let before = group.iter().take_while(|point| point.at()[0] <= place[0] - REACH).count();
         group = &mut group[before..];
-        let ahead = group.iter_mut().take_while(|touch| touch.at()[0] < place[0] + REACH);
-        let both = ahead.map(|touch| (touch.apart(place), touch));
+        let ahead = group.iter_mut().take_while(|point| point.at()[0] < place[0] + REACH);
+        let both = ahead.map(|point| (point.apart(place), point));
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, touch)) = nearest.filter(|near| near.0 < REACH) {
-            touch.impulse += scale * one.push.impulse;
-            touch.bonded |= one.bonded;
+        if let Some((_, point)) = nearest.filter(|near| near.0 < REACH) {
+            point.impulse += scale * one.push.impulse;
+            point.bonded |= one.bonded;
         }
     }
 }
 
-/// The impulses that are expected of touches, N s, world.
+/// The impulses that are expected of contact points, N s, world.
 pub(crate) fn cached_impulses(
     expected: &ExpectedImpulses,
-    touches: &[ContactPoint],
+    points: &[ContactPoint],
 ) -> Vec<Vector3<f64>> {
-    let mut touches = touches.to_vec();
-    match_cached(expected, &mut touches);
-    touches.into_iter().map(|touch| touch.impulse).collect()
+    let mut points = points.to_vec();
+    match_cached(expected, &mut points);
+    points.into_iter().map(|point| point.impulse).collect()
 }
 
-/// A bond for each pair of some touches, where the gap is least, if that is at most `range`, m.
-pub(crate) fn bonds_within(touches: &[ContactPoint], range: f64) -> Vec<CachedImpulse> {
-    let pairs = touches.chunk_by(|a, b| a.sides == b.sides);
+/// A bond for each pair of some contact points, where the gap is least, if that is at most `range`,
+/// m.
+pub(crate) fn bonds_within(points: &[ContactPoint], range: f64) -> Vec<CachedImpulse> {
+    let pairs = points.chunk_by(|a, b| a.sides == b.sides);
     let nearest = pairs.filter_map(|pair| pair.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)));
     let bonded = nearest
-        .filter(|touch| touch.gap <= range)
-        .map(|touch| ContactPoint { bonded: true, ..*touch });
+        .filter(|point| point.gap <= range)
+        .map(|point| ContactPoint { bonded: true, ..*point });
     let mut bonds = Vec::new();
     cache_impulses(&bonded.collect::<Vec<_>>(), &mut bonds);
     bonds
 }
 
-/// Writes what is to be remembered of some touches, in their order.
-pub(crate) fn cache_impulses(touches: &[ContactPoint], remembered: &mut Vec<CachedImpulse>) {
+/// Writes what is to be remembered of some contact points, in their order.
+pub(crate) fn cache_impulses(points: &[ContactPoint], remembered: &mut Vec<CachedImpulse>) {
     remembered.clear();
-    let lasts = |touch: &ContactPoint| touch.bonded || touch.impulse != Vector3::zeros();
-    let lasting: Vec<&ContactPoint> = touches.par_iter().filter(|touch| lasts(touch)).collect();
+    let lasts = |point: &ContactPoint| point.bonded || point.impulse != Vector3::zeros();
+    let lasting: Vec<&ContactPoint> = points.par_iter().filter(|point| lasts(point)).collect();
     // Of a known number each is written where it stays.
     remembered.par_extend(
         lasting
             .into_par_iter()
-            .map(|touch| CachedImpulse { push: touch.push(touch.impulse), bonded: touch.bonded }),
+            .map(|point| CachedImpulse { push: point.push(point.impulse), bonded: point.bonded }),
     );
 }
 
@@ -234,10 +235,10 @@ mod tests {
     }
 
     /// A contact point of which no more is known than what is cached.
-    fn touch(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
+    fn point(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
-        let (working, led) = (false, false);
+        let (working, kinematic) = (false, false);
         ContactPoint {
             sides,
             segments,
@@ -248,13 +249,13 @@ mod tests {
             impulse,
             working,
             bonded,
-            led,
+            kinematic,
         }
     }
 
     proptest! {
-        /// Of all touches of a pair the nearest gets an impulse, as if every one had been looked
-        /// at.
+        /// Of all contact points of a pair the nearest gets an impulse, as if every one had been
+        /// looked at.
         #[test]
         fn impulses_go_to_the_nearest(
             mut known in prop::collection::vec((0..40_u32, 0..40_u32), 0..20),
@@ -269,29 +270,29 @@ mod tests {
                 one
             };
             let known: Vec<_> = known.iter().map(at).collect();
-            let mut touches: Vec<_> = places.iter().map(|place| touch(at(place))).collect();
-            let mut expected = vec![0.0; touches.len()];
+            let mut points: Vec<_> = places.iter().map(|place| point(at(place))).collect();
+            let mut expected = vec![0.0; points.len()];
             for one in &known {
-                let apart = |i: &usize| touches[*i].apart(one.push.at());
-                let nearest = (0..touches.len()).min_by(|i, j| apart(i).total_cmp(&apart(j)));
+                let apart = |i: &usize| points[*i].apart(one.push.at());
+                let nearest = (0..points.len()).min_by(|i, j| apart(i).total_cmp(&apart(j)));
                 if let Some(i) = nearest.filter(|i| apart(i) < REACH) {
                     expected[i] += 1.0;
                 }
             }
-            match_cached(&ExpectedImpulses { known: &known, scale: 1.0 }, &mut touches);
-            let found: Vec<f64> = touches.iter().map(|touch| touch.impulse.z).collect();
+            match_cached(&ExpectedImpulses { known: &known, scale: 1.0 }, &mut points);
+            let found: Vec<f64> = points.iter().map(|point| point.impulse.z).collect();
             prop_assert_eq!(found, expected);
         }
     }
 
-    /// Two of three go to the only touch that is left near them, one is too far from any.
+    /// Two of three go to the only contact point that is left near them, one is too far from any.
     #[test]
     fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
         let known = [(2.0, 1.0, false), (2.5, 2.0, true), (6.0, 4.0, false)];
         let known = known.map(|(place, push, bonded)| remembered(place, push, bonded));
-        let mut touches = [remembered(2.1, 7.0, false), remembered(4.0, 8.0, true)].map(touch);
-        match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut touches);
-        assert_eq!(touches.map(|touch| touch.impulse.z), [6.0, 0.0]);
-        assert_eq!(touches.map(|touch| touch.bonded), [true, false]);
+        let mut points = [remembered(2.1, 7.0, false), remembered(4.0, 8.0, true)].map(point);
+        match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut points);
+        assert_eq!(points.map(|point| point.impulse.z), [6.0, 0.0]);
+        assert_eq!(points.map(|point| point.bonded), [true, false]);
     }
 }

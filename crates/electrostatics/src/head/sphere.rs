@@ -1,7 +1,7 @@
 //! A conducting sphere, by images.
 
 use super::Condition;
-use crate::error::{check_charges, check_positions};
+use crate::error::{check_charges, check_positions, check_positive};
 use crate::{COULOMB_CONSTANT, ElectrostaticsError};
 use nalgebra::Point3;
 
@@ -35,10 +35,7 @@ impl ConductingSphere {
         check_positions("center", &[self.center])?;
         check_charges(charges, sources.len())?;
         let radius = self.radius;
-        if !(radius > 0.0 && radius.is_finite()) {
-            let (what, range) = ("the radius of the sphere", "positive and finite");
-            return Err(ElectrostaticsError::Setting { what, value: radius, range });
-        }
+        check_positive("the radius of the sphere", radius)?;
         let mut points = Vec::with_capacity(sources.len() + 1);
         let mut images = Vec::with_capacity(sources.len() + 1);
         for (index, (source, charge)) in sources.iter().zip(charges).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::lines::SegmentLines;
 use super::solver::{Beside, SegmentSolution, loads};
-use crate::error::{check_charges, check_count, check_positions};
+use crate::error::{check_charges, check_count, check_positions, check_positive};
 use crate::multipole::solver::{check_accuracy, unit};
 use crate::multipole::tree::Octree;
 use crate::{
@@ -171,10 +171,7 @@ impl ChargedFibers<'_> {
         check_count("radii", self.radii.len(), self.layout.fibers())?;
         check_positions("node", positions)?;
         check_charges(self.charges, self.layout.segments())?;
-        if let Some(&value) = self.radii.iter().find(|r| !(**r > 0.0 && r.is_finite())) {
-            let (what, range) = ("a radius", "positive and finite");
-            return Err(ElectrostaticsError::Setting { what, value, range });
-        }
+        self.radii.iter().try_for_each(|&radius| check_positive("a radius", radius))?;
         for segment in 0..self.layout.segments() {
             let [a, b] = self.layout.segment_nodes(segment);
             if positions[a] == positions[b] {

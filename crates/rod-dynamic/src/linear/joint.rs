@@ -23,7 +23,9 @@ impl Joint {
         let elastic = inverse.transpose() * Matrix3::from_diagonal(&self.stiffness) * inverse;
         // The derivative of J^-T m at constant m; the order of two rotations makes it unsymmetric,
         // which is no part of the energy's second derivative.
-        let (c, slope) = log_coefficient(phi.norm_squared());
+        let squared = phi.norm_squared();
+        let c = so3::inverse_coefficient(squared);
+        let slope = so3::inverse_coefficient_slope(squared);
         let along = phi.dot(&m);
         let varied = 0.5 * so3::hat(&m)
             + c * (Matrix3::from_diagonal_element(along) + phi * m.transpose()
@@ -38,39 +40,10 @@ impl Joint {
     }
 }
 
-/// `c = (1 - (a/2) cot(a/2)) / a^2` and its derivative by the square `x = a^2` of the angle.
-fn log_coefficient(x: f64) -> (f64, f64) {
-    // |B_2k| / (2k)!, the series in powers of x / (2 pi)^2; enough to rounding below 1/4.
-    const SERIES: [f64; 6] = [
-        1.0 / 12.0,
-        1.0 / 720.0,
-        1.0 / 30_240.0,
-        1.0 / 1_209_600.0,
-        1.0 / 47_900_160.0,
-        691.0 / 1_307_674_368_000.0,
-    ];
-    if x < 0.25 {
-        let term = |(value, slope): (f64, f64), c: &f64| (c + x * value, value + x * slope);
-        SERIES.iter().rev().fold((0.0, 0.0), term)
-    } else {
-        let half = 0.5 * x.sqrt();
-        let (sin, cot) = (half.sin(), 1.0 / half.tan());
-        let c = (1.0 - half * cot) / x;
-        (c, ((half / (sin * sin) - cot) / (8.0 * half) - c) / x)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-
-    #[test]
-    fn series_meets_the_closed_form() {
-        let (below, above) = (log_coefficient(0.25 - 1e-12), log_coefficient(0.25));
-        assert_relative_eq!(below.0, above.0, epsilon = 1e-13);
-        assert_relative_eq!(below.1, above.1, epsilon = 1e-12);
-    }
 
     #[test]
     fn hessian_is_the_second_difference_of_the_energy() {

@@ -108,9 +108,6 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
             fn call(self) {
                 let Self(pack, dt, wanted, problem, out) = self;
                 let stage = pack.stage(dt, problem);
-                if problem == StepProblem::Again {
-                    pack.recall_directors();
-                }
                 if problem == StepProblem::Step {
                     pack.look_ahead(&stage, wanted);
                 }

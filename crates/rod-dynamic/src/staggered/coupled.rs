@@ -1,4 +1,4 @@
-//! Steps in several calls, for a contact solver between them.
+//! Steps in Newton iterations, for a contact solver between them.
 
 use super::batch::StaggeredBatch;
 use super::response::Inertia;
@@ -10,61 +10,17 @@ use crate::{
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_lanes::LANES;
 
-const NOT_UNDER_WAY: &str = "none is under way: predict one, or set out on one";
+const NOT_UNDER_WAY: &str = "none is under way: set out on one";
 
 impl StaggeredBatch {
-    /// Solves the step of `dt` seconds with `impulses` (N s, one per node, or an empty slice) at
-    /// its start, without committing it: [`Self::mean_velocities`] and [`ImpulseResponse`] then
-    /// refer to it, until [`Self::accept`] or [`Self::abandon`].
-    ///
-    /// # Errors
-    /// [`StepError`]; a step that does not converge is not halved, since bodies in contact must
-    /// take the same step. The fibres are then as before.
-    ///
-    /// # Panics
-    /// If there are fewer conditions or reports than fibres.
-    pub fn predict(
-        &mut self,
-        dt: f64,
-        conditions: &[&dyn Conditions],
-        impulses: &[Vector3<f64>],
-        reports: &mut [RodStepReport],
-    ) -> Result<(), StepError> {
-        self.fresh_before = self.fresh;
-        self.engine.keep();
-        self.working(|batch| {
-            batch.begin(dt, conditions, reports)?;
-            let solved = if impulses.is_empty() { Ok(()) } else { batch.set_impulses(impulses) };
-            let solved = solved.and_then(|()| batch.solve(dt, StepProblem::Step, reports));
-            batch.under_way(dt, solved.map(|_| ()))
-        })
-    }
-
-    /// Solves the predicted step again with other impulses, from where the last solve ended.
-    ///
-    /// # Errors
-    /// As [`Self::predict`], and [`StepError::Conditions`] for impulses that are not one a node or
-    /// not finite.
-    pub fn correct(
-        &mut self,
-        impulses: &[Vector3<f64>],
-        reports: &mut [RodStepReport],
-    ) -> Result<(), StepError> {
-        self.check_under_way()?;
-        let dt = self.predicted;
-        let solved = match self.set_impulses(impulses) {
-            Ok(()) => self.working(|batch| batch.solve(dt, StepProblem::Again, reports)),
-            Err(error) => Err(error),
-        };
-        self.under_way(dt, solved.map(|_| ()))
-    }
-
     /// Starts a step of `dt` seconds with `impulses` (N s, one per node) at its start, at the
     /// predicted shape, without solving it: [`Self::linearize`] and [`Self::advance`] do that, one
-    /// Newton iteration after another.
+    /// Newton iteration after another, until [`Self::accept`] or [`Self::abandon`]. Such a step is
+    /// not halved, since bodies in contact must take the same step.
     ///
     /// # Errors
-    /// [`StepError`] for conditions and impulses that make no sense. The fibres are then as before.
+    /// [`StepError`] for conditions and impulses that make no sense: [`StepError::Conditions`] for
+    /// impulses that are not one a node or not finite. The fibres are then as before.
     ///
     /// # Panics
     /// If there are fewer conditions or reports than fibres.
@@ -103,7 +59,7 @@ impl StaggeredBatch {
     /// impulses enter the next [`Self::linearize`].
     ///
     /// # Errors
-    /// As [`Self::correct`] for impulses that make no sense.
+    /// As [`Self::set_out`] for impulses that make no sense.
     pub fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
         self.check_under_way()?;
         self.set_impulses(impulses)
@@ -129,7 +85,7 @@ impl StaggeredBatch {
     /// place of those it had. Returns the largest increment, rad; those above 1 are shortened.
     ///
     /// # Errors
-    /// [`StepError`] as [`Self::correct`].
+    /// [`StepError`] as [`Self::set_out`] and [`Self::linearize`].
     pub fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
         self.check_impulses(impulses)?;
         self.check_under_way()?;
@@ -195,7 +151,7 @@ impl StaggeredBatch {
         }
     }
 
-    /// Mean velocities of all nodes over the predicted step, m/s: displacement over its length.
+    /// Mean velocities of all nodes over the step under way, m/s: displacement over its length.
     ///
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.

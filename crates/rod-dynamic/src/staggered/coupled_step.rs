@@ -171,7 +171,7 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Recomputes the directors at the start of the step under way.
     #[inline(always)]
-    pub(super) fn recall_directors(&mut self) {
+    fn recall_directors(&mut self) {
         let all = Lane::splat(self.chain.simd, 1.0);
         keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
     }

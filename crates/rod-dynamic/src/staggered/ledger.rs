@@ -19,31 +19,17 @@
 //! joint with a law stores and dissipates what the law says; its moment after the step also stands
 //! for the one before it.
 
-use super::array::{at, get, set};
+use super::array::{at, set};
 use super::chain::RotationChain;
 use super::ends;
 use super::joint_geometry::{moment, slope_of_log};
 use super::laws::Turns;
+use super::ledger_lanes::LedgerLanes;
 use super::scheme::{Rates, Stage, StepProblem};
 use super::simd_batch::SimdBatch;
 use crate::{End, Instant, Ledger};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane, V3};
-
-/// Energy ledger of a step, one per lane.
-#[derive(Clone, Copy)]
-struct LedgerLanes<S: Simd> {
-    kinetic: Lane<S>,
-    elastic: Lane<S>,
-    gravity: Lane<S>,
-    loads: Lane<S>,
-    drag: Lane<S>,
-    damping: Lane<S>,
-    supports: Lane<S>,
-    contacts: Lane<S>,
-    integrator: Lane<S>,
-    solver: Lane<S>,
-}
 
 /// Motion over a step of a coordinate with mass 1.
 struct CoordinateMotion<S: Simd> {
@@ -407,42 +393,4 @@ impl<S: Simd> SimdBatch<S> {
 fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
     let sum = from[0].cross(to[0]) + from[1].cross(to[1]) + from[2].cross(to[2]);
     sum.scale(sum.0[0].lift(0.5))
-}
-
-impl<S: Simd> LedgerLanes<S> {
-    fn zero(simd: S) -> Self {
-        let zero = Lane::splat(simd, 0.0);
-        Self {
-            kinetic: zero,
-            elastic: zero,
-            gravity: zero,
-            loads: zero,
-            drag: zero,
-            damping: zero,
-            supports: zero,
-            contacts: zero,
-            integrator: zero,
-            solver: zero,
-        }
-    }
-
-    fn ledgers(&self) -> [Ledger; LANES] {
-        let mut ledgers = [Ledger::default(); LANES];
-        for (lane, ledger) in ledgers.iter_mut().enumerate().take(S::F64_LANES) {
-            let of = |line: Lane<S>| get(line, lane);
-            *ledger = Ledger {
-                kinetic: of(self.kinetic),
-                elastic: of(self.elastic),
-                gravity: of(self.gravity),
-                loads: of(self.loads),
-                drag: of(self.drag),
-                damping: of(self.damping),
-                supports: of(self.supports),
-                contacts: of(self.contacts),
-                integrator: of(self.integrator),
-                solver: of(self.solver),
-            };
-        }
-        ledgers
-    }
 }

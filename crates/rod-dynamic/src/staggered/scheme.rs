@@ -31,8 +31,6 @@ pub(super) enum StepProblem {
     Start,
     /// A time step, with Newton's method started from the predicted motion.
     Step,
-    /// A time step solved once more, with Newton's method started from the last solve.
-    Again,
     /// Equilibrium: inertia only keeps Newton's matrix from being singular.
     Rest,
 }

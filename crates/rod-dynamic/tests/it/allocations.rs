@@ -43,15 +43,18 @@ fn warm_steps_do_not_allocate() {
         let mut blocks = vec![Matrix3::zeros(); nodes];
         let points = [Point { fiber: 0, segment: 7, fraction: 0.3 }];
         let count = allocations(|| {
-            batch.predict(1e-3, &conditions, &impulses, &mut reports).expect("a prediction");
+            batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
+            batch.linearize().expect("regular");
+            batch.linear_velocities(&mut velocities).expect("lengths");
             batch.mean_velocities(&mut velocities).expect("lengths");
             batch.respond(&impulses, &mut velocities).expect("lengths");
             batch.diagonal_blocks(&mut blocks).expect("lengths");
             batch.set_weights(&points, &[1e-6]).expect("weights");
-            batch.correct(&impulses, &mut reports).expect("a step");
+            batch.press(&impulses).expect("sound");
+            batch.advance(&impulses).expect("regular");
             batch.accept();
         });
-        assert_eq!(count, 0, "the halves of a step of {fibers}");
+        assert_eq!(count, 0, "a step of {fibers} with impulses");
     }
 }
 
@@ -66,6 +69,7 @@ fn batches_hold_what_their_motion_needs() {
     let hold = Steady(Instant::clamped(*rod.fiber.root(), GRAVITY));
     let conditions: Vec<&dyn Conditions> = vec![&hold; 8];
     let mut reports = vec![RodStepReport::default(); 8];
+    let none = vec![Vector3::zeros(); 8 * (segments + 1)];
     let mut held = |euler: bool| {
         let mut batch = None;
         let made = allocation_counter::measure(|| {
@@ -82,7 +86,8 @@ fn batches_hold_what_their_motion_needs() {
         });
         let kept = allocation_counter::measure(|| {
             let batch = batch.as_mut().expect("a batch");
-            batch.predict(1e-3, &conditions, &[], &mut reports).expect("a prediction");
+            batch.set_out(1e-3, &conditions, &none, &mut reports).expect("sound");
+            batch.linearize().expect("regular");
         });
         // Of eight lanes, eight bytes each.
         [made, kept].map(|one| one.bytes_current as f64 / (64 * segments) as f64)

@@ -1,5 +1,6 @@
 //! The response of the staggered rod to impulses: what a contact solver builds on.
 
+use crate::common::set_out_and_solve;
 use nalgebra::{
     DMatrix, Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
@@ -21,7 +22,8 @@ fn hold() -> Steady {
     Steady(Instant::clamped(pose(), Vector3::new(0.0, 2.0, -9.81)))
 }
 
-/// Curly hairs in full fall, each a little different, and the state before the predicted step.
+/// Curly hairs in full fall, each a little different, and the state before the step that is under
+/// way.
 fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     let rods = (0..fibers)
         .map(|i| {
@@ -44,7 +46,8 @@ fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     }
     let mut start = Vec::new();
     batch.save(&mut start);
-    batch.predict(dt, &conditions, &[], &mut reports).expect("a prediction");
+    let none = vec![Vector3::zeros(); batch.nodes()];
+    set_out_and_solve(&mut batch, dt, &conditions, &none).expect("a step");
     (batch, start)
 }
 
@@ -110,14 +113,14 @@ fn diagonal_blocks_are_those_of_the_columns() {
 fn response_is_the_derivative_of_a_step() {
     for dt in [1.0 / 30.0, 1e-2, 1e-3] {
         let (mut batch, start) = falling(1, dt);
-        let (hold, mut reports) = (hold(), [RodStepReport::default()]);
+        let (hold, none) = (hold(), vec![Vector3::zeros(); NODES]);
         let push = [(5, Vector3::x()), (20, Vector3::y()), (40, Vector3::new(0.6, 0.0, 0.8))];
         for (node, direction) in push {
             let mut impulses = vec![Vector3::zeros(); NODES];
             impulses[node] = direction;
             let mut linear = vec![Vector3::zeros(); NODES];
             batch.restore(&start).expect("own numbers");
-            batch.predict(dt, &[&hold], &[], &mut reports).expect("a prediction");
+            set_out_and_solve(&mut batch, dt, &[&hold], &none).expect("a step");
             batch.respond(&impulses, &mut linear).expect("lengths");
             let scale = linear.iter().map(|v| v.norm()).fold(0.0, f64::max);
             // An impulse that changes the most mobile node's velocity by a tenth of a millimetre
@@ -126,9 +129,8 @@ fn response_is_the_derivative_of_a_step() {
             let mut moved = [Vec::new(), Vec::new()];
             for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
                 batch.restore(&start).expect("own numbers");
-                batch.predict(dt, &[&hold], &[], &mut reports).expect("a prediction");
                 let small: Vec<_> = impulses.iter().map(|p| p * sign * size).collect();
-                batch.correct(&small, &mut reports).expect("a step");
+                set_out_and_solve(&mut batch, dt, &[&hold], &small).expect("a step");
                 batch.accept();
                 *moved = batch.state(0).positions;
             }
@@ -142,23 +144,25 @@ fn response_is_the_derivative_of_a_step() {
 }
 
 #[test]
-fn predicting_and_finishing_is_a_step() {
+fn a_step_without_impulses_is_a_step() {
     let dt = 1e-3;
     let (mut batch, start) = falling(1, dt);
     let (hold, mut reports) = (hold(), [RodStepReport::default()]);
     let mut mean = vec![Vector3::zeros(); NODES];
     batch.mean_velocities(&mut mean).expect("lengths");
-    batch.correct(&vec![Vector3::zeros(); NODES], &mut reports).expect("a step");
     batch.accept();
-    let halves = batch.state(0);
+    let accepted = batch.state(0);
     batch.restore(&start).expect("own numbers");
     let before = batch.state(0);
     batch.step(dt, &[&hold], &mut reports).expect("a step");
     let whole = batch.state(0);
     for a in 0..NODES {
         // Newton's method leaves 1e-11 rad a segment.
-        assert!((halves.positions[a] - whole.positions[a]).norm() < 1e-10 * 0.3, "node {a}");
-        assert!((halves.velocities[a] - whole.velocities[a]).norm() < 1e-10 * 0.3 / dt, "node {a}");
+        assert!((accepted.positions[a] - whole.positions[a]).norm() < 1e-10 * 0.3, "node {a}");
+        assert!(
+            (accepted.velocities[a] - whole.velocities[a]).norm() < 1e-10 * 0.3 / dt,
+            "node {a}"
+        );
         let displacement = whole.positions[a] - before.positions[a];
         assert!((displacement / dt - mean[a]).norm() < 1e-10 * 0.3 / dt, "mean velocity {a}");
     }
@@ -253,7 +257,7 @@ fn points_answer_as_their_nodes() {
 }
 
 /// Newton's method step by step from where the motion leads, with impulses that change on the way,
-/// ends where the whole solve with the last of them does.
+/// ends where it does with the last of them from the start.
 #[test]
 fn iterations_taken_one_by_one_end_in_the_same_step() {
     let (mut batch, start) = falling(3, 1e-3);
@@ -263,7 +267,8 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
     let impulses: Vec<_> =
         (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
-    batch.correct(&impulses, &mut reports).expect("converges");
+    batch.abandon();
+    set_out_and_solve(&mut batch, 1e-3, &conditions, &impulses).expect("converges");
     batch.accept();
     let expected: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
     batch.restore(&start).expect("the same batch");
@@ -305,7 +310,8 @@ fn impulses_may_change_before_anything_moves() {
         (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
     let none = vec![Vector3::zeros(); batch.nodes()];
     let mut velocities = [none.clone(), none.clone(), none.clone(), none.clone()];
-    batch.correct(&change, &mut reports).expect("converges");
+    batch.abandon();
+    set_out_and_solve(&mut batch, 1e-3, &conditions, &change).expect("converges");
     batch.mean_velocities(&mut velocities[3]).expect("lengths");
     batch.abandon();
     batch.press(&none).expect_err("no step is under way");

@@ -8,6 +8,7 @@
 mod film;
 mod locks;
 mod rods;
+mod springs;
 
 use rapunzel_repro::{Fallible, Figure, FigureEntry};
 use std::process::ExitCode;
@@ -22,8 +23,8 @@ const FIGURES: [FigureEntry<Draw>; 10] = [
         title: "A straight rod with a moment at its end",
         draw: rods::torque,
     },
-    FigureEntry { number: "3.18", title: "A spring is let go", draw: rods::spring },
-    FigureEntry { number: "3.19", title: "Segments and steps of all sizes", draw: rods::sizes },
+    FigureEntry { number: "3.18", title: "A spring is let go", draw: springs::spring },
+    FigureEntry { number: "3.19", title: "Segments and steps of all sizes", draw: springs::sizes },
     FigureEntry { number: "3.20", title: "Buckling", draw: rods::buckling },
     FigureEntry { number: "3.21", title: "A lock is pulled and let go", draw: locks::pulled },
     FigureEntry { number: "3.22", title: "How the coefficients damp", draw: rods::damping },

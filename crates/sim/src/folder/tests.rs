@@ -1,4 +1,5 @@
 use super::*;
+use crate::folder_lock::in_use;
 use crate::manifest::Entry;
 use proptest::prelude::*;
 

@@ -69,9 +69,9 @@ impl Stepper for InContact {
     }
 
     fn energy_row(&self) -> Vec<f64> {
-        let ContactWork { friction, closing, repair, restitution, adhesion, compliance, led } =
+        let ContactWork { friction, closing, repair, restitution, adhesion, compliance, kinematic } =
             self.fibers.contact_work();
-        let mut row = vec![friction, closing, repair, restitution, adhesion, compliance, led];
+        let mut row = vec![friction, closing, repair, restitution, adhesion, compliance, kinematic];
         if self.tells_ledger {
             row.extend(ledger_row(self.fibers.fibers().ledger()));
         }

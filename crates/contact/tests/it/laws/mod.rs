@@ -1,4 +1,5 @@
-//! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion.
+//! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion, rigid
+//! bodies.
 
 mod adhesion;
 mod admm;
@@ -10,7 +11,7 @@ mod local;
 mod oracles;
 mod piles;
 mod polished;
+mod rigid;
 mod rope;
 mod slopes;
 mod solver;
-mod two_projections;

@@ -1,4 +1,4 @@
-//! The thesis's own method: rigid bodies, Alg. 6, chains and Alg. 7.
+//! The thesis's own method: Alg. 6 with rigid bodies and as a solver, chains and Alg. 7.
 mod chain;
 mod chain_defects;
 mod chains;
@@ -8,4 +8,4 @@ mod projection;
 mod projection_defects;
 mod projection_oracle;
 mod projection_solver;
-mod rigid;
+mod two_projections;

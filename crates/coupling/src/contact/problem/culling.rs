@@ -25,7 +25,7 @@ impl ContactCulling {
     /// Touches open with these speeds, m/s, where all nodes have the given velocities.
     pub(super) fn new(
         system: &CoupledSystem,
-        touches: &[ContactPoint],
+        points: &[ContactPoint],
         speeds: Vec<f64>,
         nodes: &[Vector3<f64>],
     ) -> Self {
@@ -34,12 +34,12 @@ impl ContactCulling {
             BodyRef::Fiber(fiber) => fiber,
             BodyRef::Object(_) => none,
         };
-        let fibers = touches.par_iter().map(|touch| touch.sides.map(fiber)).collect();
+        let fibers = points.par_iter().map(|point| point.sides.map(fiber)).collect();
         let mut openings = Self { nodes: nodes.to_vec(), speeds, fibers };
         // How fast these are, nodes do not tell.
         if system.objects.iter().any(CollisionObject::is_free) {
-            let is_free = |&i: &usize| touches[i].has_free();
-            let of_free: Vec<usize> = (0..touches.len()).into_par_iter().filter(is_free).collect();
+            let is_free = |&i: &usize| points[i].has_free();
+            let of_free: Vec<usize> = (0..points.len()).into_par_iter().filter(is_free).collect();
             openings.hold(&of_free);
         }
         openings
@@ -101,12 +101,12 @@ mod tests {
             before in prop::collection::vec(vector(), 6),
             changes in prop::collection::vec(vector(), 6),
             scale in 0.0..1.0,
-            touches in prop::collection::vec((vector(), [0_usize..2, 0..2], [0.0..=1.0, 0.0..=1.0], 0_u32..3, 0.0..2.0), 1..20),
+            points in prop::collection::vec((vector(), [0_usize..2, 0..2], [0.0..=1.0, 0.0..=1.0], 0_u32..3, 0.0..2.0), 1..20),
         ) {
             let layout = Layout::new([2, 2]);
             let after: Vec<_> = before.iter().zip(&changes).map(|(v, change)| v + scale * change).collect();
             let speed = |nodes: &[Vector3<f64>], i: usize| {
-                let (normal, segments, fractions, second, gap) = &touches[i];
+                let (normal, segments, fractions, second, gap) = &points[i];
                 let at = |fiber: usize, side: usize| {
                     let node = layout.node_range(fiber).start + segments[side];
                     nodes[node].lerp(&nodes[node + 1], fractions[side])
@@ -114,18 +114,18 @@ mod tests {
                 let other = if *second < 2 { at(*second as usize, 1) } else { Vector3::zeros() };
                 normal.normalize().dot(&(at(0, 0) - other)) + gap
             };
-            let speeds: Vec<f64> = (0..touches.len()).map(|i| speed(&before, i)).collect();
-            let fibers = touches.iter().map(|touch| [0, touch.3]).collect();
+            let speeds: Vec<f64> = (0..points.len()).map(|i| speed(&before, i)).collect();
+            let fibers = points.iter().map(|point| [0, point.3]).collect();
             let mut openings = ContactCulling { nodes: before.clone(), speeds, fibers };
             openings.hold(&[0]);
             let near = openings.near(&layout, &after);
             prop_assert_eq!(near[0], 0);
             prop_assert!(near.is_sorted());
-            for i in (0..touches.len()).filter(|i| !near.contains(i)) {
+            for i in (0..points.len()).filter(|i| !near.contains(i)) {
                 prop_assert!(speed(&after, i) > -1e-12, "{}", i);
             }
             // At the same velocities only those that close are told.
-            openings.renew((0..touches.len()).into_par_iter().map(|i| speed(&after, i)), &after);
+            openings.renew((0..points.len()).into_par_iter().map(|i| speed(&after, i)), &after);
             for i in openings.near(&layout, &after).into_iter().skip(1) {
                 prop_assert!(speed(&after, i) <= 0.0);
             }

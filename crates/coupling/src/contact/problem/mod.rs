@@ -75,10 +75,10 @@ pub(super) struct ProblemWorkspace {
 }
 
 impl ContactProblem {
-    /// The contacts of a step of `dt` seconds, whose touches have their gaps where nodes have the
-    /// given mean velocities. What gives way has done so already under impulses as those of the
-    /// step `before`, N s, world: along tangents only the rest of them moves it; along normals the
-    /// gap tells.
+    /// The contacts of a step of `dt` seconds, whose contact points have their gaps where nodes
+    /// have the given mean velocities. What gives way has done so already under impulses as those
+    /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
+    /// normals the gap tells.
     pub(super) fn new(
         system: &CoupledSystem,
         points: Vec<ContactPoint>,
@@ -92,28 +92,28 @@ impl ContactProblem {
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = system.fibers.velocities();
         let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, nodes));
-        let law = |(i, touch): (usize, &ContactPoint)| {
-            let frame = touch.frame();
-            let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(touch));
-            let drive = frame.tr_mul(&touch.drive());
+        let law = |(i, point): (usize, &ContactPoint)| {
+            let frame = point.frame();
+            let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(point));
+            let drive = frame.tr_mul(&point.drive());
             // At the velocities that led to this gap, the gap is what may still close.
-            let gap = touch.gap / dt - relative(&mean).x;
+            let gap = point.gap / dt - relative(&mean).x;
             let first = || relative(&first) - drive;
-            let friction = laws.friction(touch, first).unwrap_or_else(|error| {
+            let friction = laws.friction(point, first).unwrap_or_else(|error| {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
                 if refused.as_ref().is_none_or(|(first, _)| i < *first) {
                     *refused = Some((i, error));
                 }
                 LimitCurve::Circle { mu: 0.0 }
             });
-            let closing = laws.closing(touch, gap, first);
+            let closing = laws.closing(point, gap, first);
             let compliance = if closing < gap { 0.0 } else { laws.compliance() };
             let mut bias = Vector3::new(closing, -drive.y, -drive.z);
             if compliance > 0.0 {
                 let given = frame.tr_mul(&before[i]) * compliance;
                 bias -= Vector3::new(0.0, given.y, given.z);
             }
-            let impulse = match touch.impulse {
+            let impulse = match point.impulse {
                 none if none == Vector3::zeros() => none,
                 world => frame.tr_mul(&world),
             };
@@ -132,11 +132,11 @@ impl ContactProblem {
         let pulls =
             laws.adhesion(system.fibers.assembly(), &points, own.iter().map(|law| law.gap))?;
         own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
-        let acts = |touch: &ContactPoint| touch.working || touch.impulse != Vector3::zeros();
+        let acts = |point: &ContactPoint| point.working || point.impulse != Vector3::zeros();
         let openings = (points.len() > nodes.len()).then(|| {
-            let speeds = points.par_iter().zip(&own).map(|(touch, law)| {
-                let always = acts(touch) || law.adhesion > 0.0;
-                if always { ALWAYS } else { touch.gap / dt + law.bias.x - law.gap }
+            let speeds = points.par_iter().zip(&own).map(|(point, law)| {
+                let always = acts(point) || law.adhesion > 0.0;
+                if always { ALWAYS } else { point.gap / dt + law.bias.x - law.gap }
             });
             ContactCulling::new(system, &points, speeds.collect(), nodes)
         });
@@ -318,7 +318,7 @@ impl ContactProblem {
         let mut on_objects = vec![Vec::new(); system.objects.len()];
         let moving = |&i: &usize| {
             let point = &self.points[i];
-            [Some(point.sides[0]), (!point.led).then_some(point.sides[1])]
+            [Some(point.sides[0]), (!point.kinematic).then_some(point.sides[1])]
         };
         let moving: Vec<_> = contacts.par_iter().map(moving).collect();
         for (&i, sides) in contacts.iter().zip(moving) {
@@ -368,14 +368,14 @@ fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
     bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
 }
 
-/// A side of a touch that is a fibre, as a point of its group.
-fn point(system: &CoupledSystem, touch: &ContactPoint, side: usize) -> Point {
-    let fiber = match touch.sides[side] {
+/// A side of a contact point that is a fibre, as a point of its group.
+fn point(system: &CoupledSystem, point: &ContactPoint, side: usize) -> Point {
+    let fiber = match point.sides[side] {
         BodyRef::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
         BodyRef::Object(_) => 0,
     };
     #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
-    Point { fiber: fiber as u32, segment: touch.segments[side], fraction: touch.fractions[side] }
+    Point { fiber: fiber as u32, segment: point.segments[side], fraction: point.fractions[side] }
 }
 
 /// Something of every side, in lists as they are given.

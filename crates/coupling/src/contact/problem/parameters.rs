@@ -3,8 +3,8 @@ use crate::contact_point::ContactPoint;
 use nalgebra::Vector3;
 use rapunzel_contact::{Contact, LimitCurve};
 
-/// What a contact obeys; where it is, its touch tells. A [`Contact`] of each would be more than
-/// twice as large, and most of a dense list are never solved.
+/// What a contact obeys; where it is, its contact point tells. A [`Contact`] of each would be more
+/// than twice as large, and most of a dense list are never solved.
 pub(super) struct ContactParameters {
     pub(super) bias: Vector3<f64>,
     pub(super) friction: LimitCurve,
@@ -15,12 +15,12 @@ pub(super) struct ContactParameters {
 }
 
 impl ContactParameters {
-    /// The contact of a touch, as a solver takes it, between two points.
-    pub(super) fn contact(&self, touch: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
+    /// The contact of a contact point, as a solver takes it, between two points.
+    pub(super) fn contact(&self, point: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
         Contact {
             first,
-            second: (!touch.led).then_some(second),
-            frame: touch.frame(),
+            second: (!point.kinematic).then_some(second),
+            frame: point.frame(),
             bias: self.bias,
             friction: self.friction.clone(),
             adhesion: self.adhesion,

@@ -52,10 +52,10 @@ impl ContactProblem {
     /// A contact with its relative velocity, what gives way included, its impulse and the mass that
     /// compares them.
     fn judged(&self, i: usize, mean: &Velocities) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
-        let touch = &self.points[i];
-        let contact = self.laws[i].contact(touch, [0, 1]);
+        let point = &self.points[i];
+        let contact = self.laws[i].contact(point, [0, 1]);
         let impulse = self.impulses[i];
-        let velocity = contact.frame.tr_mul(&mean.between(touch)) + contact.bias;
+        let velocity = contact.frame.tr_mul(&mean.between(point)) + contact.bias;
         let velocity = velocity + impulse * contact.compliance;
         (contact, velocity, impulse, self.weights[i])
     }
@@ -64,15 +64,15 @@ impl ContactProblem {
     pub(crate) fn work(&self, system: &CoupledSystem, mean: &[Vector3<f64>]) -> ContactWork {
         let mean = Velocities::new(system, mean);
         let of_one = |i: usize| {
-            let touch = &self.points[i];
+            let point = &self.points[i];
             let (contact, velocity, impulse, _) = self.judged(i, &mean);
-            let drive = contact.frame.tr_mul(&touch.drive());
+            let drive = contact.frame.tr_mul(&point.drive());
             let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
             let given = (before - impulse) * contact.compliance;
             let mut work = ContactWork {
                 friction: impulse.yz().dot(&velocity.yz()),
                 compliance: impulse.dot(&given),
-                led: impulse.dot(&drive),
+                kinematic: impulse.dot(&drive),
                 ..Default::default()
             };
             // What is pressed in without having given way.
@@ -83,7 +83,7 @@ impl ContactProblem {
                 _ if gap < 0.0 => &mut work.repair,
                 _ => &mut work.closing,
             };
-            let opening = contact.frame.tr_mul(&mean.between(touch)).x - drive.x;
+            let opening = contact.frame.tr_mul(&mean.between(point)).x - drive.x;
             *along = impulse.x * (opening - given.x);
             work
         };
@@ -102,11 +102,11 @@ impl ContactProblem {
         parts.into_iter().fold(T::default(), sum)
     }
 
-    /// Whether contacts that are not led give, beyond what friction takes, a good part of the
-    /// kinetic energy that there was before the step, where nodes have the given mean velocities.
-    /// Those give whose normals turned within the step so far that along them they were deeper at
-    /// its start than may be: `repair`, m/s, is how fast what may be is repaired. What errors of
-    /// the slip up to `slip`, m/s, give does not count.
+    /// Whether contacts with no kinematic object give, beyond what friction takes, a good part of
+    /// the kinetic energy that there was before the step, where nodes have the given mean
+    /// velocities. Those give whose normals turned within the step so far that along them they were
+    /// deeper at its start than may be: `repair`, m/s, is how fast what may be is repaired. What
+    /// errors of the slip up to `slip`, m/s, give does not count.
     pub(crate) fn drives(
         &self,
         system: &CoupledSystem,
@@ -149,8 +149,8 @@ impl ContactProblem {
         Ok(())
     }
 
-    /// The contact points that may have closed where all nodes have the given mean velocities, with their
-    /// gaps there.
+    /// The contact points that may have closed where all nodes have the given mean velocities, with
+    /// their gaps there.
     pub(crate) fn near(
         &self,
         system: &CoupledSystem,

@@ -1,6 +1,7 @@
 //! What the integration tests share: reference cases, rods in scaled units.
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
+use rapunzel_rod_dynamic::{Conditions, RodStepReport, StaggeredBatch, StepError};
 use serde::Deserialize;
 
 /// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine,
@@ -243,4 +244,28 @@ pub(crate) fn orders(steps: &[f64], errors: &[f64]) -> Vec<f64> {
         .zip(errors.windows(2))
         .map(|(h, e)| (e[0] / e[1]).ln() / (h[0] / h[1]).ln())
         .collect()
+}
+
+/// Sets a batch out on a step with `impulses` at its start and takes Newton's method to its end, as
+/// a solver of contacts does with impulses that it changes meanwhile; what answers impulses is
+/// linearised there.
+pub(crate) fn set_out_and_solve(
+    batch: &mut StaggeredBatch,
+    dt: f64,
+    conditions: &[&dyn Conditions],
+    impulses: &[Vector3<f64>],
+) -> Result<(), StepError> {
+    let mut reports = vec![RodStepReport::default(); batch.rods().len()];
+    batch.set_out(dt, conditions, impulses, &mut reports)?;
+    let mut residuals = Vec::new();
+    // What follows a turn this small is its square.
+    while residuals.last().is_none_or(|turn| *turn > 1e-10) {
+        if residuals.len() == 30 {
+            batch.abandon();
+            return Err(StepError::NotConverged { fiber: 0, time: batch.time(), dt, residuals });
+        }
+        batch.linearize()?;
+        residuals.push(batch.advance(impulses)?);
+    }
+    batch.linearize().map(|_| ())
 }

@@ -29,7 +29,7 @@ fn works(world: &World) -> [f64; 14] {
         contacts.restitution,
         contacts.adhesion,
         contacts.compliance,
-        contacts.led,
+        contacts.kinematic,
     ]
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Hierarchy, SearchResult, VolumeTree};
 use crate::capsules::count;
-use crate::volume::BoundingVolume;
+use crate::thesis::volume::BoundingVolume;
 use crate::{Capsules, CollisionError, Pair};
 use std::any::Any;
 use std::ops::ControlFlow;

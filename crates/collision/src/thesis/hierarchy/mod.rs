@@ -4,8 +4,8 @@
 //! other on equal terms; all find the same pairs.
 //!
 //! ```
-//! use rapunzel_collision::hierarchy::{Hierarchy, Variant};
-//! use rapunzel_collision::scenes;
+//! use rapunzel_collision::thesis::hierarchy::{Hierarchy, Variant};
+//! use rapunzel_collision::thesis::scenes;
 //!
 //! let scene = scenes::wavy(20);
 //! let mut tree = Variant::Al.build(&scene.capsules()?);

@@ -1,7 +1,7 @@
 //! How trees are built and kept.
 
 use super::spatial;
-use crate::volume::BoundingVolume;
+use crate::thesis::volume::BoundingVolume;
 use crate::{Capsule, Capsules};
 use rapunzel_fiber::Layout;
 

@@ -1,7 +1,8 @@
 //! Discretely oriented polytopes with any number of faces.
 
 use super::{Axis, BoundingVolume, enlarged_radius};
-use crate::{Capsule, CollisionError, packing};
+use crate::thesis::packing;
+use crate::{Capsule, CollisionError};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::sync::Arc;

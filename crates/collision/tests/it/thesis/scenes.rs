@@ -1,6 +1,6 @@
 //! The scenes that peers were measured on are reproduced to the pair.
 
-use rapunzel_collision::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
 
 /// Pairs of boxes, and how many of these are capsules that touch.
 fn count(scene: &MovingFibers) -> (usize, usize) {

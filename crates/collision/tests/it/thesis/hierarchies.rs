@@ -3,9 +3,11 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use rapunzel_collision::hierarchy::{Hierarchy, HierarchyKind, SearchResult, Variant, VolumeTree};
-use rapunzel_collision::scenes::{self, MovingFibers};
-use rapunzel_collision::volume::{Aabb, BoundingVolume, Directions, Dop, Sphere};
+use rapunzel_collision::thesis::hierarchy::{
+    Hierarchy, HierarchyKind, SearchResult, Variant, VolumeTree,
+};
+use rapunzel_collision::thesis::scenes::{self, MovingFibers};
+use rapunzel_collision::thesis::volume::{Aabb, BoundingVolume, Directions, Dop, Sphere};
 use rapunzel_collision::{Capsules, CollisionError, Pair};
 use rapunzel_fiber::Layout;
 use std::sync::LazyLock;

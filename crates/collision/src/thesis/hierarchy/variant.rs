@@ -2,7 +2,7 @@
 
 use super::{Hierarchy, HierarchyKind, VolumeTree};
 use crate::Capsules;
-use crate::volume::{Aabb, BoundingVolume, Directions, Dop, Obb, Sphere};
+use crate::thesis::volume::{Aabb, BoundingVolume, Directions, Dop, Obb, Sphere};
 
 /// The names of table 7.1 of the thesis: the volume (axis-aligned box, k-DOP, oriented box,
 /// sphere), then the tree (spatial, wrapped, layered). Wrapped trees of boxes along the axes and of

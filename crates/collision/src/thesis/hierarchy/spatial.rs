@@ -1,7 +1,7 @@
 //! Where spatial trees divide (thesis, 7.3.3).
 
 use crate::Capsules;
-use crate::volume::Axis;
+use crate::thesis::volume::Axis;
 use nalgebra::{Point3, Vector3};
 
 /// Divides at least two segments into two parts, the first part in front, and returns its size,
@@ -47,7 +47,7 @@ fn partition(segments: &mut [u32], belong: impl Fn(u32) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Aabb, BoundingVolume};
+    use crate::thesis::volume::{Aabb, BoundingVolume};
     use rapunzel_fiber::Layout;
 
     /// Divides fibers of one segment each.
