@@ -133,7 +133,7 @@ pub fn inverse_coefficient(squared: f64) -> f64 {
 /// The derivative of [`inverse_coefficient`] by the square of the angle.
 #[must_use]
 pub fn inverse_coefficient_slope(squared: f64) -> f64 {
-    // (k - 1) |B_2k| / (2k)!, the series in powers of a^2; enough to rounding below 1/4.
+    // (k - 1) |B_2k| / (2k)!, the series in powers of a^2: at 1/4 it leaves out 6e-11 of the slope.
     const SERIES: [f64; 5] = [
         1.0 / 720.0,
         2.0 / 30_240.0,
