@@ -1,5 +1,6 @@
 //! Where a fibre touches an object, and where it would have passed into it.
 
+use crate::TimeInterval;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Point3, Vector3};
@@ -66,17 +67,17 @@ fn at_ends(
 }
 
 impl CollisionObject {
-    /// Appends where a fibre touches the object after the step from a time on by another, s, with
-    /// gaps up to `margin`, m, or would have passed into it on the way.
+    /// Appends where a fibre touches the object after a step, with gaps up to `margin`, m, or would
+    /// have passed into it on the way.
     pub(crate) fn contact_points(
         &self,
         index: u32,
         strand: &MovingFiber,
-        span: [f64; 2],
+        step: TimeInterval,
         margin: f64,
         found: &mut Vec<ContactPoint>,
     ) {
-        let poses = self.poses(span);
+        let poses = self.poses(step);
         let field = &*self.geometry.field;
         let slope = field.lipschitz();
         let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
@@ -142,7 +143,7 @@ impl CollisionObject {
                 let place = axis - normal * (contact.gap + radius);
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
                 let own = match &self.motion {
-                    ObjectMotion::Kinematic(_) => (place - was) / span[1],
+                    ObjectMotion::Kinematic(_) => (place - was) / step.length,
                     ObjectMotion::Dynamic(body) => axis - body.centers()[1],
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
@@ -215,7 +216,13 @@ mod tests {
         let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
         let strand = MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
         let mut found = Vec::new();
-        object.contact_points(0, &strand, [0.0, 1e-3], RADIUS, &mut found);
+        object.contact_points(
+            0,
+            &strand,
+            TimeInterval { start: 0.0, length: 1e-3 },
+            RADIUS,
+            &mut found,
+        );
         found
     }
 

@@ -16,6 +16,7 @@ mod pair;
 mod phase_times;
 mod report;
 mod surroundings;
+mod time_interval;
 
 pub use batch::{RodBatch, Rods};
 pub use conditions::{BundleConditions, FiberConditions};
@@ -31,3 +32,4 @@ pub use object::{CollisionObject, Field, ObjectGeometry, ObjectMotion, extents};
 pub use phase_times::{ContactTimes, Stopwatch};
 pub use report::StepReport;
 pub use surroundings::Surroundings;
+pub use time_interval::TimeInterval;

@@ -1,5 +1,6 @@
 //! What fibres lie on and bump into, and each other.
 
+use crate::TimeInterval;
 use crate::free_body::FreeBody;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
@@ -122,25 +123,24 @@ impl CollisionObject {
         matches!(self.motion, ObjectMotion::Dynamic(_))
     }
 
-    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s.
+    /// Poses of the object at the start and at the end of a step.
     #[must_use]
-    pub fn poses(&self, [time, dt]: [f64; 2]) -> [Isometry3<f64>; 2] {
+    pub fn poses(&self, step: TimeInterval) -> [Isometry3<f64>; 2] {
         match &self.motion {
-            ObjectMotion::Kinematic(pose) => [pose(time), pose(time + dt)],
+            ObjectMotion::Kinematic(pose) => [pose(step.start), pose(step.start + step.length)],
             ObjectMotion::Dynamic(body) => body.poses(),
         }
     }
 
-    /// Poses of the object at the start and at the end of the step from `time` by `dt`, s, if
-    /// nothing is in its way.
+    /// Poses of the object at the start and at the end of a step, if nothing is in its way.
     pub(crate) fn free_poses(
         &self,
-        [time, dt]: [f64; 2],
+        step: TimeInterval,
         gravity: &Vector3<f64>,
     ) -> Result<[Isometry3<f64>; 2], ContactError> {
         match &self.motion {
-            ObjectMotion::Kinematic(_) => Ok(self.poses([time, dt])),
-            ObjectMotion::Dynamic(body) => body.fall(dt, gravity),
+            ObjectMotion::Kinematic(_) => Ok(self.poses(step)),
+            ObjectMotion::Dynamic(body) => body.fall(step.length, gravity),
         }
     }
 

@@ -4,6 +4,7 @@
 //! edges of the one on faces and edges of the other are all places where solids can first meet. A
 //! round shape is its own skeleton, and tells all of a pair alone.
 
+use crate::TimeInterval;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -41,12 +42,12 @@ pub(crate) fn pairs(objects: &[CollisionObject]) -> Vec<[u32; 2]> {
 /// m, at its end.
 pub(crate) fn contact_points(
     objects: &[CollisionObject],
-    span: [f64; 2],
+    step: TimeInterval,
     margin: f64,
 ) -> Vec<ContactPoint> {
     let found = pairs(objects).into_par_iter().map(|numbers| {
         let pair = ObjectPair::new(objects, numbers);
-        pair.contact_points(numbers.map(BodyRef::Object), span, margin)
+        pair.contact_points(numbers.map(BodyRef::Object), step, margin)
     });
     found.collect::<Vec<_>>().concat()
 }
@@ -95,12 +96,12 @@ impl<'a> ObjectPair<'a> {
     fn contact_points(
         &self,
         sides: [BodyRef; 2],
-        span: [f64; 2],
+        step: TimeInterval,
         margin: f64,
     ) -> Vec<ContactPoint> {
-        let poses = self.0.map(|object| object.poses(span));
+        let poses = self.0.map(|object| object.poses(step));
         let [start, end] =
-            [0, 1].map(|when| PairStep { pair: self, sides, poses, when, dt: span[1], margin });
+            [0, 1].map(|when| PairStep { pair: self, sides, poses, when, dt: step.length, margin });
         let (points, inside) = end.contact_points(margin);
         if inside { start.contact_points(margin + self.way(&poses)).0 } else { points }
     }

@@ -1,4 +1,4 @@
-use crate::RodError;
+use crate::{RodError, StepError};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// A force or a moment at an end of a rod.
@@ -123,6 +123,46 @@ impl Instant {
             root: End::Held(root),
             tip: End::FREE,
             air: None,
+        }
+    }
+
+    /// Checks the numbers of conditions at `time`, s.
+    ///
+    /// # Errors
+    /// [`StepError::Conditions`] unless all numbers are finite and `0 <= tangential <= normal` for
+    /// drag.
+    pub(crate) fn check(&self, time: f64) -> Result<(), StepError> {
+        let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
+        let end_is_finite = |end: &End| match end {
+            End::Held(pose) => {
+                finite(&pose.translation.vector)
+                    && pose.rotation.coords.iter().all(|x| x.is_finite())
+            }
+            End::Pinned { position, moment } => {
+                finite(&position.coords) && finite(moment.components())
+            }
+            End::Loaded { force, moment } => {
+                [force, moment].into_iter().map(Load::components).all(finite)
+            }
+        };
+        let air_is_sound = |Air { wind, drag: Drag { normal, tangential } }: &Air| {
+            finite(wind) && normal >= tangential && *tangential >= 0.0 && normal.is_finite()
+        };
+        let parts = [
+            ("gravity", finite(&self.gravity)),
+            ("the distributed force", finite(&self.distributed)),
+            ("the root", end_is_finite(&self.root)),
+            ("the tip", end_is_finite(&self.tip)),
+            ("the air", self.air.as_ref().is_none_or(air_is_sound)),
+        ];
+        match parts.into_iter().find(|(_, sound)| !sound) {
+            None => Ok(()),
+            Some((what, _)) => Err(StepError::Conditions {
+                fiber: 0,
+                what,
+                time,
+                why: "every number must be finite, and 0 <= tangential <= normal drag",
+            }),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
+use crate::TimeInterval;
 use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
 use crate::fiber_on_object::MovingFiber;
 use crate::object::CollisionObject;
@@ -48,8 +49,7 @@ pub(crate) struct NodeMotion<'a> {
     pub(crate) radii: &'a [f64],
     pub(crate) start: &'a [Point3<f64>],
     pub(crate) end: &'a [Point3<f64>],
-    pub(crate) time: f64,
-    pub(crate) dt: f64,
+    pub(crate) step: TimeInterval,
 }
 
 impl NodeMotion<'_> {
@@ -224,7 +224,7 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
                 end: &motion.end[motion.layout.node_range(fiber)],
                 radii: &motion.radii[motion.layout.segment_range(fiber)],
             };
-            object.contact_points(index, &strand, [motion.time, motion.dt], margin, &mut found);
+            object.contact_points(index, &strand, motion.step, margin, &mut found);
         }
         found
     };
@@ -232,7 +232,7 @@ fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> 
     let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
     let found: Vec<_> = fibers.map(strand).collect();
     let mut found = found.concat();
-    found.extend(pair::contact_points(objects, [motion.time, motion.dt], margin));
+    found.extend(pair::contact_points(objects, motion.step, margin));
     found
 }
 
@@ -252,7 +252,8 @@ mod tests {
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
         let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
         let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
-        let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+        let step = TimeInterval { start: 0.0, length: 1e-3 };
+        let motion = NodeMotion { layout: &layout, radii, start, end, step };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut points = Vec::new();
         detector.detect(&motion, &[], &mut points).expect("one layout");
@@ -303,7 +304,8 @@ mod tests {
         let heights = [(1.01, false), (0.98, false), (0.6, false), (-0.1, true), (-2.0, true)];
         for (height, through) in heights {
             let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
-            let motion = NodeMotion { layout: &layout, radii, start, end, time: 0.0, dt: 1e-3 };
+            let step = TimeInterval { start: 0.0, length: 1e-3 };
+            let motion = NodeMotion { layout: &layout, radii, start, end, step };
             let mut detector = ContactDetector::new(radius, radius, false).expect("lengths");
             let found = detector.overlaps(&motion, &[], 0.1 * radius).expect("one layout");
             assert_eq!(found.through, through, "{height}");

@@ -3,6 +3,7 @@
 use super::detection::{ContactDetector, NodeMotion};
 use super::system::CoupledSystem;
 use crate::CouplingError;
+use crate::TimeInterval;
 use crate::contact_point::{BodyRef, ContactPoint};
 use rapunzel_rod_dynamic::{Conditions, End};
 
@@ -18,7 +19,8 @@ pub(super) fn contact_points(
     system: &CoupledSystem,
     detector: &mut ContactDetector,
     radii: &[f64],
-    [radius, depth]: [f64; 2],
+    radius: f64,
+    depth: f64,
 ) -> Result<Vec<ContactPoint>, CouplingError> {
     let start = system.fibers.positions();
     let motion = NodeMotion {
@@ -26,8 +28,7 @@ pub(super) fn contact_points(
         radii,
         start: &start,
         end: &start,
-        time: system.start,
-        dt: INSTANT,
+        step: TimeInterval { start: system.start, length: INSTANT },
     };
     let mut points = Vec::new();
     detector.detect(&motion, system.objects, &mut points)?;

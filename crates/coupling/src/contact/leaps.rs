@@ -1,5 +1,6 @@
 use super::system::CoupledSystem;
 use crate::CouplingError;
+use crate::TimeInterval;
 use crate::pair::{ObjectPair, pairs};
 
 /// Refuses a step of `dt`, s, in which an object would jump over fibres or another object.
@@ -7,8 +8,9 @@ pub(super) fn refuse_leaps(system: &CoupledSystem, dt: f64) -> Result<(), Coupli
     let segments =
         system.fibers.assembly().fibers().iter().map(|f| f.length() / f.segments() as f64);
     let (segment, time) = (segments.fold(f64::INFINITY, f64::min), system.start);
+    let step = TimeInterval { start: time, length: dt };
     let gravity = system.environment.gravity_at(time + 0.5 * dt);
-    let poses = system.objects.iter().map(|object| object.free_poses([time, dt], &gravity));
+    let poses = system.objects.iter().map(|object| object.free_poses(step, &gravity));
     let poses = poses.collect::<Result<Vec<_>, _>>()?;
     let refuse = |object, way, most| {
         if way > most {

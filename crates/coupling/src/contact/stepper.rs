@@ -95,12 +95,13 @@ impl ContactStepper {
             memory: WarmStart::default(),
             stopwatch: None,
         };
-        let depths = [radius, stepper.depth()];
+        let depth = stepper.depth();
         let points = initial_overlaps::contact_points(
             system,
             &mut stepper.detector,
             &stepper.radii,
-            depths,
+            radius,
+            depth,
         )?;
         if let Some(bonds) = bonds {
             stepper.bonds = bonds_within(&points, bonds.range);
@@ -242,8 +243,8 @@ impl ContactStepper {
             if solved && found.deepest <= self.depth() {
                 // About a bend or each other, two that are fast may turn so far that a step drives
                 // them.
-                let errors = [self.depth() / dt, self.settings.slip];
-                if through || case.drives(system, &mean, errors) {
+                let (repair, slip) = (self.depth() / dt, self.settings.slip);
+                if through || case.drives(system, &mean, repair, slip) {
                     worst_touch = worst_touch.or_else(|| case.worst(system, time));
                     // No part is so short that fibres may go through each other.
                     if through || !last {

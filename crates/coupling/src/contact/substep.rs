@@ -2,6 +2,7 @@ use super::contact_work::ContactWork;
 use super::detection::NodeMotion;
 use super::system::CoupledSystem;
 use crate::StepReport;
+use crate::TimeInterval;
 use nalgebra::{Point3, Vector3};
 
 /// A substep: the part of a step at hand.
@@ -34,6 +35,7 @@ impl Substep {
         [start, end]: &'a [Vec<Point3<f64>>; 2],
     ) -> NodeMotion<'a> {
         let layout = system.fibers.assembly().layout();
-        NodeMotion { layout, radii, start, end, time: self.time, dt: self.dt }
+        let step = TimeInterval { start: self.time, length: self.dt };
+        NodeMotion { layout, radii, start, end, step }
     }
 }

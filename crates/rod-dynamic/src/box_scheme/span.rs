@@ -1,7 +1,7 @@
 use super::coefficients::Coefficients;
 use super::motion::{HeldMotion, NodePose};
-use crate::{Air, Conditions, End, Instant, Load, StepError};
-use nalgebra::{Isometry3, Rotation3, Vector3};
+use crate::{Conditions, End, Instant, StepError};
+use nalgebra::{Isometry3, Rotation3};
 
 /// Conditions of one step at its start, its middle, its end, and its stage.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +39,7 @@ impl Span {
         let at = |fraction: f64| {
             let t = time + fraction * dt;
             let instant = conditions.at(t);
-            check(&instant, t)?;
+            instant.check(t)?;
             Ok(instant)
         };
         Ok(Self {
@@ -96,40 +96,5 @@ fn pose(end: &End, frame: Rotation3<f64>) -> Option<NodePose> {
         }
         End::Pinned { position, .. } => Some(NodePose { position: position.coords, frame }),
         End::Loaded { .. } => None,
-    }
-}
-
-fn check(instant: &Instant, time: f64) -> Result<(), StepError> {
-    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
-    let end_is_finite = |end: &End| match end {
-        End::Held(pose) => {
-            finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
-        }
-        End::Pinned { position, moment } => finite(&position.coords) && finite(moment.components()),
-        End::Loaded { force, moment } => {
-            [force, moment].into_iter().map(Load::components).all(finite)
-        }
-    };
-    let air = |a: &Air| {
-        let drag = [a.drag.normal, a.drag.tangential];
-        finite(&a.wind) && drag.iter().all(|d| d.is_finite() && *d >= 0.0)
-    };
-    let failed = [
-        ("gravity", finite(&instant.gravity)),
-        ("the distributed force", finite(&instant.distributed)),
-        ("the root", end_is_finite(&instant.root)),
-        ("the tip", end_is_finite(&instant.tip)),
-        ("the air", instant.air.as_ref().is_none_or(air)),
-    ]
-    .into_iter()
-    .find(|(_, ok)| !ok);
-    match failed {
-        None => Ok(()),
-        Some((what, _)) => Err(StepError::Conditions {
-            fiber: 0,
-            what,
-            time,
-            why: "every number must be finite, and drag not negative",
-        }),
     }
 }

@@ -1,7 +1,6 @@
 //! Validation of rods, states and conditions.
 
-use crate::{End, Instant, Load, Rod, RodError, RodState, SectionLaws, StepError};
-use nalgebra::Vector3;
+use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, StepError};
 
 /// Slack that a rod held at both ends needs, as a fraction of its length: without it Newton's
 /// matrix is singular.
@@ -50,32 +49,8 @@ pub(super) fn check_state(rod: &Rod, state: &RodState) -> Result<(), RodError> {
 }
 
 pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<(), StepError> {
+    now.check(time)?;
     let error = |what, why| Err(StepError::Conditions { fiber: 0, what, time, why });
-    let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
-    let load = |l: &Load| finite(l.components());
-    let end = |end: &End| match end {
-        End::Held(pose) => {
-            finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite())
-        }
-        End::Pinned { position, moment } => finite(&position.coords) && load(moment),
-        End::Loaded { force, moment } => load(force) && load(moment),
-    };
-    if !finite(&now.gravity) || !finite(&now.distributed) {
-        return error("gravity or distributed force", "must be finite");
-    }
-    if !end(&now.root) {
-        return error("root", "all numbers must be finite");
-    }
-    if !end(&now.tip) {
-        return error("tip", "all numbers must be finite");
-    }
-    if let Some(air) = now.air {
-        let (normal, tangential) = (air.drag.normal, air.drag.tangential);
-        let ordered = normal >= tangential && tangential >= 0.0 && normal.is_finite();
-        if !(ordered && finite(&air.wind)) {
-            return error("air", "needs a finite wind and 0 <= tangential <= normal drag");
-        }
-    }
     let position = |end: &End| match end {
         End::Held(pose) => Some(pose.translation.vector),
         End::Pinned { position, .. } => Some(position.coords),

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use rapunzel_keratin::lab::hook;
 use rapunzel_keratin::lab::oscillation::{self, Oscillation};
 use rapunzel_keratin::moduli::oscillating_moduli;
-use rapunzel_rod_dynamic::{Instant, Rod, Steady};
+use rapunzel_rod_dynamic::{Instant, Rod, RodState, Steady};
 use rapunzel_rod_static::{EndCondition, Piece, Problem, Properties};
 use std::f64::consts::TAU;
 
@@ -81,8 +81,9 @@ pub(super) fn oscillation(sample: &LabSample) -> Result<Reading, SimError> {
     let rod = Rod::damped(fiber, oscillation::damping_time(tangent, frequency));
     let hold = Steady(Instant::clamped(*rod.fiber.root(), Vector3::zeros()));
     let period = TAU / frequency;
-    let times = [period / BENDING_STEPS, PERIODS * period];
-    let readings = record(rod, &start, &hold, times, |state| state.positions[BENDING_SEGMENTS].x)?;
+    let (dt, end) = (period / BENDING_STEPS, PERIODS * period);
+    let tip = |state: &RodState| state.positions[BENDING_SEGMENTS].x;
+    let readings = record(rod, &start, &hold, dt, end, tip)?;
     let found = Oscillation::of(&readings[SKIPPED..], 0.0)?;
     let second = node.stiffness.x / storage;
     let [g1, g2] = oscillation::moduli(&found, BENDING_LENGTH, node.linear_density, second)?;

@@ -118,7 +118,8 @@ pub(super) fn record(
     rod: Rod,
     start: &RodState,
     conditions: &dyn Conditions,
-    [dt, end]: [f64; 2],
+    dt: f64,
+    end: f64,
     read: impl Fn(&RodState) -> f64,
 ) -> Result<Vec<(f64, f64)>, SimError> {
     let refused = |source: RodError| SimError::Rod { bundle: 0, source };

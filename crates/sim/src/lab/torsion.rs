@@ -19,8 +19,10 @@ const MASS: f64 = 1e-4;
 const PERIOD: f64 = TAU;
 /// Twist at the start, rad.
 const TWIST: f64 = 0.5;
-/// Length of a step, s, and of the record.
-const TIMES: [f64; 2] = [PERIOD / 400.0, 5.2 * PERIOD];
+/// Length of a step, s.
+const STEP: f64 = PERIOD / 400.0;
+/// Length of the record, s.
+const RECORDED: f64 = 5.2 * PERIOD;
 
 /// Twists a hair with a bob, lets go, and reads period and decrement.
 pub(super) fn pendulum(sample: &LabSample) -> Result<Reading, SimError> {
@@ -45,7 +47,7 @@ pub(super) fn pendulum(sample: &LabSample) -> Result<Reading, SimError> {
         let turn: Rotation3<f64> = untwisted.inverse() * state.frames[PENDULUM_SEGMENTS];
         so3::log(&turn).z
     };
-    let readings = record(rod, &start, &hold, TIMES, angle)?;
+    let readings = record(rod, &start, &hold, STEP, RECORDED, angle)?;
     let found = Oscillation::of(&readings, 0.0)?;
     let section = hair.section(climate);
     let rigidity = pendulum::rigidity(inertia, PENDULUM_LENGTH, found.period)?;

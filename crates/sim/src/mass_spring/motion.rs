@@ -4,6 +4,7 @@ use crate::scene::{Hold, Integrator, MassSpring};
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;
+use rapunzel_coupling::TimeInterval;
 use rapunzel_export::{Strand, usd};
 use rapunzel_mass_spring::{
     Contacts, Enclosure, ImplicitEuler, Leapfrog, NodeVectors, Obstacle, RigidChain, SpringError,
@@ -14,11 +15,11 @@ use std::collections::BTreeMap;
 
 /// A mass-spring system of any dimension in the world.
 pub(crate) trait ErasedSystem: Send + Sync {
-    /// Moves it from a time by a step, s, among objects, and returns the iterations of Newton's
+    /// Moves it by a step among objects, and returns the iterations of Newton's
     /// method.
     fn step(
         &mut self,
-        step: [f64; 2],
+        step: TimeInterval,
         gravity: &Vector3<f64>,
         objects: &[CollisionObject],
     ) -> Result<usize, SpringError>;
@@ -140,10 +141,11 @@ where
 {
     fn step(
         &mut self,
-        [time, dt]: [f64; 2],
+        step: TimeInterval,
         gravity: &Vector3<f64>,
         objects: &[CollisionObject],
     ) -> Result<usize, SpringError> {
+        let TimeInterval { start: time, length: dt } = step;
         self.apply_holds(time)?;
         self.system.set_time(time);
         self.system.set_gravity(flat(&(*gravity).into()))?;
@@ -167,7 +169,7 @@ where
             .map_err(|e| after(round, e))?;
             if let Some(contacts) = &mut self.contacts {
                 let objects = objects.iter().map(|object| {
-                    let poses = object.poses([start, dt]);
+                    let poses = object.poses(TimeInterval { start, length: dt });
                     Obstacle { field: &**object.field(), poses, dt }
                 });
                 let obstacles: Vec<_> =

@@ -4,6 +4,7 @@ use crate::SimError;
 use crate::scene::MassSpring;
 use crate::stepper::{Scenery, Stepper};
 use nalgebra::{Point3, Vector3};
+use rapunzel_coupling::TimeInterval;
 use rapunzel_coupling::{StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_mass_spring::SpringError;
@@ -35,7 +36,7 @@ impl Stepper for MassSprings {
         let (time, gravity) = (around.start, around.gravity());
         let iterations = self
             .springs
-            .step([time, dt], &gravity, around.objects)
+            .step(TimeInterval { start: time, length: dt }, &gravity, around.objects)
             .map_err(|source| SimError::MassSpring { time, source })?;
         Ok(StepReport::of_one(iterations, 0, 0))
     }

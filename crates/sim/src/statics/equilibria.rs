@@ -57,8 +57,8 @@ fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
         0 => Stability::Stable,
         ways => Stability::Unstable(ways),
     };
-    let energies = [found.elastic_energy(), found.load_energy()];
-    equilibrium(case, &states, stability, energies, Vec::new())
+    let (elastic, loads) = (found.elastic_energy(), found.load_energy());
+    equilibrium(case, &states, stability, elastic, loads, Vec::new())
 }
 
 /// The rod as a chain whose nodes are the stations and more between them.
@@ -106,15 +106,16 @@ fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
     let at = chain.arc_lengths().into_iter().zip(states).step_by(finer);
     let pulls = rest.pulls.iter().take(case.places.len()).map(|pull| (*pull).into()).collect();
     let stability = if follows { Stability::Unknown } else { Stability::Stable };
-    let energies = [chain.elastic_energy(&rest.shape), 0.0 - chain.work(&rest.shape)];
-    Ok(equilibrium(case, &at.collect::<Vec<_>>(), stability, energies, pulls))
+    let (elastic, loads) = (chain.elastic_energy(&rest.shape), 0.0 - chain.work(&rest.shape));
+    Ok(equilibrium(case, &at.collect::<Vec<_>>(), stability, elastic, loads, pulls))
 }
 
 fn equilibrium(
     case: &Case,
     states: &[(f64, State)],
     stability: Stability,
-    [elastic_energy, load_energy]: [f64; 2],
+    elastic_energy: f64,
+    load_energy: f64,
     place_forces: Vec<[f64; 3]>,
 ) -> CaseEquilibrium {
     let stiffness = Vector3::from(case.properties().0);

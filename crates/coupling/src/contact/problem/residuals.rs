@@ -111,7 +111,8 @@ impl ContactProblem {
         &self,
         system: &CoupledSystem,
         mean: &[Vector3<f64>],
-        [repair, slip]: [f64; 2],
+        repair: f64,
+        slip: f64,
     ) -> bool {
         let velocities = Velocities::new(system, mean);
         let given = |i: usize| {
