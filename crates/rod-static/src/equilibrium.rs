@@ -2,7 +2,7 @@ use crate::mesh::{MeshElement, Scaled};
 use crate::state::State;
 use crate::step::ShootingNode;
 
-/// Part by which numbers of two equilibria may differ that are turned into each other.
+/// Relative difference below which numbers of two equilibria count as equal.
 const SAME: f64 = 1e-7;
 
 /// An equilibrium: the rod's state at any arc length, its energies and its stability.
@@ -69,8 +69,8 @@ impl Equilibrium {
         self.conjugate_points == 0
     }
 
-    /// Whether two equilibria may be turned or reflected into each other: their energies and what
-    /// they carry at both ends are the same in size.
+    /// Whether two equilibria may be turned or reflected into each other: their energies, and the
+    /// sizes of force and moment at both ends, are the same.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let sizes = |e: &Self| {
             let [root, tip] =

@@ -271,7 +271,7 @@ impl ContactProblem {
         self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
-        let points = each(&used, |i, side| point(system, &self.points[i], side));
+        let points = each(&used, |i, side| rod_point(system, &self.points[i], side));
         let levers = each(&on_objects, |i, side| self.points[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
         let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
@@ -369,7 +369,7 @@ fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
 }
 
 /// A side of a contact point that is a fibre, as a point of its group.
-fn point(system: &CoupledSystem, point: &ContactPoint, side: usize) -> Point {
+fn rod_point(system: &CoupledSystem, point: &ContactPoint, side: usize) -> Point {
     let fiber = match point.sides[side] {
         BodyRef::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
         BodyRef::Object(_) => 0,
