@@ -11,7 +11,7 @@ use xshell::{Shell, cmd};
 const ARROWS: [(&str, &[&str]); 22] = [
     ("fiber", &[]),
     ("lanes", &[]),
-    ("vibration", &[]),
+    ("linalg", &[]),
     ("plot", &[]),
     // For examples and for tests only, wherever an arrow runs to them.
     ("repro", &["plot"]),
@@ -19,21 +19,22 @@ const ARROWS: [(&str, &[&str]); 22] = [
     // The rods are for its tests only, which put simulated hairs into its instruments.
     ("keratin", &["fiber", "rod-static", "rod-dynamic", "repro"]),
     ("rod-static", &["fiber", "oracles", "repro"]),
-    ("rod-dynamic", &["fiber", "lanes", "vibration", "rod-static", "oracles"]),
+    ("rod-dynamic", &["fiber", "lanes", "linalg", "rod-static", "oracles"]),
     ("render", &["fiber"]),
     ("collision", &["fiber", "lanes", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "lanes", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
-    ("mass-spring", &["fiber", "vibration", "collision", "oracles"]),
+    ("mass-spring", &["fiber", "linalg", "collision", "oracles"]),
     ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("coupling", &["fiber", "lanes", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (
         "charging",
         &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],
     ),
-    ("hairgen", &["fiber", "collision", "rod-static"]),
+    ("strands", &["export"]),
+    ("hairgen", &["fiber", "linalg", "collision", "rod-static", "repro"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),
     ("xtask", &["*"]),

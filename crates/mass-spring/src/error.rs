@@ -1,7 +1,7 @@
 use nalgebra::SVector;
 use rapunzel_collision::CollisionError;
 #[cfg(feature = "modes")]
-use rapunzel_vibration::VibrationError;
+use rapunzel_linalg::LinalgError;
 use thiserror::Error;
 
 /// Errors of a mass-spring system, or of a step of it.
@@ -147,7 +147,7 @@ pub enum SpringError {
     /// The eigenvalue problem of the small vibrations could not be solved.
     #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
-    Vibration(#[from] VibrationError),
+    Vibration(#[from] LinalgError),
 }
 
 /// Formats the last few of many numbers.

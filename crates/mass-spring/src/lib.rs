@@ -49,7 +49,7 @@ pub use linear::Linearized;
 pub use obstacle::Obstacle;
 pub use place::PlaceMatrix;
 #[cfg(feature = "modes")]
-pub use rapunzel_vibration::Modes;
+pub use rapunzel_linalg::Modes;
 pub use rope::Rope;
 pub use runge_kutta::runge_kutta;
 pub use spring::Spring;

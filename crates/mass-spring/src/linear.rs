@@ -2,7 +2,7 @@ use crate::supports::Guide;
 use crate::tangent::Tangent;
 use crate::{SpringError, System};
 use nalgebra::{DMatrix, DVector};
-use rapunzel_vibration::{Modes, eigen};
+use rapunzel_linalg::{Modes, eigen};
 
 /// Small motions about a state: `M s'' + D s' + K s = F`, as in the third text.
 ///

@@ -1,7 +1,7 @@
 use crate::tangent::Tangent;
 use crate::{NodeVectors, System};
 use nalgebra::DVector;
-use rapunzel_vibration::largest_eigenvalue;
+use rapunzel_linalg::largest_eigenvalue;
 use std::fmt;
 
 impl<const D: usize> System<D> {

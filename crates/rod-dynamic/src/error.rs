@@ -1,5 +1,5 @@
 #[cfg(feature = "modes")]
-use rapunzel_vibration::VibrationError;
+use rapunzel_linalg::LinalgError;
 use thiserror::Error;
 
 /// Errors of a rod, its state or its parameters.
@@ -27,7 +27,7 @@ pub enum RodError {
     /// The eigenvalue problem of the small vibrations could not be solved.
     #[cfg(feature = "modes")]
     #[error("small motions: {0}")]
-    Vibration(#[from] VibrationError),
+    Vibration(#[from] LinalgError),
 }
 
 /// Why a step could not be taken. The integrator is left as it was before the step.

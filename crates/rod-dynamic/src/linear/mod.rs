@@ -148,7 +148,7 @@ impl Linearization {
     /// [`RodError::Vibration`] where the iteration for the eigenvalues does not converge.
     pub fn smallest_stiffness(&self) -> Result<f64, RodError> {
         let symmetric = 0.5 * (&self.stiffness + self.stiffness.transpose());
-        Ok(rapunzel_vibration::smallest_eigenvalue(&symmetric)? / self.stiffness.amax())
+        Ok(rapunzel_linalg::smallest_eigenvalue(&symmetric)? / self.stiffness.amax())
     }
 }
 

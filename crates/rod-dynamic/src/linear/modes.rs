@@ -3,7 +3,7 @@
 use super::Linearization;
 use crate::RodError;
 use nalgebra::{Complex, DVector, Vector3};
-use rapunzel_vibration as vibration;
+use rapunzel_linalg as linalg;
 
 /// One small motion of a rod: `q` times `cos(omega t)`, or `exp(growth t)` where it is unstable.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,8 +36,7 @@ impl Linearization {
                 why: "moments and follower forces have no modes: use characteristic_exponents",
             });
         }
-        let vibration::Modes { squares, shapes } =
-            vibration::modes(&self.stiffness, &self.mass, count)?;
+        let linalg::Modes { squares, shapes } = linalg::modes(&self.stiffness, &self.mass, count)?;
         let each = squares.iter().zip(shapes.column_iter());
         Ok(each.map(|(&square, shape)| self.mode(square, &(&self.basis * shape))).collect())
     }
@@ -50,7 +49,7 @@ impl Linearization {
     /// # Errors
     /// [`RodError::Vibration`] where the iteration for the eigenvalues does not converge.
     pub fn characteristic_exponents(&self, count: usize) -> Result<Vec<Complex<f64>>, RodError> {
-        let mut rates = vibration::characteristic_exponents(&self.stiffness, &self.mass)?;
+        let mut rates = linalg::characteristic_exponents(&self.stiffness, &self.mass)?;
         rates.truncate(count);
         Ok(rates)
     }

@@ -1,6 +1,6 @@
 //! Lanczos's method.
 
-use crate::VibrationError;
+use crate::LinalgError;
 use nalgebra::DVector;
 use std::iter::once;
 
@@ -22,22 +22,22 @@ const ROUNDING: f64 = 1e-12;
 /// latest after 300 products. Memory: three vectors.
 ///
 /// # Errors
-/// [`VibrationError::NotFinite`] if a product is not finite.
+/// [`LinalgError::NotFinite`] if a product is not finite.
 ///
 /// ```
 /// use nalgebra::dvector;
-/// use rapunzel_vibration::largest_eigenvalue;
+/// use rapunzel_linalg::largest_eigenvalue;
 ///
 /// let largest = largest_eigenvalue(dvector![1.0, 2.0, 0.5], |z, y| {
 ///     *y = dvector![2.0 * z[0], -7.0 * z[1], 3.0 * z[2]];
 /// })?;
 /// assert!((largest - 3.0).abs() < 1e-12);
-/// # Ok::<(), rapunzel_vibration::VibrationError>(())
+/// # Ok::<(), rapunzel_linalg::LinalgError>(())
 /// ```
 pub fn largest_eigenvalue(
     start: DVector<f64>,
     mut apply: impl FnMut(&DVector<f64>, &mut DVector<f64>),
-) -> Result<f64, VibrationError> {
+) -> Result<f64, LinalgError> {
     let mut vector = start;
     let norm = vector.norm();
     if norm == 0.0 {
@@ -57,7 +57,7 @@ pub fn largest_eigenvalue(
         }
         let rest = image.norm();
         if !(along.is_finite() && rest.is_finite()) {
-            return Err(VibrationError::NotFinite { what: "product" });
+            return Err(LinalgError::NotFinite { what: "product" });
         }
         diagonal.push(along);
         scale = scale.max(along.abs() + rest);

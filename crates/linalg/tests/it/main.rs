@@ -2,8 +2,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
 use proptest::prelude::*;
-use rapunzel_vibration::{
-    VibrationError, characteristic_exponents, eigen, largest_eigenvalue, modes, smallest_eigenvalue,
+use rapunzel_linalg::{
+    LinalgError, SparseSystem, characteristic_exponents, eigen, largest_eigenvalue, modes,
+    smallest_eigenvalue,
 };
 use std::f64::consts::PI;
 
@@ -191,11 +192,11 @@ fn what_floats_and_what_falls_over_is_told() {
 #[test]
 fn wrong_matrices_are_refused() {
     let (k, m) = (chain(3), DMatrix::identity(3, 3));
-    let size = Err(VibrationError::Size { what: "mass", rows: 2, columns: 2, expected: 3 });
+    let size = Err(LinalgError::Size { what: "mass", rows: 2, columns: 2, expected: 3 });
     assert_eq!(modes(&k, &DMatrix::identity(2, 2), 1), size);
-    assert!(matches!(eigen(&DMatrix::zeros(2, 3)), Err(VibrationError::Size { .. })));
+    assert!(matches!(eigen(&DMatrix::zeros(2, 3)), Err(LinalgError::Size { .. })));
     let infinite = k.map(|x| if x == 2.0 { f64::INFINITY } else { x });
-    let not_finite = |what| VibrationError::NotFinite { what };
+    let not_finite = |what| LinalgError::NotFinite { what };
     assert_eq!(modes(&infinite, &m, 1), Err(not_finite("stiffness")));
     assert_eq!(modes(&k, &infinite, 1), Err(not_finite("mass")));
     assert_eq!(smallest_eigenvalue(&infinite), Err(not_finite("matrix")));
@@ -204,14 +205,46 @@ fn wrong_matrices_are_refused() {
         Err(not_finite("product"))
     );
     for k in [k, DMatrix::zeros(3, 3)] {
-        assert_eq!(modes(&k, &-&m, 1), Err(VibrationError::Mass));
+        assert_eq!(modes(&k, &-&m, 1), Err(LinalgError::Mass));
     }
     let nothing = DMatrix::zeros(3, 3);
-    assert_eq!(characteristic_exponents(&nothing, &nothing), Err(VibrationError::Mass));
-    assert_eq!(characteristic_exponents(&chain(3), &nothing), Err(VibrationError::Mass));
+    assert_eq!(characteristic_exponents(&nothing, &nothing), Err(LinalgError::Mass));
+    assert_eq!(characteristic_exponents(&chain(3), &nothing), Err(LinalgError::Mass));
     let none = DMatrix::zeros(0, 0);
     assert!(modes(&none, &none, 3).expect("no modes").squares.is_empty());
     assert!(eigen(&none).expect("no modes").squares.is_empty());
     assert!(characteristic_exponents(&none, &none).expect("no exponents").is_empty());
     assert_eq!(largest_eigenvalue(DVector::zeros(3), |_, _| ()), Ok(0.0));
+}
+
+/// A chain of springs on an unsymmetric band: the solution of two columns against the dense one.
+#[test]
+fn a_sparse_system_is_solved_as_the_dense_one() {
+    let n = 60;
+    let entries: Vec<_> = (0..n)
+        .flat_map(|i| [(i, i, 4.0), (i, (i + 1) % n, -1.5), (i, (i + 7) % n, -0.5), (i, i, 1.0)])
+        .collect();
+    let dense = entries.iter().fold(DMatrix::zeros(n, n), |mut m: DMatrix<f64>, &(i, j, x)| {
+        m[(i, j)] += x;
+        m
+    });
+    let right = DMatrix::from_fn(n, 2, |i, j| (i as f64 * 0.3 + j as f64).sin());
+    let found = SparseSystem::new(n, &entries).expect("regular").solve(&right).expect("solved");
+    assert!((&dense * found - &right).amax() < rounding(n, 5.0));
+}
+
+#[test]
+fn what_is_no_sparse_system_is_refused() {
+    let refused = |entries: &[(usize, usize, f64)]| {
+        SparseSystem::new(2, entries)
+            .and_then(|system| system.solve(&DMatrix::from_element(2, 1, 1.0)))
+            .expect_err("refused")
+    };
+    assert_eq!(refused(&[(0, 2, 1.0)]), LinalgError::Entry { row: 0, column: 2, size: 2 });
+    assert_eq!(refused(&[(0, 0, f64::NAN)]), LinalgError::NotFinite { what: "sparse matrix" });
+    assert_eq!(refused(&[(0, 0, 1.0)]), LinalgError::Singular);
+    assert_eq!(
+        refused(&[(0, 0, 1.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 1.0)]),
+        LinalgError::Singular
+    );
 }

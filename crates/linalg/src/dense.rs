@@ -1,6 +1,6 @@
-//! Dense matrices. The only file that speaks to faer.
+//! Dense matrices. With `sparse` the only file that speaks to faer.
 
-use crate::VibrationError;
+use crate::LinalgError;
 use faer::linalg::solvers::{SelfAdjointEigen, Solve};
 use faer::{Mat, MatRef, Side};
 use nalgebra::{Complex, DMatrix};
@@ -35,25 +35,25 @@ impl Modes {
 /// highest `omega^2` remains in each. Cost: about `9 n^3` operations, memory `5 n^2`.
 ///
 /// # Errors
-/// [`VibrationError::Size`] and [`VibrationError::NotFinite`] for matrices that are not square, of
-/// one size and finite, [`VibrationError::Mass`] for a mass that is not positive definite (it may
-/// be semidefinite if the stiffness is definite), [`VibrationError::NotConverged`].
+/// [`LinalgError::Size`] and [`LinalgError::NotFinite`] for matrices that are not square, of
+/// one size and finite, [`LinalgError::Mass`] for a mass that is not positive definite (it may
+/// be semidefinite if the stiffness is definite), [`LinalgError::NotConverged`].
 ///
 /// ```
 /// use nalgebra::dmatrix;
-/// use rapunzel_vibration::modes;
+/// use rapunzel_linalg::modes;
 ///
 /// // Three equal masses between two walls, on four equal springs.
 /// let k = dmatrix![2.0, -1.0, 0.0; -1.0, 2.0, -1.0; 0.0, -1.0, 2.0];
 /// let lowest = modes(&k, &dmatrix![1.0, 0.0, 0.0; 0.0, 1.0, 0.0; 0.0, 0.0, 1.0], 1)?;
 /// assert!((lowest.squares[0] - (2.0 - 2.0_f64.sqrt())).abs() < 1e-15);
-/// # Ok::<(), rapunzel_vibration::VibrationError>(())
+/// # Ok::<(), rapunzel_linalg::LinalgError>(())
 /// ```
 pub fn modes(
     stiffness: &DMatrix<f64>,
     mass: &DMatrix<f64>,
     count: usize,
-) -> Result<Modes, VibrationError> {
+) -> Result<Modes, LinalgError> {
     let (k, m) = pair(stiffness, mass)?;
     let count = count.min(k.nrows());
     if count == 0 {
@@ -63,12 +63,12 @@ pub fn modes(
         let inverses: Vec<f64> = eigen.S().column_vector().iter().rev().copied().collect();
         let rounding = inverses.first().map_or(0.0, |largest| f64::EPSILON * largest);
         if inverses.last().is_some_and(|least| *least < -(k.nrows() as f64) * rounding) {
-            return Err(VibrationError::Mass);
+            return Err(LinalgError::Mass);
         }
         let squares = inverses[..count].iter().map(|x| 1.0 / x.max(rounding)).collect();
         (squares, undo(&factor, eigen.U().reverse_cols().subcols(0, count)))
     } else {
-        let Reduced { factor, eigen } = reduce(m, k, 0.0)?.ok_or(VibrationError::Mass)?;
+        let Reduced { factor, eigen } = reduce(m, k, 0.0)?.ok_or(LinalgError::Mass)?;
         let squares: Vec<f64> = eigen.S().column_vector().iter().take(count).copied().collect();
         (squares, undo(&factor, eigen.U().subcols(0, count)))
     };
@@ -81,7 +81,7 @@ pub fn modes(
     if squares.iter().chain(&shapes).all(|x| x.is_finite()) {
         Ok(Modes { squares, shapes })
     } else {
-        Err(VibrationError::NotConverged)
+        Err(LinalgError::NotConverged)
     }
 }
 
@@ -91,14 +91,13 @@ pub fn modes(
 ///
 /// # Errors
 /// As [`modes`], but for what concerns the mass.
-pub fn eigen(stiffness: &DMatrix<f64>) -> Result<Modes, VibrationError> {
+pub fn eigen(stiffness: &DMatrix<f64>) -> Result<Modes, LinalgError> {
     let stiffness = square("stiffness", stiffness, stiffness.nrows())?;
     // The library counts down from the number of rows.
     if stiffness.nrows() == 0 {
         return Ok(Modes { squares: Vec::new(), shapes: DMatrix::zeros(0, 0) });
     }
-    let eigen =
-        stiffness.self_adjoint_eigen(Side::Lower).map_err(|_| VibrationError::NotConverged)?;
+    let eigen = stiffness.self_adjoint_eigen(Side::Lower).map_err(|_| LinalgError::NotConverged)?;
     let squares = eigen.S().column_vector().iter().copied().collect();
     Ok(Modes { squares, shapes: owned(eigen.U()) })
 }
@@ -108,13 +107,13 @@ pub fn eigen(stiffness: &DMatrix<f64>) -> Result<Modes, VibrationError> {
 ///
 /// # Errors
 /// As [`eigen`].
-pub fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> Result<f64, VibrationError> {
+pub fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> Result<f64, LinalgError> {
     let matrix = square("matrix", matrix, matrix.nrows())?;
     if matrix.nrows() == 0 {
         return Ok(f64::INFINITY);
     }
     let values =
-        matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| VibrationError::NotConverged)?;
+        matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| LinalgError::NotConverged)?;
     Ok(values.first().copied().unwrap_or(f64::INFINITY))
 }
 
@@ -126,11 +125,11 @@ pub fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> Result<f64, VibrationError>
 /// Cost: about `12 n^3` operations, not all of which are fast, memory `4 n^2`.
 ///
 /// # Errors
-/// As [`modes`], but [`VibrationError::Mass`] for every mass that is singular.
+/// As [`modes`], but [`LinalgError::Mass`] for every mass that is singular.
 pub fn characteristic_exponents(
     stiffness: &DMatrix<f64>,
     mass: &DMatrix<f64>,
-) -> Result<Vec<Complex<f64>>, VibrationError> {
+) -> Result<Vec<Complex<f64>>, LinalgError> {
     let (k, m) = pair(stiffness, mass)?;
     if k.nrows() == 0 {
         return Ok(Vec::new());
@@ -138,9 +137,9 @@ pub fn characteristic_exponents(
     let mut matrix = k.partial_piv_lu().solve(m);
     let inverse = matrix.is_all_finite();
     if !inverse {
-        matrix = m.llt(Side::Lower).map_err(|_| VibrationError::Mass)?.solve(k);
+        matrix = m.llt(Side::Lower).map_err(|_| LinalgError::Mass)?.solve(k);
     }
-    let squares = matrix.eigenvalues().map_err(|_| VibrationError::NotConverged)?;
+    let squares = matrix.eigenvalues().map_err(|_| LinalgError::NotConverged)?;
     let rate = |x: &Complex<f64>| {
         let s = if inverse { -x.inv() } else { -x }.sqrt();
         Complex::new(s.re.abs(), s.im.abs())
@@ -151,9 +150,9 @@ pub fn characteristic_exponents(
         Ok(rates)
     } else if inverse {
         // What follows at once has no rate.
-        Err(VibrationError::Mass)
+        Err(LinalgError::Mass)
     } else {
-        Err(VibrationError::NotConverged)
+        Err(LinalgError::NotConverged)
     }
 }
 
@@ -169,7 +168,7 @@ fn reduce(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
     pivot: f64,
-) -> Result<Option<Reduced>, VibrationError> {
+) -> Result<Option<Reduced>, LinalgError> {
     let Ok(factor) = a.llt(Side::Lower) else { return Ok(None) };
     let roots = factor.L().diagonal().column_vector();
     let (least, largest) =
@@ -185,7 +184,7 @@ fn reduce(
     if !both.is_all_finite() {
         return Ok(None);
     }
-    let eigen = both.self_adjoint_eigen(Side::Lower).map_err(|_| VibrationError::NotConverged)?;
+    let eigen = both.self_adjoint_eigen(Side::Lower).map_err(|_| LinalgError::NotConverged)?;
     Ok(Some(Reduced { factor: factor.L().to_owned(), eigen }))
 }
 
@@ -200,7 +199,7 @@ fn undo(factor: &Mat<f64>, vectors: MatRef<'_, f64>) -> DMatrix<f64> {
 fn pair<'a>(
     stiffness: &'a DMatrix<f64>,
     mass: &'a DMatrix<f64>,
-) -> Result<(MatRef<'a, f64>, MatRef<'a, f64>), VibrationError> {
+) -> Result<(MatRef<'a, f64>, MatRef<'a, f64>), LinalgError> {
     let size = stiffness.nrows();
     Ok((square("stiffness", stiffness, size)?, square("mass", mass, size)?))
 }
@@ -210,13 +209,13 @@ fn square<'a>(
     what: &'static str,
     matrix: &'a DMatrix<f64>,
     expected: usize,
-) -> Result<MatRef<'a, f64>, VibrationError> {
+) -> Result<MatRef<'a, f64>, LinalgError> {
     let (rows, columns) = matrix.shape();
     if [rows, columns] != [expected; 2] {
-        return Err(VibrationError::Size { what, rows, columns, expected });
+        return Err(LinalgError::Size { what, rows, columns, expected });
     }
     let view = MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
-    if view.is_all_finite() { Ok(view) } else { Err(VibrationError::NotFinite { what }) }
+    if view.is_all_finite() { Ok(view) } else { Err(LinalgError::NotFinite { what }) }
 }
 
 /// A copy for others.

@@ -2,7 +2,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{DMatrix, Schur};
-use rapunzel_vibration::{characteristic_exponents, eigen, modes};
+use rapunzel_linalg::{characteristic_exponents, eigen, modes};
 use std::f64::consts::PI;
 use std::hint::black_box;
 use std::time::Duration;
