@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+pub mod growth;
 mod pore;
 
 pub use error::HairgenError;
