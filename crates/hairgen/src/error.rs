@@ -55,6 +55,19 @@ pub enum HairgenError {
         /// Number of handles.
         handles: usize,
     },
+    /// A scalp that is none of a head in meters.
+    #[error(
+        "the scalp is {size} m large, but must have {least} to {most} m; scale it to meters: files \
+         are often in millimeters or centimeters"
+    )]
+    ScalpSize {
+        /// Diagonal of its box, m.
+        size: f64,
+        /// Least allowed, m.
+        least: f64,
+        /// Largest allowed, m.
+        most: f64,
+    },
     /// Axes of a head that span no plane.
     #[error("the axes of the head, up {up:?} and front {front:?}, must be finite and not parallel")]
     HeadAxes {
@@ -126,7 +139,10 @@ pub enum HairgenError {
         found: String,
     },
     /// A value over the disc out of its range.
-    #[error("{what} is {value} at ({}, {}) of the disc, but must be in {least:e}..={most:e}", place[0], place[1])]
+    #[error(
+        "{what} is {value} at ({}, {}) of the disc, but must be in {least:e}..={most:e}",
+        place[0], place[1]
+    )]
     DiscValue {
         /// Which value, with its unit.
         what: &'static str,

@@ -50,7 +50,7 @@ fn candidates(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let part = mesh.area() / count as f64;
     let last = mesh.areas().len() - 1;
     let (mut face, mut before) = (0, 0.0);
-    let mut point = |k: usize| {
+    let point = |k: usize| {
         let target = (k as f64 + unit()) * part;
         while face < last && before + mesh.areas()[face] < target {
             before += mesh.areas()[face];
@@ -61,7 +61,7 @@ fn candidates(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         (face, [(1.0 - u - v).max(0.0), u, v])
     };
-    let points = (0..count).map(|k| point(k));
+    let points = (0..count).map(point);
     let number = |(face, weights)| Some(SurfacePoint::new(u32::try_from(face).ok()?, weights));
     points.filter_map(number).collect()
 }

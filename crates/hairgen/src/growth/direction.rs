@@ -73,7 +73,7 @@ impl GrowthDirection {
     ) -> Result<Self, HairgenError> {
         let place = match &flow {
             Flow::Whorl(Whorl { place, turn, reach }) => {
-                if !turn.is_finite() || !(*reach > 0.0 && reach.is_finite()) {
+                if !(turn.is_finite() && *reach > 0.0 && reach.is_finite()) {
                     return Err(HairgenError::Whorl { turn: *turn, reach: *reach });
                 }
                 *place

@@ -3,17 +3,17 @@
 use super::axes::HeadAxes;
 use super::face_tree::{FaceTree, SurfacePoint};
 use super::scalp::ScalpMesh;
-use super::stretch::{twice_area, vertex_stretches};
+use super::stretch::{Stretch, twice_area};
 use super::weights::ConvexWeights;
 use crate::HairgenError;
 use nalgebra::{DMatrix, Point2, Point3, Vector2, Vector3};
 use rapunzel_linalg::SparseSystem;
 use std::f64::consts::TAU;
 
-/// Rounds of relaxation at most. Where stretch still falls then, it does so by little.
-const MOST_ROUNDS: usize = 100;
+/// Rounds of relaxation at most.
+const MOST_ROUNDS: usize = 50;
 
-/// A relaxation ends with the round that lets the stretch fall by less than this part.
+/// A round that lets the stretch fall by less than this part of it does not count.
 const LEAST_FALL: f64 = 1e-4;
 
 /// A one-to-one map of a scalp to the unit disc (thesis 5.3.2).
@@ -33,9 +33,12 @@ pub struct DiscMap {
 
 impl DiscMap {
     /// Maps a scalp. Stretch is evened out by weights `w_ij / delta_j` with the stretches `delta`
-    /// at the vertices (S. Yoshizawa, A. Belyaev, H.-P. Seidel, A fast and simple stretch-minimizing
-    /// mesh parameterization, Shape Modeling International 2004), again and again as long as its
-    /// sum falls; the last map that let it fall is kept. Cost: a sparse system a round.
+    /// at the vertices (S. Yoshizawa, A. Belyaev, H.-P. Seidel, A fast and simple
+    /// stretch-minimizing mesh parameterization, Shape Modeling International 2004), again and
+    /// again as long as the stretch of the whole falls; the last map that let it fall is kept.
+    /// The whole is measured by areas, as by these authors. The thesis adds up the values of the
+    /// vertices, but that depends on how dense they are, and need not fall. Cost: a sparse system a
+    /// round.
     ///
     /// # Errors
     /// Those of [`convex_map`].
@@ -47,22 +50,19 @@ impl DiscMap {
         let border = circle(mesh, axes);
         let mut weights = all_weights(mesh, weights);
         let mut places = solve(mesh, &weights, &border)?;
-        let mut stretches = vertex_stretches(mesh, &places);
-        let mut history = vec![mean(&stretches)];
+        let mut stretch = Stretch::new(mesh, &places);
+        let mut history = vec![stretch.whole];
         for _ in 0..MOST_ROUNDS {
-            relax(mesh, &mut weights, &stretches);
-            // Where weights have become so uneven that triangles vanish, the last map stays.
+            relax(mesh, &mut weights, &stretch.at_vertices);
+            // Weights may become so uneven that triangles vanish.
             let Ok(next) = solve(mesh, &weights, &border) else { break };
-            stretches = vertex_stretches(mesh, &next);
-            let (before, after) = (history[history.len() - 1], mean(&stretches));
-            if after >= before {
+            let before = stretch.whole;
+            stretch = Stretch::new(mesh, &next);
+            if stretch.whole > (1.0 - LEAST_FALL) * before {
                 break;
             }
             places = next;
-            history.push(after);
-            if after > (1.0 - LEAST_FALL) * before {
-                break;
-            }
+            history.push(stretch.whole);
         }
         let triangles = mesh.triangles().to_vec();
         let flat = |p: Point2<f64>| Point3::new(p.x, p.y, 0.0);
@@ -76,8 +76,10 @@ impl DiscMap {
         &self.places
     }
 
-    /// Mean of the stretch over the vertices, without relaxation and after every round of it that
-    /// was kept: falling. A similarity has 1.
+    /// Stretch of the whole without relaxation and after every round of it that was kept, falling:
+    /// the root of the mean by area of `(l_max^2 + l_min^2) / 2`, with the singular values of the
+    /// map from the disc to the surface in a triangle, scaled so that a similarity has 1 and all
+    /// else more.
     #[must_use]
     pub fn stretch_history(&self) -> &[f64] {
         &self.history
@@ -244,8 +246,4 @@ fn check(mesh: &ScalpMesh, places: &[Point2<f64>]) -> Result<(), HairgenError> {
         None => Ok(()),
         Some((face, _)) => Err(HairgenError::Flipped { face, count: 1 + faces.count() }),
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }

@@ -10,7 +10,8 @@ use std::collections::BinaryHeap;
 ///
 /// How crowded a point is, is the sum over its neighbors of `(1 - d / 2 r)^8`, with `r` half the
 /// largest distance that `keep` points can all have from each other, and distances `d` that are
-/// taken no less than a bound, so that near pairs do not count for more than crowds. Cost: `n log n`.
+/// taken no less than a bound, so that near pairs do not count for more than crowds. Cost:
+/// `n log n`.
 pub(super) fn eliminate(points: &[Point3<f64>], keep: usize, area: f64) -> Vec<u32> {
     // A hexagonal lattice of `keep` points, and what of it can be hoped for.
     let diameter = 2.0 * (area / (2.0 * 3.0_f64.sqrt() * keep as f64)).sqrt();

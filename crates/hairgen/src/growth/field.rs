@@ -6,6 +6,9 @@ use nalgebra::{Point2, Vector2};
 use std::fmt;
 use std::sync::Arc;
 
+/// A function on the unit disc.
+pub type DiscFunction = Arc<dyn Fn(&Point2<f64>) -> f64 + Send + Sync>;
+
 /// A number at every place of the unit disc: hairs per m^2 of scalp, a length, an angle.
 #[derive(Clone)]
 pub enum DiscField {
@@ -21,7 +24,7 @@ pub enum DiscField {
         white: f64,
     },
     /// Any function.
-    Function(Arc<dyn Fn(&Point2<f64>) -> f64 + Send + Sync>),
+    Function(DiscFunction),
 }
 
 impl DiscField {

@@ -14,10 +14,10 @@ const SMALLEST_GAIN: f64 = 1e-13;
 /// A front goes from vertex to vertex as in Dijkstra's algorithm. Through a triangle it goes in
 /// straight lines from the place in its plane that has the known distances from the two corners
 /// that have been reached (M. Novotni, R. Klein, Computing geodesic distances on triangular meshes,
-/// WSCG 2002). So distances are exact where the surface is flat and the way straight; on a curved
-/// one the error falls with the length of the edges, on a sphere by half of it (hundredths at 20
-/// edges from pole to equator). Obtuse triangles are no exception: a vertex that is reached on a
-/// shorter way later passes that on. Cost: about `n log n`.
+/// WSCG 2002). So distances are exact where the surface is flat and the way straight. On a curved
+/// one the error falls with the length of the edges: on a half sphere of radius 1 with 32 rings it
+/// is at most 0.014, with half as many twice that. Obtuse triangles need no care: a vertex that is
+/// reached on a shorter way later passes that on. Cost: about `n log n`.
 ///
 /// # Panics
 /// If the point is of another mesh and there is no such face here.

@@ -23,7 +23,7 @@ impl GreyImage {
     /// # Errors
     /// [`HairgenError::ImageSize`] if it is not square or has less than 2 pixels along a side.
     pub fn new(width: usize, values: Vec<u8>) -> Result<Self, HairgenError> {
-        let height = if width == 0 { 0 } else { values.len() / width };
+        let height = values.len().checked_div(width).unwrap_or(0);
         if width < 2 || width * width != values.len() {
             return Err(HairgenError::ImageSize { width, height });
         }

@@ -35,7 +35,9 @@ impl Mass {
             let (mean, most) = mean_over(map.corners(number), density)?;
             Ok((mean * mesh.areas()[face], most))
         };
-        let parts: Vec<(f64, f64)> = faces.map(of_face).collect::<Result<_, HairgenError>>()?;
+        // Of several errors the first is told, not that of the fastest thread.
+        let parts: Vec<Result<(f64, f64), HairgenError>> = faces.map(of_face).collect();
+        let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
         let whole = parts.iter().map(|(mass, _)| mass).sum();
         let most = parts.iter().fold(0.0, |most: f64, part| most.max(part.1));
         Ok(Self { whole, most, area: mesh.area() })

@@ -1,7 +1,7 @@
 //! Where hair grows (thesis 5.3.2).
 //!
-//! A scalp ([`ScalpMesh`]) is mapped one-to-one to the unit disc ([`DiscMap`]), where density, length
-//! and direction of its hair are numbers, functions or grey images ([`DiscField`]). A
+//! A scalp ([`ScalpMesh`]) is mapped one-to-one to the unit disc ([`DiscMap`]), where density,
+//! length and direction of its hair are numbers, functions or grey images ([`DiscField`]). A
 //! [`GrowthRegion`] is all of it; it places pores.
 
 mod axes;
@@ -25,7 +25,7 @@ pub use axes::HeadAxes;
 pub use direction::{Flow, Whorl};
 pub use disc_map::{DiscMap, convex_map};
 pub use face_tree::SurfacePoint;
-pub use field::DiscField;
+pub use field::{DiscField, DiscFunction};
 pub use geodesic::{geodesic_distances, surface_gradient};
 pub use image::GreyImage;
 pub use region::{DENSE_DENSITY, GrowthOptions, GrowthRegion, SPARSE_DENSITY};

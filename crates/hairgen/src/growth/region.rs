@@ -21,10 +21,13 @@ pub const SPARSE_DENSITY: f64 = 1.92e6;
 pub const DENSE_DENSITY: f64 = 3.4e6;
 
 /// Points at most of which pores are chosen.
-const MOST_PLACES: usize = 4_000_000;
+const MOST_PLACES: usize = 1_000_000;
 
 /// Longest hair, m.
 const LONGEST: f64 = 10.0;
+
+/// Smallest and largest scalp, m: in meters, and neither in inches nor smaller units.
+const SIZES: [f64; 2] = [1e-3, 10.0];
 
 /// What grows where.
 #[derive(Debug, Clone)]
@@ -75,10 +78,14 @@ impl GrowthRegion {
     /// Maps the scalp, counts its hairs and lays out the directions. Cost: that of the map.
     ///
     /// # Errors
-    /// Those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a density that is negative or not
+    /// [`HairgenError::ScalpSize`], those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a density that is negative or not
     /// finite, [`HairgenError::Whorl`], [`HairgenError::Place`].
     pub fn new(mesh: ScalpMesh, options: GrowthOptions) -> Result<Self, HairgenError> {
         let GrowthOptions { axes, weights, density, length, flow, tilt } = options;
+        let (size, [least, most]) = (mesh.size(), SIZES);
+        if !(least..=most).contains(&size) {
+            return Err(HairgenError::ScalpSize { size, least, most });
+        }
         let map = DiscMap::new(&mesh, weights, &axes)?;
         let direction = GrowthDirection::new(&mesh, &map, &axes, flow, tilt)?;
         let mass = Mass::new(&mesh, &map, &density)?;
@@ -139,7 +146,9 @@ impl GrowthRegion {
     /// a length that is not positive or longer than 10 m, or a tilt out of its range.
     pub fn pores(&self, count: usize, seed: u64) -> Result<Vec<Pore>, HairgenError> {
         let chosen = self.places(count, seed)?;
-        chosen.par_iter().map(|point| self.pore(point)).collect()
+        // Of several errors the first is told, not that of the fastest thread.
+        let pores: Vec<_> = chosen.par_iter().map(|point| self.pore(point)).collect();
+        pores.into_iter().collect()
     }
 
     /// The pore at the point of the scalp that is nearest to a point (world).

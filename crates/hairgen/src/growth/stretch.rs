@@ -1,7 +1,7 @@
 //! How much a map of a surface to the plane stretches.
 
 use super::scalp::ScalpMesh;
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 
 /// Stretch of the affine map from a triangle of the plane to one of the surface: the root of the
 /// mean of its squared singular values, `sqrt((l_max^2 + l_min^2) / 2)` (thesis before (5.4) with
@@ -10,7 +10,7 @@ use nalgebra::Point2;
 /// the map the other way, but (5.6) evens out this one only. The plane's area is given, as twice
 /// it.
 fn triangle_stretch(
-    [a, b, c]: [nalgebra::Point3<f64>; 3],
+    [a, b, c]: [Point3<f64>; 3],
     [u, v, w]: [Point2<f64>; 3],
     twice_area: f64,
 ) -> f64 {
@@ -27,23 +27,36 @@ pub(super) fn twice_area([u, v, w]: [Point2<f64>; 3]) -> f64 {
     (v - u).perp(&(w - u))
 }
 
-/// Stretch at the vertices (thesis (5.6) with its erratum): the root of the mean of the squared
-/// stretches of the triangles there by their areas on the surface. It is scaled by the areas of
-/// plane and surface as wholes: 1 for a similarity.
-pub(super) fn vertex_stretches(mesh: &ScalpMesh, places: &[Point2<f64>]) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; places.len()];
-    let mut plane = 0.0;
-    for (face, (triangle, area)) in (0..).zip(mesh.triangles().iter().zip(mesh.areas())) {
-        let flat = triangle.map(|v| places[v as usize]);
-        let twice = twice_area(flat);
-        plane += 0.5 * twice;
-        let stretch = triangle_stretch(mesh.corners(face), flat, twice);
-        for v in triangle {
-            let [squares, areas] = &mut sums[*v as usize];
-            *squares += area * stretch * stretch;
-            *areas += area;
+/// How much a map of a surface to the plane stretches, scaled by the areas of plane and surface as
+/// wholes: a similarity has 1 everywhere.
+pub(super) struct Stretch {
+    /// Of the surface: the root of the mean of the squared stretches of the triangles by their
+    /// areas on the surface (Sander et al. 2001). Only a similarity has 1, all others more.
+    pub(super) whole: f64,
+    /// At the vertices (thesis (5.6) with its erratum): the same over the triangles there.
+    pub(super) at_vertices: Vec<f64>,
+}
+
+impl Stretch {
+    /// Stretch of a map without triangles that are turned over.
+    pub(super) fn new(mesh: &ScalpMesh, places: &[Point2<f64>]) -> Self {
+        let mut sums = vec![[0.0; 2]; places.len()];
+        let (mut plane, mut whole) = (0.0, 0.0);
+        for (face, (triangle, area)) in (0..).zip(mesh.triangles().iter().zip(mesh.areas())) {
+            let flat = triangle.map(|v| places[v as usize]);
+            let twice = twice_area(flat);
+            plane += 0.5 * twice;
+            let stretch = triangle_stretch(mesh.corners(face), flat, twice);
+            whole += area * stretch * stretch;
+            for v in triangle {
+                let [squares, areas] = &mut sums[*v as usize];
+                *squares += area * stretch * stretch;
+                *areas += area;
+            }
         }
+        let scale = plane / mesh.area();
+        let root = |[squares, areas]: [f64; 2]| (scale * squares / areas).sqrt();
+        let whole = root([whole, mesh.area()]);
+        Self { whole, at_vertices: sums.into_iter().map(root).collect() }
     }
-    let scale = plane / mesh.area();
-    sums.into_iter().map(|[squares, areas]| (scale * squares / areas).sqrt()).collect()
 }

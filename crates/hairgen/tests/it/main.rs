@@ -1,1 +1,5 @@
 //! Tests of the crate from outside.
+
+#![expect(clippy::print_stdout, reason = "tests tell what they measured")]
+
+mod growth;
