@@ -8,7 +8,7 @@ use rapunzel_hairgen::growth::{
 };
 use std::hint::black_box;
 
-/// 10,368 triangles.
+/// 10,404 triangles.
 fn half_sphere() -> ScalpMesh {
     let mut soup = shapes::sphere(0.095, 51);
     let upper = |p: &Point3<f64>| p.y > -1e-9;

@@ -8,10 +8,10 @@ use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// Points at random from which one of those that stay is chosen.
-const CANDIDATES: usize = 4;
+const CANDIDATES: usize = 3;
 
 /// `count` points of the surface in such an order that the first ones, however many, are spread
-/// evenly: blue noise. They are chosen from four times as many, by removal of the most crowded;
+/// evenly: blue noise. They are chosen from three times as many, by removal of the most crowded;
 /// then half of those left are removed, and so on, which gives the order from its end. Cost:
 /// `n log n`; the same seed gives the same bits.
 pub(super) fn progressive(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
@@ -43,25 +43,23 @@ pub(super) fn progressive(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<Surf
     backward
 }
 
-/// Points at random, each in one of as many parts of equal area in the order of the faces.
+/// Points at random, each in one of as many parts of equal area, in an order in which near ones are
+/// near each other.
 fn candidates(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut unit = || (random.next_u64() >> 11) as f64 * (-53_f64).exp2();
     let part = mesh.area() / count as f64;
-    let last = mesh.areas().len() - 1;
-    let (mut face, mut before) = (0, 0.0);
-    let point = |k: usize| {
-        let target = (k as f64 + unit()) * part;
-        while face < last && before + mesh.areas()[face] < target {
-            before += mesh.areas()[face];
-            face += 1;
+    let mut points = Vec::with_capacity(count);
+    let (mut target, mut end) = (part * unit(), 0.0);
+    for face in mesh.faces_by_place() {
+        end += mesh.areas()[face as usize];
+        while target < end && points.len() < count {
+            // Folded over the diagonal where it falls into the other half of the parallelogram.
+            let (u, v) = (unit(), unit());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            points.push(SurfacePoint::new(face, [(1.0 - u - v).max(0.0), u, v]));
+            target = part * (points.len() as f64 + unit());
         }
-        // Folded over the diagonal where it falls into the other half of the parallelogram.
-        let (u, v) = (unit(), unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        (face, [(1.0 - u - v).max(0.0), u, v])
-    };
-    let points = (0..count).map(point);
-    let number = |(face, weights)| Some(SurfacePoint::new(u32::try_from(face).ok()?, weights));
-    points.filter_map(number).collect()
+    }
+    points
 }

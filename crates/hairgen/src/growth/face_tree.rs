@@ -91,6 +91,11 @@ impl FaceTree {
         }
     }
 
+    /// The numbers of the triangles in an order in which near ones are near each other.
+    pub(super) fn order(&self) -> impl Iterator<Item = u32> + '_ {
+        self.faces.iter().map(|(face, _)| *face)
+    }
+
     /// The point of all triangles that is nearest to a point; of several the first found. A point
     /// that is not finite has one all the same. Cost: logarithmic near the triangles.
     pub(super) fn nearest(&self, point: &Point3<f64>) -> SurfacePoint {

@@ -150,6 +150,11 @@ impl ScalpMesh {
         Unit::try_new(mean, 0.0).unwrap_or(self.normals[triangle[0] as usize])
     }
 
+    /// The faces in an order in which near ones are near each other.
+    pub(super) fn faces_by_place(&self) -> impl Iterator<Item = u32> + '_ {
+        self.tree.order()
+    }
+
     /// What the vertices have around them.
     pub(super) fn rings(&self) -> &Rings {
         &self.rings
