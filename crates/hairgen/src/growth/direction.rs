@@ -41,7 +41,7 @@ impl Default for Whorl {
 
 /// To which side hair grows, along the surface.
 #[derive(Debug, Clone)]
-pub enum Flow {
+pub enum GrowthFlow {
     /// Away from a whorl, in a spiral that becomes straight.
     Whorl(Whorl),
     /// By the angle of the direction in the disc, rad, from `x` to `y`.
@@ -57,7 +57,7 @@ pub(super) struct GrowthDirection {
     distances: Vec<f64>,
     /// Unit vectors at the vertices straight away from the crown (world).
     away: Vec<Vector3<f64>>,
-    flow: Flow,
+    flow: GrowthFlow,
     tilt: Option<DiscField>,
     /// Heights from the lowest vertex to the highest, between 0 and 1.
     heights: Vec<f64>,
@@ -68,17 +68,17 @@ impl GrowthDirection {
         mesh: &ScalpMesh,
         map: &DiscMap,
         axes: &HeadAxes,
-        flow: Flow,
+        flow: GrowthFlow,
         tilt: Option<DiscField>,
     ) -> Result<Self, HairgenError> {
         let place = match &flow {
-            Flow::Whorl(Whorl { place, turn, reach }) => {
+            GrowthFlow::Whorl(Whorl { place, turn, reach }) => {
                 if !(turn.is_finite() && *reach > 0.0 && reach.is_finite()) {
                     return Err(HairgenError::Whorl { turn: *turn, reach: *reach });
                 }
                 *place
             }
-            Flow::Angle(_) => None,
+            GrowthFlow::Angle(_) => None,
         };
         let along = |direction: Vector3<f64>| {
             mesh.vertices().iter().map(move |p| p.coords.dot(&direction)).collect::<Vec<f64>>()
@@ -118,13 +118,13 @@ impl GrowthDirection {
             }
         };
         let flow = match &self.flow {
-            Flow::Whorl(whorl) => {
+            GrowthFlow::Whorl(whorl) => {
                 let away = level(&point.mix(self.at_corners(mesh, point, &self.away)), &normal);
                 let distance: f64 = point.mix(self.at_corners(mesh, point, &self.distances));
                 let (sin, cos) = (whorl.turn * (-distance / whorl.reach).exp()).sin_cos();
                 cos * away + sin * normal.cross(&away)
             }
-            Flow::Angle(field) => {
+            GrowthFlow::Angle(field) => {
                 let direction = field.direction(&place);
                 if !direction.iter().all(|x| x.is_finite()) {
                     let (what, value) = ("angle of growth (rad)", field.value(&place));

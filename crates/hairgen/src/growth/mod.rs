@@ -22,7 +22,7 @@ mod stretch;
 mod weights;
 
 pub use axes::HeadAxes;
-pub use direction::{Flow, Whorl};
+pub use direction::{GrowthFlow, Whorl};
 pub use disc_map::{DiscMap, convex_map};
 pub use face_tree::SurfacePoint;
 pub use field::{DiscField, DiscFunction};

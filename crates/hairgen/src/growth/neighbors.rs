@@ -23,7 +23,7 @@ impl Neighbors {
     /// row by row, so that the neighbors of consecutive points lie in nine stretches that move on
     /// with them. Cost: `n log n` and the number of pairs.
     pub(super) fn within(points: &[Point3<f64>], distance: f64) -> Self {
-        let cells = Cells::new(points, distance);
+        let cells = NeighborCells::new(points, distance);
         let mut sorted: Vec<(u64, u32)> = points.iter().map(|p| cells.key(p)).zip(0..).collect();
         sorted.par_sort_unstable();
         let mut ranks = vec![0; points.len()];
@@ -50,14 +50,14 @@ impl Neighbors {
 }
 
 /// A lattice of cubes, with a layer around it.
-struct Cells {
+struct NeighborCells {
     low: Vector3<f64>,
     width: f64,
     /// From a row to the next and from a layer to the next.
     strides: [u64; 2],
 }
 
-impl Cells {
+impl NeighborCells {
     fn new(points: &[Point3<f64>], width: f64) -> Self {
         let far = Vector3::repeat(f64::INFINITY);
         let (low, high) = points

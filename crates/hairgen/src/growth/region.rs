@@ -2,7 +2,7 @@
 
 use super::axes::HeadAxes;
 use super::blue_noise::progressive;
-use super::direction::{Flow, GrowthDirection, Whorl, first_largest};
+use super::direction::{GrowthDirection, GrowthFlow, Whorl, first_largest};
 use super::disc_map::DiscMap;
 use super::face_tree::SurfacePoint;
 use super::field::DiscField;
@@ -41,7 +41,7 @@ pub struct GrowthOptions {
     /// Length of the hairs, m; positive.
     pub length: DiscField,
     /// To which side they grow.
-    pub flow: Flow,
+    pub flow: GrowthFlow,
     /// Angle from the normal to the direction of growth, rad, from 0 to a right angle. If none is
     /// given, 20 degrees at the top of the scalp and 80 at its lowest point, smoothly by height:
     /// at temples and neck hair lies flat (thesis 5.3.2).
@@ -56,7 +56,7 @@ impl Default for GrowthOptions {
             weights: ConvexWeights::default(),
             density: DiscField::Constant(SPARSE_DENSITY),
             length: DiscField::Constant(0.2),
-            flow: Flow::Whorl(Whorl::default()),
+            flow: GrowthFlow::Whorl(Whorl::default()),
             tilt: None,
         }
     }

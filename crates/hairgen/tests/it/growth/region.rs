@@ -3,10 +3,12 @@
 use super::{cap, flat, mesh, scan};
 use nalgebra::{Point2, Point3, Vector3};
 use rapunzel_hairgen::HairgenError;
-use rapunzel_hairgen::growth::{DiscField, Flow, GrowthOptions, GrowthRegion, ScalpMesh, Whorl};
+use rapunzel_hairgen::growth::{
+    DiscField, GrowthFlow, GrowthOptions, GrowthRegion, ScalpMesh, Whorl,
+};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-fn region(scalp: ScalpMesh, flow: Flow, tilt: Option<f64>) -> GrowthRegion {
+fn region(scalp: ScalpMesh, flow: GrowthFlow, tilt: Option<f64>) -> GrowthRegion {
     let density = DiscField::Constant(2000.0 / scalp.area());
     let tilt = tilt.map(DiscField::Constant);
     let options = GrowthOptions { density, flow, tilt, ..Default::default() };
@@ -16,7 +18,7 @@ fn region(scalp: ScalpMesh, flow: Flow, tilt: Option<f64>) -> GrowthRegion {
 #[test]
 fn hair_lies_flat_at_temples_and_neck_and_stands_at_the_top() {
     let Some(scalp) = scan("head/scalp.ply") else { return };
-    let region = region(scalp, Flow::Whorl(Whorl::default()), None);
+    let region = region(scalp, GrowthFlow::Whorl(Whorl::default()), None);
     let crown = region.mesh().position(&region.crown());
     println!("crown at {crown:.3}");
     assert!(crown.y > 0.03 && crown.z < -0.03 && crown.x.abs() < 0.02);
@@ -46,7 +48,7 @@ fn hair_lies_flat_at_temples_and_neck_and_stands_at_the_top() {
 #[test]
 fn a_whorl_turns_by_its_angle() {
     let whorl = Whorl { place: Some(Point2::origin()), turn: 1.0, reach: 0.05 };
-    let region = region(mesh(cap(0.1, FRAC_PI_2, 80, 40)), Flow::Whorl(whorl), Some(0.7));
+    let region = region(mesh(cap(0.1, FRAC_PI_2, 80, 40)), GrowthFlow::Whorl(whorl), Some(0.7));
     assert!(region.mesh().position(&region.crown()).y > 0.0999);
     let mut checked = 0;
     for pore in region.pores(500, 1).expect("pores") {
@@ -71,7 +73,7 @@ fn a_whorl_turns_by_its_angle() {
 fn angles_in_the_disc_are_directions_on_the_surface() {
     // Seen from above x is to the right, z down.
     for angle in [0.0_f64, 1.0, 3.0, -2.0] {
-        let flow = Flow::Angle(DiscField::Constant(angle));
+        let flow = GrowthFlow::Angle(DiscField::Constant(angle));
         let region = region(mesh(flat(24, 5)), flow, Some(FRAC_PI_4));
         let expected = Vector3::new(angle.cos(), 1.0, -angle.sin()).normalize();
         for pore in region.pores(20, 1).expect("pores") {
@@ -83,7 +85,7 @@ fn angles_in_the_disc_are_directions_on_the_surface() {
 #[test]
 fn bad_whorls_tilts_and_angles_are_told() {
     let refused = |whorl| {
-        let options = GrowthOptions { flow: Flow::Whorl(whorl), ..Default::default() };
+        let options = GrowthOptions { flow: GrowthFlow::Whorl(whorl), ..Default::default() };
         GrowthRegion::new(mesh(flat(8, 2)), options).expect_err("refused")
     };
     let whorl = Whorl::default();
@@ -94,11 +96,11 @@ fn bad_whorls_tilts_and_angles_are_told() {
     let place = Some(Point2::new(f64::NAN, 0.0));
     assert!(matches!(refused(Whorl { place, ..whorl }), HairgenError::Place { .. }));
     for tilt in [-0.1, 1.6, f64::NAN] {
-        let region = region(mesh(flat(8, 2)), Flow::Whorl(whorl), Some(tilt));
+        let region = region(mesh(flat(8, 2)), GrowthFlow::Whorl(whorl), Some(tilt));
         let error = region.pores(5, 1).expect_err("refused");
         assert!(matches!(error, HairgenError::DiscValue { .. }), "{error}");
     }
-    let angle = Flow::Angle(DiscField::function(|_| f64::NAN));
+    let angle = GrowthFlow::Angle(DiscField::function(|_| f64::NAN));
     let error = region(mesh(flat(8, 2)), angle, None).pores(5, 1).expect_err("refused");
     assert!(matches!(error, HairgenError::DiscValue { .. }), "{error}");
 }
@@ -115,7 +117,7 @@ fn a_head_in_millimeters_is_told() {
 /// On what is flat there is no height, and the crown is the first vertex that is farthest back.
 #[test]
 fn a_flat_scalp_has_directions_too() {
-    let region = region(mesh(flat(12, 3)), Flow::Whorl(Whorl::default()), None);
+    let region = region(mesh(flat(12, 3)), GrowthFlow::Whorl(Whorl::default()), None);
     for pore in region.pores(200, 1).expect("pores") {
         assert!(pore.direction.iter().all(|x| x.is_finite()) && pore.direction.y > 0.1);
     }
