@@ -2,6 +2,10 @@
 
 mod error;
 mod pore;
+mod region;
+mod surface;
 
 pub use error::HairgenError;
 pub use pore::Pore;
+pub use region::AdmissibleRegion;
+pub use surface::{FieldResolution, SurfaceField};
