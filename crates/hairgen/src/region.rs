@@ -2,7 +2,7 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, Sample};
 
 /// Where hair may be (thesis 5.3): outside of the head and within the surface of the hair.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct AdmissibleRegion<'a> {
     /// Distance of the head; positive where hair may be.
     pub head: &'a dyn DistanceField,
@@ -29,21 +29,20 @@ impl<'a> AdmissibleRegion<'a> {
         }
     }
 
-    /// How deep a point is between both surfaces: 0 at the head, 1 at the surface of the hair,
-    /// outside of this interval where it is in neither, and the gradient, 1/m. Where the surfaces
-    /// touch it is one half. Cost: a query of both fields.
+    /// How deep a point is between both surfaces: 0 at the head and below it, 1 at the surface of
+    /// the hair and beyond, and the gradient, 1/m, which is zero where the depth is held at 0 or 1.
+    /// Cost: a query of both fields.
     #[must_use]
     pub fn depth(&self, point: &Point3<f64>) -> Sample {
         let (head, hull) = (self.head.sample(point), self.hull.sample(point));
-        // Both distances superposed (thesis 5.3.3): `h / (h + d)` with `d` from within the hair.
+        // Both distances superposed (thesis 5.3.3): `h / (h + d)`.
         let (above, below) = (head.value, -hull.value);
-        let across = above + below;
-        if across.abs() < f64::MIN_POSITIVE.sqrt() {
-            return Sample { value: 0.5, gradient: Vector3::zeros() };
+        if above <= 0.0 || below <= 0.0 {
+            let value = if above <= 0.0 { 0.0 } else { 1.0 };
+            return Sample { value, gradient: Vector3::zeros() };
         }
-        let value = above / across;
-        let gradient =
-            (head.gradient * below + hull.gradient * above) / (across * across);
-        Sample { value, gradient }
+        let across = above + below;
+        let gradient = (head.gradient * below + hull.gradient * above) / (across * across);
+        Sample { value: above / across, gradient }
     }
 }

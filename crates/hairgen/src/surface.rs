@@ -90,10 +90,7 @@ impl SurfaceField {
         let bounds = [Point3::from(low), Point3::from(high)];
         let frame = GridFrame::new(bounds[0] - margin, bounds[1] + margin, resolution.spacing);
         let fine = frame.and_then(|frame| Grid::sample(&shell, frame, resolution.band));
-        Ok(Self {
-            fine: fine.map_err(surface)?,
-            coarse: coarse(what, &shell, bounds, resolution)?,
-        })
+        Ok(Self { fine: fine.map_err(surface)?, coarse: coarse(what, &shell, bounds, resolution)? })
     }
 }
 
