@@ -34,4 +34,25 @@ pub enum HairgenError {
         /// Rings that were asked for.
         rings: u32,
     },
+    /// A scan that is no head in meters, centimeters or millimeters.
+    #[error(
+        "the scan is {size} units large, which is no head in meters, centimeters or millimeters; \
+         give `meters_per_unit`"
+    )]
+    Units {
+        /// Its largest extent, units of the scan.
+        size: f64,
+    },
+    /// A scan in which no face was found.
+    #[error(
+        "the head finds no face in the scan: off by {rms} m; turn the scan so that y is up and the \
+         face looks along z"
+    )]
+    NoFace {
+        /// Root mean square of the distances that were kept, m.
+        rms: f64,
+    },
+    /// Equations of a surface without a solution.
+    #[error("the equations of the surface: {0}")]
+    Equations(#[from] rapunzel_linalg::LinalgError),
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+pub mod fit;
 pub mod head;
 mod pore;
 mod region;

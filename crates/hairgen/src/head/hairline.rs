@@ -126,10 +126,22 @@ impl Hairline {
 
     /// A disc of triangles within the hairline: `place` puts directions from the origin on a
     /// surface.
-    pub(super) fn disc(
+    pub(crate) fn disc(
         &self,
         around: u32,
         rings: u32,
+        place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64>,
+    ) -> Result<Soup, HairgenError> {
+        self.disc_to(around, rings, |_| 1.0, place)
+    }
+
+    /// A disc of triangles within the hairline that reaches, at an angle about the middle of the
+    /// scalp, to a part of the way to the rim.
+    pub(crate) fn disc_to(
+        &self,
+        around: u32,
+        rings: u32,
+        part: impl Fn(f64) -> f64,
         place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64>,
     ) -> Result<Soup, HairgenError> {
         if around < 3 || rings < 1 {
@@ -138,7 +150,8 @@ impl Hairline {
         let rim = self.rim();
         let direction = |sector: u32, ring: u32| {
             let about = TAU * f64::from(sector) / f64::from(around);
-            let polar = Self::polar(&rim, about) * f64::from(ring) / f64::from(rings);
+            let reach = Self::polar(&rim, about) * part(about);
+            let polar = reach * f64::from(ring) / f64::from(rings);
             let d = Vector3::new(about.sin() * polar.sin(), polar.cos(), about.cos() * polar.sin());
             Unit::new_normalize(lean() * d)
         };
