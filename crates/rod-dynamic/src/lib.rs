@@ -21,4 +21,7 @@ pub use ledger::Ledger;
 pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
-pub use staggered::{EquilibriumError, Staggered, StaggeredBatch, equilibrium};
+pub use staggered::{
+    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, equilibrium, fitted,
+    natural_curvatures,
+};

@@ -95,7 +95,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Samples another field at the nodes closer than `band`, m.
+    /// Samples another field at the nodes closer than `band`, m. Cost: the nodes of the blocks
+    /// that the band reaches, and one sample for each other block.
     ///
     /// # Errors
     /// [`CollisionError::Grid`] if the band is not at least two spacings and at most that of the
@@ -109,8 +110,15 @@ impl Grid {
             let problem = "the band must not be wider than that of the sampled field";
             return Err(CollisionError::Grid { problem });
         }
+        let side = CELLS as f64 * frame.spacing;
+        let reach = field.lipschitz() * 0.5 * 3.0_f64.sqrt() * side;
         let mut grid = Self::assemble(frame, band, |block| {
             let [i, j, k] = frame.corner(block);
+            // From a center so far away the field reaches the band at no node.
+            let center = frame.node([i, j, k]) + Vector3::repeat(0.5 * side);
+            if field.value(&center).abs() > band + reach {
+                return None;
+            }
             let values: [f64; NODES] = array::from_fn(|n| {
                 let [x, y, z] = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
                 field.value(&frame.node([i + x, j + y, k + z])).clamp(-band, band)

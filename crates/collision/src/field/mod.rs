@@ -7,10 +7,12 @@
 
 mod analytic;
 mod contact;
+mod exact;
 mod feature;
 mod grid;
 mod height;
 mod mesh;
+mod nearest;
 mod obj;
 mod ply;
 mod polygon;
@@ -23,9 +25,11 @@ mod terrain;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, LevelSet, Posed};
 pub use contact::{ContactSearch, FieldContact};
+pub use exact::{MeshDistance, Shell};
 pub use grid::{Grid, GridFrame};
 pub use height::HeightField;
 pub use mesh::{Mesh, Soup};
+pub use nearest::{NearestPoint, SurfaceTree};
 pub use obj::{Obj, ObjPolyline};
 pub use repair::Repairs;
 pub use terrain::Terrain;

@@ -1,8 +1,8 @@
 //! Points that are spread over the scalp at random and yet evenly.
 
 use super::elimination::eliminate;
-use super::face_tree::SurfacePoint;
 use super::scalp::ScalpMesh;
+use super::surface_point::SurfacePoint;
 use nalgebra::Point3;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -51,7 +51,7 @@ fn candidates(mesh: &ScalpMesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let part = mesh.area() / count as f64;
     let mut points = Vec::with_capacity(count);
     let (mut target, mut end) = (part * unit(), 0.0);
-    for face in mesh.faces_by_place() {
+    for &face in mesh.faces_by_place() {
         end += mesh.areas()[face as usize];
         while target < end && points.len() < count {
             // Folded over the diagonal where it falls into the other half of the parallelogram.

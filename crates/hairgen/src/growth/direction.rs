@@ -2,10 +2,10 @@
 
 use super::axes::HeadAxes;
 use super::disc_map::DiscMap;
-use super::face_tree::SurfacePoint;
 use super::field::DiscField;
 use super::geodesic::{geodesic_distances, surface_gradient};
 use super::scalp::ScalpMesh;
+use super::surface_point::SurfacePoint;
 use crate::HairgenError;
 use nalgebra::{Point2, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -1,12 +1,13 @@
 //! The scalp in the unit disc.
 
 use super::axes::HeadAxes;
-use super::face_tree::{FaceTree, SurfacePoint};
 use super::scalp::ScalpMesh;
 use super::stretch::{Stretch, twice_area};
+use super::surface_point::SurfacePoint;
 use super::weights::ConvexWeights;
 use crate::HairgenError;
 use nalgebra::{DMatrix, Point2, Point3, Vector2, Vector3};
+use rapunzel_collision::field::{Soup, SurfaceTree};
 use rapunzel_linalg::SparseSystem;
 use std::f64::consts::TAU;
 
@@ -27,7 +28,7 @@ const LEAST_FALL: f64 = 1e-4;
 pub struct DiscMap {
     places: Vec<Point2<f64>>,
     triangles: Vec<[u32; 3]>,
-    tree: FaceTree,
+    tree: SurfaceTree,
     history: Vec<f64>,
 }
 
@@ -65,8 +66,9 @@ impl DiscMap {
             history.push(stretch.whole);
         }
         let triangles = mesh.triangles().to_vec();
-        let flat = |p: Point2<f64>| Point3::new(p.x, p.y, 0.0);
-        let tree = FaceTree::new(triangles.iter().map(|t| t.map(|v| flat(places[v as usize]))));
+        let vertices = places.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
+        let flat = Soup { vertices, triangles: triangles.clone() };
+        let tree = SurfaceTree::new(&flat).map_err(HairgenError::scalp)?;
         Ok(Self { places, triangles, tree, history })
     }
 
@@ -107,7 +109,7 @@ impl DiscMap {
     /// its nearest point. Cost: logarithmic.
     #[must_use]
     pub fn locate(&self, place: &Point2<f64>) -> SurfacePoint {
-        self.tree.nearest(&Point3::new(place.x, place.y, 0.0))
+        self.tree.nearest(&Point3::new(place.x, place.y, 0.0)).into()
     }
 
     /// The direction on the surface (world, not of unit length) of a direction in the disc, at the
@@ -133,7 +135,7 @@ impl DiscMap {
 ///
 /// # Errors
 /// [`HairgenError::BorderCount`] for another number of places, [`HairgenError::Flipped`] where
-/// triangles vanish in rounding or turn over, and [`HairgenError::Linear`].
+/// triangles vanish in rounding or turn over, and [`HairgenError::Equations`].
 pub fn convex_map(
     mesh: &ScalpMesh,
     weights: ConvexWeights,

@@ -1,7 +1,7 @@
 //! Distances along the surface.
 
-use super::face_tree::SurfacePoint;
 use super::scalp::ScalpMesh;
+use super::surface_point::SurfacePoint;
 use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

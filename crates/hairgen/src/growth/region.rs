@@ -4,11 +4,11 @@ use super::axes::HeadAxes;
 use super::blue_noise::progressive;
 use super::direction::{GrowthDirection, GrowthFlow, Whorl, first_largest};
 use super::disc_map::DiscMap;
-use super::face_tree::SurfacePoint;
 use super::field::DiscField;
 use super::geodesic::geodesic_distances;
 use super::mass::Mass;
 use super::scalp::ScalpMesh;
+use super::surface_point::SurfacePoint;
 use super::weights::ConvexWeights;
 use crate::{HairgenError, Pore};
 use nalgebra::{Point2, Point3};
@@ -78,8 +78,8 @@ impl GrowthRegion {
     /// Maps the scalp, counts its hairs and lays out the directions. Cost: that of the map.
     ///
     /// # Errors
-    /// [`HairgenError::ScalpSize`], those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a density that is negative or not
-    /// finite, [`HairgenError::Whorl`], [`HairgenError::Place`].
+    /// [`HairgenError::ScalpSize`], those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a
+    /// density that is negative or not finite, [`HairgenError::Whorl`], [`HairgenError::Place`].
     pub fn new(mesh: ScalpMesh, options: GrowthOptions) -> Result<Self, HairgenError> {
         let GrowthOptions { axes, weights, density, length, flow, tilt } = options;
         let (size, [least, most]) = (mesh.size(), SIZES);

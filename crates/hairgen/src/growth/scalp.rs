@@ -1,11 +1,11 @@
 //! The scalp as a mesh that has the shape of a disc.
 
-use super::face_tree::{FaceTree, SurfacePoint};
 use super::rings::Rings;
+use super::surface_point::SurfacePoint;
 use crate::HairgenError;
 use nalgebra::{Point3, Unit, Vector3};
 use rapunzel_collision::CollisionError;
-use rapunzel_collision::field::Soup;
+use rapunzel_collision::field::{Soup, SurfaceTree};
 
 /// A triangle of less than this part of its longest side squared, in twice its area, has none.
 const LEAST_AREA: f64 = 1e-12;
@@ -21,13 +21,12 @@ const LEAST_AREA: f64 = 1e-12;
 /// cut through itself.
 #[derive(Debug, Clone)]
 pub struct ScalpMesh {
-    vertices: Vec<Point3<f64>>,
-    triangles: Vec<[u32; 3]>,
+    soup: Soup,
     areas: Vec<f64>,
     normals: Vec<Unit<Vector3<f64>>>,
     border: Vec<u32>,
     rings: Rings,
-    tree: FaceTree,
+    tree: SurfaceTree,
 }
 
 impl ScalpMesh {
@@ -43,32 +42,32 @@ impl ScalpMesh {
             return Err(HairgenError::EmptyScalp);
         }
         let areas = areas(&soup)?;
-        let (Soup { vertices, triangles }, sources) = used(soup);
-        let rings = Rings::new(vertices.len(), &triangles, &sources)?;
+        let (soup, sources) = used(soup);
+        let rings = Rings::new(soup.vertices.len(), &soup.triangles, &sources)?;
         let border = border(&rings, &sources)?;
         // Euler: a disc has V - E + F = 1, every handle takes 2; all but the border's edges are
         // shared by two faces.
-        let (faces, corners) = (triangles.len(), vertices.len());
+        let (faces, corners) = (soup.triangles.len(), soup.vertices.len());
         let edges = (3 * faces + border.len()) / 2;
         let handles = (edges + 1).saturating_sub(corners + faces) / 2;
         if handles > 0 {
             return Err(HairgenError::ScalpHandles { handles });
         }
-        let normals = normals(&vertices, &triangles);
-        let tree = FaceTree::new(triangles.iter().map(|t| t.map(|v| vertices[v as usize])));
-        Ok(Self { vertices, triangles, areas, normals, border, rings, tree })
+        let normals = normals(&soup);
+        let tree = SurfaceTree::new(&soup).map_err(HairgenError::scalp)?;
+        Ok(Self { soup, areas, normals, border, rings, tree })
     }
 
     /// The vertices (world), m.
     #[must_use]
     pub fn vertices(&self) -> &[Point3<f64>] {
-        &self.vertices
+        &self.soup.vertices
     }
 
     /// The triangles as indices of vertices, counter-clockwise from outside.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        &self.soup.triangles
     }
 
     /// Areas of the triangles, m^2.
@@ -102,7 +101,7 @@ impl ScalpMesh {
     pub fn size(&self) -> f64 {
         let far = Vector3::repeat(f64::INFINITY);
         let (low, high) = self
-            .vertices
+            .vertices()
             .iter()
             .fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
         (high - low).norm()
@@ -114,7 +113,7 @@ impl ScalpMesh {
     /// If there is no such face.
     #[must_use]
     pub fn corners(&self, face: u32) -> [Point3<f64>; 3] {
-        self.triangles[face as usize].map(|v| self.vertices[v as usize])
+        self.triangles()[face as usize].map(|v| self.vertices()[v as usize])
     }
 
     /// A vertex as a point of the surface.
@@ -123,14 +122,14 @@ impl ScalpMesh {
     /// If there is no such vertex.
     #[must_use]
     pub fn vertex(&self, vertex: u32) -> SurfacePoint {
-        self.tree.nearest(&self.vertices[vertex as usize])
+        self.nearest(&self.vertices()[vertex as usize])
     }
 
     /// The point of the scalp that is nearest to a point (world). Cost: logarithmic near the
     /// surface.
     #[must_use]
     pub fn nearest(&self, point: &Point3<f64>) -> SurfacePoint {
-        self.tree.nearest(point)
+        self.tree.nearest(point).into()
     }
 
     /// Place of a point of the surface (world), m.
@@ -145,13 +144,13 @@ impl ScalpMesh {
     /// Outward normal at a point of the surface (world), between those of the vertices.
     #[must_use]
     pub fn normal(&self, point: &SurfacePoint) -> Unit<Vector3<f64>> {
-        let triangle = self.triangles[point.face() as usize];
+        let triangle = self.triangles()[point.face() as usize];
         let mean = point.mix(triangle.map(|v| self.normals[v as usize].into_inner()));
         Unit::try_new(mean, 0.0).unwrap_or(self.normals[triangle[0] as usize])
     }
 
     /// The faces in an order in which near ones are near each other.
-    pub(super) fn faces_by_place(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(super) fn faces_by_place(&self) -> &[u32] {
         self.tree.order()
     }
 
@@ -220,7 +219,7 @@ fn border(rings: &Rings, sources: &[u32]) -> Result<Vec<u32>, HairgenError> {
     }
 }
 
-fn normals(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Unit<Vector3<f64>>> {
+fn normals(Soup { vertices, triangles }: &Soup) -> Vec<Unit<Vector3<f64>>> {
     let mut sums = vec![Vector3::zeros(); vertices.len()];
     // Where they cancel out, that of one triangle is as good as any.
     let mut last = vec![Vector3::z_axis(); vertices.len()];

@@ -2,4 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+mod fit;
 mod growth;
+mod head;
+mod region;

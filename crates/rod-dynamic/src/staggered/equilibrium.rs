@@ -55,10 +55,23 @@ pub fn equilibrium(
     conditions: &Instant,
     start: &RodState,
 ) -> Result<(RodState, RodStepReport), EquilibriumError> {
+    settled(rod, conditions, &[], start)
+}
+
+/// The [`equilibrium`] with additional forces on the nodes, N, world, one per node or none.
+pub(super) fn settled(
+    rod: &Rod,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    start: &RodState,
+) -> Result<(RodState, RodStepReport), EquilibriumError> {
     let mut undamped = rod.clone();
     undamped.damping_time = 0.0;
     undamped.laws = SectionLaws::Linear;
     let mut batch = StaggeredBatch::new(vec![undamped], 0.0)?;
+    if !node_forces.is_empty() {
+        batch.set_node_forces(0, node_forces)?;
+    }
     let mut state = start.clone();
     state.velocities.fill(Vector3::zeros());
     state.angular_velocities.fill(Vector3::zeros());
@@ -87,7 +100,7 @@ pub fn equilibrium(
         if stable || kicks == MAX_KICKS {
             break;
         }
-        match least(rod, &conditions, &state).filter(|_| kicks == 0) {
+        match least(rod, &conditions, node_forces, &state).filter(|_| kicks == 0) {
             Some(frames) => state.frames = frames,
             None => bend(&mut state, KICK * (kicks + 1) as f64),
         }
@@ -97,7 +110,12 @@ pub fn equilibrium(
 
 /// Frames of the segments at the minimum of the energy that a [`Chain`] reaches from `state`.
 /// `None` for conditions without an energy or not supported by a chain, and if it finds no minimum.
-fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotation3<f64>>> {
+fn least(
+    rod: &Rod,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    state: &RodState,
+) -> Option<Vec<Rotation3<f64>>> {
     let (fiber, last) = (&rod.fiber, state.frames.len());
     let End::Held(clamp) = conditions.root else { return None };
     if conditions.air.is_some() {
@@ -136,6 +154,10 @@ fn least(rod: &Rod, conditions: &Instant, state: &RodState) -> Option<Vec<Rotati
         End::Pinned { .. } | End::Loaded { .. } => return None,
     }
     let mut chain = Chain::new(&clamp, &pieces, last).ok()?;
+    if !node_forces.is_empty() {
+        let all = chain.forces().iter().zip(node_forces).map(|(a, b)| a + b).collect::<Vec<_>>();
+        chain.set_forces(&all).ok()?;
+    }
     chain.hold_tip_frame(matches!(conditions.tip, End::Held(_)));
     if let Some(place) = held {
         chain.set_targets(&[Target::held(last, place)]).ok()?;

@@ -36,6 +36,7 @@ mod ledger;
 mod ledger_lanes;
 mod memory;
 mod model;
+mod natural;
 mod newton;
 mod outset;
 mod readout;
@@ -48,4 +49,5 @@ mod workspace;
 
 pub use batch::StaggeredBatch;
 pub use equilibrium::{EquilibriumError, equilibrium};
+pub use natural::{FittedFiber, fitted, natural_curvatures};
 pub use single::Staggered;

@@ -14,6 +14,7 @@ mod box_swing;
 mod common;
 mod linear_frequencies;
 mod linear_stability;
+mod natural;
 mod properties;
 mod staggered_agreement;
 mod staggered_batch;

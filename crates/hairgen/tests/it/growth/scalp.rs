@@ -131,22 +131,4 @@ proptest! {
         prop_assert_eq!(scalp.border().len(), 2 * (columns + rows));
         prop_assert!(scalp.normals().iter().all(|n| (n.norm() - 1.0).abs() < 1e-12));
     }
-
-    /// Against all triangles.
-    #[test]
-    fn nothing_is_nearer(
-        cloth in cloth(1.0),
-        point in prop::array::uniform3(-3.0..12.0_f64),
-    ) {
-        let scalp = mesh(cloth.soup());
-        let point = Point3::from(point);
-        let found = scalp.nearest(&point);
-        let distance = (scalp.position(&found) - point).norm();
-        for face in (0..).take(scalp.triangles().len()) {
-            let corners = scalp.corners(face).map(|p| p - point);
-            let [u, v, w] = rapunzel_collision::nearest_weights(&corners);
-            let other = (corners[0] * u + corners[1] * v + corners[2] * w).norm();
-            prop_assert!(distance <= other + 1e-12);
-        }
-    }
 }

@@ -1,0 +1,136 @@
+//! The inverse of the static problem: which natural shape a fibre must have to rest in a given one.
+
+use super::equilibrium::{EquilibriumError, settled};
+use crate::joint::Joint;
+use crate::{End, Instant, Load, Rod, RodError, RodState};
+use nalgebra::Vector3;
+use rapunzel_fiber::{Fiber, so3};
+
+/// A fibre that rests in a shape under its loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedFiber {
+    /// The fibre with its natural curvature.
+    pub fiber: Fiber,
+    /// Its stable equilibrium, at rest.
+    pub state: RodState,
+    /// Largest distance of a node from the shape that was asked for, m.
+    pub moved: f64,
+}
+
+/// Motion of a node, relative to the length of the fibre, up to which the shape is the one that
+/// was asked for: rounding.
+const SAME: f64 = 1e-9;
+
+impl FittedFiber {
+    /// Whether the shape is the one that was asked for, not a stable one nearby.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.moved <= SAME * self.fiber.length()
+    }
+}
+
+/// Natural curvatures of the nodes, 1/m, material frame, for which `state` is an equilibrium under
+/// `conditions` and `node_forces` (N, world, one per node, or none).
+///
+/// In closed form, to rounding: the moments follow from the shape and the loads beyond, so
+/// `kappa0 = kappa - K^-1 m` at every joint. Velocities of `state` and drag are left out. Cost: one
+/// pass over the segments.
+///
+/// # Errors
+/// [`RodError::Length`] of arrays that do not fit, [`RodError::Invalid`] unless the root is held
+/// and the tip is loaded or free, and of numbers that are not finite.
+pub fn natural_curvatures(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+) -> Result<Vec<Vector3<f64>>, RodError> {
+    let n = fiber.segments();
+    let counts = [("frames", n, state.frames.len()), ("node forces", n + 1, node_forces.len())];
+    for (what, expected, found) in counts {
+        if found != expected && !(what == "node forces" && found == 0) {
+            return Err(RodError::Length { what, expected, found });
+        }
+    }
+    let refuse = |what, why| Err(RodError::Invalid { what, why });
+    let End::Held(clamp) = conditions.root else {
+        return refuse("root", "must be held, or no moments follow from the shape");
+    };
+    let End::Loaded { force, moment } = conditions.tip else {
+        return refuse("tip", "must be free or loaded, or its reaction is not known");
+    };
+    let tip_frame = &state.frames[n - 1];
+    let world = |load: Load| match load {
+        Load::World(v) => v,
+        Load::Follower(v) => tip_frame * v,
+    };
+    let h = fiber.segment_lengths();
+    let mut curvatures = vec![Vector3::zeros(); n + 1];
+    // Force and moment that all beyond the segment exert on it, world.
+    let (mut beyond, mut torque) = (world(force), world(moment));
+    for e in (0..n).rev() {
+        // The load of the node at the segment's end: half of what lies on both sides.
+        let next = if e + 1 < n { [fiber.segment_mass(e + 1), h[e + 1]] } else { [0.0; 2] };
+        beyond += conditions.gravity * (0.5 * (fiber.segment_mass(e) + next[0]));
+        beyond += conditions.distributed * (0.5 * (h[e] + next[1]));
+        beyond += node_forces.get(e + 1).copied().unwrap_or_default();
+        // Balance of moments of the segment about its start.
+        let frame = &state.frames[e];
+        torque += (frame * Vector3::z() * h[e]).cross(&beyond);
+        // The joint before bears it: `J^T` takes the moment to the derivative of its energy by the
+        // rotation vector `phi`, `K (phi - phi0)`.
+        let before = if e > 0 { state.frames[e - 1] } else { clamp.rotation.to_rotation_matrix() };
+        let phi = so3::log(&(before.inverse() * frame));
+        let moment = frame.inverse() * torque;
+        let joint = Joint::new(fiber, e);
+        let strain = (so3::right_jacobian(&phi).tr_mul(&moment)).component_div(&joint.stiffness);
+        curvatures[e] = (phi - strain) / joint.length;
+    }
+    // The joint at the root lies between the first two nodes.
+    curvatures[n] = curvatures[n - 1];
+    curvatures[0] = (curvatures[0] - 0.25 * curvatures[1]) / 0.75;
+    if n == 1 {
+        curvatures[0] = 0.75 * curvatures[0] + 0.25 * curvatures[1];
+        curvatures[1] = curvatures[0];
+    }
+    if curvatures.iter().any(|kappa| !kappa.iter().all(|x| x.is_finite())) {
+        return refuse("state and loads", "must be finite");
+    }
+    Ok(curvatures)
+}
+
+/// The fibre whose natural curvature lets it rest in the shape of `state`, or in a stable one near
+/// it.
+///
+/// Where [`natural_curvatures`] are larger than `most` (1/m), they are cut to that; where the
+/// equilibrium is not stable, the fibre falls from it to one that is. `moved` tells how far that
+/// leads. Cost: a Newton step where the shape is stable as it is.
+///
+/// # Errors
+/// Those of [`natural_curvatures`], and of [`equilibrium`](super::equilibrium()).
+pub fn fitted(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    most: f64,
+) -> Result<FittedFiber, EquilibriumError> {
+    if most.is_nan() || most < 0.0 {
+        let what = "largest natural curvature";
+        return Err(RodError::Invalid { what, why: "must not be negative" }.into());
+    }
+    let mut curvatures = natural_curvatures(fiber, state, conditions, node_forces)?;
+    for kappa in &mut curvatures {
+        let size = kappa.norm();
+        if size > most {
+            *kappa *= most / size;
+        }
+    }
+    let invalid = |_| RodError::Invalid { what: "natural curvature", why: "must be finite" };
+    let fiber = fiber.clone().with_node_curvatures(&curvatures).map_err(invalid)?;
+    let rod = Rod::new(fiber);
+    let (rest, _) = settled(&rod, conditions, node_forces, state)?;
+    let places = rest.positions.iter().zip(&state.positions);
+    let moved = places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    Ok(FittedFiber { fiber: rod.fiber, state: rest, moved })
+}
