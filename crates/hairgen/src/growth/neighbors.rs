@@ -24,15 +24,18 @@ impl Neighbors {
     /// with them. Cost: `n log n` and the number of pairs.
     pub(super) fn within(points: &[Point3<f64>], distance: f64) -> Self {
         let cells = NeighborCells::new(points, distance);
-        let mut sorted: Vec<(u64, u32)> = points.iter().map(|p| cells.key(p)).zip(0..).collect();
-        sorted.par_sort_unstable();
+        let mut order: Vec<(u64, u32)> = points.iter().map(|p| cells.key(p)).zip(0..).collect();
+        order.par_sort_unstable();
         let mut ranks = vec![0; points.len()];
-        for (rank, &(_, point)) in (0..).zip(&sorted) {
-            ranks[point as usize] = rank;
+        for (rank, &(_, number)) in (0..).zip(&order) {
+            ranks[number as usize] = rank;
         }
+        let sorted: Vec<_> = order
+            .par_iter()
+            .map(|&(key, number)| CellPoint { key, number, place: points[number as usize] })
+            .collect();
         let chunks = sorted.par_chunks(SEARCH_CHUNK);
-        let found: Vec<_> =
-            chunks.map(|chunk| cells.search(points, distance, &sorted, chunk)).collect();
+        let found: Vec<_> = chunks.map(|chunk| cells.search(distance, &sorted, chunk)).collect();
         let (mut starts, mut lists) = (vec![0], Vec::new());
         for (ends, neighbors) in found {
             let before = lists.len();
@@ -43,10 +46,18 @@ impl Neighbors {
     }
 
     /// The neighbors of a point, without itself.
+    #[inline]
     pub(super) fn of(&self, point: u32) -> &[u32] {
         let rank = self.ranks[point as usize] as usize;
         &self.lists[self.starts[rank]..self.starts[rank + 1]]
     }
+}
+
+/// A point in the order of the cells.
+struct CellPoint {
+    key: u64,
+    number: u32,
+    place: Point3<f64>,
 }
 
 /// A lattice of cubes, with a layer around it.
@@ -77,33 +88,34 @@ impl NeighborCells {
     /// The neighbors of a chunk of the sorted points, and where the list of each ends.
     fn search(
         &self,
-        points: &[Point3<f64>],
         distance: f64,
-        sorted: &[(u64, u32)],
-        chunk: &[(u64, u32)],
+        sorted: &[CellPoint],
+        chunk: &[CellPoint],
     ) -> (Vec<usize>, Vec<u32>) {
         let [row, layer] = self.strides;
         // The first cells of the nine stretches of three, from the key of a point; there is a layer
         // around all, so that no key is less.
         let first = |key: u64, k: u64| key + row * (k % 3) + layer * (k / 3) - row - layer - 1;
         let mut at = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|k| {
-            let target = first(chunk[0].0, k);
-            sorted.partition_point(|(key, _)| *key < target)
+            let target = first(chunk[0].key, k);
+            sorted.partition_point(|point| point.key < target)
         });
         let (mut ends, mut lists) = (Vec::with_capacity(chunk.len()), Vec::new());
-        for &(key, point) in chunk {
-            let place = points[point as usize];
+        for point in chunk {
             for (k, at) in (0..).zip(&mut at) {
-                let target = first(key, k);
-                while sorted.get(*at).is_some_and(|(key, _)| *key < target) {
+                let target = first(point.key, k);
+                while sorted.get(*at).is_some_and(|other| other.key < target) {
                     *at += 1;
                 }
-                let stretch = sorted[*at..].iter().take_while(|(key, _)| *key <= target + 2);
-                let near = stretch.map(|(_, other)| *other).filter(|&other| {
-                    let squared = (points[other as usize] - place).norm_squared();
-                    squared <= distance * distance && other != point
-                });
-                lists.extend(near);
+                for other in &sorted[*at..] {
+                    if other.key > target + 2 {
+                        break;
+                    }
+                    let squared = (other.place - point.place).norm_squared();
+                    if squared <= distance * distance && other.number != point.number {
+                        lists.push(other.number);
+                    }
+                }
             }
             ends.push(lists.len());
         }
