@@ -34,7 +34,7 @@ const ARROWS: [(&str, &[&str]); 22] = [
         &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],
     ),
     ("strands", &["export"]),
-    ("hairgen", &["fiber", "linalg", "collision", "rod-static", "repro"]),
+    ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),
     ("xtask", &["*"]),

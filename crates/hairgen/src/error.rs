@@ -52,7 +52,171 @@ pub enum HairgenError {
         /// Root mean square of the distances that were kept, m.
         rms: f64,
     },
-    /// Equations of a surface without a solution.
-    #[error("the equations of the surface: {0}")]
-    Equations(#[from] rapunzel_linalg::LinalgError),
+    /// A scalp of nothing.
+    #[error("the scalp has no triangles; give an open surface")]
+    EmptyScalp,
+    /// Parts of the scalp that meet in a vertex alone.
+    #[error(
+        "around vertex {vertex} the triangles of the scalp are no fan but several that meet there \
+         only; give each its own vertex, or remove all but one"
+    )]
+    ScalpPinch {
+        /// Index of the vertex.
+        vertex: u32,
+    },
+    /// A scalp of several parts.
+    #[error(
+        "the scalp is in {parts} parts, vertex {vertex} not in the first; keep one, or merge \
+         vertices that are at one place"
+    )]
+    ScalpParts {
+        /// Number of connected parts.
+        parts: usize,
+        /// Index of a vertex of the second part.
+        vertex: u32,
+    },
+    /// A scalp without a border.
+    #[error("the scalp is closed; cut out the part where hair grows, along the hairline")]
+    ClosedScalp,
+    /// A scalp with more than one border.
+    #[error(
+        "the scalp has {loops} borders, the shortest at vertex {vertex}; close all holes but the \
+         hairline"
+    )]
+    ScalpHoles {
+        /// Number of borders.
+        loops: usize,
+        /// Index of a vertex of the shortest.
+        vertex: u32,
+    },
+    /// A scalp with handles.
+    #[error("the scalp has one border, but {handles} handles, like a cup; cut and close them")]
+    ScalpHandles {
+        /// Number of handles.
+        handles: usize,
+    },
+    /// A scalp that is none of a head in meters.
+    #[error(
+        "the scalp is {size} m large, but must have {least} to {most} m; scale it to meters: files \
+         are often in millimeters or centimeters"
+    )]
+    ScalpSize {
+        /// Diagonal of its box, m.
+        size: f64,
+        /// Least allowed, m.
+        least: f64,
+        /// Largest allowed, m.
+        most: f64,
+    },
+    /// Axes of a head that span no plane.
+    #[error("the axes of the head, up {up:?} and front {front:?}, must be finite and not parallel")]
+    HeadAxes {
+        /// The direction that was given for up (world).
+        up: [f64; 3],
+        /// The direction that was given for the front (world).
+        front: [f64; 3],
+    },
+    /// A whorl that turns or reaches nowhere.
+    #[error(
+        "the whorl turns by {turn} rad over {reach} m; the first must be finite, the second \
+         positive too"
+    )]
+    Whorl {
+        /// Angle, rad.
+        turn: f64,
+        /// Length over which it falls, m.
+        reach: f64,
+    },
+    /// A place that is not in the disc.
+    #[error("({}, {}) is no place in the unit disc; give finite coordinates", place[0], place[1])]
+    Place {
+        /// The place.
+        place: [f64; 2],
+    },
+    /// A border of the wrong size.
+    #[error("{given} places are given for the border of the scalp, which has {needed} vertices")]
+    BorderCount {
+        /// Number of places.
+        given: usize,
+        /// Number of vertices of the border.
+        needed: usize,
+    },
+    /// A map of the scalp to the plane that is not one-to-one.
+    #[error(
+        "face {face} of the scalp has no area in the plane or is turned over, one of {count}; \
+         the border must be mapped to a convex polygon, and the mesh must have no long spikes or \
+         folds: smooth it there"
+    )]
+    Flipped {
+        /// Index of the first such triangle.
+        face: usize,
+        /// Number of such triangles.
+        count: usize,
+    },
+    /// Equations on a surface without a solution.
+    #[error("the equations on the surface: {0}; remove triangles with tiny angles")]
+    Linear(#[from] rapunzel_linalg::LinalgError),
+    /// A file that is no PNG image.
+    #[error("this cannot be read as PNG: {problem}; export it again")]
+    ImageFile {
+        /// What its reader says.
+        problem: String,
+    },
+    /// An image of the wrong size.
+    #[error(
+        "the image has {width} x {height} pixels, but must be square, with 2 to 4096 pixels a side"
+    )]
+    ImageSize {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// An image of the wrong kind.
+    #[error("the image has {found}; export it as plain grey with 8 bits")]
+    ImageKind {
+        /// What it has and should not have.
+        found: String,
+    },
+    /// A value over the disc out of its range.
+    #[error(
+        "{what} is {value} at ({}, {}) of the disc, but must be in {least:e}..={most:e}",
+        place[0], place[1]
+    )]
+    DiscValue {
+        /// Which value, with its unit.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// Place in the disc.
+        place: [f64; 2],
+        /// Least value allowed.
+        least: f64,
+        /// Largest value allowed.
+        most: f64,
+    },
+    /// More pores than can be placed.
+    #[error(
+        "{count} pores on a scalp with so uneven a density take more than {most} places to choose \
+         from; ask for fewer, or lower the peaks of the density"
+    )]
+    TooManyPores {
+        /// The number that was asked for.
+        count: usize,
+        /// The largest number of places.
+        most: usize,
+    },
+    /// Pores on a scalp on which nothing grows.
+    #[error("{count} pores are asked for, but the density is zero all over the scalp")]
+    Bald {
+        /// The number that was asked for.
+        count: usize,
+    },
+}
+
+impl HairgenError {
+    /// What is wrong with the mesh of a scalp.
+    pub(crate) fn scalp(source: rapunzel_collision::CollisionError) -> Self {
+        Self::Surface { what: "scalp", source }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod error;
 pub mod fit;
+pub mod growth;
 pub mod head;
 mod pore;
 mod region;

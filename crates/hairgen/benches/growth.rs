@@ -1,0 +1,37 @@
+//! The growth region of a half sphere with about as many triangles as a scanned scalp.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::Point3;
+use rapunzel_collision::field::{Soup, shapes};
+use rapunzel_hairgen::growth::{
+    ConvexWeights, DiscMap, GrowthOptions, GrowthRegion, HeadAxes, ScalpMesh,
+};
+use std::hint::black_box;
+
+/// 10,368 triangles.
+fn half_sphere() -> ScalpMesh {
+    let mut soup = shapes::sphere(0.095, 51);
+    let upper = |p: &Point3<f64>| p.y > -1e-9;
+    let Soup { vertices, triangles } = &mut soup;
+    triangles.retain(|t| t.iter().all(|&v| upper(&vertices[v as usize])));
+    ScalpMesh::new(soup).expect("a disc")
+}
+
+fn growth(c: &mut Criterion) {
+    let scalp = half_sphere();
+    let axes = HeadAxes::default();
+    let mut group = c.benchmark_group("growth");
+    group.sample_size(10);
+    group.bench_function("disc map", |b| {
+        b.iter(|| DiscMap::new(black_box(&scalp), ConvexWeights::MeanValue, &axes));
+    });
+    let region = GrowthRegion::new(scalp.clone(), GrowthOptions::default()).expect("a region");
+    for count in [100_000, 200_000] {
+        let name = format!("{count} pores");
+        group.bench_function(name, |b| b.iter(|| region.pores(black_box(count), 1)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, growth);
+criterion_main!(benches);
