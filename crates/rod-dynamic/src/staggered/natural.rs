@@ -3,7 +3,7 @@
 use super::equilibrium::{EquilibriumError, settled};
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod, RodError, RodState};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use rapunzel_fiber::{Fiber, so3};
 
 /// A fibre that rests in a shape under its loads.
@@ -17,6 +17,8 @@ pub struct FittedFiber {
     pub moved: f64,
 }
 
+/// Most turns of a load that follows the end.
+const MOST_TURNS: usize = 60;
 /// Motion of a node, relative to the length of the fibre, up to which the shape is the one that
 /// was asked for: rounding.
 const SAME: f64 = 1e-9;
@@ -59,15 +61,50 @@ pub fn natural_curvatures(
     let End::Loaded { force, moment } = conditions.tip else {
         return refuse("tip", "must be free or loaded, or its reaction is not known");
     };
-    let tip_frame = &state.frames[n - 1];
-    let world = |load: Load| match load {
-        Load::World(v) => v,
-        Load::Follower(v) => tip_frame * v,
-    };
-    let h = fiber.segment_lengths();
     let mut curvatures = vec![Vector3::zeros(); n + 1];
+    // Loads that follow the end have the frame of the last node, half a segment of natural
+    // curvature beyond that of the last segment: what is sought turns its own load a little.
+    for _ in 0..MOST_TURNS {
+        let before = curvatures[n];
+        let turn = 0.5 * fiber.segment_lengths()[n - 1] * before;
+        let tip_frame = state.frames[n - 1] * so3::exp(&turn);
+        let world = |load: Load| match load {
+            Load::World(v) => v,
+            Load::Follower(v) => tip_frame * v,
+        };
+        balance(
+            fiber,
+            state,
+            conditions,
+            node_forces,
+            &clamp,
+            [world(force), world(moment)],
+            &mut curvatures,
+        );
+        let change = (curvatures[n] - before).norm();
+        if change <= f64::EPSILON * before.norm() || !change.is_finite() {
+            break;
+        }
+    }
+    if curvatures.iter().any(|kappa| !kappa.iter().all(|x| x.is_finite())) {
+        return refuse("state and loads", "must be finite");
+    }
+    Ok(curvatures)
+}
+
+/// Natural curvatures for a force (N) and a moment (N m) on the end, world.
+fn balance(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    clamp: &Isometry3<f64>,
+    [force, moment]: [Vector3<f64>; 2],
+    curvatures: &mut [Vector3<f64>],
+) {
+    let (n, h) = (fiber.segments(), fiber.segment_lengths());
     // Force and moment that all beyond the segment exert on it, world.
-    let (mut beyond, mut torque) = (world(force), world(moment));
+    let (mut beyond, mut torque) = (force, moment);
     for e in (0..n).rev() {
         // The load of the node at the segment's end: half of what lies on both sides.
         let next = if e + 1 < n { [fiber.segment_mass(e + 1), h[e + 1]] } else { [0.0; 2] };
@@ -93,10 +130,6 @@ pub fn natural_curvatures(
         curvatures[0] = 0.75 * curvatures[0] + 0.25 * curvatures[1];
         curvatures[1] = curvatures[0];
     }
-    if curvatures.iter().any(|kappa| !kappa.iter().all(|x| x.is_finite())) {
-        return refuse("state and loads", "must be finite");
-    }
-    Ok(curvatures)
 }
 
 /// The fibre whose natural curvature lets it rest in the shape of `state`, or in a stable one near

@@ -4,7 +4,7 @@ use super::{Cloth, SCALPS, bowl, cap, cloth, flat, mesh, scan};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_collision::CollisionError;
-use rapunzel_collision::field::{Soup, shapes};
+use rapunzel_collision::field::{Soup, SurfaceTree, shapes};
 use rapunzel_hairgen::HairgenError;
 use rapunzel_hairgen::growth::ScalpMesh;
 use std::f64::consts::PI;
