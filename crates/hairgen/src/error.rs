@@ -52,9 +52,6 @@ pub enum HairgenError {
         /// Root mean square of the distances that were kept, m.
         rms: f64,
     },
-    /// Equations of a surface without a solution.
-    #[error("the equations of the surface: {0}")]
-    Equations(#[from] rapunzel_linalg::LinalgError),
     /// A scalp of nothing.
     #[error("the scalp has no triangles; give an open surface")]
     EmptyScalp,
@@ -156,6 +153,9 @@ pub enum HairgenError {
         /// Number of such triangles.
         count: usize,
     },
+    /// Equations on a surface without a solution.
+    #[error("the equations on the surface: {0}; remove triangles with tiny angles")]
+    Linear(#[from] rapunzel_linalg::LinalgError),
     /// A file that is no PNG image.
     #[error("this cannot be read as PNG: {problem}; export it again")]
     ImageFile {

@@ -135,7 +135,7 @@ impl DiscMap {
 ///
 /// # Errors
 /// [`HairgenError::BorderCount`] for another number of places, [`HairgenError::Flipped`] where
-/// triangles vanish in rounding or turn over, and [`HairgenError::Equations`].
+/// triangles vanish in rounding or turn over, and [`HairgenError::Linear`].
 pub fn convex_map(
     mesh: &ScalpMesh,
     weights: ConvexWeights,

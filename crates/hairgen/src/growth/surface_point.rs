@@ -1,3 +1,5 @@
+//! Places on a mesh of triangles.
+
 use rapunzel_collision::field::NearestPoint;
 use std::ops::{Add, Mul};
 
@@ -35,8 +37,9 @@ impl SurfacePoint {
 }
 
 impl From<NearestPoint> for SurfacePoint {
-    fn from(found: NearestPoint) -> Self {
-        // Triangles are numbered by 32 bits.
-        Self::new(u32::try_from(found.face).unwrap_or(u32::MAX), found.weights)
+    fn from(nearest: NearestPoint) -> Self {
+        // A face has a number of 32 bits in its mesh.
+        let face = u32::try_from(nearest.face).unwrap_or(u32::MAX);
+        Self { face, weights: nearest.weights }
     }
 }

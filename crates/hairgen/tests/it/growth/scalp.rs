@@ -131,4 +131,22 @@ proptest! {
         prop_assert_eq!(scalp.border().len(), 2 * (columns + rows));
         prop_assert!(scalp.normals().iter().all(|n| (n.norm() - 1.0).abs() < 1e-12));
     }
+
+    /// Against all triangles.
+    #[test]
+    fn nothing_is_nearer(
+        cloth in cloth(1.0),
+        point in prop::array::uniform3(-3.0..12.0_f64),
+    ) {
+        let scalp = mesh(cloth.soup());
+        let point = Point3::from(point);
+        let found = scalp.nearest(&point);
+        let distance = (scalp.position(&found) - point).norm();
+        for face in (0..).take(scalp.triangles().len()) {
+            let corners = scalp.corners(face).to_vec();
+            let alone = Soup { vertices: corners, triangles: vec![[0, 1, 2]] };
+            let other = SurfaceTree::new(&alone).expect("a triangle").nearest(&point).distance;
+            prop_assert!(distance <= other + 1e-12);
+        }
+    }
 }
