@@ -1,6 +1,7 @@
 //! The surface of the hair and the scalp, cut out of a scan and of the head fitted to it.
 
-use super::{FitOptions, View};
+use super::template::FitOptions;
+use super::view::FittedView;
 use crate::HairgenError;
 use crate::head::Hairline;
 use rapunzel_collision::field::{DistanceField, Mesh, MeshDistance, Soup};
@@ -17,7 +18,7 @@ const LEAST: f64 = 0.5;
 /// what is over the middle of the scalp, and not in the face.
 pub(super) fn hair_surface(
     hull: &Mesh,
-    view: &View<'_>,
+    view: &FittedView<'_>,
     hairline: &Hairline,
     options: &FitOptions,
 ) -> Soup {
@@ -78,7 +79,7 @@ fn compact(mesh: &Mesh, mut triangles: Vec<[u32; 3]>) -> Soup {
 /// The scalp: within the hairline, and as far from its middle as the scan shows hair.
 pub(super) fn scalp(
     distance: &MeshDistance,
-    view: &View<'_>,
+    view: &FittedView<'_>,
     hairline: &Hairline,
     options: &FitOptions,
 ) -> Result<Soup, HairgenError> {

@@ -1,6 +1,7 @@
 //! The smooth deformation that lays the face on the scan and the skull below the hair.
 
-use super::{FitOptions, HeadTemplate, Similarity};
+use super::similarity::Similarity;
+use super::template::{FitOptions, HeadTemplate};
 use crate::HairgenError;
 use nalgebra::{DMatrix, Point3, Unit, Vector3};
 use rapunzel_collision::field::{DistanceField, MeshDistance, Soup};

@@ -12,6 +12,15 @@ pub struct Similarity {
 }
 
 impl Similarity {
+    /// The identity.
+    pub const IDENTITY: Self = Self {
+        scale: 1.0,
+        rotation: Rotation3::from_matrix_unchecked(Matrix3::new(
+            1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0,
+        )),
+        translation: Vector3::new(0.0, 0.0, 0.0),
+    };
+
     /// The image of a point.
     #[must_use]
     pub fn apply(&self, point: &Point3<f64>) -> Point3<f64> {

@@ -1,4 +1,4 @@
-use super::HeadMeasures;
+use super::measures::HeadMeasures;
 use nalgebra::{Point3, Unit, Vector3};
 
 /// Measures of the head that the parts are drawn for, m.

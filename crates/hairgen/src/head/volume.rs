@@ -17,7 +17,7 @@ const BELOW: u32 = 72;
 /// Heights at which the widest place of the hair over an azimuth is looked for.
 const HEIGHTS: u32 = 40;
 /// Lowest height at which the neck is looked for, m, of the head as drawn.
-const NECK: f64 = -0.153;
+const LOWEST_NECK: f64 = -0.153;
 
 /// A surface that hair fills: its depth over the scalp, and how far it hangs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -70,7 +70,7 @@ impl HairVolume {
             }
         }
         let scale = head.scale().y;
-        let floor = NECK * scale;
+        let floor = LOWEST_NECK * scale;
         let hem = self.hem.unwrap_or(floor);
         if !(-2.0..=0.0).contains(&hem) {
             return Err(HairgenError::Measure { what: "hem", value: hem });
@@ -184,7 +184,7 @@ impl HairVolume {
         curtain: f64,
     ) -> Point3<f64> {
         let out = direction(azimuth, 0.0);
-        let neck = NECK * head.scale().y;
+        let neck = LOWEST_NECK * head.scale().y;
         let mut radius = SKIN;
         if height >= neck {
             let axis = Point3::new(0.0, height, 0.0);
