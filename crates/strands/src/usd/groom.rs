@@ -31,7 +31,7 @@ pub(super) fn add(
     let points = numbers(prim, "points")?;
     let (points, rest) = points.as_chunks::<3>();
     let counts = numbers(prim, "curveVertexCounts")?;
-    let sum: f64 = counts.iter().sum();
+    let sum = counts.iter().fold(0.0, |sum, count| sum + count);
     let is_count = |n: &f64| *n >= 0.0 && n.fract() == 0.0;
     if !rest.is_empty() || !counts.iter().all(is_count) || sum != points.len() as f64 {
         let count = points.len();

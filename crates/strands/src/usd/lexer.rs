@@ -175,7 +175,7 @@ impl<'a> Lexer<'a> {
             match self.token()? {
                 Token::Symbol(b'(' | b'[') => depth += 1,
                 Token::Symbol(b')' | b']') if depth > 0 => depth -= 1,
-                Token::Symbol(b',' | b'=') if depth > 0 => {}
+                Token::Symbol(b',' | b';' | b'=') if depth > 0 => {}
                 Token::Word(word) => match number(word) {
                     Some(number) => numbers.push(number),
                     None => words.push(String::from_utf8_lossy(word).into_owned()),
