@@ -52,6 +52,7 @@ pub(crate) fn files(frame: &Frame) -> Vec<(StrandFormat, bool, Vec<u8>)> {
         files.push((StrandFormat::Ply, true, std::mem::take(&mut bytes)));
     }
     files.push((StrandFormat::Usd, true, usda(frame)));
+    files.push((StrandFormat::Usd, true, crate::usdc::written(frame)));
     files
 }
 

@@ -10,3 +10,4 @@ mod scalp;
 mod sorted;
 mod usd;
 mod usd_curves;
+mod usdc;
