@@ -7,6 +7,7 @@ use rapunzel_export::ply::PlyEncoding;
 use rapunzel_export::usd::{Prim, PrimShape, Strands, Timeline};
 use rapunzel_export::{Frame, Strand, data, hair, obj, ply, vtp};
 use rapunzel_strands::{ReadOptions, ScalpMesh, StrandFile, StrandFormat};
+use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::io::Cursor;
 
@@ -21,7 +22,7 @@ fn groom() -> Frame {
     let strand = |k: usize| {
         let [turn, rise] = [0.618_034 * k as f64, k as f64 / STRANDS as f64];
         let level = (1.0 - rise * rise).sqrt();
-        let out = Vector3::new(level * (6.28 * turn).cos(), rise, level * (6.28 * turn).sin());
+        let out = Vector3::new(level * (TAU * turn).cos(), rise, level * (TAU * turn).sin());
         let points = (0..POINTS).map(|i| {
             let s = 0.2 * i as f64 / (POINTS - 1) as f64;
             let curl = Vector3::new((300.0 * s).cos(), (200.0 * s).sin(), (300.0 * s).sin());

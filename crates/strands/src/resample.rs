@@ -65,7 +65,7 @@ impl StrandSet {
     /// [`StrandsError::Tolerance`] if `most` segments are not enough, and [`StrandsError::Fold`] as
     /// in [`resampled`](Self::resampled) with these.
     pub fn resampled_within(&self, tolerance: f64, most: usize) -> Result<Resampled, StrandsError> {
-        if !(tolerance > 0.0) {
+        if tolerance.is_nan() || tolerance <= 0.0 {
             let (what, must) = ("tolerance", "positive");
             return Err(StrandsError::Option { what, value: tolerance.to_string(), must });
         }

@@ -141,7 +141,7 @@ impl StrandSet {
     /// # Errors
     /// [`StrandsError::Option`] if `most` is negative or not a number.
     pub fn snap(&mut self, scalp: &ScalpMesh, most: f64) -> Result<Snapped, StrandsError> {
-        if !(most >= 0.0) {
+        if most.is_nan() || most < 0.0 {
             let (what, must) = ("the farthest distance of a root", "zero or more");
             return Err(StrandsError::Option { what, value: most.to_string(), must });
         }

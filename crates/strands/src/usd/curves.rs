@@ -34,16 +34,14 @@ pub(super) type Control = [f64; 4];
 impl CurveKind {
     /// Number of spans of a curve of `count` control points, if it can have so many.
     pub(super) fn spans(self, count: usize) -> Option<usize> {
-        use CurveBasis::{Bezier, Linear};
+        use CurveBasis::{Bezier, Bspline, CatmullRom, Linear};
         use CurveWrap::{Nonperiodic, Periodic, Pinned};
         match (self.basis, self.wrap) {
-            (Linear, Nonperiodic | Pinned) | (_, Pinned) if self.basis != Bezier => {
-                (count >= 2).then(|| count - 1)
-            }
-            (Bezier, Nonperiodic | Pinned) => (count >= 4 && count % 3 == 1).then(|| count / 3),
-            (Bezier, _) => (count >= 3 && count % 3 == 0).then(|| count / 3),
+            (Bezier, Periodic) => (count >= 3 && count.is_multiple_of(3)).then_some(count / 3),
+            (Bezier, _) => (count >= 4 && count % 3 == 1).then_some(count / 3),
             (_, Periodic) => (count >= 3).then_some(count),
-            (_, _) => (count >= 4).then(|| count - 3),
+            (Linear, _) | (_, Pinned) => count.checked_sub(1).filter(|&spans| spans > 0),
+            (Bspline | CatmullRom, Nonperiodic) => count.checked_sub(3).filter(|&spans| spans > 0),
         }
     }
 

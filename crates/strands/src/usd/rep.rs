@@ -30,18 +30,18 @@ enum Component {
 }
 
 /// Numbers of the types that are not made of numbers.
-const STRING: u64 = 10;
-const TOKEN: u64 = 11;
-const ASSET: u64 = 12;
-const MATRIX: u64 = 15;
-const TOKENS: u64 = 41;
-pub(super) const TIME_SAMPLES: u64 = 46;
-const DOUBLES: u64 = 48;
-const STRINGS: u64 = 50;
+const STRING: u8 = 10;
+const TOKEN: u8 = 11;
+const ASSET: u8 = 12;
+const MATRIX: u8 = 15;
+const TOKENS: u8 = 41;
+pub(super) const TIME_SAMPLES: u8 = 46;
+const DOUBLES: u8 = 48;
+const STRINGS: u8 = 50;
 
 impl Rep {
-    pub(super) fn kind(self) -> u64 {
-        self.0 >> 48 & 0xff
+    pub(super) fn kind(self) -> u8 {
+        self.0.to_le_bytes()[6]
     }
 
     fn is_array(self) -> bool {
@@ -78,9 +78,9 @@ impl Rep {
             8 => (Single, 1),
             9 | 56 => (Double, 1),
             MATRIX => (Double, 16),
-            kind @ 16..=18 => ([Double, Single, Half][(kind - 16) as usize], 4),
+            kind @ 16..=18 => ([Double, Single, Half][usize::from(kind - 16)], 4),
             kind @ 19..=30 => {
-                let place = (kind - 19) as usize;
+                let place = usize::from(kind - 19);
                 ([Double, Single, Half, Int][place % 4], 2 + place / 4)
             }
             _ => return None,

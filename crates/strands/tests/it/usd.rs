@@ -124,7 +124,7 @@ fn what_is_wrong_is_told_with_its_place() {
         ),
         (prim(&curves.replace("(1, 0, 0)", "(1, one, 0)")), "prim /a", "should be numbers"),
         (prim("int a = ]"), "line 4", "value is expected"),
-        (prim("int a 5"), "line 4", "expected"),
+        (prim("int a 5"), "line 5", "expected"),
         ("#usda 1.0\n\ndef Xform \"a\"\n{\n".into(), "line 5", "closed"),
         ("#usda 1.0\n}\n".into(), "line 2", "expected"),
         ("#usda 1.0\ndef Xform a\n{}\n".into(), "line 2", "quotes"),
