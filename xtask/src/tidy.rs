@@ -33,7 +33,8 @@ const ARROWS: [(&str, &[&str]); 23] = [
         "charging",
         &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],
     ),
-    ("strands", &["export"]),
+    // The writers are for its tests only.
+    ("strands", &["collision", "export", "oracles"]),
     ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),

@@ -6,6 +6,7 @@
 //! unit have a scale.
 
 use super::{ExportError, Frame};
+use crate::single::write_single;
 use std::io::Write;
 
 /// Flags of the arrays that follow the header: bit 0 segments, bit 1 points, bit 2 thickness.
@@ -17,7 +18,8 @@ pub const MOST_SEGMENTS: usize = u16::MAX as usize;
 /// Writes the strands of `frame`.
 ///
 /// # Errors
-/// Refuses invalid frames and strands of more than [`MOST_SEGMENTS`]; fails if `out` does.
+/// Refuses invalid frames and strands of more than [`MOST_SEGMENTS`], and numbers beyond single
+/// precision; fails if `out` does.
 pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
     frame.validate()?;
     out.write_all(&header(frame)?)?;
@@ -28,10 +30,10 @@ pub fn write(out: &mut impl Write, frame: &Frame) -> Result<(), ExportError> {
         out.write_all(&count.to_le_bytes())?;
     }
     for x in frame.strands.iter().flat_map(|s| &s.points).flat_map(|p| p.coords.iter()) {
-        out.write_all(&single(*x).to_le_bytes())?;
+        write_single(out, *x)?;
     }
     for radius in frame.strands.iter().flat_map(|s| &s.radii) {
-        out.write_all(&single(2.0 * radius).to_le_bytes())?;
+        write_single(out, 2.0 * radius)?;
     }
     Ok(())
 }
@@ -58,15 +60,11 @@ fn too_many(what: &'static str, found: usize, limit: usize) -> ExportError {
     ExportError::TooMany { what, found, limit }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "the format is in single precision")]
-fn single(x: f64) -> f32 {
-    x as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::sample;
     use super::*;
+    use crate::single::narrowed;
 
     fn u32_at(bytes: &[u8], at: usize) -> u32 {
         u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
@@ -85,10 +83,10 @@ mod tests {
         assert_eq!(bytes.len(), 128 + 3 * 2 + 27 * 12 + 27 * 4);
         let point = frame.strands[1].points[2];
         let at = 134 + 12 * (6 + 2);
-        assert_eq!(f32::from_bits(u32_at(&bytes, at)), single(point.x));
-        assert_eq!(f32::from_bits(u32_at(&bytes, at + 8)), single(point.z));
+        assert_eq!(f32::from_bits(u32_at(&bytes, at)), narrowed(point.x).expect("small"));
+        assert_eq!(f32::from_bits(u32_at(&bytes, at + 8)), narrowed(point.z).expect("small"));
         let last = f32::from_bits(u32_at(&bytes, bytes.len() - 4));
-        assert_eq!(last, single(2.0 * frame.strands[2].radii[11]));
+        assert_eq!(last, narrowed(2.0 * frame.strands[2].radii[11]).expect("small"));
     }
 
     #[test]

@@ -1,14 +1,19 @@
 #![doc = include_str!("../README.md")]
 
+pub mod data;
 mod error;
 mod frame;
 pub mod hair;
+pub mod obj;
+pub mod ply;
 pub mod pov;
 pub mod preview;
 pub mod pvd;
 #[cfg(test)]
 mod sample;
+mod single;
 pub mod surface;
+mod text;
 pub mod usd;
 pub mod vtp;
 

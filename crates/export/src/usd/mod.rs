@@ -11,7 +11,6 @@ mod objects;
 mod strands;
 #[cfg(test)]
 mod tests;
-mod text;
 
 pub use objects::write as objects;
 pub use strands::{Clips, Prim, PrimShape, Strands};

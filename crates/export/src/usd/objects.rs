@@ -1,7 +1,7 @@
-use super::text::{integers, list, triple};
 use super::{ROOT, Timeline, begin_prim, material};
 use crate::ExportError;
 use crate::surface::Placed;
+use crate::text::{integers, list, triple};
 use nalgebra::Isometry3;
 use std::io::Write;
 

@@ -1,6 +1,6 @@
-use super::text::{integers, list, single, triple};
 use super::{ROOT, Timeline, begin_prim, material};
 use crate::ExportError;
+use crate::text::{integers, list, single, triple};
 use crate::vtp::Arrays;
 use std::io::{BufRead, Seek, Write};
 use std::ops::Range;

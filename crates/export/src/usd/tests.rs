@@ -1,5 +1,6 @@
 use super::super::{Frame, sample, vtp};
 use super::*;
+use crate::text;
 use nalgebra::{Isometry3, Point3};
 use proptest::prelude::*;
 use std::io::Cursor;

@@ -1,10 +1,11 @@
 //! Writers of numbers and lists as text, without a `String` for each.
 
 use crate::ExportError;
+use crate::single::narrowed;
 use std::io::Write;
 
 /// Writes `[a, b, c]`, each item by `write`.
-pub(super) fn list<W: Write, T>(
+pub(crate) fn list<W: Write, T>(
     out: &mut W,
     items: impl IntoIterator<Item = T>,
     mut write: impl FnMut(&mut W, T) -> Result<(), ExportError>,
@@ -21,7 +22,7 @@ pub(super) fn list<W: Write, T>(
 }
 
 /// Writes a list of integers.
-pub(super) fn integers<W: Write>(
+pub(crate) fn integers<W: Write>(
     out: &mut W,
     what: &'static str,
     items: impl IntoIterator<Item = usize>,
@@ -36,7 +37,7 @@ pub(super) fn integers<W: Write>(
 }
 
 /// Writes three numbers in single precision.
-pub(super) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), ExportError> {
+pub(crate) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), ExportError> {
     for (open, x) in [b"(", b",", b","].into_iter().zip(vector) {
         out.write_all(open)?;
         single(out, x)?;
@@ -46,14 +47,9 @@ pub(super) fn triple(out: &mut impl Write, vector: [f64; 3]) -> Result<(), Expor
 }
 
 /// Writes a number in single precision, with the fewest digits that read back the same.
-pub(super) fn single(out: &mut impl Write, value: f64) -> Result<(), ExportError> {
-    #[expect(clippy::cast_possible_truncation, reason = "the schemas are in single precision")]
-    let narrow = value as f32;
-    if !narrow.is_finite() {
-        return Err(ExportError::Single { value });
-    }
+pub(crate) fn single(out: &mut impl Write, value: f64) -> Result<(), ExportError> {
     let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(narrow);
+    let text = buffer.format_finite(narrowed(value)?);
     out.write_all(text.strip_suffix(".0").unwrap_or(text).as_bytes())?;
     Ok(())
 }
