@@ -16,5 +16,4 @@ pub use error::CollisionError;
 pub use narrow::{
     CapsuleContact, Closest, contacts, contacts_of_groups, node_arc_lengths, squared_distances,
 };
-pub use triangle::nearest_weights;
 pub use wide::{Candidates, Tree, Update};

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// The squared distance is convex, so that its least value lies inside, at the foot of the
 /// perpendicular, or on one of the sides; all four are tried. Corners may coincide.
 #[must_use]
-pub fn nearest_weights(corners: &[Vector3<f64>; 3]) -> [f64; 3] {
+pub(crate) fn nearest_weights(corners: &[Vector3<f64>; 3]) -> [f64; 3] {
     let mut best = [1.0, 0.0, 0.0];
     let mut least = f64::INFINITY;
     for i in 0..3 {

@@ -2,11 +2,11 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
-use rapunzel_collision::field::shapes;
+use rapunzel_collision::field::{SurfaceTree, shapes};
 use rapunzel_export::ply::PlyEncoding;
 use rapunzel_export::usd::{Prim, PrimShape, Strands, Timeline};
 use rapunzel_export::{Frame, Strand, data, hair, obj, ply, vtp};
-use rapunzel_strands::{ReadOptions, ScalpMesh, StrandFile, StrandFormat};
+use rapunzel_strands::{ReadOptions, StrandFile, StrandFormat};
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::io::Cursor;
@@ -82,7 +82,7 @@ fn readers(c: &mut Criterion) {
     c.bench_function("resample/100 to 64 segments", |b| {
         b.iter(|| black_box(&set).resampled(64));
     });
-    let scalp = ScalpMesh::new(&shapes::sphere(0.1, 32)).expect("a surface");
+    let scalp = SurfaceTree::new(&shapes::sphere(0.1, 32)).expect("a surface");
     c.bench_function("snap/10000 roots to 8192 triangles", |b| {
         b.iter(|| black_box(&mut set).snap(&scalp, 1.0));
     });

@@ -70,10 +70,4 @@ pub enum StrandsError {
         /// Number of segments that was asked for.
         segments: usize,
     },
-    /// A scalp that is no surface.
-    #[error("the scalp: {problem}")]
-    Scalp {
-        /// What is wrong, where, and what can be done.
-        problem: String,
-    },
 }

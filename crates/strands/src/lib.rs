@@ -21,5 +21,5 @@ pub use file::{StrandFile, StrandFormat};
 pub use options::ReadOptions;
 pub use report::{Known, Origin, StrandFault, StrandReport, UpAxis};
 pub use resample::Resampled;
-pub use scalp::{ScalpMesh, Snapped};
+pub use scalp::Snapped;
 pub use set::StrandSet;

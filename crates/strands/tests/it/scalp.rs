@@ -1,39 +1,26 @@
 //! Roots that are moved to the nearest point of a scalp.
 
 use crate::common::{files, frame, read};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use proptest::prelude::*;
-use rapunzel_collision::field::{Soup, shapes};
-use rapunzel_strands::{ScalpMesh, StrandsError};
+use rapunzel_collision::field::{Soup, SurfaceTree, shapes};
+use rapunzel_strands::StrandsError;
 
 /// Nearest point of all triangles, by trying each.
 fn nearest(soup: &Soup, point: &Point3<f64>) -> f64 {
     let distance = |triangle: &[u32; 3]| {
-        let corners = triangle.map(|v| soup.vertices[v as usize] - point);
-        let weights = rapunzel_collision::nearest_weights(&corners);
-        (0..3).map(|k| weights[k] * corners[k]).sum::<Vector3<f64>>().norm()
+        let alone = Soup { vertices: soup.vertices.clone(), triangles: vec![*triangle] };
+        SurfaceTree::new(&alone).expect("a triangle").nearest(point).distance
     };
     soup.triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
 }
 
 proptest! {
-    #[test]
-    fn the_tree_finds_what_trying_all_finds(
-        point in prop::array::uniform3(-0.3..0.3_f64),
-        level in 1..5_i32,
-    ) {
-        let soup = shapes::sphere(0.1, level);
-        let point = Point3::from(point);
-        let found = ScalpMesh::new(&soup).expect("a surface").nearest(&point);
-        prop_assert!(((found - point).norm() - nearest(&soup, &point)).abs() < 1e-15);
-        prop_assert!(nearest(&soup, &found) < 1e-15);
-    }
-
     /// Strands are moved as they are, onto the scalp.
     #[test]
     fn strands_keep_their_shape(frame in frame()) {
         let soup = shapes::sphere(0.1, 3);
-        let scalp = ScalpMesh::new(&soup).expect("a surface");
+        let scalp = SurfaceTree::new(&soup).expect("a surface");
         let before = read(&files(&frame)[0].2).strands;
         let mut after = before.clone();
         let moved = after.snap(&scalp, f64::INFINITY).expect("a distance");
@@ -58,7 +45,7 @@ proptest! {
 fn strands_far_from_the_scalp_stay_and_are_listed() {
     let text = "v 0 0.11 0\nv 0 0.2 0\nv 0.5 0 0\nv 0.6 0 0\nl 1 2\nl 3 4\n";
     let before = read(text.as_bytes()).strands;
-    let scalp = ScalpMesh::new(&shapes::sphere(0.1, 3)).expect("a surface");
+    let scalp = SurfaceTree::new(&shapes::sphere(0.1, 3)).expect("a surface");
     let mut after = before.clone();
     let moved = after.snap(&scalp, 0.02).expect("a distance");
     assert_eq!(moved.far, [1]);
@@ -67,16 +54,4 @@ fn strands_far_from_the_scalp_stay_and_are_listed() {
     for most in [-1.0, f64::NAN] {
         assert!(matches!(after.snap(&scalp, most), Err(StrandsError::Option { .. })));
     }
-}
-
-#[test]
-fn what_is_no_surface_is_refused() {
-    let refused = |change: fn(&mut Soup)| {
-        let mut soup = shapes::cuboid(Vector3::new(1.0, 1.0, 1.0));
-        change(&mut soup);
-        ScalpMesh::new(&soup).expect_err("refused").to_string()
-    };
-    assert!(refused(|soup| soup.triangles.clear()).contains("no triangles"));
-    assert!(refused(|soup| soup.triangles[3][1] = 8).contains("triangle 3"));
-    assert!(refused(|soup| soup.vertices[2].x = f64::NAN).contains("not finite"));
 }
