@@ -27,7 +27,8 @@ const ARROWS: [(&str, &[&str]); 23] = [
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "linalg", "collision", "oracles"]),
-    ("scene", &["fiber", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
+    ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
+    ("scene", &["fiber", "hairgen", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
     ("coupling", &["fiber", "lanes", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (
         "charging",
@@ -35,7 +36,6 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ),
     // The writers are for its tests only.
     ("strands", &["collision", "export", "oracles"]),
-    ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
     ("sim", &["*"]),
     ("rapunzel", &["*"]),
     ("xtask", &["*"]),

@@ -1,3 +1,4 @@
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// What can be wrong with what a hairstyle is made of.
@@ -51,6 +52,28 @@ pub enum HairgenError {
     NoFace {
         /// Root mean square of the distances that were kept, m.
         rms: f64,
+    },
+    /// A file of a style that cannot be used.
+    #[error("{}: {problem}", file.display())]
+    File {
+        /// Its path, as the style gives it.
+        file: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A volume of hair about a head that is not the parametric one.
+    #[error("a volume of hair needs the parametric head; give the hair as a surface")]
+    VolumeWithoutHead,
+    /// Hair of a scan where no head is fitted to one.
+    #[error("the hair is that of a scan, but the head is not fitted to one; give `head: Scan(..)`")]
+    HairWithoutScan,
+    /// A number of hairs that is no style.
+    #[error("{count} hairs are no style; give 1 to {most}, or another density")]
+    HairCount {
+        /// The number.
+        count: usize,
+        /// The largest allowed.
+        most: usize,
     },
     /// A scalp of nothing.
     #[error("the scalp has no triangles; give an open surface")]

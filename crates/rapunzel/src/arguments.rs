@@ -36,6 +36,9 @@ Begin with:
 or, for a rod at rest:
   rapunzel new static/hose-between-flanges
   rapunzel solve hose-between-flanges.ron
+or, for a hairstyle:
+  rapunzel new style/bob
+  rapunzel grow bob.ron
 
 Exit codes:
   0    done
@@ -59,7 +62,9 @@ pub(crate) enum Command {
     },
     /// Find how one rod lies at rest: where it goes, what its ends carry, how long it must be.
     Solve(SolveOptions),
-    /// Write a scene or a case to begin with.
+    /// Grow a hairstyle on a head.
+    Grow(GrowOptions),
+    /// Write a scene, a case or a style to begin with.
     #[command(arg_required_else_help = true)]
     New(NewOptions),
     /// Measure hair with an instrument of the laboratory, on simulated fibres, and plot what it
@@ -106,6 +111,16 @@ pub(crate) struct SolveOptions {
     pub(crate) case: PathBuf,
     /// The folder of the answer, whose files are overwritten [default: runs/ and the name of the
     /// case].
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GrowOptions {
+    /// The style, a RON file.
+    pub(crate) style: PathBuf,
+    /// The folder of the hairs, whose files are overwritten [default: runs/ and the name of the
+    /// style].
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -184,7 +199,8 @@ impl FromStr for Sweep {
 
 #[derive(Debug, Args)]
 pub(crate) struct NewOptions {
-    /// The scene to copy, or the case of a rod at rest, whose name begins with static/.
+    /// The scene to copy, or the case of a rod at rest, whose name begins with static/, or the
+    /// style, with style/.
     #[arg(value_parser = PossibleValuesParser::new(templates::NAMES))]
     pub(crate) template: String,
     /// The file to write [default: the name of the template and .ron].

@@ -58,6 +58,7 @@ impl Failure {
             Self::Sim {
                 error:
                     SimError::Scene(_)
+                    | SimError::Hairstyle(_)
                     | SimError::Fiber { .. }
                     | SimError::Keratin { .. }
                     | SimError::Laboratory(_)

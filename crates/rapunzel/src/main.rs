@@ -4,6 +4,7 @@ mod arguments;
 mod check;
 mod cost;
 mod failure;
+mod grow;
 mod info;
 mod lab;
 mod new;
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Run(options) => run::run(&options, memory, json),
         Command::Check { scene } => check::check(&scene, memory, json),
+        Command::Grow(options) => grow::grow(&options, json),
         Command::New(options) => new::new(&options, json),
         Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),

@@ -11,7 +11,11 @@ use std::process::ExitCode;
 /// Writes a scene that ships into a file.
 pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
-    let verb = if name.starts_with("static/") { "solve" } else { "run" };
+    let verb = match name.split('/').next() {
+        Some("static") => "solve",
+        Some("style") => "grow",
+        _ => "run",
+    };
     // It is copied here, not into a folder of its own.
     let file = name.rsplit('/').next().unwrap_or(name);
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{file}.ron")));

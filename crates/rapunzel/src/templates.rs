@@ -42,6 +42,9 @@ templates![
     "static/follower-load",
     "static/upright-rod",
     "static/two-places",
+    "style/bob",
+    "style/long",
+    "style/afro",
 ];
 
 /// The text of a scene that ships.

@@ -19,6 +19,7 @@ mod plan;
 mod read;
 mod speed;
 mod stepper;
+mod style;
 mod tip;
 
 pub use arrangement::{Arrangement, scalp};
@@ -39,6 +40,7 @@ pub use object::{Moves, Object, ObjectMass, ObjectShape};
 pub use output::{Format, Output, Probe, ProbeNode, ProbeQuantity};
 pub use plan::Plan;
 pub use stepper::{RodMethod, StepperSettings, Weights};
+pub use style::style_from_ron;
 pub use tip::{JointKind, LoadFrame, Profile, TimedLoad, Tip};
 
 use check::{Allowed, Check};

@@ -4,6 +4,7 @@ use rapunzel_contact::ContactError;
 use rapunzel_coupling::CouplingError;
 use rapunzel_export::ExportError;
 use rapunzel_fiber::FiberError;
+use rapunzel_hairgen::HairgenError;
 use rapunzel_keratin::KeratinError;
 use rapunzel_mass_spring::SpringError;
 use rapunzel_rod_dynamic::{EquilibriumError, RodError};
@@ -20,6 +21,9 @@ pub enum SimError {
     /// The scene is not understood or asks for nonsense.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A hairstyle cannot grow.
+    #[error("the style: {0}")]
+    Hairstyle(#[from] HairgenError),
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]
     Fiber {

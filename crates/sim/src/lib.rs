@@ -19,6 +19,7 @@ pub mod statics;
 mod stepper;
 mod steppers;
 mod storage;
+pub mod style;
 mod summary;
 mod world;
 

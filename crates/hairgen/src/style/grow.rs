@@ -1,0 +1,151 @@
+use super::report::StyleReport;
+use super::spec::{FlowSpec, ScalpField, Style};
+use super::surfaces::{ReadFile, StyleSurfaces};
+use crate::growth::{DiscField, Flow, GreyImage, GrowthOptions, GrowthRegion, ScalpMesh, Whorl};
+use crate::{
+    DensityHistogram, HairCurves, HairDensity, HairReport, HairgenError, Pore, Region, VoxelFrame,
+    dips_by_height, grow_hairs, grow_pre_guides, place_guides,
+};
+use nalgebra::{Point2, Point3, Vector3};
+
+/// Most hairs of a style.
+const MOST_HAIRS: usize = 1_000_000;
+
+/// A part of the work on a style, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GrowthStage {
+    /// Head, scalp and the surface of the hair, and their distances.
+    Surfaces,
+    /// The map of the scalp and the pores.
+    Pores,
+    /// Pre-guides.
+    PreGuides,
+    /// Guides.
+    Guides,
+    /// All hairs.
+    Hairs,
+}
+
+/// A hairstyle that has grown.
+#[derive(Debug, Clone)]
+pub struct Hairstyle {
+    /// The pores, a hair each.
+    pub pores: Vec<Pore>,
+    /// Center lines of the hairs (world), m, in the order of the pores; without points where a hair
+    /// found no place.
+    pub hairs: HairCurves,
+    /// The surfaces between which they grew.
+    pub surfaces: StyleSurfaces,
+    /// What was found.
+    pub report: StyleReport,
+}
+
+impl Style {
+    /// Grows the style (thesis 5.3). Files are asked of `read`, by their paths in the style; every
+    /// part of the work is told to `at` when it begins.
+    ///
+    /// # Errors
+    /// [`HairgenError`] of the part that cannot be made.
+    pub fn grow(
+        &self,
+        read: ReadFile<'_>,
+        at: &dyn Fn(GrowthStage),
+    ) -> Result<Hairstyle, HairgenError> {
+        at(GrowthStage::Surfaces);
+        let surfaces = StyleSurfaces::of(self, read)?;
+        at(GrowthStage::Pores);
+        let scalp = ScalpMesh::new(surfaces.scalp.clone())?;
+        let area = scalp.area();
+        let growth = GrowthRegion::new(scalp, self.growth(read)?)?;
+        let count = self.hairs.unwrap_or_else(|| growth.count());
+        if count == 0 || count > MOST_HAIRS {
+            return Err(HairgenError::HairCount { count, most: MOST_HAIRS });
+        }
+        // The first pores are as evenly spread as all: they take pre-guides and guides.
+        let pores = growth.pores(count, self.seed)?;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let pre_count = (self.pre_guides * area).round().clamp(3.0, 1e5) as usize;
+        let pre_pores = &pores[..pre_count.min(count)];
+        let guide_pores = &pores[..self.guides.clamp(1, count)];
+
+        at(GrowthStage::PreGuides);
+        let region = Region { head: &surfaces.head_field, hull: &surfaces.hull_field };
+        let heights: Vec<f64> = pre_pores.iter().map(|p| growth.geodesic_height(&p.disc)).collect();
+        let dips = dips_by_height(&heights, self.dips[0], self.dips[1]);
+        let options = &self.guide.options;
+        let pre = grow_pre_guides(pre_pores, &dips, region, options)?;
+
+        at(GrowthStage::Guides);
+        let frame = frame(&surfaces, self.guide.voxel.0)?;
+        let mut density = self.guide.density.map(|model| HairDensity::new(frame, model));
+        let guides = place_guides(guide_pores, &pre, region, density.as_mut(), options)?;
+
+        at(GrowthStage::Hairs);
+        let hairs = grow_hairs(&pores, &guides.guides, guide_pores, region, &self.strands)?;
+        let lines = guides.guides.iter().map(|guide| &guide.curve[..]);
+        let report = StyleReport {
+            scalp_area: area,
+            hairs: HairReport::of(&hairs, region, self.strands.outside),
+            count,
+            pre_guides: pre.len(),
+            pre_guides_without_place: pre.iter().filter(|guide| !guide.placed).count(),
+            guides: guides.guides.len(),
+            guides_without_place: guides.without_place,
+            equilibria: guides.guides.iter().map(|guide| guide.equilibria).sum(),
+            histogram: DensityHistogram::of(lines, region, frame),
+            fit: surfaces.fit.clone(),
+            mended: surfaces.mended.clone(),
+        };
+        Ok(Hairstyle { pores, hairs, surfaces, report })
+    }
+
+    /// What grows where.
+    fn growth(&self, read: ReadFile<'_>) -> Result<GrowthOptions, HairgenError> {
+        let flow = match &self.flow {
+            FlowSpec::Whorl { place, turn, reach } => Flow::Whorl(Whorl {
+                place: place.map(Point2::from),
+                turn: turn.to_radians(),
+                reach: *reach,
+            }),
+            FlowSpec::Angle(field) => Flow::Angle(field.disc(read, f64::to_radians)?),
+        };
+        let tilt = self.tilt.as_ref().map(|field| field.disc(read, f64::to_radians));
+        Ok(GrowthOptions {
+            density: self.density.disc(read, |x| x)?,
+            length: self.length.disc(read, |x| x)?,
+            flow,
+            tilt: tilt.transpose()?,
+            ..GrowthOptions::default()
+        })
+    }
+}
+
+impl ScalpField {
+    /// The field on the disc, its values in another unit.
+    fn disc(
+        &self,
+        read: ReadFile<'_>,
+        unit: impl Fn(f64) -> f64,
+    ) -> Result<DiscField, HairgenError> {
+        match self {
+            Self::Constant(value) => Ok(DiscField::Constant(unit(*value))),
+            Self::Image { file, black, white } => {
+                let bytes = read(file).map_err(|error| HairgenError::File {
+                    file: file.clone(),
+                    problem: error.to_string(),
+                })?;
+                Ok(DiscField::image(GreyImage::from_png(&bytes)?, unit(*black), unit(*white)))
+            }
+        }
+    }
+}
+
+/// The voxels around all that hair can fill.
+fn frame(surfaces: &StyleSurfaces, spacing: f64) -> Result<VoxelFrame, HairgenError> {
+    let far = Vector3::repeat(f64::INFINITY);
+    let vertices = surfaces.hull.vertices.iter().chain(surfaces.head.vertices());
+    let (low, high) = vertices
+        .fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
+    let margin = Vector3::repeat(2.0 * spacing);
+    VoxelFrame::new(Point3::from(low - margin), Point3::from(high + margin), spacing)
+}

@@ -1,0 +1,11 @@
+//! A hairstyle from a file: what it says ([`Style`]), and what grows of it ([`Hairstyle`]).
+
+mod grow;
+mod report;
+mod spec;
+mod surfaces;
+
+pub use grow::{GrowthStage, Hairstyle};
+pub use report::StyleReport;
+pub use spec::{FlowSpec, GuideSpec, HairSource, HeadSource, ScalpField, Style, Voxel};
+pub use surfaces::StyleSurfaces;

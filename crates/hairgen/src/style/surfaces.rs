@@ -1,0 +1,138 @@
+use super::spec::{HairSource, HeadSource, Style};
+use crate::fit::{FitReport, HeadTemplate, fit};
+use crate::head::ParametricHead;
+use crate::{FieldResolution, HairgenError, SurfaceField};
+use rapunzel_collision::field::{Mesh, Repairs, Soup};
+use std::io;
+use std::path::Path;
+
+/// Reads a file of the style, by its path relative to the style's folder.
+pub(super) type ReadFile<'a> = &'a (dyn Fn(&Path) -> io::Result<Vec<u8>> + Sync);
+
+/// Sectors and rings of the scalp of a head without a scan.
+const SCALP: [u32; 2] = [120, 40];
+
+/// The surfaces that hair grows between, meters.
+#[derive(Debug, Clone)]
+pub struct StyleSurfaces {
+    /// The closed surface of the bald head.
+    pub head: Mesh,
+    /// The part of it where hair grows.
+    pub scalp: Soup,
+    /// The surface of the hair: closed about head and hair, or open.
+    pub hull: Soup,
+    /// Distance of the head.
+    pub head_field: SurfaceField,
+    /// Distance of the surface of the hair; negative where hair may be.
+    pub hull_field: HullField,
+    /// What the fit to a scan found.
+    pub fit: Option<FitReport>,
+    /// What was mended of the files.
+    pub mended: Vec<(&'static str, Repairs)>,
+}
+
+/// The distance of the surface of the hair, negative where hair may be.
+#[derive(Debug, Clone)]
+pub enum HullField {
+    /// Of a solid.
+    Solid(SurfaceField),
+    /// Of a shell that hair does not cross: hair may be on both of its sides.
+    Shell(SurfaceField),
+}
+
+impl StyleSurfaces {
+    pub(super) fn of(style: &Style, read: ReadFile<'_>) -> Result<Self, HairgenError> {
+        let mut mended = Vec::new();
+        let mut solid = |what, file: &Path| -> Result<Mesh, HairgenError> {
+            let (mesh, repairs) = Mesh::repaired(soup(file, read)?)
+                .map_err(|source| HairgenError::Surface { what, source })?;
+            if repairs != Repairs::default() {
+                mended.push((what, repairs));
+            }
+            Ok(mesh)
+        };
+        let surface = |what| move |source| HairgenError::Surface { what, source };
+        let mut scan = None;
+        let mut report = None;
+        let mut parametric = None;
+        let (head, scalp) = match &style.head {
+            HeadSource::Parametric { measures, hairline } => {
+                hairline.check()?;
+                let head = ParametricHead::new(*measures, hairline.clone())?;
+                let mesh = Mesh::new(head.mesh()).map_err(surface("the head"))?;
+                let scalp = head.scalp(SCALP[0], SCALP[1])?;
+                parametric = Some(head);
+                (mesh, scalp)
+            }
+            HeadSource::Mesh { file, hairline } => {
+                hairline.check()?;
+                let mesh = solid("the head", file)?;
+                let scalp = crate::fit::scalp_of(&mesh, hairline, SCALP)?;
+                (mesh, scalp)
+            }
+            HeadSource::Scan { file, template, hairline, options } => {
+                let template = match template {
+                    Some(file) => {
+                        let mesh = solid("the template of the head", file)?;
+                        HeadTemplate { mesh: open(&mesh), hairline: hairline.clone() }
+                    }
+                    None => {
+                        let measures = crate::head::HeadMeasures::default();
+                        HeadTemplate::from(&ParametricHead::new(measures, hairline.clone())?)
+                    }
+                };
+                let fitted = fit(&solid("the scan", file)?, &template, options)?;
+                report = Some(fitted.report);
+                scan = Some(fitted.hull);
+                (Mesh::new(fitted.head).map_err(surface("the fitted head"))?, fitted.scalp)
+            }
+        };
+        let scalp = match &style.scalp {
+            Some(file) => soup(file, read)?,
+            None => scalp,
+        };
+        let resolution = FieldResolution::default();
+        let of_solid = |what, mesh: &Mesh| SurfaceField::solid(what, mesh, resolution);
+        let (hull, hull_field) = match &style.hair {
+            HairSource::Volume(volume) => {
+                let head = parametric.ok_or(HairgenError::VolumeWithoutHead)?;
+                let mesh = Mesh::new(head.hull(volume)?).map_err(surface("the hair"))?;
+                (open(&mesh), HullField::Solid(of_solid("the hair", &mesh)?))
+            }
+            HairSource::Solid(file) => {
+                let mesh = solid("the hair", file)?;
+                (open(&mesh), HullField::Solid(of_solid("the hair", &mesh)?))
+            }
+            HairSource::Scan => {
+                let mesh = scan.ok_or(HairgenError::HairWithoutScan)?;
+                (open(&mesh), HullField::Solid(of_solid("the scan", &mesh)?))
+            }
+            HairSource::Shell { file, thickness } => {
+                let shell = soup(file, read)?;
+                let field = SurfaceField::shell("the hair", &shell, *thickness, resolution)?;
+                (shell, HullField::Shell(field))
+            }
+        };
+        let head_field = of_solid("the head", &head)?;
+        Ok(Self { head, scalp, hull, head_field, hull_field, fit: report, mended })
+    }
+}
+
+/// The triangles of a mesh.
+fn open(mesh: &Mesh) -> Soup {
+    Soup { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() }
+}
+
+/// The triangles of a file, by the ending of its name.
+fn soup(file: &Path, read: ReadFile<'_>) -> Result<Soup, HairgenError> {
+    let failed = |problem: String| HairgenError::File { file: file.to_owned(), problem };
+    let bytes = read(file).map_err(|error| failed(error.to_string()))?;
+    let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let soup = match ending.to_ascii_lowercase().as_str() {
+        "ply" => Soup::read_ply(&bytes[..]),
+        "obj" => Soup::read_obj(&bytes[..]),
+        "stl" => Soup::read_stl(&bytes[..]),
+        _ => return Err(failed("must be .ply, .obj or .stl".to_owned())),
+    };
+    soup.map_err(|error| failed(error.to_string()))
+}

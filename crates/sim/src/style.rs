@@ -1,0 +1,135 @@
+//! Hairstyles: from a file with a style to files with its hairs.
+
+use crate::file::{LARGEST_MESH, open};
+use crate::folder::claim;
+use crate::{SimError, read_text, write_atomically};
+use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
+use rapunzel_export::surface::{self, Placed};
+use rapunzel_export::{ExportError, Frame, Strand, data, hair, obj, ply, preview, usd, vtp};
+use rapunzel_fiber::so3;
+use rapunzel_hairgen::HairgenError;
+pub use rapunzel_hairgen::style::{GrowthStage, Hairstyle, Style, StyleReport};
+use rapunzel_scene::style_from_ron;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+/// Radius of the hairs in the files, m.
+const RADIUS: f64 = 35e-6;
+/// Hairs of the picture at most: more are not told apart.
+const SHOWN: usize = 4000;
+
+/// Names of the files.
+const HAIRS: [&str; 6] =
+    ["hairs.vtp", "hairs.usda", "hairs.hair", "hairs.data", "hairs.obj", "hairs.ply"];
+const HEAD: &str = "head.vtp";
+const PREVIEW: &str = "preview.png";
+
+/// Reads the style in a file.
+///
+/// # Errors
+/// [`SimError::Io`], and [`SimError::Scene`] for what is no style.
+pub fn read(path: &Path) -> Result<Style, SimError> {
+    Ok(style_from_ron(&read_text(path)?)?)
+}
+
+/// Grows a style whose files are relative to `folder`; every part of the work is told to `at`.
+///
+/// # Errors
+/// [`SimError::Hairstyle`].
+pub fn grow(style: &Style, folder: &Path, at: &dyn Fn(GrowthStage)) -> Result<Hairstyle, SimError> {
+    let read = |path: &Path| {
+        let mut bytes = Vec::new();
+        let file = open(&folder.join(path), LARGEST_MESH);
+        let mut file: BufReader<File> = file.map_err(io::Error::other)?;
+        file.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    style.grow(&read, at).map_err(|error: HairgenError| error.into())
+}
+
+/// Writes the hairs in all formats, the head, and a picture. Meters and y up, but in USD, which has
+/// z up as all that is written.
+///
+/// # Errors
+/// Those of [`claim`](crate::claim), and of files that cannot be written.
+pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
+    claim(folder, &[&HAIRS[..], &[HEAD, PREVIEW]].concat())?;
+    let curves = || style.hairs.iter().filter(|curve| curve.len() > 1);
+    let frame = Frame { index: 0, time: 0.0, strands: curves().map(strand).collect() };
+    let write = |name: &str, with: &dyn Fn(&mut BufWriter<File>) -> Result<(), ExportError>| {
+        write_atomically(&folder.join(name), |to| with(to).map_err(io::Error::other))
+    };
+    write(HAIRS[0], &|to| vtp::write(to, &frame))?;
+    write(HAIRS[1], &|to| stage(to, curves()))?;
+    write(HAIRS[2], &|to| hair::write(to, &frame))?;
+    write(HAIRS[3], &|to| data::write(to, &frame))?;
+    write(HAIRS[4], &|to| obj::write(to, &frame))?;
+    write(HAIRS[5], &|to| ply::write(to, &frame))?;
+    let head = placed(style, |p| p);
+    write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
+    let every = frame.strands.len().div_ceil(SHOWN).max(1);
+    let strands = curves().step_by(every).map(|curve| {
+        strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>())
+    });
+    let shown = Frame { index: 0, time: 0.0, strands: strands.collect() };
+    let head = placed(style, upright);
+    write(PREVIEW, &|to| {
+        let frame = preview::PreviewFrame::new(shown.clone(), Vec::new())?;
+        preview::write(to, &[frame], &[vec![head.clone()]], &[])
+    })
+}
+
+/// From y up to z up.
+fn upright(p: Point3<f64>) -> Point3<f64> {
+    Point3::new(p.x, -p.z, p.y)
+}
+
+fn placed(style: &Hairstyle, turn: impl Fn(Point3<f64>) -> Point3<f64>) -> Placed {
+    let mesh = &style.surfaces.head;
+    let vertices = mesh.vertices().iter().map(|p| turn(*p)).collect();
+    let triangles = mesh.triangles().to_vec();
+    Placed {
+        pose: Isometry3::identity(),
+        surface: rapunzel_collision::field::Soup { vertices, triangles },
+    }
+}
+
+/// The hairs as a USD stage.
+fn stage<'a>(
+    to: &mut impl Write,
+    curves: impl Iterator<Item = &'a [Point3<f64>]>,
+) -> Result<(), ExportError> {
+    let strands: Vec<_> = curves
+        .map(|curve| strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>()))
+        .collect();
+    let count = strands.len();
+    let mut frame = io::Cursor::new(Vec::new());
+    vtp::write(&mut frame, &Frame { index: 0, time: 0.0, strands })?;
+    let bytes = frame.into_inner();
+    let shape = usd::PrimShape::Curves { strands: 0..count, guide: false };
+    let prim = usd::Prim { name: "Hairs".to_owned(), shape, color: [0.12, 0.06, 0.03] };
+    let timeline = usd::Timeline { frames: 1, rate: 24.0, end: 0.0 };
+    let open = |_| Ok(io::Cursor::new(&bytes[..]));
+    usd::Strands::new(timeline, "Style", vec![prim], open)?.write(to, None)
+}
+
+/// A hair at rest, its frames carried along without a twist.
+fn strand(points: &[Point3<f64>]) -> Strand {
+    let segments = points.len() - 1;
+    let mut frame = Rotation3::identity();
+    let frames = points.windows(2).map(|ends| {
+        let turn = so3::between(&(frame * Vector3::z()), &(ends[1] - ends[0]));
+        frame = turn.unwrap_or_default() * frame;
+        frame
+    });
+    let frames = frames.collect();
+    Strand {
+        points: points.to_vec(),
+        radii: vec![RADIUS; segments + 1],
+        velocities: vec![Vector3::zeros(); segments + 1],
+        frames,
+        curvatures: vec![Vector3::zeros(); segments + 1],
+        forces: vec![Vector3::zeros(); segments],
+    }
+}
