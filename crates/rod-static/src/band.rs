@@ -1,6 +1,7 @@
 use crate::chain::TipHold;
 use crate::segment::Blocks;
 use nalgebra::{Matrix3, Vector3};
+use rapunzel_fiber::so3::hat;
 
 /// The Jacobian of the nodes' balance, block-tridiagonal, eliminated from the tip.
 ///
@@ -21,8 +22,10 @@ pub(crate) struct BandFactor {
     falling: Option<(usize, Vec<Vector3<f64>>)>,
 }
 
-/// Derivatives of the following forces and of the nodes they act on.
+/// Derivatives of the following loads and of the nodes they act on.
 pub(crate) struct Follow {
+    /// Couple on the last node, N m, in the node's own axes.
+    pub(crate) couple: Vector3<f64>,
     /// Derivative of each node's force by the variation of its frame, world frame.
     pub(crate) turned: Vec<Matrix3<f64>>,
     /// Derivatives of the end of each segment by the variations of its frames, world frame.
@@ -64,6 +67,10 @@ impl BandFactor {
                 pivot -= follow.motions[i][1].tr_mul(&factor.beyond[i]);
                 if let Some(motion) = follow.motions.get(i + 1) {
                     pivot -= motion[0].tr_mul(&beyond);
+                } else {
+                    // The balance is one of moments in the node's own axes, which turn with it:
+                    // half of the moment times the turn, beside the Hessian along geodesics.
+                    pivot += hat(&(0.5 * follow.couple));
                 }
             }
             let held = if i + 1 == count { tip } else { TipHold::Free };

@@ -21,6 +21,8 @@ pub struct Chain {
     pub(crate) forces: Vec<Vector3<f64>>,
     /// Forces on the nodes that follow their frames, N, in the nodes' own axes.
     pub(crate) followers: Vec<Vector3<f64>>,
+    /// Couple on the last node that follows its frame, N m, in the node's own axes.
+    pub(crate) tip_couple: Vector3<f64>,
     pub(crate) targets: Vec<Target>,
     pub(crate) tip: TipHold,
 }
@@ -82,6 +84,7 @@ impl Chain {
             segments: Vec::with_capacity(lengths.len()),
             forces: vec![Vector3::zeros()],
             followers: vec![Vector3::zeros(); lengths.len() + 1],
+            tip_couple: Vector3::zeros(),
             targets: Vec::new(),
             tip: TipHold::Free,
         };
@@ -160,6 +163,28 @@ impl Chain {
         Ok(())
     }
 
+    /// Sets a couple on the last node that follows it, N m, in the node's own axes.
+    ///
+    /// Like a following force it has no energy, so an equilibrium with it is not a minimum; its
+    /// work depends on the way (nor would a couple that is fixed in the world have an energy). In
+    /// equilibrium it is the moment in the rod's end, so without other loads the curvature's excess
+    /// over the natural one is the couple over the stiffness all along a naturally straight round
+    /// rod.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn set_tip_couple(&mut self, couple: &Vector3<f64>) -> Result<(), StaticError> {
+        finite("the couple on the last node (N m)", couple.as_slice())?;
+        self.tip_couple = *couple;
+        Ok(())
+    }
+
+    /// Whether loads act that follow the rod and so have no energy.
+    pub(crate) fn is_followed(&self) -> bool {
+        let zero = Vector3::zeros();
+        self.tip_couple != zero || self.followers.iter().any(|force| *force != zero)
+    }
+
     /// Sets the places that nodes are held at or pulled to.
     ///
     /// # Errors
@@ -205,7 +230,7 @@ impl Chain {
         &self.targets
     }
 
-    fn check_nodes(
+    pub(crate) fn check_nodes(
         &self,
         quantity: &'static str,
         values: &[Vector3<f64>],

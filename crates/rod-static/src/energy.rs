@@ -85,7 +85,7 @@ impl Chain {
         Ok(product)
     }
 
-    fn trial(&self, shape: &Shape) -> TrialShape {
+    pub(crate) fn trial(&self, shape: &Shape) -> TrialShape {
         TrialShape::new(self, shape.frames.clone(), &self.carried(&shape.frames, 0.0, &[]))
     }
 

@@ -94,6 +94,15 @@ pub enum StaticError {
         /// Largest rotation of a node in the step that would follow, rad.
         step: f64,
     },
+    /// The derivatives of an equilibrium by its loads are not defined.
+    #[error(
+        "the equilibrium has no derivatives by its loads: {reason}; change the loads a little, or \
+         take differences"
+    )]
+    NoDerivative {
+        /// Why there are none.
+        reason: &'static str,
+    },
     /// No start that was tried leads to an equilibrium.
     #[error(
         "no equilibrium was found from any start; give a start near the one that is wanted, or \

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod adjoint;
 mod band;
 pub mod carlson;
 mod chain;
@@ -29,6 +30,7 @@ mod target;
 mod trial;
 mod two_phase;
 
+pub use adjoint::{EndLoadDerivatives, ShapeDerivatives};
 pub use chain::Chain;
 pub use equilibrium::Equilibrium;
 pub use error::StaticError;

@@ -38,12 +38,15 @@ impl NewtonStep {
         follow: Option<&Follow>,
     ) -> Option<Self> {
         // Residual moments on the nodes behind the clamp.
-        let moments: Vec<Vector3<f64>> = (0..blocks.len())
+        let mut moments: Vec<Vector3<f64>> = (0..blocks.len())
             .map(|i| {
                 let next = blocks.get(i + 1).map_or_else(Vector3::zeros, |b| b.gradient[0]);
                 -(blocks[i].gradient[1] + next)
             })
             .collect();
+        if let (Some(follow), Some(last)) = (follow, moments.last_mut()) {
+            *last += follow.couple;
+        }
         let mut falling = None;
         // Raise the shift until the matrix is definite on the variations that the targets allow.
         for shift in SHIFTS {
@@ -72,7 +75,7 @@ impl NewtonStep {
 
     /// Corrects the step for the forces of the targets, by the Schur complement of these forces.
     /// Returns how many directions of falling energy the targets take away.
-    fn bind(
+    pub(crate) fn bind(
         &mut self,
         chain: &Chain,
         blocks: &[Blocks],

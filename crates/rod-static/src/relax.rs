@@ -46,7 +46,7 @@ const LEAST: f64 = 1e-3;
 /// Largest number of Newton steps for each fraction.
 const FEW_STEPS: usize = 12;
 
-/// An equilibrium of a [`Chain`]: a minimum of the energy, if no following forces act.
+/// An equilibrium of a [`Chain`]: a minimum of the energy, if no following loads act.
 #[derive(Debug, Clone)]
 pub struct Rest {
     /// Shape of the chain in equilibrium.
@@ -73,8 +73,8 @@ impl Chain {
     /// minimized, not its square. The pivots of the Hessian tell whether it is definite; where it
     /// is not, it is shifted, and at a saddle a direction of falling energy is taken. So the
     /// equilibrium is stable, or neutral where all turns of it about an axis are equilibria too.
-    /// Places that hold nodes enter by Lagrange's multipliers. Following forces, which have no
-    /// energy, are applied in parts. Cost: about half a microsecond for each segment and step; less
+    /// Places that hold nodes enter by Lagrange's multipliers. Following forces and couples, which
+    /// have no energy, are applied in parts. Cost: about half a microsecond for each segment and step; less
     /// than ten steps from a natural shape, three from a shape nearby.
     ///
     /// # Errors
@@ -84,11 +84,7 @@ impl Chain {
         // A shape from before the clamp turned is turned with it.
         let moved = self.clamp.rotation * start.frames[0].inverse();
         let frames = start.frames.iter().map(|frame| moved * frame).collect();
-        if self.followers.iter().all(|force| *force == Vector3::zeros()) {
-            self.minimize(frames)
-        } else {
-            self.follow(frames)
-        }
+        if self.is_followed() { self.follow(frames) } else { self.minimize(frames) }
     }
 
     /// Relaxes each chain from its own shape, in parallel; the results do not depend on the number
@@ -299,7 +295,7 @@ impl Chain {
         }
     }
 
-    /// Applies the following forces in fractions, with Newton's method after each.
+    /// Applies the following loads in fractions, with Newton's method after each.
     fn follow(&self, mut frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {
         let mut pulls = vec![Vector3::zeros(); self.targets.len()];
         let (mut at, mut step, mut iterations) = (0.0_f64, FIRST, 0);
@@ -316,9 +312,10 @@ impl Chain {
                 step *= if next > at { 2.0 } else { 1.0 };
                 at = next;
             } else if at == 0.0 && next >= 1.0 {
-                let rest =
-                    Self { followers: vec![Vector3::zeros(); self.forces.len()], ..self.clone() }
-                        .minimize(frames)?;
+                let mut dead = self.clone();
+                dead.followers.fill(Vector3::zeros());
+                dead.tip_couple = Vector3::zeros();
+                let rest = dead.minimize(frames)?;
                 (frames, pulls) = (rest.shape.frames, rest.pulls);
             } else {
                 step *= 0.5;
@@ -330,7 +327,7 @@ impl Chain {
         }
     }
 
-    /// Newton's method with `factor` times the following forces; returns the last step's size.
+    /// Newton's method with `factor` times the following loads; returns the last step's size.
     fn balance(
         &self,
         frames: &mut Vec<UnitQuaternion<f64>>,
@@ -349,7 +346,8 @@ impl Chain {
             let turned = now.frames.iter().zip(&self.followers).map(|(frame, force)| {
                 frame.to_rotation_matrix().matrix() * hat(&(-factor * force))
             });
-            let follow = Follow { turned: turned.collect(), motions: now.motions(self) };
+            let couple = factor * self.tip_couple;
+            let follow = Follow { couple, turned: turned.collect(), motions: now.motions(self) };
             let step = NewtonStep::of(self, &blocks, &now.gaps, &follow.motions, Some(&follow));
             let Some(newton) = step else { return f64::INFINITY };
             size = newton.size();

@@ -24,7 +24,7 @@ impl Chain {
         // First phase, from tip to clamp: moment and force in the material frame, and the
         // rotations.
         let mut force = load(count);
-        let mut moment = Vector3::zeros();
+        let mut moment = self.tip_couple;
         let mut turns = vec![Vector3::zeros(); count];
         for (i, segment) in self.segments.iter().enumerate().rev() {
             let (length, strain) = (segment.length, moment.component_div(&segment.stiffness));

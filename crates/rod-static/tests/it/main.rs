@@ -4,6 +4,7 @@ mod bifurcations;
 mod boundary;
 mod closed_form;
 mod common;
+mod couples;
 mod derivatives;
 mod elliptic;
 mod followers;
