@@ -28,7 +28,10 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("export", &["fiber", "collision"]),
     ("mass-spring", &["fiber", "linalg", "collision", "oracles"]),
     ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
-    ("scene", &["fiber", "hairgen", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"]),
+    (
+        "scene",
+        &["fiber", "hairgen", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"],
+    ),
     ("coupling", &["fiber", "lanes", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
     (
         "charging",

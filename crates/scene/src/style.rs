@@ -7,8 +7,6 @@ use rapunzel_hairgen::style::Style;
 /// # Errors
 /// [`SceneError`] at line, column and path.
 pub fn style_from_ron(text: &str) -> Result<Style, SceneError> {
-    parse(text).map_err(|problem| SceneError {
-        source_text: text.to_owned(),
-        problems: vec![problem],
-    })
+    parse(text)
+        .map_err(|problem| SceneError { source_text: text.to_owned(), problems: vec![problem] })
 }

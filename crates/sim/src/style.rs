@@ -69,9 +69,9 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
     let head = placed(style, |p| p);
     write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
     let every = frame.strands.len().div_ceil(SHOWN).max(1);
-    let strands = curves().step_by(every).map(|curve| {
-        strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>())
-    });
+    let strands = curves()
+        .step_by(every)
+        .map(|curve| strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>()));
     let shown = Frame { index: 0, time: 0.0, strands: strands.collect() };
     let head = placed(style, upright);
     write(PREVIEW, &|to| {

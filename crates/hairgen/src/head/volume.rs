@@ -101,7 +101,7 @@ impl HairVolume {
         let vertex = |sector: u32, ring: u32| 1 + (ring - 1) * AROUND + sector % AROUND;
         let last = ABOVE + BELOW;
         let lowest = soup.vertices.len();
-        soup.vertices.push(Point3::new(0.0, bottom, -0.02 * head.scale().z));
+        soup.vertices.push(Point3::new(0.0, bottom - SKIN, 0.0));
         let lowest = u32::try_from(lowest).unwrap_or(u32::MAX);
         for sector in 0..AROUND {
             soup.triangles.push([0, vertex(sector, 1), vertex(sector + 1, 1)]);

@@ -1,7 +1,9 @@
 use super::report::StyleReport;
 use super::spec::{FlowSpec, ScalpField, Style};
 use super::surfaces::{ReadFile, StyleSurfaces};
-use crate::growth::{DiscField, Flow, GreyImage, GrowthOptions, GrowthRegion, ScalpMesh, Whorl};
+use crate::growth::{
+    DiscField, GreyImage, GrowthFlow, GrowthOptions, GrowthRegion, ScalpMesh, Whorl,
+};
 use crate::{
     DensityHistogram, HairCurves, HairDensity, HairReport, HairgenError, Pore, Region, VoxelFrame,
     dips_by_height, grow_hairs, grow_pre_guides, place_guides,
@@ -102,12 +104,12 @@ impl Style {
     /// What grows where.
     fn growth(&self, read: ReadFile<'_>) -> Result<GrowthOptions, HairgenError> {
         let flow = match &self.flow {
-            FlowSpec::Whorl { place, turn, reach } => Flow::Whorl(Whorl {
+            FlowSpec::Whorl { place, turn, reach } => GrowthFlow::Whorl(Whorl {
                 place: place.map(Point2::from),
                 turn: turn.to_radians(),
                 reach: *reach,
             }),
-            FlowSpec::Angle(field) => Flow::Angle(field.disc(read, f64::to_radians)?),
+            FlowSpec::Angle(field) => GrowthFlow::Angle(field.disc(read, f64::to_radians)?),
         };
         let tilt = self.tilt.as_ref().map(|field| field.disc(read, f64::to_radians));
         Ok(GrowthOptions {
@@ -144,8 +146,8 @@ impl ScalpField {
 fn frame(surfaces: &StyleSurfaces, spacing: f64) -> Result<VoxelFrame, HairgenError> {
     let far = Vector3::repeat(f64::INFINITY);
     let vertices = surfaces.hull.vertices.iter().chain(surfaces.head.vertices());
-    let (low, high) = vertices
-        .fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
+    let (low, high) =
+        vertices.fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
     let margin = Vector3::repeat(2.0 * spacing);
     VoxelFrame::new(Point3::from(low - margin), Point3::from(high + margin), spacing)
 }

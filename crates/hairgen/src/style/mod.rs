@@ -8,4 +8,4 @@ mod surfaces;
 pub use grow::{GrowthStage, Hairstyle};
 pub use report::StyleReport;
 pub use spec::{FlowSpec, GuideSpec, HairSource, HeadSource, ScalpField, Style, Voxel};
-pub use surfaces::StyleSurfaces;
+pub use surfaces::{HullField, StyleSurfaces};

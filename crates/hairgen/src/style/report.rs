@@ -57,11 +57,7 @@ impl fmt::Display for StyleReport {
             self.pre_guides,
             self.pre_guides - self.pre_guides_without_place,
         )?;
-        writeln!(
-            f,
-            "  in head     {} of {} segments",
-            self.hairs.in_head, self.hairs.segments
-        )?;
+        writeln!(f, "  in head     {} of {} segments", self.hairs.in_head, self.hairs.segments)?;
         writeln!(
             f,
             "  outside     {:.3} % of the length",

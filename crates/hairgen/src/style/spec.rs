@@ -1,6 +1,6 @@
 use crate::fit::FitOptions;
-use crate::{DensityModel, GuideOptions, HairOptions};
 use crate::head::{HairVolume, Hairline, HeadMeasures};
+use crate::{DensityModel, GuideOptions, HairOptions};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -2,7 +2,8 @@ use super::spec::{HairSource, HeadSource, Style};
 use crate::fit::{FitReport, HeadTemplate, fit};
 use crate::head::ParametricHead;
 use crate::{FieldResolution, HairgenError, SurfaceField};
-use rapunzel_collision::field::{Mesh, Repairs, Soup};
+use nalgebra::Point3;
+use rapunzel_collision::field::{DistanceField, Mesh, Repairs, Sample, Soup};
 use std::io;
 use std::path::Path;
 
@@ -38,6 +39,34 @@ pub enum HullField {
     Solid(SurfaceField),
     /// Of a shell that hair does not cross: hair may be on both of its sides.
     Shell(SurfaceField),
+}
+
+impl DistanceField for HullField {
+    fn sample(&self, point: &Point3<f64>) -> Sample {
+        match self {
+            Self::Solid(field) => field.sample(point),
+            // Forbidden within the shell, allowed on both of its sides.
+            Self::Shell(field) => {
+                let Sample { value, gradient } = field.sample(point);
+                Sample { value: -value, gradient: -gradient }
+            }
+        }
+    }
+
+    fn lipschitz(&self) -> f64 {
+        let (Self::Solid(field) | Self::Shell(field)) = self;
+        field.lipschitz()
+    }
+
+    fn error(&self) -> f64 {
+        let (Self::Solid(field) | Self::Shell(field)) = self;
+        field.error()
+    }
+
+    fn band(&self) -> f64 {
+        let (Self::Solid(field) | Self::Shell(field)) = self;
+        field.band()
+    }
 }
 
 impl StyleSurfaces {
