@@ -18,9 +18,9 @@ pub struct FieldResolution {
 }
 
 impl Default for FieldResolution {
-    /// 1 mm up to 6 mm, and 8 mm up to 32 mm.
+    /// 1 mm up to 4 mm, and 8 mm up to 32 mm.
     fn default() -> Self {
-        Self { spacing: 1e-3, band: 6e-3, coarse_spacing: 8e-3, coarse_band: 32e-3 }
+        Self { spacing: 1e-3, band: 4e-3, coarse_spacing: 8e-3, coarse_band: 32e-3 }
     }
 }
 

@@ -65,7 +65,7 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
     write(HAIRS[2], &|to| hair::write(to, &frame))?;
     write(HAIRS[3], &|to| data::write(to, &frame))?;
     write(HAIRS[4], &|to| obj::write(to, &frame))?;
-    write(HAIRS[5], &|to| ply::write(to, &frame))?;
+    write(HAIRS[5], &|to| ply::write(to, &frame, ply::PlyEncoding::Binary))?;
     let head = placed(style, |p| p);
     write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
     let every = frame.strands.len().div_ceil(SHOWN).max(1);

@@ -115,17 +115,21 @@ impl SurfaceTree {
         let p = point.coords;
         let mut best = None;
         let mut least = limit * limit;
-        let mut stack = vec![0_usize];
-        while let Some(at) = stack.pop() {
-            let node = &self.boxes[at];
-            if node.squared_distance(&p) >= least {
+        // Boxes to look into with their distances; the nearer one of two is on top.
+        let mut stack = Vec::with_capacity(64);
+        stack.push((0_usize, self.boxes[0].squared_distance(&p)));
+        while let Some((at, bound)) = stack.pop() {
+            if bound >= least {
                 continue;
             }
+            let node = &self.boxes[at];
             let [from, to] = node.range.map(|i| i as usize);
             if from == to {
-                let (first, second) = (at + 1, from);
-                let [near, far] = [first, second].map(|c| self.boxes[c].squared_distance(&p));
-                stack.extend(if near <= far { [second, first] } else { [first, second] });
+                let mut children = [at + 1, from].map(|c| (c, self.boxes[c].squared_distance(&p)));
+                if children[0].1 < children[1].1 {
+                    children.swap(0, 1);
+                }
+                stack.extend(children);
                 continue;
             }
             for &face in &self.order[from..to] {

@@ -70,10 +70,18 @@ impl HeadShape {
         let step = 2e-3 * self.scale.min();
         let mut outside = 0.5 * self.scale.max();
         let at = |t: f64| from + direction.into_inner() * t;
-        // From afar inward, until a step ends inside.
-        while outside > step && self.level(&at(outside - step)) > 0.0 {
-            outside -= step;
+        // From afar inward by half of the level, which far away is about the distance, until a
+        // step ends inside.
+        let mut length = step;
+        while outside > length {
+            let level = self.level(&at(outside - length));
+            if level <= 0.0 {
+                break;
+            }
+            outside -= length;
+            length = (0.5 * level * self.scale.min()).max(step);
         }
+        let step = length;
         let (mut low, mut high) = ((outside - step).max(0.0), outside);
         // 40 halvings of 2 mm are less than the rounding of a coordinate.
         for _ in 0..40 {
