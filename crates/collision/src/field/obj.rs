@@ -60,7 +60,7 @@ impl Obj {
     }
 
     fn take(&mut self, line: usize, statement: &str) -> Result<(), CollisionError> {
-        let mut words = statement.split_whitespace();
+        let mut words = statement.split_ascii_whitespace();
         let kind = words.next();
         match kind {
             Some("v") => {

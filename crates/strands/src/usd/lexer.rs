@@ -140,6 +140,12 @@ impl<'a> Lexer<'a> {
     pub(super) fn skip(&mut self) -> Result<(), StrandsError> {
         let mut depth = 0_usize;
         loop {
+            if depth > 0 {
+                // Past numbers, names and commas, of which there may be millions.
+                let rest = &self.bytes[self.at..];
+                let is_plain = |b: &u8| !ENDS[usize::from(*b)] || *b == b',' || *b == b' ';
+                self.at += rest.iter().position(|b| !is_plain(b)).unwrap_or(rest.len());
+            }
             let token = self.token()?;
             match token {
                 Token::Symbol(b'(' | b'[' | b'{') => depth += 1,
