@@ -159,7 +159,10 @@ fn ply_takes_its_counts_from_where_they_are() {
         (ply("", edges, "1 0\n3 4\n"), "not there"),
         (ply("", edges, "1 0\n3 -1\n"), "not there"),
         (ply("comment points_per_strand 2\n", "", "7\n"), "goes on"),
-        (ply("comment points_per_strand 2\n", "", "").replace("3 0 0\n", ""), "file"),
+        (
+            ply("comment points_per_strand 2\n", "", "").replace("3 0 0\n", ""),
+            "a number is expected",
+        ),
         (ply("", "element nothing 9999999999\n", ""), "no properties"),
         (
             ply("comment points_per_strand 2\n", "", "")
@@ -170,5 +173,39 @@ fn ply_takes_its_counts_from_where_they_are() {
     ] {
         let error = StrandFile::read(text.as_bytes(), None, &usual()).expect_err(&text);
         assert!(error.to_string().contains(problem), "{error}");
+    }
+}
+
+/// Vertices with all types of numbers, after an element with a list, in either order of bytes.
+#[test]
+fn binary_ply_has_numbers_of_any_type() {
+    for (name, is_little) in [("binary_little_endian", true), ("binary_big_endian", false)] {
+        let mut bytes = format!(
+            "ply\nformat {name} 1.0\ncomment points_per_strand 2\nelement other 1\nproperty list \
+             ushort short some\nelement vertex 2\nproperty char a\nproperty double x\nproperty uint \
+             y\nproperty uchar z\nproperty float radius\nend_header\n"
+        )
+        .into_bytes();
+        let mut put = |number: &[u8]| {
+            let mut number = number.to_vec();
+            if !is_little {
+                number.reverse();
+            }
+            bytes.extend(number);
+        };
+        put(&2_u16.to_le_bytes());
+        put(&(-7_i16).to_le_bytes());
+        put(&300_i16.to_le_bytes());
+        for (x, y, radius) in [(0.1_f64, 70_000_u32, 0.5_f32), (0.2, 3, 0.25)] {
+            put(&[1]);
+            put(&x.to_le_bytes());
+            put(&y.to_le_bytes());
+            put(&[200]);
+            put(&radius.to_le_bytes());
+        }
+        let strands = read(&bytes).strands;
+        let points = [[0.1, 70_000.0, 200.0], [0.2, 3.0, 200.0]].map(Point3::from);
+        assert_eq!(strands.strand(0), points);
+        assert_eq!(strands.radii(), Some(&[0.5, 0.25][..]));
     }
 }
