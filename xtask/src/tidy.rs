@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 22] = [
+const ARROWS: [(&str, &[&str]); 23] = [
     ("fiber", &[]),
     ("lanes", &[]),
     ("linalg", &[]),

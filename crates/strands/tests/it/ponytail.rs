@@ -1,4 +1,4 @@
-//! The ponytail of TressFX, where it is at hand: as `.hair`, and as its own files hold it.
+//! The ponytail of `TressFX`, where it is at hand: as `.hair`, and as its own files hold it.
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;

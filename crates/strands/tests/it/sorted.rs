@@ -30,7 +30,7 @@ fn every_fault_has_its_number_and_the_rest_keeps_its_order() {
         vec![C, nan],
         vec![A, A, B, B, C],
         vec![A; 9],
-        vec![f32::INFINITY; 3].chunks(3).map(|x| [x[0], x[1], x[2]]).chain([A]).collect(),
+        vec![[f32::INFINITY; 3], A],
         vec![C, B],
     ];
     let options = ReadOptions { most_points: 8, ..ReadOptions::default() };
