@@ -129,10 +129,10 @@ impl<'a> Crate<'a> {
         Ok(file)
     }
 
-    /// Reads the tree of paths: of every node the index of its path, the token of its name (negative
-    /// for properties), and where its sibling is. A node is followed by its first child; `jump` is
-    /// the distance to the sibling, 0 if that is next for want of children, -1 if there are children
-    /// alone, -2 if there is neither.
+    /// Reads the tree of paths: of every node the index of its path, the token of its name
+    /// (negative for properties), and where its sibling is. A node is followed by its first child;
+    /// `jump` is the distance to the sibling, 0 if that is next for want of children, -1 if there
+    /// are children alone, -2 if there is neither.
     fn read_paths(&mut self, mut at: ByteReader<'_>) -> Result<(), StrandsError> {
         at.u64("number of paths")?;
         let count = at.u64("number of nodes of paths")?;

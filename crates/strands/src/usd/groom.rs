@@ -16,8 +16,8 @@ enum WidthPlace {
     SpanEnd,
 }
 
-/// Adds all curves of a prim that `place` takes to its world, cubic ones with `fine` points for each
-/// span.
+/// Adds all curves of a prim that `place` takes to its world, cubic ones with `fine` points for
+/// each span.
 ///
 /// # Errors
 /// What is wrong with the prim.

@@ -127,6 +127,30 @@ fn counts_of_gigabytes_in_small_files_are_refused() {
     assert!(matches!(error, StrandsError::Read { format: "PLY", .. }), "{error}");
 }
 
+/// Whatever the counts of a small file say, reading it takes a few times its own size.
+#[test]
+fn small_files_take_little_memory() {
+    let layer = include_bytes!("../data/groom.usdc");
+    let head = b"ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty list uint int x\n\
+        end_header\n4294967295 1\n";
+    let mut files = vec![hair(2, u32::MAX, 0.0, &[]), hair(3, 0, 0.0, &[]), head.to_vec()];
+    files[0][4..12].fill(0xff);
+    files[1][4..8].fill(0xff);
+    files.push(b"\xff\xff\xff\x7f\xff\xff\xff\x7f0000".to_vec());
+    // Every eight bytes of a binary layer in turn as a large number.
+    files.extend((8..layer.len() - 8).step_by(4).map(|at| {
+        let mut bytes = layer.to_vec();
+        bytes[at..at + 8].copy_from_slice(&0x0000_00ff_ffff_ffff_u64.to_le_bytes());
+        bytes
+    }));
+    for bytes in files {
+        let taken = allocation_counter::measure(|| {
+            let _ = StrandFile::read(&bytes, None, &usual());
+        });
+        assert!(taken.bytes_max < 300 * bytes.len() as u64 + 10_000, "{}", taken.bytes_max);
+    }
+}
+
 #[test]
 fn ply_takes_its_counts_from_where_they_are() {
     let ply = |comment: &str, more: &str, end: &str| {
