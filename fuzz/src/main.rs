@@ -2,11 +2,12 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rapunzel_collision::field::{Mesh, Soup};
+use rapunzel_collision::field::{Mesh, Soup, shapes};
 use rapunzel_sim::statics::Case;
 use rapunzel_sim::{
     Cancel, Control, Existing, MemoryEstimate, RunFolder, Scene, SimError, World, run,
 };
+use rapunzel_strands::{ReadOptions, ScalpMesh, StrandFile};
 use std::fs;
 use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
@@ -32,6 +33,7 @@ fuzz_target!(|data: &[u8]| {
         "curve" => {
             let _ = curve(data);
         }
+        "strands" => strands(data),
         "checkpoint" => {
             let _ = checkpoint(data);
         }
@@ -51,6 +53,19 @@ fn mesh(soup: Option<Soup>) {
     let Some(soup) = soup else { return };
     let _ = Mesh::new(soup.clone());
     let _ = Mesh::repaired(soup);
+}
+
+/// Strands of a format that the bytes tell, resampled and put on a scalp.
+fn strands(data: &[u8]) {
+    let Ok(StrandFile { mut strands, report }) =
+        StrandFile::read(data, None, &ReadOptions::default())
+    else {
+        return;
+    };
+    let _ = report.to_string();
+    let _ = strands.resampled(10);
+    let scalp = ScalpMesh::new(&shapes::sphere(0.1, 4)).expect("a surface");
+    let _ = strands.snap(&scalp, f64::INFINITY);
 }
 
 /// A fibre along the curve in a file.

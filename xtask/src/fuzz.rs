@@ -3,13 +3,14 @@ use anyhow::{Context, Result, bail};
 use xshell::{Shell, cmd};
 
 /// Every reader of a user's files, and the folder of files that are mutated.
-const READERS: [(&str, &str); 7] = [
+const READERS: [(&str, &str); 8] = [
     ("scene", "scenes"),
     ("case", "scenes/static"),
     ("ply", "fuzz/seeds/ply"),
     ("stl", "fuzz/seeds/stl"),
     ("obj", "fuzz/seeds/obj"),
     ("curve", "fuzz/seeds/curve"),
+    ("strands", "fuzz/seeds/strands"),
     ("checkpoint", CHECKPOINTS),
 ];
 

@@ -21,8 +21,8 @@ pub enum PlyEncoding {
 /// Writes the strands of `frame`.
 ///
 /// # Errors
-/// Refuses invalid frames, strands of more than 2³² - 1 points, and numbers beyond single precision;
-/// fails if `out` does.
+/// Refuses invalid frames, strands of more than 2³² - 1 points, and numbers beyond single
+/// precision; fails if `out` does.
 pub fn write(
     out: &mut impl Write,
     frame: &Frame,

@@ -15,7 +15,7 @@ use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Radius of the hairs in the files, m.
-const RADIUS: f64 = 35e-6;
+const HAIR_RADIUS: f64 = 35e-6;
 /// Hairs of the picture at most: more are not told apart.
 const SHOWN: usize = 4000;
 
@@ -126,7 +126,7 @@ fn strand(points: &[Point3<f64>]) -> Strand {
     let frames = frames.collect();
     Strand {
         points: points.to_vec(),
-        radii: vec![RADIUS; segments + 1],
+        radii: vec![HAIR_RADIUS; segments + 1],
         velocities: vec![Vector3::zeros(); segments + 1],
         frames,
         curvatures: vec![Vector3::zeros(); segments + 1],

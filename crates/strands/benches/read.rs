@@ -44,7 +44,7 @@ fn usda(frame: &Frame) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     vtp::write(&mut file, frame).expect("a frame");
     let bytes = file.into_inner();
-    let shape = PrimShape::Curves { strands: 0..STRANDS, guide: false };
+    let shape = PrimShape::Curves { strands: 0..frame.strands.len(), guide: false };
     let prim = Prim { name: "Hair".into(), shape, color: [0.3, 0.2, 0.1] };
     let timeline = Timeline { frames: 1, rate: 24.0, end: 0.0 };
     let layer = Strands::new(timeline, "Fibers", vec![prim], |_| Ok(Cursor::new(&bytes[..])));
@@ -53,20 +53,25 @@ fn usda(frame: &Frame) -> Vec<u8> {
     out
 }
 
-fn readers(c: &mut Criterion) {
-    let frame = groom();
-    let mut files = vec![("usda", usda(&frame)), ("usdc", usdc::written(&frame))];
+/// The frame in every format.
+fn all(frame: &Frame) -> Vec<(&'static str, Vec<u8>)> {
+    let mut files = vec![("usda", usda(frame)), ("usdc", usdc::written(frame))];
     let mut bytes = Vec::new();
-    hair::write(&mut bytes, &frame).expect("a frame");
+    hair::write(&mut bytes, frame).expect("a frame");
     files.push(("hair", std::mem::take(&mut bytes)));
-    data::write(&mut bytes, &frame).expect("a frame");
+    data::write(&mut bytes, frame).expect("a frame");
     files.push(("data", std::mem::take(&mut bytes)));
-    obj::write(&mut bytes, &frame).expect("a frame");
+    obj::write(&mut bytes, frame).expect("a frame");
     files.push(("obj", std::mem::take(&mut bytes)));
     for (name, encoding) in [("ply text", PlyEncoding::Text), ("ply binary", PlyEncoding::Binary)] {
-        ply::write(&mut bytes, &frame, encoding).expect("a frame");
+        ply::write(&mut bytes, frame, encoding).expect("a frame");
         files.push((name, std::mem::take(&mut bytes)));
     }
+    files
+}
+
+fn readers(c: &mut Criterion) {
+    let files = all(&groom());
     let mut group = c.benchmark_group("read");
     group.sample_size(10);
     for (name, bytes) in &files {

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 /// the edges.
 pub(crate) fn joined(edges: &[[u32; 2]], points: &[Point3<f64>], widths: &[f64]) -> RawStrands {
     let mut raw = RawStrands::default();
-    let around = Neighbors::new(edges, points.len());
+    let around = ChainNeighbors::new(edges, points.len());
     let mut seen = vec![false; points.len()];
     for start in 0..points.len() {
         if seen[start] || around.of(start).is_empty() {
@@ -50,12 +50,12 @@ pub(crate) fn joined(edges: &[[u32; 2]], points: &[Point3<f64>], widths: &[f64])
 }
 
 /// The points at the other ends of the edges of every point.
-struct Neighbors {
+struct ChainNeighbors {
     starts: Vec<usize>,
     points: Vec<u32>,
 }
 
-impl Neighbors {
+impl ChainNeighbors {
     fn new(edges: &[[u32; 2]], count: usize) -> Self {
         let both = edges.iter().flat_map(|&[a, b]| [[a, b], [b, a]]);
         let mut sides: Vec<_> = both.filter(|[a, b]| a != b).collect();

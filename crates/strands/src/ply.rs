@@ -10,65 +10,53 @@ use crate::raw::RawStrands;
 use crate::{ReadOptions, StrandsError};
 use nalgebra::Point3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
-use std::io::Read;
+use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, Header, PropertyType, ScalarType};
 
 pub(crate) const NAME: &str = "PLY";
 
 pub(crate) fn read(bytes: &[u8], options: &ReadOptions) -> Result<RawStrands, StrandsError> {
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Unread>::new().read_header(&mut reader).map_err(said)?;
+    let header = Parser::<DefaultElement>::new().read_header(&mut reader).map_err(said)?;
     // Nothing in the file bounds how many there are of what takes no place.
     if let Some((name, _)) = header.elements.iter().find(|(_, e)| e.properties.is_empty()) {
         return Err(refuse(format!("the element `{name}` has no properties")));
     }
+    let mut payload = Payload { bytes, rest: reader.into_inner(), encoding: header.encoding };
     let (mut vertices, mut edges, mut strands) = (Vec::new(), Vec::new(), Vec::new());
     for (name, definition) in &header.elements {
-        let reader = &mut reader;
         match name.as_str() {
-            "vertex" => {
-                let parser = Parser::<StrandVertex>::new();
-                vertices = parser.read_payload_for_element(reader, definition, &header)?;
-            }
-            "edge" => {
-                let parser = Parser::<PlyEdge>::new();
-                edges = parser.read_payload_for_element(reader, definition, &header)?;
-            }
-            "strand" => {
-                let parser = Parser::<PointCount>::new();
-                strands = parser.read_payload_for_element(reader, definition, &header)?;
-            }
-            _ => {
-                let parser = Parser::<Unread>::new();
-                parser.read_payload_for_element(reader, definition, &header)?;
-            }
+            "vertex" => vertices = payload.rows(definition, ["x", "y", "z", "radius"])?,
+            "edge" => edges = payload.rows(definition, ["vertex1", "vertex2"])?,
+            "strand" => strands = payload.rows(definition, ["points"])?,
+            _ => _ = payload.rows(definition, [])?,
         }
     }
-    let mut more = reader.into_inner().bytes();
-    if more.any(|byte| !byte.is_ok_and(|b| b.is_ascii_whitespace())) {
-        return Err(refuse("it goes on after the elements that its head tells of"));
+    if !payload.rest.trim_ascii_start().is_empty() {
+        return Err(payload.refuse("it goes on after the elements that its head tells of"));
     }
 
-    let has_radii = header
-        .elements
-        .get("vertex")
-        .is_some_and(|vertex| vertex.properties.contains_key("radius"));
+    let vertex = header.elements.get("vertex");
+    let has_radii = vertex.is_some_and(|own| own.properties.contains_key("radius"));
     let count = vertices.len();
-    let points: Vec<_> = vertices.iter().map(|v| Point3::new(v.0[0], v.0[1], v.0[2])).collect();
+    let points: Vec<_> = vertices.iter().map(|&[x, y, z, _]| Point3::new(x, y, z)).collect();
     let radii = vertices.iter().filter(|_| has_radii);
-    let widths: Vec<_> = radii.map(|v| 2.0 * v.0[3]).collect();
+    let widths: Vec<_> = radii.map(|&[.., radius]| 2.0 * radius).collect();
     let counts = match options.points_per_strand.map_or_else(|| stated(&header), |n| Ok(Some(n)))? {
         Some(each) if count % each != 0 => {
             let problem = format!("{count} vertices are no multiple of {each} points per strand");
             return Err(refuse(problem));
         }
         Some(each) => vec![each; count / each],
-        None if !strands.is_empty() => strands.iter().map(|strand| strand.0).collect(),
+        None if !strands.is_empty() => {
+            let counts = strands.iter().map(|&[points]| whole(points, count)).collect();
+            let counts: Option<Vec<_>> = counts;
+            counts.ok_or_else(|| refuse(format!("a strand has more than its {count} vertices")))?
+        }
         None if !edges.is_empty() => {
-            let edges: Vec<_> = edges.iter().map(|edge| edge.0).collect();
-            if edges.as_flattened().iter().any(|&end| end as usize >= count) {
-                return Err(refuse("an edge joins a vertex that is not there"));
-            }
+            let end = |x| whole(x, count.checked_sub(1)?).and_then(|end| u32::try_from(end).ok());
+            let edges = edges.iter().map(|&[a, b]| Some([end(a)?, end(b)?]));
+            let edges: Option<Vec<_>> = edges.collect();
+            let edges = edges.ok_or_else(|| refuse("an edge joins a vertex that is not there"))?;
             return Ok(joined(&edges, &points, &widths));
         }
         None if count == 0 => Vec::new(),
@@ -114,91 +102,101 @@ fn said(error: ParseError) -> StrandsError {
     StrandsError::Read { format: NAME, place, problem }
 }
 
-impl From<ParseError> for StrandsError {
-    fn from(error: ParseError) -> Self {
-        said(error)
-    }
+/// A whole number from zero to `most`.
+fn whole(number: f64, most: usize) -> Option<usize> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is in range")]
+    let is_whole = || number as usize;
+    ((0.0..=most as f64).contains(&number) && number.fract() == 0.0).then(is_whole)
 }
 
-/// The position and the radius of a vertex; what is left out is not a number.
-struct StrandVertex([f64; 4]);
-
-impl PropertyAccess for StrandVertex {
-    fn new() -> Self {
-        Self([f64::NAN; 4])
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(place) = ["x", "y", "z", "radius"].iter().position(|&own| own == name) else {
-            return PropertyAccessResult::Ignored;
-        };
-        self.0[place] = match property {
-            Property::Float(x) => x.into(),
-            Property::Double(x) => x,
-            Property::Int(x) => x.into(),
-            Property::UInt(x) => x.into(),
-            other => match integer(&other).and_then(|x| i16::try_from(x).ok()) {
-                Some(x) => x.into(),
-                None => return PropertyAccessResult::UnsupportedType,
-            },
-        };
-        PropertyAccessResult::Set
-    }
+/// What follows the head.
+struct Payload<'a> {
+    /// The whole file.
+    bytes: &'a [u8],
+    rest: &'a [u8],
+    encoding: Encoding,
 }
 
-/// The vertices that an edge joins; what is no number of a vertex is the largest one.
-struct PlyEdge([u32; 2]);
-
-impl PropertyAccess for PlyEdge {
-    fn new() -> Self {
-        Self([u32::MAX; 2])
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(place) = ["vertex1", "vertex2"].iter().position(|&own| own == name) else {
-            return PropertyAccessResult::Ignored;
-        };
-        let Some(end) = integer(&property) else { return PropertyAccessResult::UnsupportedType };
-        self.0[place] = u32::try_from(end).unwrap_or(u32::MAX);
-        PropertyAccessResult::Set
-    }
-}
-
-/// The number of points of a strand.
-struct PointCount(usize);
-
-impl PropertyAccess for PointCount {
-    fn new() -> Self {
-        Self(0)
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if name != "points" {
-            return PropertyAccessResult::Ignored;
+impl Payload<'_> {
+    /// The properties of these names of every item of an element; what it lacks is not a number.
+    fn rows<const N: usize>(
+        &mut self,
+        element: &ElementDef,
+        names: [&str; N],
+    ) -> Result<Vec<[f64; N]>, StrandsError> {
+        let place = |name: &String| names.iter().position(|own| own == name);
+        let properties = element.properties.iter();
+        let columns: Vec<_> = properties.map(|(name, own)| (place(name), &own.data_type)).collect();
+        let mut rows = Vec::new();
+        for _ in 0..element.count {
+            let mut row = [f64::NAN; N];
+            for (place, kind) in &columns {
+                match kind {
+                    PropertyType::Scalar(kind) => {
+                        let number = self.number(kind)?;
+                        if let Some(place) = place {
+                            row[*place] = number;
+                        }
+                    }
+                    PropertyType::List(size, kind) => {
+                        let count = whole(self.number(size)?, self.rest.len());
+                        let count = count.ok_or_else(|| self.refuse("a list is too long"))?;
+                        for _ in 0..count {
+                            self.number(kind)?;
+                        }
+                    }
+                }
+            }
+            rows.push(row);
         }
-        let Some(count) = integer(&property) else { return PropertyAccessResult::UnsupportedType };
-        self.0 = usize::try_from(count).unwrap_or(usize::MAX);
-        PropertyAccessResult::Set
+        Ok(rows)
     }
-}
 
-/// An element of another kind.
-struct Unread;
-
-impl PropertyAccess for Unread {
-    fn new() -> Self {
-        Self
+    /// The next number.
+    fn number(&mut self, kind: &ScalarType) -> Result<f64, StrandsError> {
+        use ScalarType::{Char, Double, Float, Int, Short, UChar, UInt, UShort};
+        if self.encoding == Encoding::Ascii {
+            let text = self.rest.trim_ascii_start();
+            let length = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+            let (word, rest) = text.split_at(length);
+            let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+            let number = number.ok_or_else(|| self.refuse("a number is expected"))?;
+            self.rest = rest;
+            return Ok(number);
+        }
+        let is_little = self.encoding == Encoding::BinaryLittleEndian;
+        Ok(match kind {
+            Char => i8::from_le_bytes(self.ordered(is_little)?).into(),
+            UChar => u8::from_le_bytes(self.ordered(is_little)?).into(),
+            Short => i16::from_le_bytes(self.ordered(is_little)?).into(),
+            UShort => u16::from_le_bytes(self.ordered(is_little)?).into(),
+            Int => i32::from_le_bytes(self.ordered(is_little)?).into(),
+            UInt => u32::from_le_bytes(self.ordered(is_little)?).into(),
+            Float => f32::from_le_bytes(self.ordered(is_little)?).into(),
+            Double => f64::from_le_bytes(self.ordered(is_little)?),
+        })
     }
-}
 
-fn integer(property: &Property) -> Option<i64> {
-    match *property {
-        Property::Char(x) => Some(x.into()),
-        Property::UChar(x) => Some(x.into()),
-        Property::Short(x) => Some(x.into()),
-        Property::UShort(x) => Some(x.into()),
-        Property::Int(x) => Some(x.into()),
-        Property::UInt(x) => Some(x.into()),
-        _ => None,
+    /// The next bytes, the lowest one first.
+    fn ordered<const N: usize>(&mut self, is_little: bool) -> Result<[u8; N], StrandsError> {
+        let Some((&(mut bytes), rest)) = self.rest.split_first_chunk() else {
+            return Err(self.refuse("it ends before the elements that its head tells of"));
+        };
+        self.rest = rest;
+        if !is_little {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+
+    /// An error at what comes next.
+    fn refuse(&self, problem: &str) -> StrandsError {
+        let read = &self.bytes[..self.bytes.len() - self.rest.len()];
+        let place = if self.encoding == Encoding::Ascii {
+            format!("line {}", read.iter().filter(|&&byte| byte == b'\n').count() + 1)
+        } else {
+            format!("byte {}", read.len())
+        };
+        StrandsError::Read { format: NAME, place, problem: problem.to_owned() }
     }
 }

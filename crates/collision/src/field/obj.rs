@@ -45,6 +45,7 @@ impl Obj {
             // A line may go on in the next.
             match part.strip_suffix('\\') {
                 Some(part) => statement = statement + part + " ",
+                None if statement.is_empty() => obj.take(line, part)?,
                 None => obj.take(line, &(std::mem::take(&mut statement) + part))?,
             }
         }
@@ -59,15 +60,15 @@ impl Obj {
     }
 
     fn take(&mut self, line: usize, statement: &str) -> Result<(), CollisionError> {
-        let mut words = statement.split_whitespace();
+        let mut words = statement.split_ascii_whitespace();
         let kind = words.next();
         match kind {
             Some("v") => {
-                let numbers: Result<Vec<f64>, _> = words.take(3).map(str::parse).collect();
-                match numbers.as_deref() {
-                    Ok(&[x, y, z]) => self.points.push(Point3::new(x, y, z)),
-                    _ => return Err(refuse(Some(line), "a point must have three numbers".into())),
-                }
+                let numbers = [(); 3].map(|()| words.next()?.parse().ok());
+                let [Some(x), Some(y), Some(z)] = numbers else {
+                    return Err(refuse(Some(line), "a point must have three numbers".into()));
+                };
+                self.points.push(Point3::new(x, y, z));
             }
             Some("f" | "l") => {
                 let count = self.points.len();

@@ -9,14 +9,14 @@ pub(super) struct FittedView<'a> {
 }
 
 /// Farthest a head reaches from its origin, m, before the similarity.
-const REACH: f64 = 0.3;
+const HEAD_REACH: f64 = 0.3;
 
 impl FittedView<'_> {
     /// The outermost place of the head along a direction of the template's frame.
     pub(super) fn place(&self, direction: &Unit<Vector3<f64>>) -> Point3<f64> {
         let outward = self.similarity.rotation * direction.into_inner();
         let origin = self.similarity.apply(&Point3::origin());
-        let mut far = REACH * self.similarity.scale;
+        let mut far = HEAD_REACH * self.similarity.scale;
         // The distance is a way on which nothing is met.
         for _ in 0..200 {
             let free = self.head.value(&(origin + outward * far));

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix6, Vector6};
 
 /// Largest change of the load in a step, in its units.
-const LONGEST: f64 = 4.0;
+const LONGEST_STEP: f64 = 4.0;
 /// Shortest change of the load in a line search.
 const SHORTEST: f64 = 1e-7;
 /// Fraction of the decrease predicted by the slope that a step must bring (Armijo 1966).
@@ -52,7 +52,7 @@ pub(super) fn minimize<T>(
         }
         // The first step has no scale but that of the load.
         let mut part = match inverse {
-            Some(_) => (LONGEST / step.norm()).min(1.0),
+            Some(_) => (LONGEST_STEP / step.norm()).min(1.0),
             None => step.norm().recip(),
         };
         let accepted = loop {

@@ -4,8 +4,8 @@
 //! fields, whose values lie anywhere and are read when they are wanted. Nothing is believed: every
 //! index is looked up, and no memory is taken beyond what the bytes can unpack to.
 
-use super::NAME;
 use super::layer::{UsdAttribute, UsdLayer, UsdValue, is_kept};
+use super::marks::{BINARY_MARK, NAME};
 use super::packed::{integers, unpacked};
 use super::rep::{Rep, TIME_SAMPLES, Values};
 use crate::StrandsError;
@@ -69,7 +69,7 @@ struct Crate<'a> {
 impl<'a> Crate<'a> {
     fn open(bytes: &'a [u8]) -> Result<Self, StrandsError> {
         let mut head = ByteReader::new(NAME, bytes);
-        head.take("mark", 1, super::BINARY_MARK.len())?;
+        head.take("mark", 1, BINARY_MARK.len())?;
         let [major, minor, ..] = head.array::<8>("version")?;
         if major != 0 || !(4..=12).contains(&minor) {
             let problem = format!("its version is {major}.{minor}, but 0.4 to 0.12 are read");
@@ -129,10 +129,10 @@ impl<'a> Crate<'a> {
         Ok(file)
     }
 
-    /// Reads the tree of paths: of every node the index of its path, the token of its name (negative
-    /// for properties), and where its sibling is. A node is followed by its first child; `jump` is
-    /// the distance to the sibling, 0 if that is next for want of children, -1 if there are children
-    /// alone, -2 if there is neither.
+    /// Reads the tree of paths: of every node the index of its path, the token of its name
+    /// (negative for properties), and where its sibling is. A node is followed by its first child;
+    /// `jump` is the distance to the sibling, 0 if that is next for want of children, -1 if there
+    /// are children alone, -2 if there is neither.
     fn read_paths(&mut self, mut at: ByteReader<'_>) -> Result<(), StrandsError> {
         at.u64("number of paths")?;
         let count = at.u64("number of nodes of paths")?;

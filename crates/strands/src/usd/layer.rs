@@ -102,9 +102,17 @@ impl UsdLayer {
 
     /// Notes what a prim has from elsewhere.
     pub(super) fn note_arc(&mut self, key: &str, prim: usize) {
-        if ["references", "payload", "inherits", "specializes", "clips", "variants", "variantSet"]
-            .contains(&key)
-        {
+        const ARCS: [&str; 8] = [
+            "references",
+            "payload",
+            "inherits",
+            "inheritPaths",
+            "specializes",
+            "clips",
+            "variantSet",
+            "variantSetNames",
+        ];
+        if ARCS.contains(&key) {
             let note = format!("{key} of {}", self.path(prim));
             self.unread.push(note);
         }

@@ -1,7 +1,7 @@
 //! Tokens and values of USD as text.
 
-use super::NAME;
 use super::layer::UsdValue;
+use super::marks::NAME;
 use crate::StrandsError;
 
 /// A text, read token by token.
@@ -26,8 +26,24 @@ pub(super) enum Token<'a> {
     End,
 }
 
-/// Bytes that end a word.
+/// Bytes that are no part of a word though they are no space.
 const DELIMITERS: &[u8] = b"()[]{}=,;\"'@<>#";
+
+/// Whether a byte ends a word, by its value.
+const ENDS: [bool; 256] = {
+    let mut ends = [false; 256];
+    let mut k = 0;
+    while k < DELIMITERS.len() {
+        ends[DELIMITERS[k] as usize] = true;
+        k += 1;
+    }
+    let mut byte = 0;
+    while byte < 128_u8 {
+        ends[byte as usize] |= byte.is_ascii_whitespace();
+        byte += 1;
+    }
+    ends
+};
 
 impl<'a> Lexer<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
@@ -72,12 +88,12 @@ impl<'a> Lexer<'a> {
                 Ok(if first == b'@' { Token::Asset(inside) } else { Token::Text(inside) })
             }
             b'<' => self.quoted(b">").map(|_| Token::Path),
-            _ if DELIMITERS.contains(&first) => {
+            _ if ENDS[usize::from(first)] => {
                 self.at += 1;
                 Ok(Token::Symbol(first))
             }
             _ => {
-                let ends = |b: &u8| b.is_ascii_whitespace() || DELIMITERS.contains(b);
+                let ends = |b: &u8| ENDS[usize::from(*b)];
                 let length = rest.iter().position(ends).unwrap_or(rest.len());
                 self.at += length;
                 Ok(Token::Word(&rest[..length]))
@@ -124,6 +140,12 @@ impl<'a> Lexer<'a> {
     pub(super) fn skip(&mut self) -> Result<(), StrandsError> {
         let mut depth = 0_usize;
         loop {
+            if depth > 0 {
+                // Past numbers, names and commas, of which there may be millions.
+                let rest = &self.bytes[self.at..];
+                let is_plain = |b: &u8| !ENDS[usize::from(*b)] || *b == b',' || *b == b' ';
+                self.at += rest.iter().position(|b| !is_plain(b)).unwrap_or(rest.len());
+            }
             let token = self.token()?;
             match token {
                 Token::Symbol(b'(' | b'[' | b'{') => depth += 1,

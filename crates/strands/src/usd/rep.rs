@@ -233,8 +233,8 @@ fn jumped(mut at: ByteReader<'_>) -> Result<ByteReader<'_>, StrandsError> {
     at.seek(start.wrapping_add_signed(distance))
 }
 
-/// A value in its own four bytes: whole numbers in a byte each for vectors and for the diagonal of a
-/// matrix, which is zero elsewhere.
+/// A value in its own four bytes: whole numbers in a byte each for vectors and for the diagonal of
+/// a matrix, which is zero elsewhere.
 fn inlined(rep: Rep, (component, count): (Component, usize)) -> UsdValue {
     let bytes = rep.inlined();
     let small = |k: usize| f64::from(i8::from_le_bytes([bytes[k]]));

@@ -121,8 +121,8 @@ fn apart(one: &[Point3<f64>], other: &[Point3<f64>]) -> f64 {
     .fold(0.0, f64::max)
 }
 
-/// A helix of radius r and pitch 2 pi p has the curvature r / (r² + p²); its chords over an arc h are
-/// off by about h² / 8 of that.
+/// A helix of radius r and pitch 2 pi p has the curvature r / (r² + p²); its chords over an arc h
+/// are off by about h² / 8 of that.
 #[test]
 fn a_curl_keeps_the_error_of_theory() {
     let (radius, pitch) = (0.01, 0.02 / (2.0 * PI));

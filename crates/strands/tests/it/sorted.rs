@@ -30,7 +30,7 @@ fn every_fault_has_its_number_and_the_rest_keeps_its_order() {
         vec![C, nan],
         vec![A, A, B, B, C],
         vec![A; 9],
-        [f32::INFINITY; 3].chunks(3).map(|x| [x[0], x[1], x[2]]).chain([A]).collect(),
+        vec![[f32::INFINITY; 3], A],
         vec![C, B],
     ];
     let options = ReadOptions { most_points: 8, ..ReadOptions::default() };
@@ -127,6 +127,30 @@ fn counts_of_gigabytes_in_small_files_are_refused() {
     assert!(matches!(error, StrandsError::Read { format: "PLY", .. }), "{error}");
 }
 
+/// Whatever the counts of a small file say, reading it takes a few times its own size.
+#[test]
+fn small_files_take_little_memory() {
+    let layer = include_bytes!("../data/groom.usdc");
+    let head = b"ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty list uint int x\n\
+        end_header\n4294967295 1\n";
+    let mut files = vec![hair(2, u32::MAX, 0.0, &[]), hair(3, 0, 0.0, &[]), head.to_vec()];
+    files[0][4..12].fill(0xff);
+    files[1][4..8].fill(0xff);
+    files.push(b"\xff\xff\xff\x7f\xff\xff\xff\x7f0000".to_vec());
+    // Every eight bytes of a binary layer in turn as a large number.
+    files.extend((8..layer.len() - 8).step_by(4).map(|at| {
+        let mut bytes = layer.to_vec();
+        bytes[at..at + 8].copy_from_slice(&0x0000_00ff_ffff_ffff_u64.to_le_bytes());
+        bytes
+    }));
+    for bytes in files {
+        let taken = allocation_counter::measure(|| {
+            let _ = StrandFile::read(&bytes, None, &usual());
+        });
+        assert!(taken.bytes_max < 300 * bytes.len() as u64 + 10_000, "{}", taken.bytes_max);
+    }
+}
+
 #[test]
 fn ply_takes_its_counts_from_where_they_are() {
     let ply = |comment: &str, more: &str, end: &str| {
@@ -159,7 +183,10 @@ fn ply_takes_its_counts_from_where_they_are() {
         (ply("", edges, "1 0\n3 4\n"), "not there"),
         (ply("", edges, "1 0\n3 -1\n"), "not there"),
         (ply("comment points_per_strand 2\n", "", "7\n"), "goes on"),
-        (ply("comment points_per_strand 2\n", "", "").replace("3 0 0\n", ""), "file"),
+        (
+            ply("comment points_per_strand 2\n", "", "").replace("3 0 0\n", ""),
+            "a number is expected",
+        ),
         (ply("", "element nothing 9999999999\n", ""), "no properties"),
         (
             ply("comment points_per_strand 2\n", "", "")
@@ -170,5 +197,39 @@ fn ply_takes_its_counts_from_where_they_are() {
     ] {
         let error = StrandFile::read(text.as_bytes(), None, &usual()).expect_err(&text);
         assert!(error.to_string().contains(problem), "{error}");
+    }
+}
+
+/// Vertices with all types of numbers, after an element with a list, in either order of bytes.
+#[test]
+fn binary_ply_has_numbers_of_any_type() {
+    for (name, is_little) in [("binary_little_endian", true), ("binary_big_endian", false)] {
+        let mut bytes = format!(
+            "ply\nformat {name} 1.0\ncomment points_per_strand 2\nelement other 1\nproperty list \
+             ushort short some\nelement vertex 2\nproperty char a\nproperty double x\nproperty uint \
+             y\nproperty uchar z\nproperty float radius\nend_header\n"
+        )
+        .into_bytes();
+        let mut put = |number: &[u8]| {
+            let mut number = number.to_vec();
+            if !is_little {
+                number.reverse();
+            }
+            bytes.extend(number);
+        };
+        put(&2_u16.to_le_bytes());
+        put(&(-7_i16).to_le_bytes());
+        put(&300_i16.to_le_bytes());
+        for (x, y, radius) in [(0.1_f64, 70_000_u32, 0.5_f32), (0.2, 3, 0.25)] {
+            put(&[1]);
+            put(&x.to_le_bytes());
+            put(&y.to_le_bytes());
+            put(&[200]);
+            put(&radius.to_le_bytes());
+        }
+        let strands = read(&bytes).strands;
+        let points = [[0.1, 70_000.0, 200.0], [0.2, 3.0, 200.0]].map(Point3::from);
+        assert_eq!(strands.strand(0), points);
+        assert_eq!(strands.radii(), Some(&[0.5, 0.25][..]));
     }
 }
