@@ -52,7 +52,7 @@ pub fn grow(style: &Style, folder: &Path, at: &dyn Fn(GrowthStage)) -> Result<Ha
 /// z up as all that is written.
 ///
 /// # Errors
-/// Those of [`claim`](crate::claim), and of files that cannot be written.
+/// Those of [`claim`], and of files that cannot be written.
 pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
     claim(folder, &[&HAIRS[..], &[HEAD, PREVIEW]].concat())?;
     let curves = || style.hairs.iter().filter(|curve| curve.len() > 1);

@@ -55,6 +55,28 @@ pub struct Style {
     pub seed: u64,
 }
 
+impl Default for Style {
+    /// What an empty file says: a bob.
+    fn default() -> Self {
+        Self {
+            head: HeadSource::default(),
+            hair: HairSource::default(),
+            scalp: None,
+            density: density(),
+            hairs: None,
+            length: length(),
+            flow: FlowSpec::default(),
+            tilt: None,
+            pre_guides: pre_guides(),
+            guides: guides(),
+            dips: dips(),
+            guide: GuideSpec::default(),
+            strands: HairOptions::default(),
+            seed: 0,
+        }
+    }
+}
+
 fn density() -> ScalpField {
     ScalpField::Constant(crate::growth::SPARSE_DENSITY)
 }

@@ -6,3 +6,4 @@ mod fit;
 mod growth;
 mod head;
 mod region;
+mod style;

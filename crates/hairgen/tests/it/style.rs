@@ -1,0 +1,106 @@
+//! Styles from files, grown whole.
+
+use rapunzel_collision::field::{DistanceField, MeshDistance};
+use rapunzel_hairgen::HairgenError;
+use rapunzel_hairgen::head::HairVolume;
+use rapunzel_hairgen::style::{GrowthStage, HairSource, Hairstyle, HeadSource, ScalpField, Style};
+use ron::extensions::Extensions;
+use std::cell::RefCell;
+use std::io;
+use std::path::Path;
+
+/// A bob of few hairs.
+fn small() -> Style {
+    Style { hairs: Some(600), guides: 60, length: ScalpField::Constant(0.2), ..Style::default() }
+}
+
+fn none(_: &Path) -> io::Result<Vec<u8>> {
+    Err(io::Error::new(io::ErrorKind::NotFound, "no such file"))
+}
+
+fn grown(style: &Style) -> Hairstyle {
+    style.grow(&none, &|_| {}).expect("a style")
+}
+
+/// By the exact distance and by winding numbers, not by the grids that made it: no hair is in the
+/// head but at its root, and none farther outside of the hair than what it may be.
+#[test]
+fn hair_is_between_head_and_hull() {
+    let style = grown(&small());
+    let head = MeshDistance::new(&style.surfaces.head);
+    let hull = rapunzel_collision::field::Mesh::new(style.surfaces.hull.clone()).expect("a solid");
+    let hull = MeshDistance::new(&hull);
+    let (mut inside, mut out, mut whole) = (0, 0.0, 0.0);
+    for (number, curve) in style.hairs.iter().enumerate() {
+        for (node, ends) in curve.windows(2).enumerate() {
+            let (end, length) = (ends[1], (ends[1] - ends[0]).norm());
+            whole += length;
+            // The scalp's triangles lie on chords of the head's.
+            if head.value(&end) < -0.2e-3 {
+                inside += 1;
+            }
+            if hull.value(&end) > 1e-3 {
+                out += length;
+            }
+            if number % 20 == 0 && node % 10 == 5 {
+                assert!(head.tree().winding_number(&end) < 0.5, "hair {number}, node {node}");
+            }
+        }
+    }
+    assert_eq!(inside, 0);
+    assert!(out <= 1e-3 * whole, "{out} m of {whole} m");
+    // Most pores have a hair.
+    assert!(style.report.hairs.without_place.len() < 600 / 20, "{}", style.report);
+}
+
+#[test]
+fn the_same_style_has_the_same_bits_for_any_number_of_threads() {
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    let three = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("a pool");
+    let [a, b] = [alone, three].map(|pool| pool.install(|| grown(&small())).hairs);
+    assert_eq!(a, b);
+}
+
+#[test]
+fn every_part_of_the_work_is_told_in_order() {
+    let told = RefCell::new(Vec::new());
+    small().grow(&none, &|stage| told.borrow_mut().push(stage)).expect("a style");
+    let all = [
+        GrowthStage::Surfaces,
+        GrowthStage::Pores,
+        GrowthStage::PreGuides,
+        GrowthStage::Guides,
+        GrowthStage::Hairs,
+    ];
+    assert_eq!(told.into_inner(), all);
+}
+
+#[test]
+fn an_empty_file_is_a_bob_and_styles_survive_writing() {
+    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+    let empty: Style = options.from_str("()").expect("a style");
+    assert_eq!(empty, Style::default());
+    let text = options.to_string(&small()).expect("a text");
+    assert_eq!(options.from_str::<Style>(&text).expect("a style"), small());
+    options.from_str::<Style>("(hair: 3)").expect_err("no hair");
+}
+
+#[test]
+fn what_cannot_grow_is_refused() {
+    let refused = |style: &Style| style.grow(&none, &|_| {}).expect_err("refused");
+    let none = Style { hairs: Some(0), ..small() };
+    assert!(matches!(refused(&none), HairgenError::HairCount { count: 0, .. }));
+    let bald = Style { density: ScalpField::Constant(0.0), ..small() };
+    assert!(matches!(refused(&bald), HairgenError::Bald { .. }));
+    let scan = Style { hair: HairSource::Scan, ..small() };
+    assert!(matches!(refused(&scan), HairgenError::HairWithoutScan));
+    let file = "head.ply".into();
+    let missing =
+        Style { head: HeadSource::Mesh { file, hairline: Default::default() }, ..small() };
+    assert!(refused(&missing).to_string().contains("head.ply: no such file"));
+    let other = Style { hair: HairSource::Solid("hair.xyz".into()), ..small() };
+    assert!(matches!(refused(&other), HairgenError::File { .. }));
+    let thin = HairVolume { crown: 0.0, ..HairVolume::BOB };
+    let thin = Style { hair: HairSource::Volume(thin), ..small() };
+    assert!(matches!(refused(&thin), HairgenError::Measure { .. }));
+}
