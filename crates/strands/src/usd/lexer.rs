@@ -1,7 +1,7 @@
 //! Tokens and values of USD as text.
 
-use super::NAME;
 use super::layer::UsdValue;
+use super::marks::NAME;
 use crate::StrandsError;
 
 /// A text, read token by token.

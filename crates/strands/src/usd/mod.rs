@@ -11,23 +11,18 @@ mod curves;
 mod groom;
 mod layer;
 mod lexer;
+mod marks;
 mod packed;
 mod rep;
 mod text;
 mod transform;
 
+pub(crate) use marks::{BINARY_MARK, NAME, TEXT_MARK};
+
 use crate::raw::RawStrands;
 use crate::{ReadOptions, StrandsError};
 use layer::UsdLayer;
 use nalgebra::Matrix4;
-
-pub(crate) const NAME: &str = "USD";
-
-/// First bytes of a text.
-pub(crate) const TEXT_MARK: &[u8] = b"#usda";
-
-/// First bytes of a binary file.
-pub(crate) const BINARY_MARK: &[u8] = b"PXR-USDC";
 
 pub(crate) fn read(bytes: &[u8], options: &ReadOptions) -> Result<RawStrands, StrandsError> {
     let layer = if bytes.starts_with(BINARY_MARK) {

@@ -1,6 +1,6 @@
 //! Packed bytes and integers of the binary form: blocks of LZ4, and differences in few bits.
 
-use super::NAME;
+use super::marks::NAME;
 use crate::StrandsError;
 use crate::bytes::ByteReader;
 
