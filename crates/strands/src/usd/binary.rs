@@ -5,7 +5,7 @@
 //! index is looked up, and no memory is taken beyond what the bytes can unpack to.
 
 use super::layer::{UsdAttribute, UsdLayer, UsdValue, is_kept};
-use super::marks::{BINARY_MARK, NAME};
+use super::marks::NAME;
 use super::packed::{integers, unpacked};
 use super::rep::{Rep, TIME_SAMPLES, Values};
 use crate::StrandsError;
@@ -69,7 +69,7 @@ struct Crate<'a> {
 impl<'a> Crate<'a> {
     fn open(bytes: &'a [u8]) -> Result<Self, StrandsError> {
         let mut head = ByteReader::new(NAME, bytes);
-        head.take("mark", 1, BINARY_MARK.len())?;
+        head.take("mark", 1, super::marks::BINARY_MARK.len())?;
         let [major, minor, ..] = head.array::<8>("version")?;
         if major != 0 || !(4..=12).contains(&minor) {
             let problem = format!("its version is {major}.{minor}, but 0.4 to 0.12 are read");

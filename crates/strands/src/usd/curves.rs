@@ -29,7 +29,7 @@ pub(super) struct CurveKind {
 }
 
 /// A control point, and the width there.
-pub(super) type ControlPoints = [f64; 4];
+pub(super) type ControlPoint = [f64; 4];
 
 impl CurveKind {
     /// Number of spans of a curve of `count` control points, if it can have so many.
@@ -48,9 +48,9 @@ impl CurveKind {
     /// Adds the points of a curve to `out`: `fine` for each span of a cubic one, and its end.
     pub(super) fn evaluate(
         self,
-        controls: &[ControlPoints],
+        controls: &[ControlPoint],
         fine: usize,
-        out: &mut Vec<ControlPoints>,
+        out: &mut Vec<ControlPoint>,
     ) -> Result<(), StrandFault> {
         let spans = self.spans(controls.len()).ok_or(match controls.len() {
             0 | 1 => StrandFault::FewPoints,
@@ -75,7 +75,7 @@ impl CurveKind {
     }
 
     /// The four control points of a span.
-    fn around(self, controls: &[ControlPoints], span: usize) -> [ControlPoints; 4] {
+    fn around(self, controls: &[ControlPoint], span: usize) -> [ControlPoint; 4] {
         let count = controls.len();
         let first = if self.basis == CurveBasis::Bezier { 3 * span } else { span };
         // Beyond the ends of a pinned curve, each end mirrors its neighbor.

@@ -1,6 +1,6 @@
 //! The curves of a prim as strands in its world.
 
-use super::curves::{ControlPoints, CurveBasis, CurveKind, CurveWrap};
+use super::curves::{ControlPoint, CurveBasis, CurveKind, CurveWrap};
 use super::layer::{UsdPrim, UsdValue};
 use crate::raw::RawStrands;
 use nalgebra::{Matrix4, Point3};
@@ -11,7 +11,7 @@ enum WidthPlace {
     All,
     Curve,
     /// A control point.
-    ControlPoints,
+    ControlPoint,
     /// The end of a span.
     SpanEnd,
 }
@@ -48,14 +48,14 @@ pub(super) fn add(
     // A width grows as the volume of what the matrix does.
     let growth = place.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
     let (mut start, mut end) = (0, 0);
-    let (mut controls, mut curve): (Vec<ControlPoints>, Vec<ControlPoints>) =
+    let (mut controls, mut curve): (Vec<ControlPoint>, Vec<ControlPoint>) =
         (Vec::new(), Vec::new());
     for (index, count) in counts.iter().enumerate() {
         let own = |at: usize| match &widths {
             None => 0.0,
             Some((WidthPlace::All, all)) => all[0],
             Some((WidthPlace::Curve, all)) => all[index],
-            Some((WidthPlace::ControlPoints, all)) => all[at],
+            Some((WidthPlace::ControlPoint, all)) => all[at],
             Some((WidthPlace::SpanEnd, _)) => 0.0,
         };
         controls.clear();
@@ -147,7 +147,7 @@ fn widths(
     }
     let said = prim.attributes.get(name).and_then(|own| own.interpolation.as_deref());
     let places = [
-        ("vertex", WidthPlace::ControlPoints, points),
+        ("vertex", WidthPlace::ControlPoint, points),
         ("constant", WidthPlace::All, 1),
         ("uniform", WidthPlace::Curve, counts.len()),
         ("varying", WidthPlace::SpanEnd, ends),

@@ -1,6 +1,6 @@
-//! What tells files of USD.
+//! What tells a layer of USD.
 
-/// Name of the format in messages.
+/// Name of the format.
 pub(crate) const NAME: &str = "USD";
 
 /// First bytes of a text.

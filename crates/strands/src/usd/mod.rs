@@ -17,12 +17,12 @@ mod rep;
 mod text;
 mod transform;
 
+pub(crate) use marks::{BINARY_MARK, NAME, TEXT_MARK};
+
 use crate::raw::RawStrands;
 use crate::{ReadOptions, StrandsError};
 use layer::UsdLayer;
 use nalgebra::Matrix4;
-
-pub(crate) use marks::{BINARY_MARK, NAME, TEXT_MARK};
 
 pub(crate) fn read(bytes: &[u8], options: &ReadOptions) -> Result<RawStrands, StrandsError> {
     let layer = if bytes.starts_with(BINARY_MARK) {
