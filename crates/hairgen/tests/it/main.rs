@@ -2,8 +2,11 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+mod balls;
 mod fit;
 mod growth;
+mod guides;
+mod hairs;
 mod head;
 mod region;
 mod style;
