@@ -80,11 +80,37 @@ impl Chain {
     /// # Errors
     /// A shape of another number of nodes, and [`StaticError::NotConverged`].
     pub fn relax(&self, start: &Shape) -> Result<Rest, StaticError> {
-        self.check(start)?;
-        // A shape from before the clamp turned is turned with it.
-        let moved = self.clamp.rotation * start.frames[0].inverse();
-        let frames = start.frames.iter().map(|frame| moved * frame).collect();
+        let frames = self.from_clamp(start)?;
         if self.is_followed() { self.follow(frames) } else { self.minimize(frames) }
+    }
+
+    /// The equilibrium next to `start`, by a few steps of Newton's method alone: on the branch of
+    /// equilibria that the start is near to, stable or not. Where there is none it tells so at the
+    /// cost of a dozen steps; [`Chain::relax`] would look for others.
+    ///
+    /// # Errors
+    /// As [`Chain::relax`].
+    pub fn relax_nearby(&self, start: &Shape) -> Result<Rest, StaticError> {
+        let mut frames = self.from_clamp(start)?;
+        let mut pulls = vec![Vector3::zeros(); self.targets.len()];
+        let mut iterations = 0;
+        let step = self.balance(&mut frames, &mut pulls, 1.0, &mut iterations);
+        if step < SMALL_CHANGE {
+            Ok(Rest { shape: self.shape(frames), pulls, iterations })
+        } else {
+            Err(StaticError::NotConverged { iterations, step })
+        }
+    }
+
+    /// The frames of a shape from before the clamp turned, turned with it.
+    fn from_clamp(&self, start: &Shape) -> Result<Vec<UnitQuaternion<f64>>, StaticError> {
+        self.check(start)?;
+        let moved = self.clamp.rotation * start.frames[0].inverse();
+        // Normalized: a norm that is off by rounding would square from one warm start to the next.
+        let turned = |frame: &UnitQuaternion<f64>| {
+            UnitQuaternion::new_normalize((moved * frame).into_inner())
+        };
+        Ok(start.frames.iter().map(turned).collect())
     }
 
     /// Relaxes each chain from its own shape, in parallel; the results do not depend on the number

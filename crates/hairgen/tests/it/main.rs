@@ -1,1 +1,5 @@
 //! Tests of the crate from outside.
+
+mod balls;
+mod guides;
+mod hairs;

@@ -196,3 +196,25 @@ fn what_has_no_derivatives_is_refused() {
     let refused = chain.end_load_derivatives(&rest, &by);
     assert!(matches!(refused, Err(StaticError::NoDerivative { .. })), "{refused:?}");
 }
+
+/// Newton's method from nearby finds what the whole search finds, and a chain of warm starts does
+/// not drift.
+#[test]
+fn warm_starts_stay_rotations() {
+    let chain = loaded(&[], Vector3::new(0.5, -0.8, 0.3), Vector3::new(0.6, 0.3, -0.4));
+    let rest = chain.solve().expect("an equilibrium").shape;
+    let mut shape = rest.clone();
+    for i in 0..200_u32 {
+        let next = if i % 2 == 0 { chain.relax(&shape) } else { chain.relax_nearby(&shape) };
+        shape = next.expect("an equilibrium").shape;
+    }
+    for (frame, first) in shape.frames().iter().zip(rest.frames()) {
+        assert!((frame.into_inner().norm() - 1.0).abs() < 1e-14);
+        assert!(frame.angle_to(first) < 1e-12);
+    }
+    // From a shape on the other side of the clamp there is nothing nearby.
+    let far = vec![Vector3::new(0.0, 3.0, 1.0); 16];
+    let far = chain.turned(&chain.natural_shape(), &far).expect("a shape");
+    let strong = loaded(&[], Vector3::new(0.0, 0.0, 900.0), Vector3::zeros());
+    assert!(matches!(strong.relax_nearby(&far), Err(StaticError::NotConverged { .. })));
+}

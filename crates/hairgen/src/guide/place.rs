@@ -1,0 +1,120 @@
+use super::flow::GuideFlow;
+use super::objective::{Objective, Terms};
+use super::rod::{EndLoad, GuideRod};
+use super::search::{Minimum, minimize};
+use super::{GuideOptions, PreGuide};
+use crate::density::HairDensity;
+use crate::{HairgenError, Pore, Region, cut};
+use nalgebra::Point3;
+use rapunzel_rod_static::Shape;
+use rayon::prelude::*;
+
+/// A main guide in its place.
+#[derive(Debug, Clone)]
+pub struct GuideHair {
+    /// Number of its pore.
+    pub pore: usize,
+    /// Its shape before the cut: positions and frames of its nodes.
+    pub shape: Shape,
+    /// The load on its end that gives it this shape.
+    pub load: EndLoad,
+    /// The objective's terms there.
+    pub terms: Terms,
+    /// The objective, the weighted sum of the terms.
+    pub value: f64,
+    /// Number of equilibria that the search took.
+    pub equilibria: usize,
+    /// What the cut leaves of its center line (world), m, from the root on.
+    pub curve: Vec<Point3<f64>>,
+}
+
+/// The main guides of a style, and the pores without one.
+#[derive(Debug, Clone, Default)]
+pub struct GuideHairs {
+    /// The guides in the order of their pores.
+    pub guides: Vec<GuideHair>,
+    /// Numbers of the pores whose guides found no place: too little is left of them between head
+    /// and hull.
+    pub without_place: Vec<usize>,
+}
+
+/// Lays a guide in each of the `pores`: the load on its end, a force and a couple, is the one that
+/// minimizes the objective (5.7), searched by a quasi-Newton method from the loads of the
+/// pre-guides next to it. Guides are cut where they leave the region.
+///
+/// With a `density`, which grows by the guides laid, guides are laid in batches in the order of
+/// their pores: each sees the guides of the batches before. So the result does not depend on the
+/// number of threads.
+///
+/// # Errors
+/// Options out of range, pores that are none, and no pre-guides.
+pub fn place_guides(
+    pores: &[Pore],
+    pre: &[PreGuide],
+    region: Region<'_>,
+    mut density: Option<&mut HairDensity>,
+    options: &GuideOptions,
+) -> Result<GuideHairs, HairgenError> {
+    options.validate()?;
+    let numbers: Vec<usize> = (0..pores.len()).collect();
+    let mut hairs = GuideHairs::default();
+    for batch in numbers.chunks(options.batch) {
+        let known = density.as_deref();
+        let place = |&number: &usize| {
+            let flow = GuideFlow::at(&pores[number].position, pre)?;
+            let objective = Objective::new(flow, region, known, options)?;
+            place(&pores[number], number, &objective, options)
+        };
+        let placed: Result<Vec<_>, _> = batch.par_iter().map(place).collect();
+        for (number, guide) in batch.iter().zip(placed?) {
+            let Some(guide) = guide else {
+                hairs.without_place.push(*number);
+                continue;
+            };
+            if let Some(density) = density.as_deref_mut() {
+                density.add(&guide.curve);
+            }
+            hairs.guides.push(guide);
+        }
+    }
+    Ok(hairs)
+}
+
+/// The guide of a pore; `None` if it has no equilibrium, or too little is left of it after the cut.
+fn place(
+    pore: &Pore,
+    number: usize,
+    objective: &Objective<'_>,
+    options: &GuideOptions,
+) -> Result<Option<GuideHair>, HairgenError> {
+    let mut rod = GuideRod::new(pore, number, options)?;
+    let Some(found) = optimum(&mut rod, objective, options.equilibria) else { return Ok(None) };
+    let (terms, _) = objective.terms(&rod, &found.kept);
+    let curve = cut(found.kept.positions(), objective.region, options.outside);
+    let left: f64 = curve.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+    let guide = GuideHair {
+        pore: number,
+        load: EndLoad::of(&found.point),
+        terms,
+        value: found.value,
+        equilibria: found.evaluations,
+        curve,
+        shape: found.kept,
+    };
+    Ok((left >= options.least * pore.length).then_some(guide))
+}
+
+/// The end load that minimizes the objective, searched from the mean load of the pre-guides next to
+/// the guide, in at most `most` equilibria.
+pub(crate) fn optimum(
+    rod: &mut GuideRod,
+    objective: &Objective<'_>,
+    most: usize,
+) -> Option<Minimum<Shape>> {
+    let start = objective.flow.load(rod);
+    let shape = rod.relax(&EndLoad::of(&start), &rod.straight()).ok()?.shape;
+    minimize(&start, &shape, most, |load, shape| {
+        let (value, gradient, rest) = objective.with_gradient(rod, load, shape)?;
+        Some((value, gradient, rest.shape))
+    })
+}
