@@ -80,7 +80,7 @@ impl Chain {
     /// # Errors
     /// A shape of another number of nodes, and [`StaticError::NotConverged`].
     pub fn relax(&self, start: &Shape) -> Result<Rest, StaticError> {
-        let frames = self.from_clamp(start)?;
+        let frames = self.frames_at_clamp(start)?;
         if self.is_followed() { self.follow(frames) } else { self.minimize(frames) }
     }
 
@@ -91,7 +91,7 @@ impl Chain {
     /// # Errors
     /// As [`Chain::relax`].
     pub fn relax_nearby(&self, start: &Shape) -> Result<Rest, StaticError> {
-        let mut frames = self.from_clamp(start)?;
+        let mut frames = self.frames_at_clamp(start)?;
         let mut pulls = vec![Vector3::zeros(); self.targets.len()];
         let mut iterations = 0;
         let step = self.balance(&mut frames, &mut pulls, 1.0, &mut iterations);
@@ -103,7 +103,7 @@ impl Chain {
     }
 
     /// The frames of a shape from before the clamp turned, turned with it.
-    fn from_clamp(&self, start: &Shape) -> Result<Vec<UnitQuaternion<f64>>, StaticError> {
+    fn frames_at_clamp(&self, start: &Shape) -> Result<Vec<UnitQuaternion<f64>>, StaticError> {
         self.check(start)?;
         let moved = self.clamp.rotation * start.frames[0].inverse();
         // Normalized: a norm that is off by rounding would square from one warm start to the next.

@@ -142,5 +142,5 @@ fn bend(pore: &Pore, down: &Vector3<f64>) -> Vector3<f64> {
     let across = ways.into_iter().map(|way| way - along * way.dot(&along));
     // One of two axes is always across: they are not both along.
     let across = across.into_iter().find_map(|way| way.try_normalize(LEAST_SINE));
-    across.unwrap_or_else(|| Vector3::x())
+    across.unwrap_or_else(Vector3::x)
 }
