@@ -53,8 +53,8 @@ pub fn cut(points: &[Point3<f64>], region: Region<'_>, outside: f64) -> Vec<Poin
     kept
 }
 
-/// Where the way from a point outside of the head to one inside enters it, by halving, from outside:
-/// the point returned is not in the head, if the first one is not.
+/// Where the way from a point outside of the head to one inside enters it, by halving, from
+/// outside: the point returned is not in the head, if the first one is not.
 fn entry(mut outside: Point3<f64>, mut inside: Point3<f64>, region: Region<'_>) -> Point3<f64> {
     for _ in 0..HALVINGS {
         let middle = nalgebra::center(&outside, &inside);

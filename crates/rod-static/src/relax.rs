@@ -74,8 +74,8 @@ impl Chain {
     /// is not, it is shifted, and at a saddle a direction of falling energy is taken. So the
     /// equilibrium is stable, or neutral where all turns of it about an axis are equilibria too.
     /// Places that hold nodes enter by Lagrange's multipliers. Following forces and couples, which
-    /// have no energy, are applied in parts. Cost: about half a microsecond for each segment and step; less
-    /// than ten steps from a natural shape, three from a shape nearby.
+    /// have no energy, are applied in parts. Cost: about half a microsecond for each segment and
+    /// step; less than ten steps from a natural shape, three from a shape nearby.
     ///
     /// # Errors
     /// A shape of another number of nodes, and [`StaticError::NotConverged`].

@@ -50,7 +50,8 @@ impl<'a> GuideFlow<'a> {
         };
         Ok(Self { tangents: (0..nodes).map(tangent).collect(), parts })
     }
-    /// The mean of the pre-guides' end loads, their forces turned from their roots to that of `rod`.
+    /// The mean of the pre-guides' end loads, their forces turned from their roots to that of
+    /// `rod`.
     pub(super) fn load(&self, rod: &GuideRod) -> Vector6<f64> {
         let mut load = Vector6::zeros();
         for (part, guide) in &self.parts {

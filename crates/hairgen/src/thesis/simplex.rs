@@ -26,8 +26,8 @@ pub struct SimplexGuide {
 
 /// Searches the end loads of guides as the thesis does (5.3.3), without derivatives and from the
 /// straight hair: by the simplex method of Nelder and Mead (1965), in at most `most` equilibria
-/// each. The objective is that of [`place_guides`](crate::place_guides) at the given density. `None`
-/// for a guide without equilibria.
+/// each. The objective is that of [`place_guides`](crate::place_guides) at the given density.
+/// `None` for a guide without equilibria.
 ///
 /// # Errors
 /// As [`place_guides`](crate::place_guides).

@@ -98,7 +98,8 @@ proptest! {
         let region = Region { head: &HEAD, hull: &hull };
         let direction = Unit::try_new(Vector3::from(direction), 1e-3).unwrap_or(Vector3::y_axis());
         let position = Point3::new(0.0, HEAD.radius, 0.0);
-        let pore = Pore { position, normal: Vector3::y_axis(), direction, length, ..pores(1, 0.0, 1.0)[0] };
+        let normal = Vector3::y_axis();
+        let pore = Pore { position, normal, direction, length, ..pores(1, 0.0, 1.0)[0] };
         let hairs = one(pore, region, &options).expect("a valid pore");
         prop_assert_eq!(hairs.guides.len() + hairs.without_place.len(), 1);
         for guide in hairs.guides {
