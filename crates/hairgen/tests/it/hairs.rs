@@ -5,8 +5,8 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_collision::field::{Ball, HalfSpace};
 use rapunzel_hairgen::{
-    DensityHistogram, DensityModel, GuideHair, GuideOptions, HairCurves, HairDensity, HairOptions,
-    HairPattern, HairReport, HairgenError, Pore, Region, VoxelFrame, cut, grow_hairs,
+    DensityHistogram, DensityModel, GuideHair, GuideOptions, GuideWeights, HairCurves, HairDensity,
+    HairOptions, HairPattern, HairReport, HairgenError, Pore, Region, VoxelFrame, cut, grow_hairs,
     grow_pre_guides, place_guides,
 };
 
@@ -142,7 +142,8 @@ fn hairs_follow_their_guides() {
 /// without. The layers closest to the head cannot be left, so only a part can be evened out.
 #[test]
 fn density_models_even_out_the_hair() {
-    let options = GuideOptions { segments: 30, ..GuideOptions::default() };
+    let weights = GuideWeights { density: 1.0, ..GuideWeights::default() };
+    let options = GuideOptions { segments: 30, weights, ..GuideOptions::default() };
     let grow = |count: usize| sideways(count, 1.2, 0.08);
     let pre = grow_pre_guides(&grow(300), &[0.3; 300], BALLS, &options).expect("pre-guides");
     let own = grow(400);
@@ -161,10 +162,9 @@ fn density_models_even_out_the_hair() {
         DensityHistogram::of(curves.iter(), BALLS, voxels(0.004)).gini()
     };
     let none = gini(None);
-    let binary = gini(Some((DensityModel::Binary { radius: 0.0015 }, 0.002)));
+    let binary = gini(Some((DensityModel::Binary { radius: 0.003 }, 0.002)));
     let continuous = gini(Some((DensityModel::Continuous { most: 0.1 }, 0.004)));
-    println!("Gini: {none:.4} without, {binary:.4} binary, {continuous:.4} continuous");
-    assert!(binary < none && continuous < none, "{none} {binary} {continuous}");
+    assert!(binary < 0.993 * none && continuous < 0.985 * none, "{none} {binary} {continuous}");
 }
 
 #[test]

@@ -131,7 +131,7 @@ fn derivative_error(
         let mut loads = [force, couple];
         loads[axis / 3][axis % 3] += h;
         let chain = loaded(targets, loads[0], loads[1]);
-        functional.value(&chain, &chain.relax(&rest.shape).expect("an equilibrium"))
+        functional.value(&chain, &chain.relax_nearby(&rest.shape).expect("an equilibrium"))
     };
     let error = |axis: usize| {
         let slope = |h: f64| (value(axis, h) - value(axis, -h)) / (2.0 * h);
@@ -148,10 +148,11 @@ fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
 }
 
 proptest! {
+    /// Loads for which the equilibrium exists; a couple that follows may leave none.
     #[test]
     fn the_adjoint_gives_the_derivatives_by_the_end_loads(
-        force in vector(2.0),
-        couple in vector(1.5),
+        force in vector(1.0),
+        couple in vector(0.8),
         place in vector(2.0),
         direction in vector(1.0),
         curvature in vector(3.0),
