@@ -80,6 +80,13 @@ impl SurfaceField {
     ) -> Result<Self, HairgenError> {
         let surface = |source| HairgenError::Surface { what, source };
         let shell = Shell::new(soup, thickness).map_err(surface)?;
+        // The distance has a kink at the surface: no cell of the coarse grid that counts may
+        // reach there.
+        let resolution = FieldResolution {
+            coarse_spacing: 0.5 * resolution.coarse_spacing,
+            band: resolution.band.max(2.0 * resolution.coarse_spacing),
+            ..resolution
+        };
         let (mut low, mut high) =
             (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for corner in soup.triangles.iter().flatten() {
