@@ -1,9 +1,9 @@
 //! Sparse systems of equations. With `dense` the only file that speaks to faer.
 
 use crate::LinalgError;
+use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet, linalg::solvers::Lu};
-use faer::{Mat, Par};
 use nalgebra::DMatrix;
 
 /// Largest residual of a solution in parts of the sizes that it is made of; beyond, the matrix was
@@ -35,8 +35,6 @@ impl SparseSystem {
             }
             triplets.push(Triplet::new(row, column, value));
         }
-        // One thread: the same bits on every machine of a kind.
-        faer::set_global_parallelism(Par::Seq);
         let matrix = SparseColMat::try_new_from_triplets(size, size, &triplets)
             .map_err(|_| LinalgError::Singular)?;
         let factors = matrix.sp_lu().map_err(|_| LinalgError::Singular)?;

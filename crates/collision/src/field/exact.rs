@@ -87,7 +87,12 @@ impl MeshDistance {
         let normal = self.normals[nearest.face][feature];
         let way = point - nearest.point;
         let value = nearest.distance.copysign(way.dot(&normal));
-        let gradient = if nearest.distance > 0.0 { way / value } else { normal.normalize() };
+        // Nowhere there is no gradient.
+        let gradient = match nearest.distance {
+            distance if !distance.is_finite() => Vector3::zeros(),
+            distance if distance > 0.0 => way / value,
+            _ => normal.normalize(),
+        };
         Sample { value, gradient }
     }
 }

@@ -20,7 +20,6 @@ pub fn fit(
     template: &HeadTemplate,
     options: &FitOptions,
 ) -> Result<FittedHead, HairgenError> {
-    template.hairline.check()?;
     let unit = match options.meters_per_unit {
         Some(unit) => unit,
         None => align::unit(scan)?,

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 /// The rim of the hair: its height above the horizontal plane through the head's origin, seen from
 /// there, over the azimuth from the face to the nape; the same on both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>")]
 pub struct Hairline(Vec<[f64; 2]>);
 
 /// Lean of the axis of the scalp backward from the vertical, degrees: it points to the middle
@@ -48,11 +48,7 @@ impl Hairline {
         Ok(line)
     }
 
-    /// Checks a hairline that was read from a file, as [`Hairline::new`] does.
-    ///
-    /// # Errors
-    /// As [`Hairline::new`].
-    pub fn check(&self) -> Result<(), HairgenError> {
+    fn check(&self) -> Result<(), HairgenError> {
         let refuse = |problem| Err(HairgenError::Hairline { problem });
         let (Some(first), Some(last)) = (self.0.first(), self.0.last()) else {
             return refuse("has no points; give at least three");
@@ -171,6 +167,20 @@ impl Hairline {
             }
         }
         Ok(soup)
+    }
+}
+
+impl TryFrom<Vec<[f64; 2]>> for Hairline {
+    type Error = HairgenError;
+
+    fn try_from(points: Vec<[f64; 2]>) -> Result<Self, HairgenError> {
+        Self::new(points)
+    }
+}
+
+impl From<Hairline> for Vec<[f64; 2]> {
+    fn from(line: Hairline) -> Self {
+        line.0
     }
 }
 

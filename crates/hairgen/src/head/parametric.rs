@@ -45,7 +45,7 @@ impl ParametricHead {
         self.shape.reach(&Point3::origin(), direction)
     }
 
-    /// The closed surface of the head, of some 28,000 triangles.
+    /// The closed surface of the head, of some 18,000 triangles.
     #[must_use]
     pub fn mesh(&self) -> Soup {
         let mut soup = shapes::sphere(1.0, HEAD_CELLS);

@@ -86,7 +86,6 @@ impl StyleSurfaces {
         let mut parametric = None;
         let (head, scalp) = match &style.head {
             HeadSource::Parametric { measures, hairline } => {
-                hairline.check()?;
                 let head = ParametricHead::new(*measures, hairline.clone())?;
                 let mesh = Mesh::new(head.mesh()).map_err(surface("the head"))?;
                 let scalp = head.scalp(SCALP[0], SCALP[1])?;
@@ -94,7 +93,6 @@ impl StyleSurfaces {
                 (mesh, scalp)
             }
             HeadSource::Mesh { file, hairline } => {
-                hairline.check()?;
                 let mesh = solid("the head", file)?;
                 let scalp = crate::fit::scalp_of(&mesh, hairline, SCALP)?;
                 (mesh, scalp)

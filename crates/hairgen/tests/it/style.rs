@@ -83,6 +83,8 @@ fn an_empty_file_is_a_bob_and_styles_survive_writing() {
     let text = options.to_string(&small()).expect("a text");
     assert_eq!(options.from_str::<Style>(&text).expect("a style"), small());
     options.from_str::<Style>("(hair: 3)").expect_err("no hair");
+    let bare = "(head: Parametric(hairline: []))";
+    assert!(options.from_str::<Style>(bare).expect_err("no line").to_string().contains("points"));
 }
 
 #[test]

@@ -67,6 +67,8 @@ fn the_gradient_is_the_way_from_the_surface() {
         // The second derivative is at most the curvature of the level surface.
         assert!((slope - sample.gradient).norm() < 1e-6, "{p}: {slope}");
     }
+    let nowhere = distance.sample(&Point3::new(f64::NAN, 0.0, 0.0));
+    assert!(nowhere.value.is_infinite() && nowhere.gradient == Vector3::zeros());
     // At a corner there is no one gradient: it is the normal of the corner.
     let corner = mesh.vertices()[17];
     let sample = distance.sample(&corner);
