@@ -16,15 +16,15 @@ pub struct BundleConditions {
 }
 
 impl BundleConditions {
-    /// The conditions of a bundle of a scene, whose fibres have this equivalent `radius`, m.
+    /// The conditions of a bundle of a scene, whose fibres have this `length` and equivalent
+    /// `radius`, m.
     ///
     /// # Errors
     /// [`RodError`] for fibres that are not slender enough for their drag.
-    pub fn new(scene: &Scene, bundle: &Bundle, radius: f64) -> Result<Self, RodError> {
+    pub fn new(scene: &Scene, bundle: &Bundle, length: f64, radius: f64) -> Result<Self, RodError> {
         let viscosity = scene.environment.viscosity;
-        let drag = (viscosity > 0.0)
-            .then(|| Drag::slender_body(viscosity, bundle.length, radius))
-            .transpose()?;
+        let drag =
+            (viscosity > 0.0).then(|| Drag::slender_body(viscosity, length, radius)).transpose()?;
         let (environment, hair) = (scene.environment.clone(), scene.changing_hair(bundle));
         Ok(Self { bundle: bundle.clone(), environment, drag, hair })
     }
@@ -47,6 +47,8 @@ pub struct FiberConditions {
     pub root: Isometry3<f64>,
     /// Pose of the tip, the last node, at the start.
     pub tip: Isometry3<f64>,
+    /// Load on the tip where the bundle leaves it free.
+    pub end_load: End,
 }
 
 /// The conditions during one step.
@@ -83,7 +85,7 @@ impl Conditions for StepConditions<'_> {
         let start = Point3::from(bundle.root.position);
         let moved_tip = |way, angle| self.fiber.moved_tip(way, angle);
         let tip = match tip {
-            Tip::Free => End::FREE,
+            Tip::Free => self.fiber.end_load,
             Tip::Loaded { force, moment } => {
                 End::Loaded { force: force.at(t), moment: moment.at(t) }
             }

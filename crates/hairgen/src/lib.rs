@@ -28,4 +28,4 @@ pub use pore::Pore;
 pub use region::Region;
 pub use report::HairReport;
 pub use surface::{FieldResolution, SurfaceField};
-pub use wisp::{HairCurves, HairOptions, HairPattern, grow_hairs};
+pub use wisp::{Curl, CurlShape, HairCurves, HairOptions, HairPattern, grow_hairs};

@@ -21,11 +21,12 @@ pub(crate) fn check(path: &Path, memory: f64, json: bool) -> Result<ExitCode, Fa
     let plan = Plan::new(&scene);
     let (fibers, nodes) = (world.assembly().fibers().len(), world.nodes());
     let warning = world.warning(plan.dt);
+    let notes = [&estimate.notes[..], world.notes()].concat();
     if json {
         let object = serde_json::json!({
             "scene": scene.name, "fibers": fibers, "nodes": nodes, "dt": plan.dt,
             "steps": plan.steps, "frames": plan.frames(), "warning": warning,
-            "memory_bytes": estimate.bytes(), "notes": estimate.notes,
+            "memory_bytes": estimate.bytes(), "notes": notes,
         });
         say(&object.to_string())?;
     } else {
@@ -43,7 +44,7 @@ pub(crate) fn check(path: &Path, memory: f64, json: bool) -> Result<ExitCode, Fa
             format!("  frames    {}", plan.frames()),
             format!("  memory    some {:.2} GB, and what contacts take", estimate.bytes() * 1e-9),
         ];
-        lines.extend(estimate.notes.iter().map(|note| format!("  note      {note}")));
+        lines.extend(notes.iter().map(|note| format!("  note      {note}")));
         lines.extend(warning.map(|warning| format!("  warning   {warning}")));
         say(&lines.join("\n"))?;
     }

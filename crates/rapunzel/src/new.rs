@@ -2,25 +2,53 @@ use crate::arguments::NewOptions;
 use crate::failure::Failure;
 use crate::templates;
 use crate::words::say;
-use rapunzel_sim::write_atomically;
+use rapunzel_sim::scene::style_from_ron;
+use rapunzel_sim::{Scene, write_atomically};
 use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Writes a scene that ships into a file.
+/// Writes a scene, a case or a style that ships into a file, and beside it the files that it names.
 pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
-    let verb = match name.split('/').next() {
-        Some("static") => "solve",
-        Some("style") => "grow",
-        _ => "run",
-    };
-    // It is copied here, not into a folder of its own.
-    let file = name.rsplit('/').next().unwrap_or(name);
-    let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{file}.ron")));
     let text = templates::text(name)
         .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;
+    let scene = Scene::from_ron(text).ok();
+    let verb = match &scene {
+        Some(_) => "run",
+        None if style_from_ron(text).is_ok() => "grow",
+        None => "solve",
+    };
+    // It is copied here, not into a folder of its own.
+    let (folder, own) = name.rsplit_once('/').unwrap_or(("", name));
+    let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{own}.ron")));
+    write(&path, text, options.force)?;
+    let mut written = vec![path.clone()];
+    for file in scene.iter().flat_map(Scene::files) {
+        let beside = path.with_file_name(file);
+        let template = format!("{folder}/{}", file.with_extension("").display());
+        if let Some(text) = templates::text(&template)
+            && !written.contains(&beside)
+            && (options.force || !beside.exists())
+        {
+            write(&beside, text, options.force)?;
+            written.push(beside);
+        }
+    }
+    if json {
+        say(&serde_json::json!({ "file": path, "files": written }).to_string())?;
+    } else {
+        say(&format!("{}: {verb} it with `rapunzel {verb} {}`", path.display(), path.display()))?;
+        for beside in &written[1..] {
+            say(&format!("{}: belongs to it", beside.display()))?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a text into a new file, or by `force` into one that is there.
+fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
     let failed = |error: std::io::Error| {
         let advice = match error.kind() {
             std::io::ErrorKind::AlreadyExists => {
@@ -31,16 +59,10 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
         };
         Failure::File(format!("cannot write {}: {error}{advice}", path.display()))
     };
-    if options.force {
-        write_atomically(&path, |to| to.write_all(text.as_bytes())).map_err(Failure::of(&path))?;
+    if force {
+        write_atomically(path, |to| to.write_all(text.as_bytes())).map_err(Failure::of(path))
     } else {
-        let mut file = File::create_new(&path).map_err(failed)?;
-        file.write_all(text.as_bytes()).map_err(failed)?;
+        let mut file = File::create_new(path).map_err(failed)?;
+        file.write_all(text.as_bytes()).map_err(failed)
     }
-    if json {
-        say(&serde_json::json!({ "file": path }).to_string())?;
-    } else {
-        say(&format!("{}: {verb} it with `rapunzel {verb} {}`", path.display(), path.display()))?;
-    }
-    Ok(ExitCode::SUCCESS)
 }

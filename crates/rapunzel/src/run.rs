@@ -76,7 +76,13 @@ pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitC
     };
     tracing::info!(scene = %options.scene.display(), resume = options.resume, "start");
     estimate.notes.iter().for_each(|note| tracing::warn!("{note}"));
-    let run = |world| rapunzel_sim::run(&scene, world, &mut folder, control);
+    let run = |world: World| {
+        for note in world.notes() {
+            tracing::info!("{note}");
+            bar.suspend(|| complain(note));
+        }
+        rapunzel_sim::run(&scene, world, &mut folder, control)
+    };
     let result = World::build(&scene).and_then(run);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();

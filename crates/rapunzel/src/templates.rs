@@ -45,6 +45,10 @@ templates![
     "style/bob",
     "style/long",
     "style/afro",
+    "style/wavy",
+    "style/curly",
+    "style/shaken-head",
+    "style/tress",
 ];
 
 /// The text of a scene that ships.

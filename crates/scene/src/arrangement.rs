@@ -5,7 +5,7 @@ use rapunzel_fiber::generate::{Ellipse, root_pose};
 use serde::{Deserialize, Serialize};
 
 /// Largest number of fibres of a bundle; more is a typing error.
-const MOST_FIBERS: usize = 1_000_000;
+pub(super) const MOST_FIBERS: usize = 1_000_000;
 
 /// Number and placement of the fibres of a bundle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
+use super::groom::{Groom, GroomShape};
 use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
 use super::tip::{JointKind, Profile, Tip};
@@ -14,7 +15,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bundle {
-    /// Length of each fibre, m.
+    /// Length of each fibre, m; to be left out where a groom gives it.
+    #[serde(default)]
     pub length: f64,
     /// Number of segments of each fibre.
     pub segments: usize,
@@ -43,6 +45,10 @@ pub struct Bundle {
     /// Number and placement of the fibres.
     #[serde(default)]
     pub arrangement: Arrangement,
+    /// Curves that the fibres lie along at the start, in place of length, shape, initial, arrangement
+    /// and the orientation of the root.
+    #[serde(default)]
+    pub groom: Option<Groom>,
     /// Motion of the roots.
     #[serde(default)]
     pub motion: Motion,
@@ -251,6 +257,30 @@ impl Pose {
 }
 
 impl Bundle {
+    /// Number of fibres; `None` of a groom, which is not known before it is read.
+    #[must_use]
+    pub fn count(&self) -> Option<usize> {
+        self.groom.is_none().then(|| self.arrangement.fibers())
+    }
+
+    /// Path of the file that gives the fibres their shape, if there is one.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.groom.as_ref().map(|groom| groom.from.file()).or_else(|| self.initial.file())
+    }
+
+    /// Makes paths relative to the folder of the scene.
+    pub(super) fn seen_from(&mut self, folder: &Path) {
+        self.initial.seen_from(folder);
+        self.groom.iter_mut().for_each(|groom| groom.seen_from(folder));
+    }
+
+    /// Whether loads that are not written in the scene stay on tips.
+    pub(super) fn has_end_loads(&self) -> bool {
+        let natural = self.groom.as_ref().map(|groom| groom.natural);
+        matches!(natural, Some(GroomShape::EndLoads { .. }))
+    }
+
     /// Constitutive law of the sections.
     pub fn law(&self) -> Law {
         self.material.keratin().map_or(Law::Elastic, |keratin| keratin.law)
@@ -258,7 +288,12 @@ impl Bundle {
 
     /// Reports problems of the bundle.
     pub(crate) fn check(&self, check: &mut Check) {
-        check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
+        if let Some(groom) = &self.groom {
+            check.within("groom", |c| groom.check(c));
+            self.check_groom(check);
+        } else {
+            check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
+        }
         check.count("segments", self.segments, 2, 100_000);
         match (&self.section, self.material) {
             (Some(section), _) => {
@@ -291,6 +326,33 @@ impl Bundle {
             c.within("profile", |c| force.profile.check(c));
         });
         check.within("charge", |c| self.charge.check(c, self.arrangement.fibers(), self.segments));
+    }
+
+    /// Reports what a groom is in place of, and ends that leave its shape undetermined.
+    fn check_groom(&self, check: &mut Check) {
+        let mut refuse = |given: bool, field: &str, message: &str| {
+            if given {
+                check.refuse(field, message.into());
+            }
+        };
+        let given = "is given by the groom: leave it out";
+        refuse(self.length != 0.0, "length", given);
+        refuse(self.shape != FiberShape::default(), "shape", given);
+        refuse(self.initial != Initial::default(), "initial", given);
+        refuse(self.arrangement != Arrangement::default(), "arrangement", given);
+        let turned = "is for fibres of one shape; give `turn` of the groom";
+        let orientation = Orientation::default();
+        refuse(self.root.orientation != orientation, "root.orientation", turned);
+        if matches!(&self.groom, Some(groom) if groom.natural == GroomShape::Drawn) {
+            return;
+        }
+        let held = "must be Clamped, or the natural shape does not follow from the curve; or take \
+                    the groom's `natural: Drawn`";
+        refuse(self.root_joint != JointKind::Clamped, "root_joint", held);
+        let free = "must be Free or Loaded, or the natural shape does not follow from the curve; or \
+                    take the groom's `natural: Drawn`";
+        let loaded = matches!(self.tip, Tip::Loaded { .. }) && !self.has_end_loads();
+        refuse(self.tip != Tip::Free && !loaded, "tip", free);
     }
 }
 

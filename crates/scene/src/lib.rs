@@ -8,6 +8,7 @@ mod contact;
 mod environment;
 mod error;
 mod fibers;
+mod groom;
 mod locate;
 mod mass_spring;
 mod material;
@@ -31,6 +32,7 @@ pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, Frictio
 pub use environment::{Environment, Wind};
 pub use error::SceneError;
 pub use fibers::{Bundle, ClosedCurve, FiberShape, Initial, Orientation, PointForce, Pose};
+pub use groom::{Groom, GroomShape, GroomSource, RootBall, UpAxis};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
 };
@@ -103,7 +105,7 @@ impl Scene {
     #[must_use]
     pub fn seen_from(mut self, folder: &Path) -> Self {
         self.objects.iter_mut().for_each(|object| object.shape.seen_from(folder));
-        self.fibers.iter_mut().for_each(|bundle| bundle.initial.seen_from(folder));
+        self.fibers.iter_mut().for_each(|bundle| bundle.seen_from(folder));
         self
     }
 
@@ -146,7 +148,7 @@ impl Scene {
     /// Paths of the files that belong to the scene beside its text.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let meshes = self.objects.iter().filter_map(|object| object.shape.file());
-        meshes.chain(self.fibers.iter().filter_map(|bundle| bundle.initial.file()))
+        meshes.chain(self.fibers.iter().filter_map(Bundle::file))
     }
 
     /// Whether no energy enters from outside: everything moves by itself, in steady gravity. No
@@ -156,6 +158,7 @@ impl Scene {
             bundle.motion == Motion::Fixed
                 && matches!(bundle.tip, Tip::Free | Tip::Held)
                 && bundle.point_forces.is_empty()
+                && !bundle.has_end_loads()
                 && match &bundle.root_joint {
                     JointKind::Clamped | JointKind::Free => true,
                     JointKind::Ball { moment } => *moment == TimedLoad::default(),
@@ -174,17 +177,16 @@ impl Scene {
     }
 
     /// Number of segments of fibre `fiber`, counted over all bundles; `None` if there is no such
-    /// fibre.
+    /// fibre. Of fibres behind a groom, whose number is not known before it is read, the groom's.
     fn segments_of(&self, mut fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {
             return (fiber == 0).then(|| springs.nodes().saturating_sub(1));
         }
         for bundle in &self.fibers {
-            let count = bundle.arrangement.fibers();
-            if fiber < count {
-                return Some(bundle.segments);
+            match bundle.count() {
+                Some(count) if fiber >= count => fiber -= count,
+                _ => return Some(bundle.segments),
             }
-            fiber -= count;
         }
         None
     }
@@ -276,6 +278,7 @@ impl Scene {
                 refuse(given, &format!("fibers[{i}].{field}"));
             };
             refuse(bundle.initial != Initial::Natural, "initial");
+            refuse(bundle.groom.is_some(), "groom");
             refuse(bundle.motion != Motion::Fixed, "motion");
             refuse(bundle.root_joint != JointKind::Clamped, "root_joint");
             refuse(bundle.tip != Tip::Free, "tip");

@@ -123,6 +123,14 @@ pub enum ObjectShape {
         #[serde(default)]
         repair: bool,
     },
+    /// The head that a hairstyle grows on, in the frame of a groom of the style.
+    Head {
+        /// Path of the style, relative to the folder of the scene.
+        style: PathBuf,
+        /// Distance of the points at which its distance field is stored, m: finer details of the
+        /// surface are rounded.
+        spacing: f64,
+    },
 }
 
 fn one() -> f64 {
@@ -217,6 +225,7 @@ impl ObjectShape {
                 positive("spacing", *spacing);
                 check.number("scale", *scale, Allowed::Positive, "m");
             }
+            Self::Head { spacing, .. } => positive("spacing", *spacing),
         }
     }
 
@@ -237,14 +246,14 @@ impl ObjectShape {
     /// Path of the file that holds the shape, if there is one.
     pub fn file(&self) -> Option<&Path> {
         match self {
-            Self::Mesh { file, .. } => Some(file),
+            Self::Mesh { file, .. } | Self::Head { style: file, .. } => Some(file),
             _ => None,
         }
     }
 
     /// Makes a path relative to the folder of the scene.
     pub(super) fn seen_from(&mut self, folder: &Path) {
-        if let Self::Mesh { file, .. } = self {
+        if let Self::Mesh { file, .. } | Self::Head { style: file, .. } = self {
             *file = folder.join(&*file);
         }
     }

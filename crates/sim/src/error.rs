@@ -10,6 +10,7 @@ use rapunzel_mass_spring::SpringError;
 use rapunzel_rod_dynamic::{EquilibriumError, RodError};
 use rapunzel_rod_static::StaticError;
 use rapunzel_scene::SceneError;
+use rapunzel_strands::StrandsError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -24,6 +25,38 @@ pub enum SimError {
     /// A hairstyle cannot grow.
     #[error("the style: {0}")]
     Hairstyle(#[from] HairgenError),
+    /// Strands in a file cannot be read, or not be fibres.
+    #[error("fibers[{bundle}], {}: {source}", path.display())]
+    Strands {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: StrandsError,
+    },
+    /// Nothing of a groom is left.
+    #[error(
+        "fibers[{bundle}]: no strand of {} can be a fibre; look at its unit (`scale`) and at \
+         `roots_within`",
+        path.display()
+    )]
+    NoStrands {
+        /// Index of the bundle in the scene.
+        bundle: usize,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A probe is at a fibre that a groom does not have.
+    #[error("output.probes[{probe}].fiber is {fiber}, but there are only {fibers} fibres")]
+    Probe {
+        /// Index of the probe in the scene.
+        probe: usize,
+        /// The fibre, counted over all bundles.
+        fiber: usize,
+        /// Number of all fibres.
+        fibers: usize,
+    },
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]
     Fiber {

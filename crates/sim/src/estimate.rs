@@ -1,8 +1,9 @@
 //! What a scene takes of memory, told before anything is built.
 
-use crate::assemble::matter;
+use crate::assemble::{matter, strand_count};
 use crate::objects::{Sizes, read_mesh};
-use crate::scene::{Bundle, MassSpring, ObjectShape, RodMethod};
+use crate::scene::{MassSpring, ObjectShape, RodMethod};
+use crate::style::head_mesh;
 use crate::{Scene, SimError};
 use rapunzel_collision::field::Grid;
 
@@ -85,9 +86,13 @@ impl MemoryEstimate {
         let mut estimate = Self::default();
         let around = Sizes { roundest: scene.roundest(), ..sizes(scene)? };
         for (i, bundle) in scene.fibers.iter().enumerate() {
-            let Bundle { arrangement, segments, .. } = bundle;
-            let nodes = arrangement.fibers() as f64 * (segments + 1) as f64;
-            let what = format!("{} fibres of {segments} segments", arrangement.fibers());
+            let segments = bundle.segments;
+            let count = match &bundle.groom {
+                Some(groom) => strand_count(groom, i)?,
+                None => bundle.arrangement.fibers(),
+            };
+            let nodes = count as f64 * (segments + 1) as f64;
+            let what = format!("{count} fibres of {segments} segments");
             estimate.add(&format!("fibers[{i}]"), what, nodes * bytes_of_node(scene));
         }
         if let Some(springs) = &scene.mass_spring {
@@ -136,6 +141,11 @@ impl MemoryEstimate {
                 if !told.is_empty() {
                     self.notes.push(format!("{path}: the mesh was repaired; {told}"));
                 }
+            }
+            ObjectShape::Head { style, spacing } => {
+                let mesh = head_mesh(style)?;
+                let bytes = Grid::memory(&mesh, *spacing, around.band(*spacing));
+                self.add(&path, format!("distances of a head every {spacing:?} m"), bytes);
             }
             _ => {}
         }

@@ -4,6 +4,7 @@ use crate::file::{LARGEST_MESH, open};
 use crate::folder::claim;
 use crate::{SimError, read_text, write_atomically};
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
+use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_export::surface::{self, Placed};
 use rapunzel_export::{ExportError, Frame, Strand, data, hair, obj, ply, preview, usd, vtp};
 use rapunzel_fiber::so3;
@@ -11,7 +12,7 @@ use rapunzel_hairgen::HairgenError;
 pub use rapunzel_hairgen::style::{GrowthStage, Hairstyle, Style, StyleReport};
 use rapunzel_scene::style_from_ron;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Radius of the hairs in the files, m.
@@ -38,14 +39,27 @@ pub fn read(path: &Path) -> Result<Style, SimError> {
 /// # Errors
 /// [`SimError::Hairstyle`].
 pub fn grow(style: &Style, folder: &Path, at: &dyn Fn(GrowthStage)) -> Result<Hairstyle, SimError> {
-    let read = |path: &Path| {
-        let mut bytes = Vec::new();
-        let file = open(&folder.join(path), LARGEST_MESH);
-        let mut file: BufReader<File> = file.map_err(io::Error::other)?;
-        file.read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    style.grow(&read, at).map_err(|error: HairgenError| error.into())
+    Ok(style.grow(&|path| bytes(&folder.join(path)), at)?)
+}
+
+/// The closed surface of the head that the style in a file grows on, meters, z up, its face along
+/// the negative y axis.
+///
+/// # Errors
+/// Those of [`read`], and [`SimError::Hairstyle`].
+pub(crate) fn head_mesh(path: &Path) -> Result<Mesh, SimError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mesh = read(path)?.head_mesh(&|path| bytes(&folder.join(path)))?;
+    let vertices = mesh.vertices().iter().map(|vertex| upright(*vertex)).collect();
+    let soup = Soup { vertices, triangles: mesh.triangles().to_vec() };
+    Mesh::new(soup).map_err(|source| HairgenError::Surface { what: "the head", source }.into())
+}
+
+/// The bytes of a file that a style names.
+fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path, LARGEST_MESH).map_err(io::Error::other)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Writes the hairs in all formats, the head, and a picture. Meters and y up, but in USD, which has
@@ -81,7 +95,7 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
 }
 
 /// From y up to z up.
-fn upright(p: Point3<f64>) -> Point3<f64> {
+pub(crate) fn upright(p: Point3<f64>) -> Point3<f64> {
     Point3::new(p.x, -p.z, p.y)
 }
 
@@ -89,10 +103,7 @@ fn placed(style: &Hairstyle, turn: impl Fn(Point3<f64>) -> Point3<f64>) -> Place
     let mesh = &style.surfaces.head;
     let vertices = mesh.vertices().iter().map(|p| turn(*p)).collect();
     let triangles = mesh.triangles().to_vec();
-    Placed {
-        pose: Isometry3::identity(),
-        surface: rapunzel_collision::field::Soup { vertices, triangles },
-    }
+    Placed { pose: Isometry3::identity(), surface: Soup { vertices, triangles } }
 }
 
 /// The hairs as a USD stage.

@@ -22,6 +22,7 @@ pub struct World {
     stepper: Box<dyn Stepper>,
     /// Budget by which the energy is watched, if it can be.
     budget: Option<EnergyBudget>,
+    notes: Vec<String>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -88,7 +89,14 @@ impl World {
         objects: Vec<CollisionObject>,
         stepper: Box<dyn Stepper>,
     ) -> Self {
-        Self { clock: Clock::default(), environment, objects, stepper, budget: None }
+        Self {
+            clock: Clock::default(),
+            environment,
+            objects,
+            stepper,
+            budget: None,
+            notes: Vec::new(),
+        }
     }
 
     /// Moves everything by `dt`, s. The result does not depend on the number of threads.
@@ -131,6 +139,16 @@ impl World {
     #[must_use]
     pub fn assembly(&self) -> &Assembly {
         self.stepper.fibers().map_or(&*NO_FIBERS, FiberStates::assembly)
+    }
+
+    /// What a user should know of how the world was built: what became of grooms.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    pub(crate) fn set_notes(&mut self, notes: Vec<String>) {
+        self.notes = notes;
     }
 
     /// Number of nodes of everything that moves.

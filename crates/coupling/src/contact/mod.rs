@@ -47,6 +47,7 @@ mod newton;
 mod node_arrays;
 mod pair_lists;
 mod problem;
+mod separation;
 mod stepper;
 mod substep;
 mod substep_failure;
@@ -57,4 +58,5 @@ mod warm_start;
 
 pub use contact_work::ContactWork;
 pub use in_contact::FibersInContact;
+pub use separation::{Separation, separate};
 pub use warm_start::ActiveContact;

@@ -3,6 +3,7 @@ use crate::fit::{FitReport, HeadTemplate, fit};
 use crate::head::ParametricHead;
 use crate::{FieldResolution, HairgenError, SurfaceField};
 use nalgebra::Point3;
+use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::{DistanceField, Mesh, Repairs, Sample, Soup};
 use std::io;
 use std::path::Path;
@@ -71,49 +72,7 @@ impl DistanceField for HullField {
 
 impl StyleSurfaces {
     pub(super) fn of(style: &Style, read: ReadFile<'_>) -> Result<Self, HairgenError> {
-        let mut mended = Vec::new();
-        let mut solid = |what, file: &Path| -> Result<Mesh, HairgenError> {
-            let (mesh, repairs) = Mesh::repaired(soup(file, read)?)
-                .map_err(|source| HairgenError::Surface { what, source })?;
-            if repairs != Repairs::default() {
-                mended.push((what, repairs));
-            }
-            Ok(mesh)
-        };
-        let surface = |what| move |source| HairgenError::Surface { what, source };
-        let mut scan = None;
-        let mut report = None;
-        let mut parametric = None;
-        let (head, scalp) = match &style.head {
-            HeadSource::Parametric { measures, hairline } => {
-                let head = ParametricHead::new(*measures, hairline.clone())?;
-                let mesh = Mesh::new(head.mesh()).map_err(surface("the head"))?;
-                let scalp = head.scalp(SCALP[0], SCALP[1])?;
-                parametric = Some(head);
-                (mesh, scalp)
-            }
-            HeadSource::Mesh { file, hairline } => {
-                let mesh = solid("the head", file)?;
-                let scalp = crate::fit::scalp_of(&mesh, hairline, SCALP)?;
-                (mesh, scalp)
-            }
-            HeadSource::Scan { file, template, hairline, options } => {
-                let template = match template {
-                    Some(file) => {
-                        let mesh = solid("the template of the head", file)?;
-                        HeadTemplate { mesh: open(&mesh), hairline: hairline.clone() }
-                    }
-                    None => {
-                        let measures = crate::head::HeadMeasures::default();
-                        HeadTemplate::from(&ParametricHead::new(measures, hairline.clone())?)
-                    }
-                };
-                let fitted = fit(&solid("the scan", file)?, &template, options)?;
-                report = Some(fitted.report);
-                scan = Some(fitted.hull);
-                (Mesh::new(fitted.head).map_err(surface("the fitted head"))?, fitted.scalp)
-            }
-        };
+        let Ground { head, scalp, parametric, scan, fit, mut mended } = Ground::of(style, read)?;
         let scalp = match &style.scalp {
             Some(file) => soup(file, read)?,
             None => scalp,
@@ -123,11 +82,11 @@ impl StyleSurfaces {
         let (hull, hull_field) = match &style.hair {
             HairSource::Volume(volume) => {
                 let head = parametric.ok_or(HairgenError::VolumeWithoutHead)?;
-                let mesh = Mesh::new(head.hull(volume)?).map_err(surface("the hair"))?;
+                let mesh = Mesh::new(head.hull(volume)?).map_err(invalid("the hair"))?;
                 (open(&mesh), HullField::Solid(of_solid("the hair", &mesh)?))
             }
             HairSource::Solid(file) => {
-                let mesh = solid("the hair", file)?;
+                let mesh = solid("the hair", file, read, &mut mended)?;
                 (open(&mesh), HullField::Solid(of_solid("the hair", &mesh)?))
             }
             HairSource::Scan => {
@@ -141,8 +100,95 @@ impl StyleSurfaces {
             }
         };
         let head_field = of_solid("the head", &head)?;
-        Ok(Self { head, scalp, hull, head_field, hull_field, fit: report, mended })
+        Ok(Self { head, scalp, hull, head_field, hull_field, fit, mended })
     }
+}
+
+impl Style {
+    /// The closed surface of the bald head, meters. Files are asked of `read`, by their paths in
+    /// the style. Cost: that of the fit, if it is fitted to a scan.
+    ///
+    /// # Errors
+    /// [`HairgenError`] of a head that cannot be made.
+    pub fn head_mesh(&self, read: ReadFile<'_>) -> Result<Mesh, HairgenError> {
+        Ok(Ground::of(self, read)?.head)
+    }
+}
+
+/// What a style grows on.
+struct Ground {
+    head: Mesh,
+    scalp: Soup,
+    /// The head with its measures, if it has some.
+    parametric: Option<ParametricHead>,
+    /// The surface of the scan that the head was fitted to.
+    scan: Option<Mesh>,
+    fit: Option<FitReport>,
+    mended: Vec<(&'static str, Repairs)>,
+}
+
+impl Ground {
+    fn of(style: &Style, read: ReadFile<'_>) -> Result<Self, HairgenError> {
+        let mut mended = Vec::new();
+        let plain = |head, scalp| Self {
+            head,
+            scalp,
+            parametric: None,
+            scan: None,
+            fit: None,
+            mended: Vec::new(),
+        };
+        let ground = match &style.head {
+            HeadSource::Parametric { measures, hairline } => {
+                let head = ParametricHead::new(*measures, hairline.clone())?;
+                let mesh = Mesh::new(head.mesh()).map_err(invalid("the head"))?;
+                let scalp = head.scalp(SCALP[0], SCALP[1])?;
+                Self { parametric: Some(head), ..plain(mesh, scalp) }
+            }
+            HeadSource::Mesh { file, hairline } => {
+                let mesh = solid("the head", file, read, &mut mended)?;
+                let scalp = crate::fit::scalp_of(&mesh, hairline, SCALP)?;
+                plain(mesh, scalp)
+            }
+            HeadSource::Scan { file, template, hairline, options } => {
+                let template = match template {
+                    Some(file) => {
+                        let mesh = solid("the template of the head", file, read, &mut mended)?;
+                        HeadTemplate { mesh: open(&mesh), hairline: hairline.clone() }
+                    }
+                    None => {
+                        let measures = crate::head::HeadMeasures::default();
+                        HeadTemplate::from(&ParametricHead::new(measures, hairline.clone())?)
+                    }
+                };
+                let scan = solid("the scan", file, read, &mut mended)?;
+                let fitted = fit(&scan, &template, options)?;
+                let head = Mesh::new(fitted.head).map_err(invalid("the fitted head"))?;
+                let (scan, fit) = (Some(fitted.hull), Some(fitted.report));
+                Self { scan, fit, ..plain(head, fitted.scalp) }
+            }
+        };
+        Ok(Self { mended, ..ground })
+    }
+}
+
+/// The error of a surface.
+fn invalid(what: &'static str) -> impl FnOnce(CollisionError) -> HairgenError {
+    move |source| HairgenError::Surface { what, source }
+}
+
+/// The closed mesh in a file; repairs are added to those that are told.
+fn solid(
+    what: &'static str,
+    file: &Path,
+    read: ReadFile<'_>,
+    mended: &mut Vec<(&'static str, Repairs)>,
+) -> Result<Mesh, HairgenError> {
+    let (mesh, repairs) = Mesh::repaired(soup(file, read)?).map_err(invalid(what))?;
+    if repairs != Repairs::default() {
+        mended.push((what, repairs));
+    }
+    Ok(mesh)
 }
 
 /// The triangles of a mesh.

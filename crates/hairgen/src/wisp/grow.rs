@@ -52,11 +52,13 @@ pub fn grow_hairs(
     let field = GuideField::new(guides, guide_pores, options)?;
     let parts: Vec<HairCurves> = pores
         .par_chunks(CHUNK)
-        .map(|chunk| {
+        .enumerate()
+        .map(|(part, chunk)| {
             let mut curves = HairCurves::default();
             let mut buffers = <[Vec<Point3<f64>>; 3]>::default();
-            for pore in chunk {
-                curves.push(&field.hair(pore, region, options, &mut buffers));
+            for (i, pore) in chunk.iter().enumerate() {
+                let number = part * CHUNK + i;
+                curves.push(&field.hair(pore, number, region, options, &mut buffers));
             }
             curves
         })
@@ -89,10 +91,11 @@ impl GuideField {
         })
     }
 
-    /// The hair of a pore; empty if nothing is left of it.
+    /// The hair of pore number `number`; empty if nothing is left of it.
     fn hair(
         &self,
         pore: &Pore,
+        number: usize,
         region: Region<'_>,
         options: &HairOptions,
         [way, aims, hair]: &mut [Vec<Point3<f64>>; 3],
@@ -100,6 +103,9 @@ impl GuideField {
         match options.pattern {
             HairPattern::Wisps { tip, turns } => self.in_wisp(pore, tip, turns, way),
             HairPattern::Between => self.between(pore, way),
+        }
+        if let Some(curl) = &options.curl {
+            curl.wind(way, &pore.normal, number);
         }
         let length = length(way).min(pore.length);
         if length <= 0.0 {

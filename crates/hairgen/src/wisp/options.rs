@@ -1,3 +1,4 @@
+use super::curl::Curl;
 use crate::HairgenError;
 use crate::error::choice;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,8 @@ pub enum HairPattern {
 pub struct HairOptions {
     /// How hairs follow guides.
     pub pattern: HairPattern,
+    /// Curls about the way along the guides; straight where it is left out.
+    pub curl: Option<Curl>,
     /// Number of segments of a hair that is not cut.
     pub segments: usize,
     /// Distance that hairs keep from the head, m; it grows from zero over the first segments.
@@ -38,6 +41,7 @@ impl Default for HairOptions {
     fn default() -> Self {
         Self {
             pattern: HairPattern::Wisps { tip: 0.5, turns: 0.0 },
+            curl: None,
             segments: 49,
             clearance: 0.0005,
             outside: 0.005,
@@ -52,6 +56,9 @@ impl HairOptions {
         choice("the number of segments of a hair", segments, "between 1 and 10000", count)?;
         choice("the clearance of the head (m)", self.clearance, "at least 0", |x| x >= 0.0)?;
         choice("the length outside of the hull (m)", self.outside, "at least 0", |x| x >= 0.0)?;
+        if let Some(curl) = &self.curl {
+            curl.validate()?;
+        }
         if let HairPattern::Wisps { tip, turns } = self.pattern {
             choice("the wisps' tip over root", tip, "at least 0", |x| x >= 0.0)?;
             choice("the turns of a wisp", turns, "between -1000 and 1000", |x| x.abs() <= 1e3)?;

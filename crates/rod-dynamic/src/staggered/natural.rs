@@ -3,7 +3,7 @@
 use super::equilibrium::{EquilibriumError, settled};
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod, RodError, RodState};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
 use rapunzel_fiber::{Fiber, so3};
 
 /// A fibre that rests in a shape under its loads.
@@ -22,6 +22,8 @@ const MOST_TURNS: usize = 60;
 /// Motion of a node, relative to the length of the fibre, up to which the shape is the one that
 /// was asked for: rounding.
 const SAME: f64 = 1e-9;
+/// Square of a load's effect, relative to the largest one's, that is none.
+const NO_EFFECT: f64 = 1e-12;
 
 impl FittedFiber {
     /// Whether the shape is the one that was asked for, not a stable one nearby.
@@ -130,6 +132,61 @@ fn balance(
         curvatures[0] = 0.75 * curvatures[0] + 0.25 * curvatures[1];
         curvatures[1] = curvatures[0];
     }
+}
+
+/// The load on the tip that bears as much of a shape as it can: a dead force (N, world) and a
+/// following couple (N m, material frame) for which the [`natural_curvatures`] that are left are
+/// least, by the integral of their squares over the length. The tip of `conditions` does not count.
+///
+/// A naturally straight fibre without weight that such loads bend gets just these back (thesis
+/// 5.3.3). Of several loads with the same effect, as a force along a straight fibre has, the least
+/// is returned, in units of the bending stiffness and the length. Cost: seven passes over the
+/// segments.
+///
+/// # Errors
+/// Those of [`natural_curvatures`].
+pub fn fitted_end_load(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+) -> Result<End, RodError> {
+    let free = Instant { tip: End::FREE, ..*conditions };
+    let left = natural_curvatures(fiber, state, &free, node_forces)?;
+    // Natural curvatures are linear in loads: a unit of each tells its share.
+    let weightless = Instant { gravity: Vector3::zeros(), distributed: Vector3::zeros(), ..free };
+    let drawn = natural_curvatures(fiber, state, &weightless, &[])?;
+    let length = fiber.length();
+    let stiffness = fiber.nodes()[0].stiffness.x;
+    let units = [stiffness / length.powi(2), stiffness / length];
+    let world = |v: Vector3<f64>| Load::World(v);
+    let mut shares: Vec<Vec<Vector3<f64>>> = Vec::with_capacity(6);
+    for k in 0..6 {
+        let mut unit = [Vector3::zeros(); 2];
+        unit[k / 3][k % 3] = units[k / 3];
+        let [force, moment] = unit.map(world);
+        let loaded = Instant { tip: End::Loaded { force, moment }, ..weightless };
+        let bent = natural_curvatures(fiber, state, &loaded, &[])?;
+        shares.push(bent.iter().zip(&drawn).map(|(with, without)| without - with).collect());
+    }
+    // Normal equations of the least squares, joint by joint.
+    let (mut matrix, mut right) = (Matrix6::zeros(), Vector6::zeros());
+    for e in 0..fiber.segments() {
+        let weight = Joint::new(fiber, e).length;
+        for i in 0..6 {
+            right[i] += weight * shares[i][e].dot(&left[e]);
+            for j in 0..6 {
+                matrix[(i, j)] += weight * shares[i][e].dot(&shares[j][e]);
+            }
+        }
+    }
+    let scale = matrix.diagonal().max();
+    let loads = matrix.svd(true, true).solve(&right, NO_EFFECT * scale);
+    let loads = loads.unwrap_or_default();
+    let force = loads.fixed_rows::<3>(0) * units[0];
+    let moment = loads.fixed_rows::<3>(3) * units[1];
+    let moment = state.frames[fiber.segments() - 1].inverse() * moment;
+    Ok(End::Loaded { force: Load::World(force), moment: Load::Follower(moment) })
 }
 
 /// The fibre whose natural curvature lets it rest in the shape of `state`, or in a stable one near

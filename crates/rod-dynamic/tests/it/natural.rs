@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section, so3};
 use rapunzel_rod_dynamic::{
-    End, Instant, Load, Rod, RodIntegrator, RodState, Staggered, Steady, fitted, natural_curvatures,
+    End, Instant, Load, Rod, RodIntegrator, RodState, Staggered, Steady, equilibrium, fitted,
+    fitted_end_load, natural_curvatures,
 };
 use rapunzel_rod_static::{Chain, Piece, Properties};
 
@@ -71,6 +72,55 @@ proptest! {
             prop_assert!((a - b).norm() < 1e-6 * length, "{} m", (a - b).norm());
         }
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Loads that bend a naturally straight fibre are found again from its shape, and leave nothing
+    /// for the natural curvature to bear.
+    #[test]
+    fn the_load_that_bent_a_fibre_is_found(
+        force in prop::array::uniform3(-3.0..3.0_f64),
+        couple in prop::array::uniform3(-2.0..2.0_f64),
+        segments in 8..40_usize,
+    ) {
+        let fiber = hair(0.06, segments);
+        let (length, stiffness) = (fiber.length(), fiber.nodes()[0].stiffness.x);
+        let force = Vector3::from(force) * stiffness / length.powi(2);
+        let couple = Vector3::from(couple) * stiffness / length;
+        let mut conditions = Instant::clamped(Isometry3::identity(), Vector3::zeros());
+        conditions.tip = End::Loaded { force: Load::World(force), moment: Load::Follower(couple) };
+        let straight = Staggered::new(Rod::new(fiber.clone())).expect("a rod").state();
+        let bent = equilibrium(&Rod::new(fiber.clone()), &conditions, &straight);
+        // A couple may have no equilibrium.
+        prop_assume!(bent.is_ok());
+        let (state, _) = bent.expect("an equilibrium");
+        let found = fitted_end_load(&fiber, &state, &conditions, &[]).expect("a load");
+        let End::Loaded { force: Load::World(f), moment: Load::Follower(m) } = found else {
+            panic!("a dead force and a following couple");
+        };
+        // To what Newton's method leaves of the balance.
+        prop_assert!((f - force).norm() < 1e-6 * stiffness / length.powi(2), "{f} {force}");
+        prop_assert!((m - couple).norm() < 1e-6 * stiffness / length, "{m} {couple}");
+        let loaded = Instant { tip: found, ..conditions };
+        let left = natural_curvatures(&fiber, &state, &loaded, &[]).expect("finite");
+        prop_assert!(left.iter().all(|kappa| kappa.norm() < 1e-6 / length));
+    }
+}
+
+/// A load without an effect is none: a force along a straight fibre.
+#[test]
+fn a_straight_fibre_needs_no_load() {
+    let fiber = hair(0.06, 12);
+    let state = Staggered::new(Rod::new(fiber.clone())).expect("a rod").state();
+    let conditions = Instant::clamped(Isometry3::identity(), Vector3::zeros());
+    let End::Loaded { force, moment } =
+        fitted_end_load(&fiber, &state, &conditions, &[]).expect("a load")
+    else {
+        panic!("a load");
+    };
+    assert!(force.components().norm() < 1e-20 && moment.components().norm() < 1e-20);
 }
 
 /// Forces on the nodes, as of contacts, are carried too, and a stable shape is kept as it is.

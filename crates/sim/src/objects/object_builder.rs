@@ -4,10 +4,11 @@ use super::edge_capsules::edge_capsules;
 use super::mesh::read_mesh;
 use crate::SimError;
 use crate::scene::{self, Moves, ObjectMass, ObjectShape};
+use crate::style::head_mesh;
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
-use rapunzel_collision::field::{Ball, Cuboid, Grid, HalfSpace, Soup, Terrain, shapes};
+use rapunzel_collision::field::{Ball, Cuboid, Grid, HalfSpace, Mesh, Soup, Terrain, shapes};
 use rapunzel_collision::{Capsule, CollisionError};
 use rapunzel_contact::{ContactError, RigidBody};
 use rapunzel_coupling::{CollisionObject, Field, FreeBody, ObjectGeometry, ObjectMotion};
@@ -64,9 +65,10 @@ pub(crate) fn build_object(
     let (field, surface) = match &scene.shape {
         ObjectShape::Mesh { file, spacing, scale, repair } => {
             let (mesh, _) = read_mesh(index, file, *scale, *repair)?;
-            let field = Grid::scan(&mesh, *spacing, around.band(*spacing)).map_err(refuse)?;
-            let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
-            (Arc::new(field) as Field, Soup { vertices, triangles })
+            scanned(&mesh, *spacing, around).map_err(refuse)?
+        }
+        ObjectShape::Head { style, spacing } => {
+            scanned(&head_mesh(style)?, *spacing, around).map_err(refuse)?
         }
         shape => solid(shape, around).map_err(refuse)?,
     };
@@ -93,6 +95,13 @@ pub(crate) fn build_object(
     let scene::Object { friction, restitution, .. } = *scene;
     let geometry = ObjectGeometry { field, edge_capsules, surface, endless };
     Ok(CollisionObject::new(geometry, motion, friction, restitution))
+}
+
+/// Field and surface of a mesh.
+fn scanned(mesh: &Mesh, spacing: f64, around: &Sizes) -> Result<(Field, Soup), CollisionError> {
+    let field = Grid::scan(mesh, spacing, around.band(spacing))?;
+    let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+    Ok((Arc::new(field), Soup { vertices, triangles }))
 }
 
 /// Field and surface of a shape that is no file. Of a plane a square about the origin is shown,
@@ -138,7 +147,9 @@ fn solid(shape: &ObjectShape, around: &Sizes) -> Result<(Field, Soup), Collision
             let surface = field.surface();
             (Arc::new(field), surface)
         }
-        ObjectShape::Mesh { .. } => return Err(CollisionError::NoTriangles),
+        ObjectShape::Mesh { .. } | ObjectShape::Head { .. } => {
+            return Err(CollisionError::NoTriangles);
+        }
     })
 }
 

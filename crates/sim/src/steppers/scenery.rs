@@ -49,11 +49,12 @@ impl Scenery {
     /// Colour of springs and other lines: red, green and blue, linear.
     pub(crate) const ROPE: [f64; 3] = [0.5, 0.4, 0.25];
 
-    /// The scenery of the fibres of a scene: a prim for each bundle.
-    pub(crate) fn of_fibers(scene: &Scene) -> Self {
-        let bundles = scene.fibers.iter().scan(0, |end, bundle| {
+    /// The scenery of the fibres of a scene, whose bundles have these `counts` of them: a prim for
+    /// each bundle.
+    pub(crate) fn of_fibers(scene: &Scene, counts: &[usize]) -> Self {
+        let bundles = counts.iter().scan(0, |end, count| {
             let first = *end;
-            *end += bundle.arrangement.fibers();
+            *end += count;
             Some(first..*end)
         });
         let prim = |(i, strands): (usize, Range<usize>)| Prim {
@@ -62,7 +63,7 @@ impl Scenery {
             color: HAIR[i % HAIR.len()],
         };
         let prims = bundles.enumerate().map(prim).collect();
-        Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene) }
+        Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene, counts) }
     }
 
     /// The scenery of a mass-spring system at its start: lines, which are a guide to its surface if
@@ -96,9 +97,9 @@ impl Scenery {
 }
 
 /// What holds the ends of fibres, and when, s.
-fn fiber_supports(scene: &Scene) -> Vec<(Support, Range<f64>)> {
-    let bundles = scene.fibers.iter();
-    let bundles = bundles.flat_map(|bundle| (0..bundle.arrangement.fibers()).map(move |_| bundle));
+fn fiber_supports(scene: &Scene, counts: &[usize]) -> Vec<(Support, Range<f64>)> {
+    let bundles = scene.fibers.iter().zip(counts);
+    let bundles = bundles.flat_map(|(bundle, count)| (0..*count).map(move |_| bundle));
     let supports = bundles.enumerate().flat_map(|(strand, bundle)| {
         let by = |joint: &JointKind| match joint {
             JointKind::Clamped => Some(true),

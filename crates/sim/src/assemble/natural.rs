@@ -1,0 +1,254 @@
+//! Natural shapes of groomed fibres: with which they rest in the curves that are given.
+
+use super::groups::{assembly, at_start, in_contact};
+use super::start::{FiberStart, along};
+use crate::scene::{Bundle, ContactSettings, GroomShape, Scene, Tip};
+use crate::{Plan, SimError};
+use nalgebra::{Point3, Vector3};
+use rapunzel_coupling::{BodyRef, CollisionObject, Separation, separate};
+use rapunzel_fiber::{Fiber, Layout};
+use rapunzel_rod_dynamic::{
+    End, FittedFiber, Instant, RodError, RodIntegrator, RodState, Staggered, fitted,
+    fitted_end_load, natural_curvatures,
+};
+use rayon::prelude::*;
+
+/// What became of the fibres of a bundle.
+#[derive(Debug, Clone, Copy, Default)]
+struct Told {
+    fibers: usize,
+    /// Largest natural curvature, 1/m.
+    curvature: f64,
+    /// Fibres that start in another shape than the groom's, or not at rest.
+    other: usize,
+    /// Largest distance of a node from the groom, m.
+    moved: f64,
+}
+
+/// Gives groomed fibres natural shapes with which they rest in their curves, and moves those apart
+/// that are in each other where fibres touch.
+///
+/// # Errors
+/// [`SimError`] of what cannot be moved apart or rest.
+pub(super) fn give_natural_shapes(
+    scene: &Scene,
+    starts: &mut [FiberStart],
+    objects: &mut [CollisionObject],
+    notes: &mut Vec<String>,
+) -> Result<(), SimError> {
+    if scene.fibers.iter().all(|bundle| bundle.groom.is_none()) {
+        return Ok(());
+    }
+    if scene.contact.is_some() {
+        notes.extend(move_apart(scene, starts, objects)?);
+    }
+    starts.par_iter_mut().try_for_each(|start| {
+        let bundle = start.bundle;
+        draw(start, &scene.fibers[bundle]).map_err(|source| SimError::Rod { bundle, source })
+    })?;
+    let rests = |bundle: &Bundle| {
+        bundle.groom.as_ref().is_some_and(|groom| groom.natural != GroomShape::Drawn)
+    };
+    if !scene.fibers.iter().any(rests) {
+        return Ok(());
+    }
+    let forces = match &scene.contact {
+        Some(settings) => contact_forces(scene, settings, starts, objects)?,
+        None => Vec::new(),
+    };
+    let touching = scene.contact.is_some();
+    let layout = Layout::new(starts.iter().map(|start| start.rod.fiber.segments()));
+    let gravity = scene.environment.gravity_at(0.0);
+    let rest = |(fiber, start): (usize, &mut FiberStart)| {
+        let bundle = &scene.fibers[start.bundle];
+        let mut forces = forces.get(layout.node_range(fiber)).unwrap_or_default().to_vec();
+        for (k, own) in bundle.node_forces(0.0).into_iter().flatten().enumerate() {
+            forces.resize(start.rod.fiber.segments() + 1, Vector3::zeros());
+            forces[k] += own;
+        }
+        rest(start, bundle, gravity, &forces, touching)
+    };
+    let told = starts.par_iter_mut().enumerate().map(rest).collect::<Result<Vec<_>, _>>()?;
+    for index in 0..scene.fibers.len() {
+        let of = starts.iter().zip(&told).filter(|(start, _)| start.bundle == index);
+        notes.extend(told_of(index, of.filter_map(|(_, told)| *told)));
+    }
+    Ok(())
+}
+
+/// Gives a groomed fibre its curve as its natural shape.
+fn draw(start: &mut FiberStart, bundle: &Bundle) -> Result<(), RodError> {
+    let (Some(_), Some(state)) = (&bundle.groom, &start.state) else { return Ok(()) };
+    let fiber = &start.rod.fiber;
+    let weightless = Instant::clamped(*fiber.root(), Vector3::zeros());
+    let curvatures = natural_curvatures(fiber, state, &weightless, &[])?;
+    start.rod.fiber = curved(fiber, &curvatures)?;
+    Ok(())
+}
+
+/// A fibre with natural curvatures of its nodes, 1/m.
+fn curved(fiber: &Fiber, curvatures: &[Vector3<f64>]) -> Result<Fiber, RodError> {
+    let invalid = |_| RodError::Invalid { what: "natural curvature", why: "must be finite" };
+    fiber.clone().with_node_curvatures(curvatures).map_err(invalid)
+}
+
+/// Moves the nodes of groomed fibres, but their roots, out of all that they overlap.
+fn move_apart(
+    scene: &Scene,
+    starts: &mut [FiberStart],
+    objects: &mut [CollisionObject],
+) -> Result<Option<String>, SimError> {
+    let assembly = assembly(starts);
+    let layout = assembly.layout();
+    let mut positions: Vec<Point3<f64>> = Vec::with_capacity(layout.nodes());
+    let mut free = Vec::with_capacity(layout.nodes());
+    for start in &*starts {
+        let nodes = match &start.state {
+            Some(state) => state.positions.clone(),
+            None => {
+                let natural = Staggered::new(start.rod.clone());
+                let failed = |source| SimError::Rod { bundle: start.bundle, source };
+                natural.map_err(failed)?.state().positions
+            }
+        };
+        let groomed = scene.fibers[start.bundle].groom.is_some();
+        free.extend((0..nodes.len()).map(|node| groomed && node > 0));
+        positions.extend(nodes);
+    }
+    let moved = separate(&assembly, &at_start(scene, objects), &free, &mut positions)?;
+    for (fiber, start) in starts.iter_mut().enumerate() {
+        if scene.fibers[start.bundle].groom.is_none() {
+            continue;
+        }
+        let node = start.rod.fiber.nodes()[0];
+        let laid = along(&positions[layout.node_range(fiber)], node);
+        let (fiber, state) =
+            laid.map_err(|source| SimError::Fiber { bundle: start.bundle, source })?;
+        (start.rod.fiber, start.state) = (fiber, Some(state));
+    }
+    let Separation { overlaps, moved, left } = moved;
+    let note = || {
+        format!(
+            "{overlaps} overlaps of fibres at the start: nodes were moved by at most {moved:.1e} m, \
+             and the deepest that is left has {left:.1e} m"
+        )
+    };
+    Ok((overlaps > 0).then(note))
+}
+
+/// Forces of contacts on all nodes, N, world: what they must be to hold fibres without elastic
+/// forces in their curves, a mean over the first step.
+fn contact_forces(
+    scene: &Scene,
+    settings: &ContactSettings,
+    starts: &[FiberStart],
+    objects: &mut [CollisionObject],
+) -> Result<Vec<Vector3<f64>>, SimError> {
+    let mut numbers = Vec::new();
+    objects.iter().for_each(|object| object.save(&mut numbers));
+    let assembly = assembly(starts);
+    let layout = assembly.layout().clone();
+    let dt = Plan::new(scene).step_after(0);
+    let mut around = at_start(scene, objects);
+    let mut fibers = in_contact(settings, starts, assembly, false, &mut around)?;
+    around.end = dt;
+    fibers.step(&mut around, dt)?;
+    let mut forces = vec![Vector3::zeros(); layout.nodes()];
+    for contact in fibers.contacts() {
+        let sides = contact.sides.into_iter().zip(contact.at).zip([1.0, -1.0]);
+        for ((side, at), sign) in sides {
+            let BodyRef::Fiber(fiber) = side else { continue };
+            let range = layout.node_range(fiber as usize);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+            let segment = (at as usize).min(range.len() - 2);
+            let fraction = at - segment as f64;
+            let node = range.start + segment;
+            forces[node] += contact.force * (sign * (1.0 - fraction));
+            forces[node + 1] += contact.force * (sign * fraction);
+        }
+    }
+    let mut rest = &numbers[..];
+    for object in objects {
+        rest = object.restore(rest).ok_or(SimError::OtherObjects)?;
+    }
+    Ok(forces)
+}
+
+/// Gives a groomed fibre the natural shape with which it rests under its loads: gravity (m/s^2) and
+/// forces on its nodes (N). Where it is `touching` others, contacts hold it, so that its stability
+/// is not known from it alone, and it stays where it is.
+fn rest(
+    start: &mut FiberStart,
+    bundle: &Bundle,
+    gravity: Vector3<f64>,
+    forces: &[Vector3<f64>],
+    touching: bool,
+) -> Result<Option<Told>, SimError> {
+    let (Some(groom), Some(state)) = (&bundle.groom, &start.state) else { return Ok(None) };
+    let failed = |source| SimError::Rod { bundle: start.bundle, source };
+    let fiber = &start.rod.fiber;
+    let mut conditions = Instant::clamped(*fiber.root(), gravity);
+    if let Tip::Loaded { force, moment } = &bundle.tip {
+        conditions.tip = End::Loaded { force: force.at(0.0), moment: moment.at(0.0) };
+    }
+    let most = match groom.natural {
+        GroomShape::Drawn => return Ok(None),
+        GroomShape::SagFree { most } => most,
+        GroomShape::EndLoads { most } => {
+            start.end_load = fitted_end_load(fiber, state, &conditions, forces).map_err(failed)?;
+            conditions.tip = start.end_load;
+            most
+        }
+    };
+    let held = || held(fiber, state, &conditions, forces, most);
+    let FittedFiber { fiber, state, moved } = if touching {
+        held().map_err(failed)?
+    } else {
+        fitted(fiber, state, &conditions, forces, most).or_else(|_| held()).map_err(failed)?
+    };
+    let curvature = fiber.nodes().iter().map(|node| node.natural_curvature.norm());
+    let curvature = curvature.fold(0.0, f64::max);
+    let cut = touching && curvature >= most * (1.0 - 1e-9);
+    let other = usize::from(cut || moved > 1e-6 * fiber.length());
+    (start.rod.fiber, start.state) = (fiber, Some(state));
+    Ok(Some(Told { fibers: 1, curvature, other, moved }))
+}
+
+/// A fibre with the natural curvatures, cut to `most`, 1/m, that balance its loads where it is.
+fn held(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    forces: &[Vector3<f64>],
+    most: f64,
+) -> Result<FittedFiber, RodError> {
+    let mut curvatures = natural_curvatures(fiber, state, conditions, forces)?;
+    for curvature in &mut curvatures {
+        *curvature = curvature.cap_magnitude(most);
+    }
+    let fiber = curved(fiber, &curvatures)?;
+    Ok(FittedFiber { fiber, state: state.clone(), moved: 0.0 })
+}
+
+/// How the fibres of bundle `index` rest, if any are to.
+fn told_of(index: usize, fibers: impl Iterator<Item = Told>) -> Option<String> {
+    let add = |sum: Told, one: Told| Told {
+        fibers: sum.fibers + one.fibers,
+        curvature: sum.curvature.max(one.curvature),
+        other: sum.other + one.other,
+        moved: sum.moved.max(one.moved),
+    };
+    let Told { fibers, curvature, other, moved } = fibers.reduce(add)?;
+    Some(if other == 0 {
+        format!(
+            "fibers[{index}]: all {fibers} rest as they are drawn, by natural curvatures of at most \
+             {curvature:.0} 1/m"
+        )
+    } else {
+        format!(
+            "fibers[{index}]: {other} of {fibers} do not rest as they are drawn, by natural \
+             curvatures of at most {curvature:.0} 1/m: they start in equilibria nearby, their nodes \
+             moved by up to {moved:.1e} m, or settle"
+        )
+    })
+}

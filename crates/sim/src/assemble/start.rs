@@ -1,0 +1,237 @@
+//! Fibres as the scene puts them.
+
+use super::groom::curves;
+use crate::SimError;
+use crate::curve::knot;
+use crate::scene::{Arrangement, Bundle, FiberShape, Initial, Scene, scalp};
+use nalgebra::{Point3, Vector3};
+use rapunzel_coupling::BundleConditions;
+use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
+use rapunzel_fiber::{Fiber, FiberError, NodeProperties, so3};
+use rapunzel_rod_dynamic::{End, Rod, RodIntegrator, RodState, SectionLaws, Staggered};
+use std::sync::Arc;
+
+/// One fibre of the scene, ready to be handed to an integrator.
+pub(super) struct FiberStart {
+    pub(super) bundle: usize,
+    pub(super) rod: Rod,
+    /// `None` for the natural shape, in which integrators start.
+    pub(super) state: Option<RodState>,
+    pub(super) velocity: Vector3<f64>,
+    pub(super) conditions: Arc<BundleConditions>,
+    /// Load on the tip where the bundle leaves it free.
+    pub(super) end_load: End,
+}
+
+impl FiberStart {
+    /// The state to start in, if it is not that in which an integrator starts by itself.
+    pub(super) fn moving(&self, natural: impl FnOnce() -> RodState) -> Option<RodState> {
+        if self.velocity == Vector3::zeros() {
+            return self.state.clone();
+        }
+        let mut state = self.state.clone().unwrap_or_else(natural);
+        state.velocities.fill(self.velocity);
+        Some(state)
+    }
+}
+
+/// What the fibres of bundle `i` are made of, and the laws of their sections, at time `t`, s.
+pub(crate) fn matter(
+    scene: &Scene,
+    bundle: &Bundle,
+    i: usize,
+    t: f64,
+) -> Result<(NodeProperties, SectionLaws), SimError> {
+    scene.matter(bundle, t).map_err(|source| SimError::Keratin { bundle: i, source })
+}
+
+/// The fibres of bundle number `index`, ready to be handed to an integrator; what a user should know
+/// of them is added to the `notes`.
+///
+/// # Errors
+/// [`SimError`] of what cannot be made of the bundle's numbers and files.
+pub(super) fn starts(
+    scene: &Scene,
+    bundle: &Bundle,
+    index: usize,
+    notes: &mut Vec<String>,
+) -> Result<Vec<FiberStart>, SimError> {
+    // Bundles of one scene must not repeat each other's random choices.
+    let seed = scene.seed.wrapping_add(index as u64);
+    let (node, laws) = matter(scene, bundle, index, 0.0)?;
+    let invalid = |source| SimError::Fiber { bundle: index, source };
+    let laid_fibers: Vec<(Fiber, Option<RodState>)> = match &bundle.groom {
+        Some(groom) => {
+            let radius = node.section.equivalent_radius();
+            let curves = curves(groom, bundle, radius, index, notes)?;
+            let lay = |curve: &Vec<Point3<f64>>| along(curve, node).map(|(f, s)| (f, Some(s)));
+            curves.iter().map(lay).collect::<Result<_, _>>().map_err(invalid)?
+        }
+        None => {
+            let course = course(bundle, index)?;
+            let fibers = natural(bundle, node, seed).map_err(invalid)?.into_iter();
+            let lay = |fiber: Fiber| {
+                let state = laid(&fiber, &bundle.initial, course.as_deref(), index)?;
+                Ok((fiber, state))
+            };
+            fibers.map(lay).collect::<Result<_, SimError>>()?
+        }
+    };
+    let longest = laid_fibers.iter().map(|(fiber, _)| fiber.length()).fold(0.0, f64::max);
+    let radius = node.section.equivalent_radius();
+    let conditions = BundleConditions::new(scene, bundle, longest, radius);
+    let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
+    let conditions = Arc::new(conditions);
+    let start = |(fiber, state)| FiberStart {
+        bundle: index,
+        state,
+        velocity: Vector3::from(bundle.velocity),
+        rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
+        conditions: Arc::clone(&conditions),
+        end_load: End::FREE,
+    };
+    Ok(laid_fibers.into_iter().map(start).collect())
+}
+
+/// A naturally straight fibre along a curve (world), m, and its state there, at rest.
+pub(super) fn along(
+    curve: &[Point3<f64>],
+    node: NodeProperties,
+) -> Result<(Fiber, RodState), FiberError> {
+    let root = generate::root_pose(curve[0], &(curve[1] - curve[0]))?;
+    let lengths = curve.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
+    let fiber = Fiber::new(root, lengths, vec![node; curve.len()])?;
+    let nodes: Vec<_> = curve.iter().map(|point| root.inverse_transform_point(point)).collect();
+    let state = untwisted(&fiber, &nodes);
+    Ok((fiber, state))
+}
+
+/// Lengths of the segments of each fibre of a bundle, m.
+fn lengths(bundle: &Bundle) -> Vec<f64> {
+    vec![bundle.length / bundle.segments as f64; bundle.segments]
+}
+
+/// The fibres of a bundle in their natural state.
+fn natural(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, FiberError> {
+    let pose = bundle.root.isometry()?;
+    let straight = Fiber::new(pose, lengths(bundle), vec![node; bundle.segments + 1])?;
+    let mut fiber = match bundle.shape {
+        FiberShape::Straight => straight,
+        FiberShape::Helix { radius, pitch, handedness } => {
+            Helix { radius, pitch, handedness }.bend(straight)?
+        }
+        FiberShape::Sine { amplitude, wavelength } => {
+            Sine { amplitude, wavelength }.bend(straight)?
+        }
+        FiberShape::Curved { curvature } => {
+            straight.with_natural_curvature(|_| Vector3::from(curvature))?
+        }
+    };
+    // The generators turn the root so that the shape runs along the pose; other starts do so
+    // themselves.
+    match bundle.initial {
+        Initial::Natural => {}
+        Initial::Helix { radius, pitch, handedness } => {
+            let wound = Helix { radius, pitch, handedness }.bend(fiber.clone().with_root(pose))?;
+            fiber = fiber.with_root(*wound.root());
+        }
+        Initial::Straight | Initial::Overhand { .. } | Initial::Knot { .. } => {
+            fiber = fiber.with_root(pose);
+        }
+    }
+    match bundle.arrangement {
+        Arrangement::Single => Ok(vec![fiber]),
+        Arrangement::Ellipse { semi_axes: [a, b], count } => {
+            generate::bundle(&fiber, &Ellipse { pose, a, b }, count, seed)
+        }
+        Arrangement::EllipseAtDensity { semi_axes: [a, b], density } => {
+            let patch = Ellipse { pose, a, b };
+            generate::bundle(&fiber, &patch, patch.count(density)?, seed)
+        }
+        Arrangement::Scalp { semi_axes, count, polar, azimuth } => {
+            // The shape has turned the root.
+            let turn = pose.rotation.inverse() * fiber.root().rotation;
+            let roots = scalp(semi_axes, count, polar, azimuth)?;
+            Ok(roots.iter().map(|root| fiber.clone().with_root(pose * root * turn)).collect())
+        }
+        Arrangement::Lock { count, radius, curvature_variation, clumping } => {
+            Lock { count, radius, curvature_variation, clumping }.grow(&fiber, seed)
+        }
+    }
+}
+
+/// The nodes that the fibres of a bundle start with, m, in their roots' frames; `None` for those
+/// whose own shape counts.
+fn course(bundle: &Bundle, index: usize) -> Result<Option<Vec<Point3<f64>>>, SimError> {
+    let lengths = lengths(bundle);
+    let nodes = match &bundle.initial {
+        Initial::Natural | Initial::Helix { .. } => return Ok(None),
+        Initial::Straight => {
+            let mut along = 0.0;
+            let next = lengths.iter().map(|length| {
+                along += length;
+                Point3::new(0.0, 0.0, along)
+            });
+            Ok(std::iter::once(Point3::origin()).chain(next).collect())
+        }
+        Initial::Overhand { radius, spacing } => {
+            Overhand { radius: *radius, spacing: *spacing }.nodes(&lengths)
+        }
+        Initial::Knot { curve, scale, spacing } => {
+            knot(curve, *scale, *spacing, index)?.nodes(&lengths)
+        }
+    };
+    nodes.map(Some).map_err(|source| SimError::Fiber { bundle: index, source })
+}
+
+/// The state in which a fibre is laid from its root's frame on, at rest, along its course if it has
+/// one; `None` for its natural one.
+fn laid(
+    fiber: &Fiber,
+    initial: &Initial,
+    course: Option<&[Point3<f64>]>,
+    bundle: usize,
+) -> Result<Option<RodState>, SimError> {
+    if let Initial::Helix { radius, pitch, handedness } = *initial {
+        let wound = Helix { radius, pitch, handedness }.bend(fiber.clone());
+        let wound = wound.map_err(|source| SimError::Fiber { bundle, source })?;
+        let natural = Staggered::new(Rod::new(wound.with_root(*fiber.root())));
+        return match natural {
+            Ok(rod) => Ok(Some(rod.state())),
+            Err(source) => Err(SimError::Rod { bundle, source }),
+        };
+    }
+    Ok(course.map(|nodes| untwisted(fiber, nodes)))
+}
+
+/// A state at rest along `nodes`, m, in the root's frame, which is carried along without a twist.
+fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
+    let root = fiber.root();
+    let positions = nodes.iter().map(|node| root * node).collect();
+    let mut frame = root.rotation.to_rotation_matrix();
+    let frames: Vec<_> = nodes
+        .windows(2)
+        .map(|ends| {
+            let tangent = root.rotation * (ends[1] - ends[0]);
+            // There is none only for a fibre that turns back on itself.
+            let turn = so3::between(&(frame * Vector3::z()), &tangent);
+            frame = turn.unwrap_or_default() * frame;
+            frame
+        })
+        .collect();
+    let segments = fiber.segments();
+    let mut curvatures = vec![Vector3::zeros(); segments + 1];
+    for (i, pair) in frames.windows(2).enumerate() {
+        let between = 0.5 * (fiber.segment_lengths()[i] + fiber.segment_lengths()[i + 1]);
+        curvatures[i + 1] = so3::log(&(pair[0].inverse() * pair[1])) / between;
+    }
+    RodState {
+        time: 0.0,
+        positions,
+        velocities: vec![Vector3::zeros(); segments + 1],
+        frames,
+        angular_velocities: vec![Vector3::zeros(); segments],
+        forces: vec![Vector3::zeros(); segments],
+        curvatures,
+    }
+}
