@@ -34,7 +34,7 @@ impl RestingFibers {
         (self.time, self.gravity) = (t, scene.environment.gravity_at(t));
         let mut rods = self.rods.iter_mut().zip(self.assembly.fibers()).enumerate();
         for (i, bundle) in scene.fibers.iter().enumerate() {
-            let forces = bundle.node_forces(t);
+            let forces = bundle.node_forces(bundle.segments, t);
             let matter = scene.environment.climate.changes().then(|| scene.matter(bundle, t));
             let matter = matter.transpose();
             let matter = matter.map_err(|source| ChargingError::Keratin { bundle: i, source })?;

@@ -43,6 +43,8 @@ impl BundleConditions {
 pub struct FiberConditions {
     /// The conditions of its bundle.
     pub bundle: Arc<BundleConditions>,
+    /// Number of segments.
+    pub segments: usize,
     /// Pose of the root at the start.
     pub root: Isometry3<f64>,
     /// Pose of the tip, the last node, at the start.
@@ -68,7 +70,7 @@ impl FiberConditions {
 
     /// The forces on all nodes at time `t` (s), N, world; `None` if there are none.
     pub(crate) fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
-        self.bundle.bundle.node_forces(t)
+        self.bundle.bundle.node_forces(self.segments, t)
     }
 
     /// The tip's start pose, moved along by `way` and turned by `angle` about its tangent.

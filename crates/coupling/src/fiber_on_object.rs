@@ -20,6 +20,8 @@ pub(crate) struct MovingFiber<'a> {
     pub(crate) start: &'a [Point3<f64>],
     pub(crate) end: &'a [Point3<f64>],
     pub(crate) radii: &'a [f64],
+    /// The first segment that can touch: not the one that grows out of the object.
+    pub(crate) first: usize,
 }
 
 /// The contacts beside the deepest one of a segment: as it turns it rolls on to them.
@@ -94,7 +96,7 @@ impl CollisionObject {
             both.map(|(before, after)| (own(after, 1) - own(before, 0)).norm()).collect()
         };
         let mut contacts: Vec<FieldContact> = Vec::new();
-        for (s, &radius) in strand.radii.iter().enumerate() {
+        for (s, &radius) in strand.radii.iter().enumerate().skip(strand.first) {
             let (start, end) = (strand.end[s], strand.end[s + 1]);
             let length = (end - start).norm();
             let (way, nearest) =
@@ -214,7 +216,8 @@ mod tests {
         let object = CollisionObject::new(geometry, rests, None, None);
         let [a, b] = gaps.map(|gap| RADIUS + gap);
         let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
-        let strand = MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS] };
+        let strand =
+            MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS], first: 0 };
         let mut found = Vec::new();
         object.contact_points(
             0,

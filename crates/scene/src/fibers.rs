@@ -18,7 +18,7 @@ pub struct Bundle {
     /// Length of each fibre, m; to be left out where a groom gives it.
     #[serde(default)]
     pub length: f64,
-    /// Number of segments of each fibre.
+    /// Number of segments of each fibre; of a groom of the longest, and of others by their length.
     pub segments: usize,
     /// Cross section, m; to be left out where the material has one of its own. The section of
     /// keratin is given at 65 % humidity, from where it swells.
@@ -207,17 +207,17 @@ pub struct PointForce {
 }
 
 impl Bundle {
-    /// Sum of the point forces on all nodes of one fibre at time `t` (s), N, world; `None` if the
-    /// bundle has no point forces.
+    /// Sum of the point forces on all nodes of one fibre of so many `segments` at time `t` (s), N,
+    /// world; `None` if the bundle has no point forces.
     #[must_use]
-    pub fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
+    pub fn node_forces(&self, segments: usize, t: f64) -> Option<Vec<Vector3<f64>>> {
         if self.point_forces.is_empty() {
             return None;
         }
-        let mut forces = vec![Vector3::zeros(); self.segments + 1];
+        let mut forces = vec![Vector3::zeros(); segments + 1];
         for force in &self.point_forces {
             #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
-            let node = (force.at * self.segments as f64).round() as usize;
+            let node = (force.at * segments as f64).round() as usize;
             forces[node] += Vector3::from(force.value) * force.profile.at(t);
         }
         Some(forces)

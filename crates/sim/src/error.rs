@@ -47,8 +47,11 @@ pub enum SimError {
         /// The file.
         path: PathBuf,
     },
-    /// A probe is at a fibre that a groom does not have.
-    #[error("output.probes[{probe}].fiber is {fiber}, but there are only {fibers} fibres")]
+    /// A probe is at a node that a groom does not have.
+    #[error(
+        "output.probes[{probe}] is at a node of fibre {fiber} that is not there: of {fibers} fibres \
+         this one has {nodes} nodes"
+    )]
     Probe {
         /// Index of the probe in the scene.
         probe: usize,
@@ -56,6 +59,8 @@ pub enum SimError {
         fiber: usize,
         /// Number of all fibres.
         fibers: usize,
+        /// Number of its nodes; 0 where there is no such fibre.
+        nodes: usize,
     },
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]

@@ -28,10 +28,17 @@ impl StrandSet {
     /// [`StrandsError::Option`] without segments; [`StrandsError::Fold`] where two new points in a
     /// row would be equal.
     pub fn resampled(&self, segments: usize) -> Result<Resampled, StrandsError> {
-        if segments == 0 {
-            let (what, must) = ("segments", "at least 1");
-            return Err(StrandsError::Option { what, value: "0".into(), must });
-        }
+        self.resampled_by(|_| segments)
+    }
+
+    /// The same with a number of segments of each strand, by its index.
+    ///
+    /// # Errors
+    /// Those of [`resampled`](Self::resampled).
+    pub fn resampled_by(
+        &self,
+        segments: impl Fn(usize) -> usize,
+    ) -> Result<Resampled, StrandsError> {
         let mut out = Resampled {
             strands: Self::new(self.radii().is_some()),
             error: 0.0,
@@ -39,7 +46,11 @@ impl StrandSet {
             shortening: 0.0,
         };
         for strand in 0..self.len() {
-            let points = self.strand(strand);
+            let (points, segments) = (self.strand(strand), segments(strand));
+            if segments == 0 {
+                let (what, must) = ("segments", "at least 1");
+                return Err(StrandsError::Option { what, value: "0".into(), must });
+            }
             let places = places(points, segments);
             let new: Vec<_> = places.iter().map(|place| place.of(points)).collect();
             if new.windows(2).any(|ends| ends[0] == ends[1]) {

@@ -31,6 +31,9 @@ pub(crate) struct ContactDetector {
     /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
     holds: bool,
     candidates: Candidates,
+    /// Fibres that grow out of objects, by their numbers, in order: their first segments do not
+    /// touch these.
+    rooted: Vec<[u32; 2]>,
 }
 
 /// What fibres and objects are in each other at the end of a motion.
@@ -66,7 +69,30 @@ impl ContactDetector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        Ok(Self { margin, more, holds, candidates })
+        Ok(Self { margin, more, holds, candidates, rooted: Vec::new() })
+    }
+
+    /// Lets fibres grow out of kinematic objects from now on: those whose root is `held` and deeper
+    /// than `depth`, m, in an object at the start of the motion, where no step could part the two.
+    pub(crate) fn root(
+        &mut self,
+        motion: &NodeMotion,
+        objects: &[CollisionObject],
+        held: impl Fn(usize) -> bool,
+        depth: f64,
+    ) {
+        let fibers = (0..motion.layout.fibers()).filter(|&fiber| held(fiber));
+        let pairs = fibers.flat_map(|fiber| {
+            let root = motion.start[motion.layout.node_range(fiber).start];
+            let radius = motion.radii[motion.layout.segment_range(fiber).start];
+            let is_in = move |object: &CollisionObject| {
+                let own = object.pose(motion.step.start).inverse_transform_point(&root);
+                !object.is_free() && object.field().value(&own) - radius < -depth
+            };
+            let objects = (0..).zip(objects).filter(move |(_, object)| is_in(object));
+            objects.map(move |(object, _)| [fiber_number(fiber), object])
+        });
+        self.rooted = pairs.collect();
     }
 
     /// Replaces `points` by all contact points of a motion, with their places and normals at its
@@ -127,7 +153,7 @@ impl ContactDetector {
         drop(near);
         let through = fast.iter().any(|contact| leads_through(&start, &end, contact));
         add(&end, fast, &mut contacts);
-        let mut others = of_objects(motion, objects, margin);
+        let mut others = of_objects(motion, objects, &self.rooted, margin);
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, points);
@@ -214,12 +240,19 @@ pub(crate) fn gaps(
 }
 
 /// What fibres, and objects that move freely, touch of the objects.
-fn of_objects(motion: &NodeMotion, objects: &[CollisionObject], margin: f64) -> Vec<ContactPoint> {
+fn of_objects(
+    motion: &NodeMotion,
+    objects: &[CollisionObject],
+    rooted: &[[u32; 2]],
+    margin: f64,
+) -> Vec<ContactPoint> {
     let strand = |fiber: usize| {
         let mut found = Vec::new();
         for (index, object) in (0..).zip(objects) {
+            let number = fiber_number(fiber);
             let strand = MovingFiber {
-                fiber: fiber_number(fiber),
+                fiber: number,
+                first: usize::from(rooted.binary_search(&[number, index]).is_ok()),
                 start: &motion.start[motion.layout.node_range(fiber)],
                 end: &motion.end[motion.layout.node_range(fiber)],
                 radii: &motion.radii[motion.layout.segment_range(fiber)],

@@ -12,7 +12,8 @@ const OVERLAP: f64 = 0.2;
 /// A step in which nothing moves, s.
 const INSTANT: f64 = 1e-12;
 
-/// All contact points of a world, with the radii of all its segments, m. It is refused where things
+/// All contact points of a world, with the radii of all its segments, m. Fibres whose held roots are
+/// deeper than `depth`, m, in a kinematic object grow out of it from now on. A world is refused where things
 /// are so deep in each other that no step would part them: ends that are held may be no deeper than
 /// `depth`, m, and all else by a part of the smallest `radius`.
 pub(super) fn contact_points(
@@ -30,6 +31,9 @@ pub(super) fn contact_points(
         end: &start,
         step: TimeInterval { start: system.start, length: INSTANT },
     };
+    let is_rooted =
+        |fiber: usize| matches!(ends(system, fiber)[0], End::Held(_) | End::Pinned { .. });
+    detector.root(&motion, system.objects, is_rooted, depth);
     let mut points = Vec::new();
     detector.detect(&motion, system.objects, &mut points)?;
     let too_deep = |point: &&ContactPoint| {
@@ -53,10 +57,16 @@ fn is_held(system: &CoupledSystem, point: &ContactPoint, side: usize) -> bool {
         BodyRef::Object(object) => return !system.objects[object as usize].is_free(),
         BodyRef::Fiber(fiber) => fiber as usize,
     };
+    let segments = system.fibers.assembly().fibers()[fiber].segments() as f64;
+    let [root, tip] = ends(system, fiber);
+    let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
+    let places = [(0.0, root), (segments, tip)];
+    places.iter().any(|(place, end)| point.at()[side] == *place && fixed(end))
+}
+
+/// What holds the root and the tip of a fibre now.
+fn ends(system: &CoupledSystem, fiber: usize) -> [End; 2] {
     let (group, lane) = system.fibers.lane(fiber);
     let now = system.fibers.groups[group].lanes[lane].during(system.start).at(system.start);
-    let segments = system.fibers.assembly().fibers()[fiber].segments() as f64;
-    let ends = [(0.0, now.root), (segments, now.tip)];
-    let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
-    ends.iter().any(|(place, end)| point.at()[side] == *place && fixed(end))
+    [now.root, now.tip]
 }

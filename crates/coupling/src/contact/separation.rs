@@ -10,10 +10,11 @@ use rapunzel_fiber::Assembly;
 /// Most lists of overlaps.
 const MOST_ROUNDS: usize = 60;
 /// Sweeps over a list.
-const SWEEPS: usize = 10;
+const SWEEPS: usize = 200;
 /// Gaps that are listed, in radii: nodes that give way come near others.
 const MARGIN: f64 = 2.0;
-/// Depth that is none, in radii.
+/// Depth that is none, in radii, and the gap that is aimed at, so that the last sweeps need not
+/// converge.
 const NOTHING: f64 = 0.01;
 /// A step in which nothing moves, s.
 const INSTANT: f64 = 1e-12;
@@ -66,6 +67,10 @@ pub fn separate(
             end: positions,
             step: TimeInterval { start: around.start, length: INSTANT },
         };
+        if round == 0 {
+            let held = |fiber: usize| !free[layout.node_range(fiber).start];
+            detector.root(&motion, around.objects, held, NOTHING * smallest);
+        }
         detector.detect(&motion, around.objects, &mut points)?;
         let nodes = |point: &ContactPoint| {
             [0, 1].map(|side| match point.sides[side] {
@@ -91,7 +96,7 @@ pub fn separate(
         shifts.fill(Vector3::zeros());
         for _ in 0..SWEEPS {
             for point in &points {
-                part(point, nodes(point), free, &mut shifts);
+                part(point, nodes(point), free, NOTHING * smallest, &mut shifts);
             }
         }
         positions.iter_mut().zip(&shifts).for_each(|(position, shift)| *position += shift);
@@ -102,14 +107,15 @@ pub fn separate(
 }
 
 /// Moves the nodes at a contact point, numbers and fractions on both sides, so far that its gap
-/// with the `shifts` since it was found is not below zero.
+/// with the `shifts` since it was found is not below `least`, m.
 fn part(
     point: &ContactPoint,
     nodes: [Option<(usize, f64)>; 2],
     free: &[bool],
+    least: f64,
     shifts: &mut [Vector3<f64>],
 ) {
-    let mut gap = point.gap;
+    let mut gap = point.gap - least;
     let mut compliance = 0.0;
     let both = || nodes.into_iter().zip([1.0, -1.0]).filter_map(|(side, sign)| Some((side?, sign)));
     let shares = |(node, fraction): (usize, f64)| [(node, 1.0 - fraction), (node + 1, fraction)];

@@ -11,11 +11,15 @@ use std::path::Path;
 
 /// A fibre is at least so many radii long.
 const SLENDER: f64 = 20.0;
+/// A fibre is at least so long, in segments of the longest: shorter segments would limit the step.
+const SHORTEST: f64 = 0.5;
+/// Fewest segments of a fibre.
+const FEWEST: usize = 2;
 /// Area of a scalp, m^2, at least: a ball of roots in it takes the part of its disc, twice over.
 const SCALP: f64 = 0.03;
 
-/// The curves of a bundle's `groom` (world), m, each in as many segments as the bundle says, and
-/// longer than a slender fibre of the equivalent `radius`, m, must be.
+/// The curves of a bundle's `groom` (world), m, the longest in as many segments as the bundle says
+/// and others in fewer, and longer than a slender fibre of the equivalent `radius`, m, must be.
 ///
 /// # Errors
 /// [`SimError`] of the file, and [`SimError::NoStrands`] where no fibre is left.
@@ -43,39 +47,46 @@ pub(super) fn curves(
             strands
         }
     };
-    let failed = |source| SimError::Strands { bundle: index, path: path.to_owned(), source };
-    let resampled = strands.resampled(bundle.segments).map_err(failed)?;
-    notes.push(format!(
-        "{name}: {} segments a strand are off the curves by at most {:.1e} m",
-        bundle.segments, resampled.error
-    ));
-    let pose = pose(groom, bundle);
-    let least = SLENDER * radius;
-    let mut short = 0;
-    let mut curves = Vec::with_capacity(resampled.strands.len());
-    for (strand, points) in resampled.strands.iter().enumerate() {
-        let upright: Vec<_> = points.iter().map(|point| style::upright(*point)).collect();
-        let within =
-            |ball: RootBall| (upright[0] - Point3::from(ball.center)).norm() <= ball.radius;
-        if !groom.roots_within.is_none_or(within) {
-            continue;
-        }
-        if resampled.strands.length(strand) < least {
-            short += 1;
-            continue;
-        }
-        curves.push(upright.iter().map(|point| pose * point).collect());
-    }
+    let within = |root: &Point3<f64>| {
+        let in_ball = |ball: RootBall| {
+            (style::upright(*root) - Point3::from(ball.center)).norm() <= ball.radius
+        };
+        groom.roots_within.is_none_or(in_ball)
+    };
+    let chosen = || (0..strands.len()).filter(|&strand| within(&strands.strand(strand)[0]));
+    let longest = chosen().map(|strand| strands.length(strand)).fold(0.0, f64::max);
+    let segment = longest / bundle.segments as f64;
+    let least = (SLENDER * radius).max(SHORTEST * segment);
+    let long = || chosen().filter(|&strand| strands.length(strand) >= least);
+    let short = chosen().count() - long().count();
     if short > 0 {
         notes.push(format!(
-            "{name}: {short} strands are left out that are shorter than {least:.1e} m, {SLENDER} \
-             radii"
+            "{name}: {short} strands are left out that are shorter than {least:.1e} m: {SLENDER} \
+             radii, or half a segment of the longest"
         ));
     }
-    if curves.is_empty() {
+    let strands = StrandSet::from_curves(long().map(|strand| strands.strand(strand)));
+    if strands.is_empty() {
         return Err(SimError::NoStrands { bundle: index, path: path.to_owned() });
     }
-    Ok(curves)
+    let segments = |strand: usize| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part")]
+        let count = (strands.length(strand) / segment).ceil() as usize;
+        count.clamp(FEWEST, bundle.segments)
+    };
+    let failed = |source| SimError::Strands { bundle: index, path: path.to_owned(), source };
+    let resampled = strands.resampled_by(segments).map_err(failed)?;
+    notes.push(format!(
+        "{name}: {} strands in segments of about {:.1e} m, which are off the curves by at most \
+         {:.1e} m",
+        strands.len(),
+        segment,
+        resampled.error
+    ));
+    let pose = pose(groom, bundle);
+    let place =
+        |points: &[Point3<f64>]| points.iter().map(|point| pose * style::upright(*point)).collect();
+    Ok(resampled.strands.iter().map(place).collect())
 }
 
 /// Number of fibres of a groom: of a style at most.

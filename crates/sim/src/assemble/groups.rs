@@ -52,6 +52,7 @@ pub(super) fn groups<B: RodBatch + ?Sized>(
         let batch = batch(&starts).map_err(|source| SimError::Rod { bundle, source })?;
         let lane = |(lane, start): (usize, &&FiberStart)| FiberConditions {
             bundle: Arc::clone(&start.conditions),
+            segments: start.rod.fiber.segments(),
             root: *start.rod.fiber.root(),
             tip: batch.state(lane).tip(&start.rod.fiber),
             end_load: start.end_load,

@@ -8,7 +8,7 @@ mod start;
 
 use crate::mass_spring::MassSprings;
 use crate::objects::{Sizes, build_object};
-use crate::scene::Scene;
+use crate::scene::{Probe, ProbeNode, Scene};
 use crate::stepper::{Scenery, Stepper};
 use crate::steppers::{Charged, Free, InContact};
 use crate::{Plan, SimError, World};
@@ -73,8 +73,8 @@ fn stepper(
     assembly: Assembly,
     objects: &mut [CollisionObject],
 ) -> Result<Box<dyn Stepper>, SimError> {
-    let counts: Vec<_> = scene.fibers.iter().enumerate().map(|(i, _)| count(starts, i)).collect();
-    let scenery = Scenery::of_fibers(scene, &counts);
+    let segments: Vec<_> = (0..scene.fibers.len()).map(|i| segments(starts, i)).collect();
+    let scenery = Scenery::of_fibers(scene, &segments);
     if let Some(charging) = &scene.charging {
         let head = charging.head.object().map(|i| HeadGeometry {
             field: Arc::clone(objects[i].field()),
@@ -99,9 +99,10 @@ fn stepper(
     Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
 }
 
-/// Number of fibres of a bundle.
-fn count(starts: &[FiberStart], bundle: usize) -> usize {
-    starts.iter().filter(|start| start.bundle == bundle).count()
+/// Numbers of segments of the fibres of a bundle.
+fn segments(starts: &[FiberStart], bundle: usize) -> Vec<usize> {
+    let of = starts.iter().filter(|start| start.bundle == bundle);
+    of.map(|start| start.rod.fiber.segments()).collect()
 }
 
 /// The sizes of what meets objects: a mass-spring system.
@@ -126,14 +127,19 @@ fn sizes_of_fibers(scene: &Scene, starts: &[FiberStart]) -> Sizes {
     }
 }
 
-/// Looks whether the fibres that are probed are there: how many a groom has is known only when it
-/// is read.
+/// Looks whether the nodes that are probed are there: what a groom has is known only when it is
+/// read.
 fn check_probes(scene: &Scene, stepper: &dyn Stepper) -> Result<(), SimError> {
-    let strands = stepper.strand_nodes().len();
-    let probes = scene.output.probes.iter().enumerate();
-    let missing = probes.filter(|(_, probe)| scene.mass_spring.is_none() && probe.fiber >= strands);
-    match missing.map(|(index, probe)| (index, probe.fiber)).next() {
-        Some((probe, fiber)) => Err(SimError::Probe { probe, fiber, fibers: strands }),
-        None => Ok(()),
+    if scene.fibers.iter().all(|bundle| bundle.groom.is_none()) {
+        return Ok(());
     }
+    let nodes = stepper.strand_nodes();
+    for (probe, &Probe { fiber, node, .. }) in scene.output.probes.iter().enumerate() {
+        let of = nodes.get(fiber).copied().unwrap_or(0);
+        let least = if let ProbeNode::At { index } = node { index + 1 } else { 1 };
+        if of < least {
+            return Err(SimError::Probe { probe, fiber, fibers: nodes.len(), nodes: of });
+        }
+    }
+    Ok(())
 }

@@ -62,7 +62,9 @@ pub(super) fn give_natural_shapes(
     let rest = |(fiber, start): (usize, &mut FiberStart)| {
         let bundle = &scene.fibers[start.bundle];
         let mut forces = forces.get(layout.node_range(fiber)).unwrap_or_default().to_vec();
-        for (k, own) in bundle.node_forces(0.0).into_iter().flatten().enumerate() {
+        for (k, own) in
+            bundle.node_forces(start.rod.fiber.segments(), 0.0).into_iter().flatten().enumerate()
+        {
             forces.resize(start.rod.fiber.segments() + 1, Vector3::zeros());
             forces[k] += own;
         }

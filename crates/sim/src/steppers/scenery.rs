@@ -49,12 +49,12 @@ impl Scenery {
     /// Colour of springs and other lines: red, green and blue, linear.
     pub(crate) const ROPE: [f64; 3] = [0.5, 0.4, 0.25];
 
-    /// The scenery of the fibres of a scene, whose bundles have these `counts` of them: a prim for
-    /// each bundle.
-    pub(crate) fn of_fibers(scene: &Scene, counts: &[usize]) -> Self {
-        let bundles = counts.iter().scan(0, |end, count| {
+    /// The scenery of the fibres of a scene, whose bundles have fibres of these numbers of `segments`: a
+    /// prim for each bundle.
+    pub(crate) fn of_fibers(scene: &Scene, segments: &[Vec<usize>]) -> Self {
+        let bundles = segments.iter().scan(0, |end, fibers| {
             let first = *end;
-            *end += count;
+            *end += fibers.len();
             Some(first..*end)
         });
         let prim = |(i, strands): (usize, Range<usize>)| Prim {
@@ -63,7 +63,7 @@ impl Scenery {
             color: HAIR[i % HAIR.len()],
         };
         let prims = bundles.enumerate().map(prim).collect();
-        Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene, counts) }
+        Self { layer: Self::FIBERS, prims, supports: fiber_supports(scene, segments) }
     }
 
     /// The scenery of a mass-spring system at its start: lines, which are a guide to its surface if
@@ -97,10 +97,11 @@ impl Scenery {
 }
 
 /// What holds the ends of fibres, and when, s.
-fn fiber_supports(scene: &Scene, counts: &[usize]) -> Vec<(Support, Range<f64>)> {
-    let bundles = scene.fibers.iter().zip(counts);
-    let bundles = bundles.flat_map(|(bundle, count)| (0..*count).map(move |_| bundle));
-    let supports = bundles.enumerate().flat_map(|(strand, bundle)| {
+fn fiber_supports(scene: &Scene, segments: &[Vec<usize>]) -> Vec<(Support, Range<f64>)> {
+    let bundles = scene.fibers.iter().zip(segments);
+    let fibers =
+        bundles.flat_map(|(bundle, all)| all.iter().map(move |segments| (bundle, segments)));
+    let supports = fibers.enumerate().flat_map(|(strand, (bundle, segments))| {
         let by = |joint: &JointKind| match joint {
             JointKind::Clamped => Some(true),
             JointKind::Ball { .. } => Some(false),
@@ -113,7 +114,7 @@ fn fiber_supports(scene: &Scene, counts: &[usize]) -> Vec<(Support, Range<f64>)>
             Tip::Driven { joint, .. } => by(joint).map(|clamped| (clamped, ALWAYS)),
         };
         let root = by(&bundle.root_joint).map(|clamped| (clamped, ALWAYS));
-        let ends = [(0, root), (bundle.segments, tip)];
+        let ends = [(0, root), (*segments, tip)];
         ends.into_iter().filter_map(move |(point, hold)| {
             let (clamped, times) = hold?;
             Some((Support { strand, point, clamped }, times))

@@ -183,7 +183,10 @@ fn what_a_groom_cannot_be_is_told() {
     .output
     .probes;
     let error = World::build(&probed).err().expect("an error");
-    assert!(matches!(error, SimError::Probe { probe: 0, fiber: 5, fibers: 5 }), "{error}");
+    assert!(
+        matches!(error, SimError::Probe { probe: 0, fiber: 5, fibers: 5, nodes: 0 }),
+        "{error}"
+    );
 }
 
 /// A groom that is read, built and written is the same in each format of strands.
