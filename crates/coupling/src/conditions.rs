@@ -5,6 +5,10 @@ use rapunzel_rod_dynamic::{Air, Conditions, Drag, End, Instant, RodError, Sectio
 use rapunzel_scene::{Bundle, Environment, Scene, Tip, ramped};
 use std::sync::Arc;
 
+/// A root of a groom that is nearer to an object than this, m, is one in its skin: meshes of heads
+/// and their fields are rounded by as much.
+pub(crate) const ROOT: f64 = 1e-3;
+
 /// What acts on all fibres of a bundle.
 #[derive(Debug)]
 pub struct BundleConditions {
@@ -27,6 +31,11 @@ impl BundleConditions {
             (viscosity > 0.0).then(|| Drag::slender_body(viscosity, length, radius)).transpose()?;
         let (environment, hair) = (scene.environment.clone(), scene.changing_hair(bundle));
         Ok(Self { bundle: bundle.clone(), environment, drag, hair })
+    }
+
+    /// The gap to an object, m, below which roots grow out of it, if that is known of the bundle.
+    pub(crate) fn grows_within(&self) -> Option<f64> {
+        self.bundle.groom.is_some().then_some(ROOT)
     }
 
     /// The law of the sections at time `t`, s, if it changes.

@@ -14,6 +14,7 @@ use std::sync::Arc;
 pub type Field = Arc<dyn DistanceField + Send + Sync>;
 
 /// What an object is like, in its own frame.
+#[derive(Clone)]
 pub struct ObjectGeometry {
     /// Distance to the surface.
     pub field: Field,
@@ -95,6 +96,17 @@ impl CollisionObject {
     #[must_use]
     pub fn energy(&self, gravity: &Vector3<f64>) -> Option<Energy> {
         self.free_body().map(|body| body.energy(gravity))
+    }
+
+    /// The object held where it is at a time, s. Copies its surface.
+    #[must_use]
+    pub fn held(&self, t: f64) -> Self {
+        let pose = self.pose(t);
+        Self {
+            geometry: self.geometry.clone(),
+            motion: ObjectMotion::Kinematic(Box::new(move |_| pose)),
+            ..*self
+        }
     }
 
     /// Appends all numbers that change.

@@ -72,22 +72,22 @@ impl ContactDetector {
         Ok(Self { margin, more, holds, candidates, rooted: Vec::new() })
     }
 
-    /// Lets fibres grow out of kinematic objects from now on: those whose root is `held` and deeper
-    /// than `depth`, m, in an object at the start of the motion, where no step could part the two.
+    /// Lets fibres grow out of kinematic objects from now on: those whose root at the start of the
+    /// motion has a gap to an object below what `grows` tells of the fibre, m. Nothing tells of
+    /// roots that are not held.
     pub(crate) fn root(
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
-        held: impl Fn(usize) -> bool,
-        depth: f64,
+        grows: impl Fn(usize) -> Option<f64>,
     ) {
-        let fibers = (0..motion.layout.fibers()).filter(|&fiber| held(fiber));
-        let pairs = fibers.flat_map(|fiber| {
+        let fibers = (0..motion.layout.fibers()).filter_map(|fiber| Some((fiber, grows(fiber)?)));
+        let pairs = fibers.flat_map(|(fiber, gap)| {
             let root = motion.start[motion.layout.node_range(fiber).start];
             let radius = motion.radii[motion.layout.segment_range(fiber).start];
             let is_in = move |object: &CollisionObject| {
                 let own = object.pose(motion.step.start).inverse_transform_point(&root);
-                !object.is_free() && object.field().value(&own) - radius < -depth
+                !object.is_free() && object.field().value(&own) - radius < gap
             };
             let objects = (0..).zip(objects).filter(move |(_, object)| is_in(object));
             objects.map(move |(object, _)| [fiber_number(fiber), object])

@@ -13,7 +13,8 @@ const OVERLAP: f64 = 0.2;
 const INSTANT: f64 = 1e-12;
 
 /// All contact points of a world, with the radii of all its segments, m. Fibres whose held roots are
-/// deeper than `depth`, m, in a kinematic object grow out of it from now on. A world is refused where things
+/// deeper than `depth`, m, in a kinematic object grow out of it from now on, and so do those of a
+/// groom whose roots are on one. A world is refused where things
 /// are so deep in each other that no step would part them: ends that are held may be no deeper than
 /// `depth`, m, and all else by a part of the smallest `radius`.
 pub(super) fn contact_points(
@@ -31,9 +32,13 @@ pub(super) fn contact_points(
         end: &start,
         step: TimeInterval { start: system.start, length: INSTANT },
     };
-    let is_rooted =
-        |fiber: usize| matches!(ends(system, fiber)[0], End::Held(_) | End::Pinned { .. });
-    detector.root(&motion, system.objects, is_rooted, depth);
+    let grows = |fiber: usize| {
+        let held = matches!(ends(system, fiber)[0], End::Held(_) | End::Pinned { .. });
+        let (group, lane) = system.fibers.lane(fiber);
+        let near = system.fibers.groups[group].lanes[lane].bundle.grows_within();
+        held.then(|| near.unwrap_or(-depth))
+    };
+    detector.root(&motion, system.objects, grows);
     let mut points = Vec::new();
     detector.detect(&motion, system.objects, &mut points)?;
     let too_deep = |point: &&ContactPoint| {

@@ -1,6 +1,7 @@
 //! Fibres that are laid into each other, moved apart before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use crate::conditions::ROOT;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::{CouplingError, Surroundings, TimeInterval};
 use nalgebra::{Point3, Vector3};
@@ -31,7 +32,8 @@ pub struct Separation {
 }
 
 /// Moves nodes (world, m, in the order of the assembly) until no fibre is in another or in an
-/// object, as they are at the start of the step.
+/// object, as they are at the start of the step. Roots that are not free and on an object grow out
+/// of it: the first segments of these fibres may be in it.
 ///
 /// Overlaps are taken in turns, each moving the `free` ones of its nodes along its normal by as
 /// little as parts the two (projected Gauss-Seidel on the linearized gaps); lists are made anew
@@ -68,8 +70,8 @@ pub fn separate(
             step: TimeInterval { start: around.start, length: INSTANT },
         };
         if round == 0 {
-            let held = |fiber: usize| !free[layout.node_range(fiber).start];
-            detector.root(&motion, around.objects, held, NOTHING * smallest);
+            let grows = |fiber: usize| (!free[layout.node_range(fiber).start]).then_some(ROOT);
+            detector.root(&motion, around.objects, grows);
         }
         detector.detect(&motion, around.objects, &mut points)?;
         let nodes = |point: &ContactPoint| {

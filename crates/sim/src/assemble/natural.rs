@@ -2,16 +2,17 @@
 
 use super::groups::{assembly, at_start, in_contact};
 use super::start::{FiberStart, along};
-use crate::scene::{Bundle, ContactSettings, GroomShape, Scene, Tip};
+use crate::scene::{Bundle, ContactSettings, GroomShape, Motion, Scene, Tip};
 use crate::{Plan, SimError};
 use nalgebra::{Point3, Vector3};
-use rapunzel_coupling::{BodyRef, CollisionObject, Separation, separate};
+use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, Separation, separate};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_rod_dynamic::{
     End, FittedFiber, Instant, RodError, RodIntegrator, RodState, Staggered, fitted,
     fitted_end_load, natural_curvatures,
 };
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What became of the fibres of a bundle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -139,20 +140,34 @@ fn move_apart(
 }
 
 /// Forces of contacts on all nodes, N, world: what they must be to hold fibres without elastic
-/// forces in their curves, a mean over the first step.
+/// forces in their curves, a mean over the first step. Roots and objects are held.
 fn contact_forces(
     scene: &Scene,
     settings: &ContactSettings,
     starts: &[FiberStart],
-    objects: &mut [CollisionObject],
+    objects: &[CollisionObject],
 ) -> Result<Vec<Vector3<f64>>, SimError> {
-    let mut numbers = Vec::new();
-    objects.iter().for_each(|object| object.save(&mut numbers));
-    let assembly = assembly(starts);
+    let mut objects: Vec<_> = objects.iter().map(|object| object.held(0.0)).collect();
+    let mut still = scene.clone();
+    still.fibers.iter_mut().for_each(|bundle| bundle.motion = Motion::Fixed);
+    // What is held feels no drag.
+    still.environment.viscosity = 0.0;
+    let conditions = still.fibers.iter().enumerate().map(|(index, bundle)| {
+        let conditions = BundleConditions::new(&still, bundle, 1.0, 1.0);
+        conditions.map(Arc::new).map_err(|source| SimError::Rod { bundle: index, source })
+    });
+    let conditions = conditions.collect::<Result<Vec<_>, _>>()?;
+    let held = |start: &FiberStart| FiberStart {
+        conditions: Arc::clone(&conditions[start.bundle]),
+        velocity: Vector3::zeros(),
+        ..start.clone()
+    };
+    let starts: Vec<_> = starts.iter().map(held).collect();
+    let assembly = assembly(&starts);
     let layout = assembly.layout().clone();
     let dt = Plan::new(scene).step_after(0);
-    let mut around = at_start(scene, objects);
-    let mut fibers = in_contact(settings, starts, assembly, false, &mut around)?;
+    let mut around = at_start(&still, &mut objects);
+    let mut fibers = in_contact(settings, &starts, assembly, false, &mut around)?;
     around.end = dt;
     fibers.step(&mut around, dt)?;
     let mut forces = vec![Vector3::zeros(); layout.nodes()];
@@ -168,10 +183,6 @@ fn contact_forces(
             forces[node] += contact.force * (sign * (1.0 - fraction));
             forces[node + 1] += contact.force * (sign * fraction);
         }
-    }
-    let mut rest = &numbers[..];
-    for object in objects {
-        rest = object.restore(rest).ok_or(SimError::OtherObjects)?;
     }
     Ok(forces)
 }

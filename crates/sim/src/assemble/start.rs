@@ -12,6 +12,7 @@ use rapunzel_rod_dynamic::{End, Rod, RodIntegrator, RodState, SectionLaws, Stagg
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
+#[derive(Clone)]
 pub(super) struct FiberStart {
     pub(super) bundle: usize,
     pub(super) rod: Rod,
