@@ -98,7 +98,8 @@ impl SurfaceField {
 /// Low and high corner of the smallest box that holds the triangles (world), m.
 pub(crate) fn bounds(soup: &Soup) -> [Point3<f64>; 2] {
     let far = Vector3::repeat(f64::INFINITY);
-    let corners = soup.triangles.as_flattened().iter().filter_map(|&v| soup.vertices.get(v as usize));
+    let corners =
+        soup.triangles.as_flattened().iter().filter_map(|&v| soup.vertices.get(v as usize));
     let (low, high) =
         corners.fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
     [low.into(), high.into()]

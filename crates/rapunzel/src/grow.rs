@@ -52,7 +52,8 @@ fn told(stage: GrowthStage) -> &'static str {
 }
 
 fn numbers(report: &StyleReport) -> serde_json::Value {
-    let mended = report.mended.iter().map(|(what, done)| (what.to_string(), done.to_string().into()));
+    let mended =
+        report.mended.iter().map(|(what, done)| (what.to_string(), done.to_string().into()));
     serde_json::json!({
         "scalp_area": report.scalp_area,
         "scalp_off": report.scalp_off,

@@ -59,8 +59,8 @@ fn cut(a: &[Point3<f64>; 3], b: &[Point3<f64>; 3]) -> Option<Point3<f64>> {
 
 /// Six times the volume of the tetrahedron of a triangle and a point, m³, of the exact sign.
 fn side(triangle: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
-    let [a, b, c, d] = [triangle[0], triangle[1], triangle[2], *point]
-        .map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    let [a, b, c, d] =
+        [triangle[0], triangle[1], triangle[2], *point].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
     orient3d(a, b, c, d)
 }
 

@@ -35,9 +35,7 @@ pub(super) fn unit(scan: &Mesh, given: Option<f64>) -> Result<f64, HairgenError>
     let fits = |unit: &f64| (least..=most).contains(&(size * unit));
     match given {
         Some(unit) if fits(&unit) => Ok(unit),
-        Some(unit) => {
-            Err(HairgenError::Size { what: "the scan", size: size * unit, least, most })
-        }
+        Some(unit) => Err(HairgenError::Size { what: "the scan", size: size * unit, least, most }),
         None => [1.0, 1e-2, 1e-3].into_iter().find(fits).ok_or(HairgenError::Units { size }),
     }
 }

@@ -141,8 +141,7 @@ impl ScalpField {
         match self {
             Self::Constant(value) => Ok(DiscField::Constant(unit(*value))),
             Self::Image { file, black, white } => {
-                let failed =
-                    |problem: String| HairgenError::File { file: file.clone(), problem };
+                let failed = |problem: String| HairgenError::File { file: file.clone(), problem };
                 let bytes = read(file).map_err(|error| failed(error.to_string()))?;
                 let image = GreyImage::from_png(&bytes);
                 let image = image.map_err(|error| failed(error.to_string()))?;

@@ -7,8 +7,8 @@ use nalgebra::Point3;
 use rapunzel_collision::field::{
     DistanceField, Mesh, MeshDistance, Repairs, Sample, Soup, SurfaceTree,
 };
-use std::{fmt, io};
 use std::path::Path;
+use std::{fmt, io};
 
 /// Reads a file of the style, by its path relative to the style's folder.
 pub(super) type ReadFile<'a> = &'a (dyn Fn(&Path) -> io::Result<Vec<u8>> + Sync);
@@ -214,8 +214,7 @@ impl SurfaceFiles<'_> {
     /// An open surface on the head.
     fn scalp(&mut self, file: &Path, head: &SurfaceField) -> Result<Soup, HairgenError> {
         let outward = |p: &Point3<f64>| head.sample(p).gradient;
-        let (scalp, repairs) =
-            self.soup(file)?.repaired(outward).map_err(HairgenError::scalp)?;
+        let (scalp, repairs) = self.soup(file)?.repaired(outward).map_err(HairgenError::scalp)?;
         check_size("the scalp", bounds(&scalp))?;
         self.note("the scalp", repairs, &scalp)?;
         Ok(scalp)

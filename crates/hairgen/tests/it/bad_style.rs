@@ -4,12 +4,10 @@ use crate::growth::image::png;
 use nalgebra::{Point3, Vector3};
 use png::{BitDepth, ColorType};
 use rapunzel_collision::field::{Repairs, Soup, shapes};
+use rapunzel_hairgen::HairgenError;
 use rapunzel_hairgen::fit::FitOptions;
 use rapunzel_hairgen::head::{HairVolume, HeadMeasures, ParametricHead};
-use rapunzel_hairgen::style::{
-    FlowSpec, GuideSpec, HairSource, HeadSource, Hairstyle, ScalpField, Style, Voxel,
-};
-use rapunzel_hairgen::{DensityModel, GuideOptions, HairOptions, HairgenError};
+use rapunzel_hairgen::style::{HairSource, Hairstyle, HeadSource, ScalpField, Style};
 use std::io;
 use std::path::Path;
 
@@ -158,9 +156,12 @@ fn faults_of_scalps_are_mended_and_told() {
         vertices: vertices.collect(),
         triangles: (0..).take(count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
     };
-    for (soup, reversed) in [(good.clone(), 0), (turned(good, 1), count), (turned(loose, 5), count.div_ceil(5))] {
+    for (soup, reversed) in
+        [(good.clone(), 0), (turned(good, 1), count), (turned(loose, 5), count.div_ceil(5))]
+    {
         let grown = grow(&style, vec![("scalp.obj", obj(&soup))]).expect("mended");
-        let told = grown.report.mended.iter().map(|(what, repairs)| (*what, repairs.reversed_faces));
+        let told =
+            grown.report.mended.iter().map(|(what, repairs)| (*what, repairs.reversed_faces));
         let expected = (reversed > 0).then_some(("the scalp", reversed));
         assert_eq!(told.collect::<Vec<_>>(), expected.into_iter().collect::<Vec<_>>());
         assert!(grown.report.mended.iter().all(|(_, r)| r.closed_holes == none.closed_holes));
@@ -218,9 +219,12 @@ fn a_scalp_that_is_no_disc_is_refused() {
     let style = Style { scalp: Some("scalp.obj".into()), ..balls() };
     let refused = |soup: &Soup| refused(&style, vec![("scalp.obj", obj(soup))]);
     let near = |soup: &Soup, place: Point3<f64>| {
-        let middle = |t: &[u32; 3]| t.map(|v| soup.vertices[v as usize].coords).iter().sum::<Vector3<f64>>() / 3.0;
+        let middle = |t: &[u32; 3]| {
+            t.map(|v| soup.vertices[v as usize].coords).iter().sum::<Vector3<f64>>() / 3.0
+        };
         let off = |t: &[u32; 3]| (middle(t) - place.coords).norm();
-        (0..soup.triangles.len()).min_by(|&a, &b| off(&soup.triangles[a]).total_cmp(&off(&soup.triangles[b])))
+        (0..soup.triangles.len())
+            .min_by(|&a, &b| off(&soup.triangles[a]).total_cmp(&off(&soup.triangles[b])))
     };
     let mut holed = cap(HEAD);
     let hole = near(&holed, Point3::new(0.03, 0.08, 0.04)).expect("a face");
@@ -335,67 +339,4 @@ fn hair_that_is_too_long_is_cut_or_refused() {
     assert!((report.asked - 30.0).abs() < 1e-9 && report.hairs.length < 29.0, "{report}");
     assert!(report.to_string().contains("of 30.0 asked for"), "{report}");
     assert!(report.hairs.outside <= 1e-3 * report.hairs.length, "{report}");
-}
-
-#[test]
-fn numbers_out_of_range_are_refused_before_any_work() {
-    let length = |x| Style { length: ScalpField::Constant(x), ..balls() };
-    let guide = |spec| Style { guide: spec, ..balls() };
-    let volume = |volume| Style { hair: HairSource::Volume(volume), ..Style::default() };
-    let usual = FitOptions::default();
-    let scan = |options| HeadSource::Scan {
-        file: "head.obj".into(),
-        template: None,
-        hairline: Default::default(),
-        options,
-    };
-    let fit = |options| Style { head: scan(options), ..balls() };
-    let shell = |thickness| HairSource::Shell { file: "hair.obj".into(), thickness };
-    let whorl = |turn, reach| FlowSpec::Whorl { place: None, turn, reach };
-    let model = |density| guide(GuideSpec { density: Some(density), ..GuideSpec::default() });
-    let voxel = |side| guide(GuideSpec { voxel: Voxel(side), ..GuideSpec::default() });
-    for style in [
-        length(0.0),
-        length(-0.1),
-        length(f64::NAN),
-        length(11.0),
-        Style { density: ScalpField::Constant(-1.0), ..balls() },
-        Style { tilt: Some(ScalpField::Constant(110.0)), ..balls() },
-        Style { hairs: Some(0), ..balls() },
-        Style { hairs: Some(usize::MAX), ..balls() },
-        Style { guides: 0, ..balls() },
-        Style { guides: usize::MAX, ..balls() },
-        Style { pre_guides: f64::NAN, ..balls() },
-        Style { pre_guides: -1.0, ..balls() },
-        Style { dips: [0.1, 1.5], ..balls() },
-        Style { flow: whorl(f64::INFINITY, 0.04), ..balls() },
-        Style { flow: whorl(0.0, 0.0), ..balls() },
-        Style { flow: FlowSpec::Angle(ScalpField::Constant(f64::NAN)), ..balls() },
-        Style { hair: shell(0.0), ..balls() },
-        Style { hair: shell(f64::NAN), ..balls() },
-        Style { strands: HairOptions { segments: 0, ..HairOptions::default() }, ..balls() },
-        guide(GuideSpec {
-            options: GuideOptions { batch: 0, ..GuideOptions::default() },
-            ..GuideSpec::default()
-        }),
-        model(DensityModel::Binary { radius: 0.0 }),
-        model(DensityModel::Binary { radius: 1e9 }),
-        model(DensityModel::Continuous { most: f64::NAN }),
-        voxel(0.0),
-        voxel(1e-9),
-        volume(HairVolume { tufts: u32::MAX, ..HairVolume::TUFTS }),
-        volume(HairVolume { opening: f64::NAN, ..HairVolume::BOB }),
-        volume(HairVolume { hem: Some(0.1), ..HairVolume::BOB }),
-        fit(FitOptions { meters_per_unit: Some(f64::NAN), ..usual }),
-        fit(FitOptions { sectors: u32::MAX, ..usual }),
-        fit(FitOptions { rings: 0, ..usual }),
-        fit(FitOptions { margin: -1.0, ..usual }),
-    ] {
-        let error = style.check().expect_err("out of range");
-        let (words, again) = (error.to_string(), style.grow(&|_| panic!("no file is read"), &|_| {}));
-        assert_eq!(again.expect_err("refused").to_string(), words);
-        assert!(["must be", "give", "meters"].iter().any(|w| words.contains(w)), "{words}");
-    }
-    balls().check().expect("in range");
-    Style::default().check().expect("in range");
 }

@@ -59,7 +59,8 @@ fn a_killed_grow_leaves_whole_files_or_none() {
 fn a_wrong_style_is_told_and_nothing_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").expect("writable");
+    fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n")
+        .expect("writable");
     for (text, words) in [
         ("(guides: 0)", "the number of guides is 0, but must be between 1 and 100000"),
         ("(length: Constant(0.0))", "the length of the hairs (m) is 0"),
@@ -82,7 +83,8 @@ fn what_was_mended_can_be_read_by_machines() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     // A cube about the head, inside out and without a lid: the hull of a wide style.
-    let corners = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n";
+    let corners =
+        "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n";
     let faces = "f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 1 3 4 2\nf 5 6 8 7\n";
     let cube: String = corners.replace('1', "0.2");
     let turned: String = faces
