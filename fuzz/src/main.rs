@@ -3,6 +3,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use rapunzel_collision::field::{Mesh, Soup, shapes};
+use rapunzel_hairgen::growth::GreyImage;
+use rapunzel_sim::scene::style_from_ron;
 use rapunzel_sim::statics::Case;
 use rapunzel_sim::{
     Cancel, Control, Existing, MemoryEstimate, RunFolder, Scene, SimError, World, run,
@@ -34,6 +36,10 @@ fuzz_target!(|data: &[u8]| {
             let _ = curve(data);
         }
         "strands" => strands(data),
+        "style" => {
+            let _ = style_from_ron(&String::from_utf8_lossy(data)).map(|style| style.check());
+        }
+        "image" => image(data),
         "checkpoint" => {
             let _ = checkpoint(data);
         }
@@ -66,6 +72,15 @@ fn strands(data: &[u8]) {
     let _ = strands.resampled(10);
     let scalp = ScalpMesh::new(&shapes::sphere(0.1, 4)).expect("a surface");
     let _ = strands.snap(&scalp, f64::INFINITY);
+}
+
+/// A grey image, looked up between its pixels and beyond them.
+fn image(data: &[u8]) {
+    let Ok(image) = GreyImage::from_png(data) else { return };
+    for place in [[0.0, 0.0], [0.3, -0.7], [9.0, -9.0], [f64::NAN, f64::INFINITY]] {
+        let value = image.value(&place.into());
+        assert!((0.0..=1.0).contains(&value), "{value} at {place:?}");
+    }
 }
 
 /// A fibre along the curve in a file.

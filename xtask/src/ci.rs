@@ -17,6 +17,12 @@ pub(crate) fn run() -> Result<()> {
     let mut parts = Parts::default();
     parts.time("format", || Ok(cmd!(sh, "cargo fmt --all --check").run()?))?;
     parts.time("house rules", tidy::run)?;
+    // A workspace of its own, of which nothing else here needs the lock file.
+    parts.time("lock file of fuzz", || {
+        let metadata = ["metadata", "--locked", "--format-version", "1"];
+        let fuzz = ["--manifest-path", "fuzz/Cargo.toml"];
+        Ok(cmd!(sh, "cargo {metadata...} {fuzz...}").ignore_stdout().run()?)
+    })?;
     parts.time("clippy", || {
         let warnings = ["-D", "warnings"];
         Ok(cmd!(sh, "cargo clippy {workspace...} --all-targets -- {warnings...}").run()?)

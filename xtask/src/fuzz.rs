@@ -3,7 +3,7 @@ use anyhow::{Context, Result, bail};
 use xshell::{Shell, cmd};
 
 /// Every reader of a user's files, and the folder of files that are mutated.
-const READERS: [(&str, &str); 8] = [
+const READERS: [(&str, &str); 10] = [
     ("scene", "scenes"),
     ("case", "scenes/static"),
     ("ply", "fuzz/seeds/ply"),
@@ -11,6 +11,8 @@ const READERS: [(&str, &str); 8] = [
     ("obj", "fuzz/seeds/obj"),
     ("curve", "fuzz/seeds/curve"),
     ("strands", "fuzz/seeds/strands"),
+    ("style", "fuzz/seeds/style"),
+    ("image", "fuzz/seeds/image"),
     ("checkpoint", CHECKPOINTS),
 ];
 

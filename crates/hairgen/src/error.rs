@@ -168,18 +168,64 @@ pub enum HairgenError {
         /// Number of handles.
         handles: usize,
     },
-    /// A scalp that is none of a head in meters.
+    /// A surface that is none of a head in meters.
     #[error(
-        "the scalp is {size} m large, but must have {least} to {most} m; scale it to meters: files \
+        "{what} is {size} m large, but must have {least} to {most} m; scale it to meters: files \
          are often in millimeters or centimeters"
     )]
-    ScalpSize {
-        /// Diagonal of its box, m.
+    Size {
+        /// Which surface.
+        what: &'static str,
+        /// Its size, m.
         size: f64,
         /// Least allowed, m.
         least: f64,
         /// Largest allowed, m.
         most: f64,
+    },
+    /// A head that does not stand about the origin.
+    #[error(
+        "{what} must hold the origin, between the ears, with y up and the face along z; move and \
+         turn the mesh"
+    )]
+    HeadOrigin {
+        /// Which head.
+        what: &'static str,
+    },
+    /// A scalp that is no part of its head.
+    #[error(
+        "the scalp lies {distance} m off the head or more near ({}, {}, {}); both must be in one \
+         frame and unit, the scalp a part of the head's surface",
+        place[0], place[1], place[2]
+    )]
+    ScalpOff {
+        /// Distance from the surface of the head, m, as far as it is known.
+        distance: f64,
+        /// Place on the scalp (world), m.
+        place: [f64; 3],
+    },
+    /// No space between head and hair.
+    #[error(
+        "the surface of the hair is nowhere more than {least} m above the scalp: it lies on or in \
+         the head; give that of head and hair together, in the frame of the head"
+    )]
+    NoRoom {
+        /// Height that it must have somewhere, m.
+        least: f64,
+    },
+    /// Guides that all found no place.
+    #[error(
+        "none of {guides} guides finds a place between head and hair; hair of {length} m may be \
+         too long for the surface of the hair, which is {size} m large: shorten it, or widen the \
+         surface"
+    )]
+    NoPlace {
+        /// Number of guides.
+        guides: usize,
+        /// Length of the first, m.
+        length: f64,
+        /// Diagonal of the box of the hair's surface, m.
+        size: f64,
     },
     /// Axes of a head that span no plane.
     #[error("the axes of the head, up {up:?} and front {front:?}, must be finite and not parallel")]
@@ -253,7 +299,7 @@ pub enum HairgenError {
     },
     /// A value over the disc out of its range.
     #[error(
-        "{what} is {value} at ({}, {}) of the disc, but must be in {least:e}..={most:e}",
+        "{what} is {value} at ({}, {}) of the disc, but must be between {least:?} and {most:?}",
         place[0], place[1]
     )]
     DiscValue {
@@ -290,7 +336,10 @@ pub enum HairgenError {
 impl HairgenError {
     /// What is wrong with the mesh of a scalp.
     pub(crate) fn scalp(source: rapunzel_collision::CollisionError) -> Self {
-        Self::Surface { what: "scalp", source }
+        match source {
+            rapunzel_collision::CollisionError::NoTriangles => Self::EmptyScalp,
+            source => Self::Surface { what: "the scalp", source },
+        }
     }
 }
 

@@ -87,18 +87,22 @@ impl SurfaceField {
             band: resolution.band.max(2.0 * resolution.coarse_spacing),
             ..resolution
         };
-        let (mut low, mut high) =
-            (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-        for corner in soup.triangles.iter().flatten() {
-            let p = soup.vertices[*corner as usize].coords;
-            (low, high) = (low.inf(&p), high.sup(&p));
-        }
+        let bounds = bounds(soup);
         let margin = Vector3::repeat(resolution.band + 0.5 * thickness + resolution.spacing);
-        let bounds = [Point3::from(low), Point3::from(high)];
         let frame = GridFrame::new(bounds[0] - margin, bounds[1] + margin, resolution.spacing);
         let fine = frame.and_then(|frame| Grid::sample(&shell, frame, resolution.band));
         Ok(Self { fine: fine.map_err(surface)?, coarse: coarse(what, &shell, bounds, resolution)? })
     }
+}
+
+/// Low and high corner of the smallest box that holds the triangles (world), m.
+pub(crate) fn bounds(soup: &Soup) -> [Point3<f64>; 2] {
+    let far = Vector3::repeat(f64::INFINITY);
+    let corners =
+        soup.triangles.as_flattened().iter().filter_map(|&v| soup.vertices.get(v as usize));
+    let (low, high) =
+        corners.fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
+    [low.into(), high.into()]
 }
 
 /// The coarse grid of a field about a surface that lies between two corners of a box.

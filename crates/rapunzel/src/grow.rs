@@ -52,10 +52,15 @@ fn told(stage: GrowthStage) -> &'static str {
 }
 
 fn numbers(report: &StyleReport) -> serde_json::Value {
+    let mended =
+        report.mended.iter().map(|(what, done)| (what.to_string(), done.to_string().into()));
     serde_json::json!({
         "scalp_area": report.scalp_area,
+        "scalp_off": report.scalp_off,
+        "scalp_bare": report.bare,
         "hairs": report.count,
         "hairs_without_place": report.hairs.without_place,
+        "length_asked": report.asked,
         "length": report.hairs.length,
         "segments": report.hairs.segments,
         "segments_in_head": report.hairs.in_head,
@@ -68,5 +73,7 @@ fn numbers(report: &StyleReport) -> serde_json::Value {
         "histogram": report.histogram.voxels,
         "gini": report.histogram.gini(),
         "fit": report.fit.as_ref().map(ToString::to_string),
+        "mended": mended.collect::<serde_json::Map<_, _>>(),
+        "crossed": report.crossed.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }

@@ -7,6 +7,7 @@
 
 mod analytic;
 mod contact;
+mod crossing;
 mod exact;
 mod feature;
 mod grid;
@@ -25,6 +26,7 @@ mod terrain;
 
 pub use analytic::{Ball, Cuboid, HalfSpace, LevelSet, Posed};
 pub use contact::{ContactSearch, FieldContact};
+pub use crossing::SelfCrossing;
 pub use exact::{MeshDistance, Shell};
 pub use grid::{Grid, GridFrame};
 pub use height::HeightField;

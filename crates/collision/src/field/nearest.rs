@@ -98,6 +98,38 @@ impl SurfaceTree {
         &self.order
     }
 
+    /// Corners of the triangles (world), m.
+    pub(super) fn corners(&self) -> &[[Point3<f64>; 3]] {
+        &self.corners
+    }
+
+    /// What is found first at the triangles of the leaves that meet the box from `low` to `high`
+    /// (world), m.
+    pub(super) fn find_near<T>(
+        &self,
+        low: &Vector3<f64>,
+        high: &Vector3<f64>,
+        find: impl Fn(u32) -> Option<T>,
+    ) -> Option<T> {
+        let mut stack = vec![0];
+        while let Some(at) = stack.pop() {
+            let node: &TreeBox = &self.boxes[at];
+            if (node.high - low).min() < 0.0 || (high - node.low).min() < 0.0 {
+                continue;
+            }
+            let [from, to] = node.range.map(|i| i as usize);
+            if from == to {
+                stack.extend([at + 1, from]);
+                continue;
+            }
+            let found = self.order[from..to].iter().find_map(|&face| find(face));
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    }
+
     /// The nearest point of all triangles. Cost: about the logarithm of their number.
     #[must_use]
     pub fn nearest(&self, point: &Point3<f64>) -> NearestPoint {

@@ -50,32 +50,61 @@ impl Mesh {
     /// As [`Mesh::new`] for what this does not repair: [`CollisionError::Edge`] of a part that
     /// cannot be oriented, [`CollisionError::Face`] of a triangle without area.
     pub fn repaired(mut soup: Soup) -> Result<(Self, Repairs), CollisionError> {
-        soup.check()?;
-        let merged_vertices = soup.merge_vertices();
-        let degenerate_faces = soup.keep(|_, [a, b, c]| a != b && b != c && c != a);
+        let mut repairs = soup.weld()?;
         let mut crowded = vec![false; soup.triangles.len()];
         for sides in soup.sides().chunk_by(|a, b| a.ends == b.ends).filter(|s| s.len() > 2) {
             sides.iter().for_each(|side| crowded[side.face as usize] = true);
         }
-        let non_manifold_faces = soup.keep(|face, _| !crowded[face]);
-        let mut reversed_faces = soup.orient()?;
-        let closed_holes = soup.close();
+        repairs.non_manifold_faces = soup.keep(|face, _| !crowded[face]);
+        repairs.reversed_faces = soup.orient()?;
+        repairs.closed_holes = soup.close();
         if soup.volume() < 0.0 {
-            soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-            reversed_faces = soup.triangles.len() - reversed_faces;
+            soup.turn_over(&mut repairs);
         }
-        let repairs = Repairs {
-            merged_vertices,
-            degenerate_faces,
-            non_manifold_faces,
-            reversed_faces,
-            closed_holes,
-        };
         Ok((Self::new(soup)?, repairs))
     }
 }
 
 impl Soup {
+    /// An open surface from triangles that need not share vertices or be oriented, and what was
+    /// done to them: as [`Mesh::repaired`], but holes stay, and so do triangles at an edge of more
+    /// than two. `outward` is the outward direction (world) at a place, of any length: most of the
+    /// surface faces there.
+    ///
+    /// # Errors
+    /// As [`SurfaceTree::new`](super::SurfaceTree::new), and [`CollisionError::Edge`] of a part
+    /// that cannot be oriented.
+    pub fn repaired(
+        mut self,
+        outward: impl Fn(&Point3<f64>) -> Vector3<f64>,
+    ) -> Result<(Self, Repairs), CollisionError> {
+        let mut repairs = self.weld()?;
+        repairs.reversed_faces = self.orient()?;
+        let facing = |&triangle: &[u32; 3]| {
+            let [a, b, c] = self.corners(triangle);
+            let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+            (b - a).cross(&(c - a)).dot(&outward(&middle))
+        };
+        if self.triangles.iter().map(facing).sum::<f64>() < 0.0 {
+            self.turn_over(&mut repairs);
+        }
+        Ok((self, repairs))
+    }
+
+    /// Merges vertices and removes folded triangles.
+    fn weld(&mut self) -> Result<Repairs, CollisionError> {
+        self.check()?;
+        let merged_vertices = self.merge_vertices();
+        let degenerate_faces = self.keep(|_, [a, b, c]| a != b && b != c && c != a);
+        Ok(Repairs { merged_vertices, degenerate_faces, ..Repairs::default() })
+    }
+
+    /// Turns all triangles, after some have been.
+    fn turn_over(&mut self, repairs: &mut Repairs) {
+        self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        repairs.reversed_faces = self.triangles.len() - repairs.reversed_faces;
+    }
+
     /// Keeps the triangles that are wanted, and returns how many are not.
     fn keep(&mut self, wanted: impl Fn(usize, [u32; 3]) -> bool) -> usize {
         let before = self.triangles.len();
@@ -291,6 +320,32 @@ mod tests {
         // fan that cuts off half of the tetrahedron of their corners.
         assert_eq!(repairs.closed_holes, 1);
         assert!((mesh.volume() - 44.0).abs() <= 1e-12);
+    }
+
+    /// The upper half of a ball, inside out, in places turned again, without neighbors.
+    #[test]
+    fn an_open_surface_stays_open_and_faces_outward() {
+        let ball = shapes::sphere(1.0, 4);
+        let is_upper = |t: &[u32; 3]| t.iter().all(|&v| ball.vertices[v as usize].y > -1e-9);
+        let upper: Vec<_> = ball.triangles.iter().copied().filter(is_upper).collect();
+        let mut inward = upper.clone();
+        inward.iter_mut().for_each(|t| t.swap(0, 1));
+        inward[7].swap(1, 2);
+        let vertices = inward.as_flattened().iter().map(|&v| ball.vertices[v as usize]);
+        let loose = Soup {
+            vertices: vertices.collect(),
+            triangles: (0..index(inward.len())).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+        };
+        let (mended, repairs) = loose.repaired(|p| p.coords).expect("a surface");
+        assert_eq!(mended.triangles.len(), upper.len());
+        assert_eq!((repairs.reversed_faces, repairs.closed_holes), (upper.len() - 1, 0));
+        for &triangle in &mended.triangles {
+            let [a, b, c] = mended.corners(triangle);
+            assert!((b - a).cross(&(c - a)).dot(&a.coords) > 0.0);
+        }
+        let good = Soup { triangles: upper, ..ball };
+        let (same, repairs) = good.clone().repaired(|p| p.coords).expect("a surface");
+        assert_eq!((same, repairs), (good, Repairs::default()));
     }
 
     #[test]

@@ -28,12 +28,16 @@ const FACE: f64 = 0.07;
 /// Change of a point in a step at which the search ends, m.
 const STILL: f64 = 1e-7;
 
-/// Meters for a unit of the scan: meters, centimeters or millimeters, by its size.
-pub(super) fn unit(scan: &Mesh) -> Result<f64, HairgenError> {
+/// Meters for a unit of the scan: as given, or meters, centimeters or millimeters, by its size.
+pub(super) fn unit(scan: &Mesh, given: Option<f64>) -> Result<f64, HairgenError> {
     let [low, high] = scan.bounds();
-    let size = (high - low).max();
-    let fits = |unit: &f64| (BUST[0]..=BUST[1]).contains(&(size * unit));
-    [1.0, 1e-2, 1e-3].into_iter().find(fits).ok_or(HairgenError::Units { size })
+    let (size, [least, most]) = ((high - low).max(), BUST);
+    let fits = |unit: &f64| (least..=most).contains(&(size * unit));
+    match given {
+        Some(unit) if fits(&unit) => Ok(unit),
+        Some(unit) => Err(HairgenError::Size { what: "the scan", size: size * unit, least, most }),
+        None => [1.0, 1e-2, 1e-3].into_iter().find(fits).ok_or(HairgenError::Units { size }),
+    }
 }
 
 /// Vertices of the template's face, evenly thinned.

@@ -13,17 +13,16 @@ use rapunzel_collision::field::{DistanceField, Mesh, MeshDistance, Soup};
 /// squared Laplacian). Cost: some seconds for 80,000 triangles.
 ///
 /// # Errors
-/// [`HairgenError::Units`] of a scan that is no head in any unit, [`HairgenError::NoFace`] where
+/// [`HairgenError::Choice`] of options, [`HairgenError::Units`] and [`HairgenError::Size`] of a scan
+/// that is no head in any unit or the one that is given, [`HairgenError::NoFace`] where
 /// the template finds no face, [`HairgenError::Surface`] and those of the deformation's equations.
 pub fn fit(
     scan: &Mesh,
     template: &HeadTemplate,
     options: &FitOptions,
 ) -> Result<FittedHead, HairgenError> {
-    let unit = match options.meters_per_unit {
-        Some(unit) => unit,
-        None => align::unit(scan)?,
-    };
+    options.validate()?;
+    let unit = align::unit(scan, options.meters_per_unit)?;
     let scaled = Soup {
         vertices: scan.vertices().iter().map(|p| p * unit).collect(),
         triangles: scan.triangles().to_vec(),

@@ -1,4 +1,6 @@
 use super::similarity::Similarity;
+use crate::HairgenError;
+use crate::error::choice;
 use crate::head::{Hairline, ParametricHead};
 use rapunzel_collision::field::{Mesh, Soup};
 use serde::{Deserialize, Serialize};
@@ -48,6 +50,23 @@ impl Default for FitOptions {
             sectors: 120,
             rings: 40,
         }
+    }
+}
+
+impl FitOptions {
+    pub(crate) fn validate(&self) -> Result<(), HairgenError> {
+        let positive = |x: f64| x > 0.0;
+        if let Some(unit) = self.meters_per_unit {
+            choice("the meters per unit of the scan", unit, "positive", positive)?;
+        }
+        let depth = |x: f64| (0.0..=0.1).contains(&x);
+        choice("the margin of the skull (m)", self.margin, "between 0 and 0.1", depth)?;
+        choice("the threshold of hair (m)", self.threshold, "between 0 and 0.1", depth)?;
+        let (sectors, rings) = (f64::from(self.sectors), f64::from(self.rings));
+        let around = |x: f64| (3.0..=2e3).contains(&x);
+        choice("the number of sectors of the scalp", sectors, "between 3 and 2000", around)?;
+        let out = |x: f64| (1.0..=1e3).contains(&x);
+        choice("the number of rings of the scalp", rings, "between 1 and 1000", out)
     }
 }
 

@@ -8,7 +8,7 @@ use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
 /// Largest density, 1/m^2: hairs of 10 um side by side.
-const MOST_DENSITY: f64 = 1e10;
+pub(crate) const MOST_DENSITY: f64 = 1e10;
 
 /// Parts of the side of a triangle at most over which a density is summed.
 const MOST_PARTS: f64 = 1024.0;

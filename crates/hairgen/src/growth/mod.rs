@@ -27,6 +27,8 @@ pub use disc_map::{DiscMap, convex_map};
 pub use field::{DiscField, DiscFunction};
 pub use geodesic::{geodesic_distances, surface_gradient};
 pub use image::GreyImage;
+pub(crate) use mass::MOST_DENSITY;
+pub(crate) use region::LENGTHS;
 pub use region::{DENSE_DENSITY, GrowthOptions, GrowthRegion, SPARSE_DENSITY};
 pub use scalp::ScalpMesh;
 pub use surface_point::SurfacePoint;

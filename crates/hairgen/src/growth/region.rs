@@ -23,8 +23,8 @@ pub const DENSE_DENSITY: f64 = 3.4e6;
 /// Points at most of which pores are chosen.
 const MOST_PLACES: usize = 1_000_000;
 
-/// Longest hair, m.
-const LONGEST: f64 = 10.0;
+/// Shortest and longest hair, m: from stubble on.
+pub(crate) const LENGTHS: [f64; 2] = [1e-4, 10.0];
 
 /// Smallest and largest scalp, m: in meters, and neither in inches nor smaller units.
 const SIZES: [f64; 2] = [1e-3, 10.0];
@@ -38,7 +38,7 @@ pub struct GrowthOptions {
     pub weights: ConvexWeights,
     /// Hairs per m^2 of scalp; not negative.
     pub density: DiscField,
-    /// Length of the hairs, m; positive.
+    /// Length of the hairs, m, from 0.1 mm to 10 m.
     pub length: DiscField,
     /// To which side they grow.
     pub flow: GrowthFlow,
@@ -78,13 +78,13 @@ impl GrowthRegion {
     /// Maps the scalp, counts its hairs and lays out the directions. Cost: that of the map.
     ///
     /// # Errors
-    /// [`HairgenError::ScalpSize`], those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a
+    /// [`HairgenError::Size`], those of [`DiscMap::new`], [`HairgenError::DiscValue`] for a
     /// density that is negative or not finite, [`HairgenError::Whorl`], [`HairgenError::Place`].
     pub fn new(mesh: ScalpMesh, options: GrowthOptions) -> Result<Self, HairgenError> {
         let GrowthOptions { axes, weights, density, length, flow, tilt } = options;
         let (size, [least, most]) = (mesh.size(), SIZES);
         if !(least..=most).contains(&size) {
-            return Err(HairgenError::ScalpSize { size, least, most });
+            return Err(HairgenError::Size { what: "the scalp", size, least, most });
         }
         let map = DiscMap::new(&mesh, weights, &axes)?;
         let direction = GrowthDirection::new(&mesh, &map, &axes, flow, tilt)?;
@@ -143,7 +143,7 @@ impl GrowthRegion {
     ///
     /// # Errors
     /// [`HairgenError::Bald`], [`HairgenError::TooManyPores`], and [`HairgenError::DiscValue`] for
-    /// a length that is not positive or longer than 10 m, or a tilt out of its range.
+    /// a length below 0.1 mm or above 10 m, or a tilt out of its range.
     pub fn pores(&self, count: usize, seed: u64) -> Result<Vec<Pore>, HairgenError> {
         let chosen = self.places(count, seed)?;
         // Of several errors the first is told, not that of the fastest thread.
@@ -165,7 +165,7 @@ impl GrowthRegion {
             position: self.mesh.position(point),
             normal: self.mesh.normal(point),
             direction: self.direction.at(&self.mesh, &self.map, point)?,
-            length: self.length.checked("length (m)", &disc, [f64::MIN_POSITIVE, LONGEST])?,
+            length: self.length.checked("length (m)", &disc, LENGTHS)?,
             disc,
         })
     }

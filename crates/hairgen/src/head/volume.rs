@@ -1,6 +1,7 @@
 use super::hairline::Hairline;
 use super::shape::HeadShape;
 use crate::HairgenError;
+use crate::error::choice;
 use nalgebra::{Point3, Unit, Vector3};
 use rapunzel_collision::field::Soup;
 use serde::{Deserialize, Serialize};
@@ -58,23 +59,33 @@ impl HairVolume {
     pub const TUFTS: Self =
         Self { crown: 0.045, sides: 0.045, hem: None, opening: 60.0, tufts: 14 };
 
+    pub(crate) fn validate(&self) -> Result<(), HairgenError> {
+        for (what, value) in [("crown", self.crown), ("sides", self.sides)] {
+            if !(1e-3..=0.5).contains(&value) {
+                return Err(HairgenError::Measure { what, value });
+            }
+        }
+        if let Some(value) = self.hem
+            && !(-2.0..=0.0).contains(&value)
+        {
+            return Err(HairgenError::Measure { what: "hem", value });
+        }
+        let (opening, tufts) = (self.opening, f64::from(self.tufts));
+        let half = |x: f64| (0.0..=180.0).contains(&x);
+        choice("the opening of hanging hair (degrees)", opening, "between 0 and 180", half)?;
+        choice("the number of tufts", tufts, "at most 1000", |x| x <= 1e3)
+    }
+
     /// The closed surface of head and hair.
     pub(super) fn surface(
         &self,
         head: &HeadShape,
         hairline: &Hairline,
     ) -> Result<Soup, HairgenError> {
-        for (what, value) in [("crown", self.crown), ("sides", self.sides)] {
-            if !(1e-3..=0.5).contains(&value) {
-                return Err(HairgenError::Measure { what, value });
-            }
-        }
+        self.validate()?;
         let scale = head.scale().y;
         let floor = LOWEST_NECK * scale;
         let hem = self.hem.unwrap_or(floor);
-        if !(-2.0..=0.0).contains(&hem) {
-            return Err(HairgenError::Measure { what: "hem", value: hem });
-        }
         let bottom = hem.min(floor) - 2.0 * SKIN;
         let curtain: Vec<_> =
             (0..AROUND).map(|sector| self.hanging(head, hairline, azimuth(sector))).collect();

@@ -1,17 +1,17 @@
+use super::check::check_count;
 use super::report::StyleReport;
+use super::room::ScalpRoom;
 use super::spec::{FlowSpec, ScalpField, Style};
 use super::surfaces::{ReadFile, StyleSurfaces};
 use crate::growth::{
     DiscField, GreyImage, GrowthFlow, GrowthOptions, GrowthRegion, ScalpMesh, Whorl,
 };
+use crate::surface::bounds;
 use crate::{
     DensityHistogram, HairCurves, HairDensity, HairReport, HairgenError, Pore, Region, VoxelFrame,
     dips_by_height, grow_hairs, grow_pre_guides, place_guides,
 };
-use nalgebra::{Point2, Point3, Vector3};
-
-/// Most hairs of a style.
-const MOST_HAIRS: usize = 1_000_000;
+use nalgebra::{Point2, Vector3};
 
 /// A part of the work on a style, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,21 +54,21 @@ impl Style {
         at: &dyn Fn(GrowthStage),
     ) -> Result<Hairstyle, HairgenError> {
         at(GrowthStage::Surfaces);
+        self.check()?;
         let surfaces = StyleSurfaces::of(self, read)?;
         at(GrowthStage::Pores);
         let scalp = ScalpMesh::new(surfaces.scalp.clone())?;
         let area = scalp.area();
+        let room = ScalpRoom::of(&surfaces, &scalp)?;
         let growth = GrowthRegion::new(scalp, self.growth(read)?)?;
         let count = self.hairs.unwrap_or_else(|| growth.count());
-        if count == 0 || count > MOST_HAIRS {
-            return Err(HairgenError::HairCount { count, most: MOST_HAIRS });
-        }
+        check_count(count)?;
         // The first pores are as evenly spread as all: they take pre-guides and guides.
         let pores = growth.pores(count, self.seed)?;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let pre_count = (self.pre_guides * area).round().clamp(3.0, 1e5) as usize;
         let pre_pores = &pores[..pre_count.min(count)];
-        let guide_pores = &pores[..self.guides.clamp(1, count)];
+        let guide_pores = &pores[..self.guides.min(count)];
 
         at(GrowthStage::PreGuides);
         let region = Region { head: &surfaces.head_field, hull: &surfaces.hull_field };
@@ -81,12 +81,20 @@ impl Style {
         let frame = frame(&surfaces, self.guide.voxel.0)?;
         let mut density = self.guide.density.map(|model| HairDensity::new(frame, model));
         let guides = place_guides(guide_pores, &pre, region, density.as_mut(), options)?;
+        if guides.guides.is_empty() {
+            let [low, high] = bounds(&surfaces.hull);
+            let (guides, length) = (guide_pores.len(), pores[0].length);
+            return Err(HairgenError::NoPlace { guides, length, size: (high - low).norm() });
+        }
 
         at(GrowthStage::Hairs);
         let hairs = grow_hairs(&pores, &guides.guides, guide_pores, region, &self.strands)?;
         let lines = guides.guides.iter().map(|guide| &guide.curve[..]);
         let report = StyleReport {
             scalp_area: area,
+            scalp_off: room.off,
+            bare: room.bare,
+            asked: pores.iter().map(|pore| pore.length).sum(),
             hairs: HairReport::of(&hairs, region, self.strands.outside),
             count,
             pre_guides: pre.len(),
@@ -97,6 +105,7 @@ impl Style {
             histogram: DensityHistogram::of(lines, region, frame),
             fit: surfaces.fit.clone(),
             mended: surfaces.mended.clone(),
+            crossed: surfaces.crossed.clone(),
         };
         Ok(Hairstyle { pores, hairs, surfaces, report })
     }
@@ -132,11 +141,11 @@ impl ScalpField {
         match self {
             Self::Constant(value) => Ok(DiscField::Constant(unit(*value))),
             Self::Image { file, black, white } => {
-                let bytes = read(file).map_err(|error| HairgenError::File {
-                    file: file.clone(),
-                    problem: error.to_string(),
-                })?;
-                Ok(DiscField::image(GreyImage::from_png(&bytes)?, unit(*black), unit(*white)))
+                let failed = |problem: String| HairgenError::File { file: file.clone(), problem };
+                let bytes = read(file).map_err(|error| failed(error.to_string()))?;
+                let image = GreyImage::from_png(&bytes);
+                let image = image.map_err(|error| failed(error.to_string()))?;
+                Ok(DiscField::image(image, unit(*black), unit(*white)))
             }
         }
     }
@@ -144,10 +153,7 @@ impl ScalpField {
 
 /// The voxels around all that hair can fill.
 fn frame(surfaces: &StyleSurfaces, spacing: f64) -> Result<VoxelFrame, HairgenError> {
-    let far = Vector3::repeat(f64::INFINITY);
-    let vertices = surfaces.hull.vertices.iter().chain(surfaces.head.vertices());
-    let (low, high) =
-        vertices.fold((far, -far), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
+    let ([low, high], [l, h]) = (bounds(&surfaces.hull), surfaces.head.bounds());
     let margin = Vector3::repeat(2.0 * spacing);
-    VoxelFrame::new(Point3::from(low - margin), Point3::from(high + margin), spacing)
+    VoxelFrame::new(low.inf(&l) - margin, high.sup(&h) + margin, spacing)
 }

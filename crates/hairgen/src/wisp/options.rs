@@ -50,7 +50,7 @@ impl Default for HairOptions {
 }
 
 impl HairOptions {
-    pub(super) fn validate(&self) -> Result<(), HairgenError> {
+    pub(crate) fn validate(&self) -> Result<(), HairgenError> {
         let count = |x: f64| (1.0..=1e4).contains(&x);
         let segments = self.segments as f64;
         choice("the number of segments of a hair", segments, "between 1 and 10000", count)?;

@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+mod bad_style;
 mod balls;
 mod fit;
 mod growth;

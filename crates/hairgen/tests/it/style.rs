@@ -1,9 +1,12 @@
 //! Styles from files, grown whole.
 
 use rapunzel_collision::field::{DistanceField, MeshDistance};
-use rapunzel_hairgen::HairgenError;
+use rapunzel_hairgen::fit::FitOptions;
 use rapunzel_hairgen::head::HairVolume;
-use rapunzel_hairgen::style::{GrowthStage, HairSource, Hairstyle, HeadSource, ScalpField, Style};
+use rapunzel_hairgen::style::{
+    FlowSpec, GrowthStage, GuideSpec, HairSource, Hairstyle, HeadSource, ScalpField, Style, Voxel,
+};
+use rapunzel_hairgen::{DensityModel, GuideOptions, HairOptions, HairgenError};
 use ron::extensions::Extensions;
 use std::cell::RefCell;
 use std::io;
@@ -105,4 +108,68 @@ fn what_cannot_grow_is_refused() {
     let thin = HairVolume { crown: 0.0, ..HairVolume::BOB };
     let thin = Style { hair: HairSource::Volume(thin), ..small() };
     assert!(matches!(refused(&thin), HairgenError::Measure { .. }));
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_before_any_work() {
+    let length = |x| Style { length: ScalpField::Constant(x), ..small() };
+    let guide = |spec| Style { guide: spec, ..small() };
+    let volume = |volume| Style { hair: HairSource::Volume(volume), ..Style::default() };
+    let usual = FitOptions::default();
+    let scan = |options| HeadSource::Scan {
+        file: "head.obj".into(),
+        template: None,
+        hairline: Default::default(),
+        options,
+    };
+    let fit = |options| Style { head: scan(options), ..small() };
+    let shell = |thickness| HairSource::Shell { file: "hair.obj".into(), thickness };
+    let whorl = |turn, reach| FlowSpec::Whorl { place: None, turn, reach };
+    let model = |density| guide(GuideSpec { density: Some(density), ..GuideSpec::default() });
+    let voxel = |side| guide(GuideSpec { voxel: Voxel(side), ..GuideSpec::default() });
+    for style in [
+        length(0.0),
+        length(-0.1),
+        length(f64::NAN),
+        length(11.0),
+        Style { density: ScalpField::Constant(-1.0), ..small() },
+        Style { tilt: Some(ScalpField::Constant(110.0)), ..small() },
+        Style { hairs: Some(0), ..small() },
+        Style { hairs: Some(usize::MAX), ..small() },
+        Style { guides: 0, ..small() },
+        Style { guides: usize::MAX, ..small() },
+        Style { pre_guides: f64::NAN, ..small() },
+        Style { pre_guides: -1.0, ..small() },
+        Style { dips: [0.1, 1.5], ..small() },
+        Style { flow: whorl(f64::INFINITY, 0.04), ..small() },
+        Style { flow: whorl(0.0, 0.0), ..small() },
+        Style { flow: FlowSpec::Angle(ScalpField::Constant(f64::NAN)), ..small() },
+        Style { hair: shell(0.0), ..small() },
+        Style { hair: shell(f64::NAN), ..small() },
+        Style { strands: HairOptions { segments: 0, ..HairOptions::default() }, ..small() },
+        guide(GuideSpec {
+            options: GuideOptions { batch: 0, ..GuideOptions::default() },
+            ..GuideSpec::default()
+        }),
+        model(DensityModel::Binary { radius: 0.0 }),
+        model(DensityModel::Binary { radius: 1e9 }),
+        model(DensityModel::Continuous { most: f64::NAN }),
+        voxel(0.0),
+        voxel(1e-9),
+        volume(HairVolume { tufts: u32::MAX, ..HairVolume::TUFTS }),
+        volume(HairVolume { opening: f64::NAN, ..HairVolume::BOB }),
+        volume(HairVolume { hem: Some(0.1), ..HairVolume::BOB }),
+        fit(FitOptions { meters_per_unit: Some(f64::NAN), ..usual }),
+        fit(FitOptions { sectors: u32::MAX, ..usual }),
+        fit(FitOptions { rings: 0, ..usual }),
+        fit(FitOptions { margin: -1.0, ..usual }),
+    ] {
+        let error = style.check().expect_err("out of range");
+        let (words, again) =
+            (error.to_string(), style.grow(&|_| panic!("no file is read"), &|_| {}));
+        assert_eq!(again.expect_err("refused").to_string(), words);
+        assert!(["must be", "give", "meters"].iter().any(|w| words.contains(w)), "{words}");
+    }
+    small().check().expect("in range");
+    Style::default().check().expect("in range");
 }

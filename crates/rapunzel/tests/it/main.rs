@@ -2,6 +2,7 @@
 
 mod common;
 mod faults;
+mod grow;
 mod interruptions;
 mod lab;
 mod reading;

@@ -4,7 +4,7 @@ use crate::common::{files, frame, strand};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use rapunzel_export::Frame;
-use rapunzel_strands::{Origin, ReadOptions, StrandFile, StrandFormat, UpAxis};
+use rapunzel_strands::{Origin, ReadOptions, StrandFault, StrandFile, StrandFormat, UpAxis};
 
 proptest! {
     /// Every point within a millionth of the strand's length, every radius within that of itself.
@@ -55,6 +55,43 @@ proptest! {
             let second = StrandFile::read(&bytes, None, &options(up)).expect("a file").strands;
             prop_assert_eq!(first, second, "{:?}", format);
         }
+    }
+}
+
+/// Strands of one point on top of another, with equal points in a row, of one segment, of many, and
+/// without thickness: each format gives them back or tells their numbers.
+#[test]
+fn degenerate_strands_come_back_or_are_told() {
+    let point = |x: f64| Point3::new(x, 0.25, -0.5);
+    let line = |points: usize| (0..points).map(|k| point(2f64.powi(-10) * k as f64)).collect();
+    let of = |points: Vec<_>| strand(points.clone(), vec![0.0; points.len()]);
+    let strands = vec![
+        of(line(2)),
+        of(vec![point(0.5); 5]),
+        of(vec![point(0.0), point(0.0), point(0.5), point(0.5), point(1.0)]),
+        of(line(5000)),
+        of(vec![point(1.0); 2]),
+    ];
+    let frame = Frame { index: 0, time: 0.0, strands };
+    let options = ReadOptions { up: Some(UpAxis::Y), ..ReadOptions::default() };
+    for (format, _, bytes) in files(&frame) {
+        let file = StrandFile::read(&bytes, None, &options).expect("a file of strands");
+        let StrandFile { strands, report } = file;
+        assert_eq!(strands.sources(), [0, 2, 3], "{format:?}");
+        let refused = [1, 4].map(|number| (number, StrandFault::NoLength));
+        assert_eq!((report.merged, &report.refused[..]), (2, &refused[..]), "{format:?}");
+        assert_eq!(strands.strand(1), [0.0, 0.5, 1.0].map(point), "{format:?}");
+        assert_eq!(strands.strand(2), frame.strands[3].points, "{format:?}");
+    }
+    // A single strand, and none.
+    let one = Frame { strands: vec![of(line(2))], ..frame.clone() };
+    for (format, _, bytes) in files(&one) {
+        let file = StrandFile::read(&bytes, None, &options).expect("a strand");
+        assert_eq!(file.strands.strand(0), one.strands[0].points, "{format:?}");
+    }
+    for (format, _, bytes) in files(&Frame { strands: vec![], ..frame }) {
+        let error = StrandFile::read(&bytes, Some(format), &options).expect_err("no strands");
+        assert!(error.to_string().contains("it holds no strands"), "{format:?}: {error}");
     }
 }
 

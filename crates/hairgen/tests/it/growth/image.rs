@@ -8,7 +8,7 @@ use rapunzel_hairgen::growth::{DiscField, GreyImage};
 use std::f64::consts::TAU;
 
 /// A PNG of some bytes.
-fn png(size: [u32; 2], color: ColorType, depth: BitDepth, data: &[u8]) -> Vec<u8> {
+pub(crate) fn png(size: [u32; 2], color: ColorType, depth: BitDepth, data: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(color);

@@ -2,7 +2,7 @@
 
 mod disc_map;
 mod geodesic;
-mod image;
+pub(crate) mod image;
 mod pores;
 mod region;
 mod scalp;

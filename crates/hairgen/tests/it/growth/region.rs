@@ -110,7 +110,7 @@ fn a_head_in_millimeters_is_told() {
     let mut soup = cap(0.1, FRAC_PI_2, 12, 4);
     soup.vertices.iter_mut().for_each(|p| *p *= 1e3);
     let error = GrowthRegion::new(mesh(soup), GrowthOptions::default()).expect_err("refused");
-    assert!(matches!(error, HairgenError::ScalpSize { .. }), "{error}");
+    assert!(matches!(error, HairgenError::Size { .. }), "{error}");
     assert!(error.to_string().contains("millimeters"));
 }
 

@@ -14,7 +14,7 @@ fn refused(soup: Soup) -> HairgenError {
 }
 
 fn surface(error: HairgenError) -> CollisionError {
-    let HairgenError::Surface { what: "scalp", source } = error else { panic!("{error}") };
+    let HairgenError::Surface { what: "the scalp", source } = error else { panic!("{error}") };
     source
 }
 
