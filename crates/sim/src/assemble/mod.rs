@@ -5,6 +5,7 @@ mod groom;
 mod groups;
 mod natural;
 mod start;
+mod still;
 
 use crate::mass_spring::MassSprings;
 use crate::objects::{Sizes, build_object};

@@ -1,26 +1,31 @@
 //! Natural shapes of groomed fibres: with which they rest in the curves that are given.
 
-use super::groups::{assembly, at_start, in_contact};
+use super::groups::{assembly, at_start};
 use super::start::{FiberStart, along};
-use crate::scene::{Bundle, ContactSettings, GroomShape, Motion, Scene, Tip};
-use crate::{Plan, SimError};
+use super::still::Still;
+use crate::SimError;
+use crate::scene::{Bundle, GroomShape, Scene, Tip};
 use nalgebra::{Point3, Vector3};
-use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, Separation, separate};
+use rapunzel_coupling::{CollisionObject, Separation, separate};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_rod_dynamic::{
     End, FittedFiber, Instant, RodError, RodIntegrator, RodState, Staggered, fitted,
     fitted_end_load, natural_curvatures,
 };
 use rayon::prelude::*;
-use std::sync::Arc;
 
-/// What became of the fibres of a bundle.
-#[derive(Debug, Clone, Copy, Default)]
+/// Distance, in lengths of a fibre, within which it rests as it is drawn.
+const SAME: f64 = 1e-3;
+
+/// What became of fibres.
+#[derive(Debug, Clone, Copy)]
 struct Told {
     fibers: usize,
+    /// Length of the longest, m.
+    length: f64,
     /// Largest natural curvature, 1/m.
     curvature: f64,
-    /// Fibres that start in another shape than the groom's, or not at rest.
+    /// Fibres that start in another shape than the groom's.
     other: usize,
     /// Largest distance of a node from the groom, m.
     moved: f64,
@@ -53,30 +58,61 @@ pub(super) fn give_natural_shapes(
     if !scene.fibers.iter().any(rests) {
         return Ok(());
     }
-    let forces = match &scene.contact {
-        Some(settings) => contact_forces(scene, settings, starts, objects)?,
-        None => Vec::new(),
-    };
-    let touching = scene.contact.is_some();
-    let layout = Layout::new(starts.iter().map(|start| start.rod.fiber.segments()));
-    let gravity = scene.environment.gravity_at(0.0);
-    let rest = |(fiber, start): (usize, &mut FiberStart)| {
-        let bundle = &scene.fibers[start.bundle];
-        let mut forces = forces.get(layout.node_range(fiber)).unwrap_or_default().to_vec();
-        for (k, own) in
-            bundle.node_forces(start.rod.fiber.segments(), 0.0).into_iter().flatten().enumerate()
-        {
-            forces.resize(start.rod.fiber.segments() + 1, Vector3::zeros());
-            forces[k] += own;
+    let mut told = vec![None; starts.len()];
+    match &scene.contact {
+        None => rest(scene, starts, &[], &mut told)?,
+        Some(settings) => {
+            let mut still = Still::new(scene, starts, objects)?;
+            let forces = still.contact_forces(settings)?;
+            rest(scene, starts, &forces, &mut told)?;
+            // What contacts hold need not be stable: what leaves its place settles first.
+            let mut still = Still::new(scene, starts, objects)?;
+            still.settle(settings)?;
+            take_states(starts, still.starts, &mut told);
         }
-        rest(start, bundle, gravity, &forces, touching)
-    };
-    let told = starts.par_iter_mut().enumerate().map(rest).collect::<Result<Vec<_>, _>>()?;
+    }
     for index in 0..scene.fibers.len() {
         let of = starts.iter().zip(&told).filter(|(start, _)| start.bundle == index);
         notes.extend(told_of(index, of.filter_map(|(_, told)| *told)));
     }
     Ok(())
+}
+
+/// Gives all groomed fibres natural shapes under their loads, and forces of contacts on all nodes,
+/// N, if there are any, and tells of each.
+fn rest(
+    scene: &Scene,
+    starts: &mut [FiberStart],
+    forces: &[Vector3<f64>],
+    told: &mut [Option<Told>],
+) -> Result<(), SimError> {
+    let layout = Layout::new(starts.iter().map(|start| start.rod.fiber.segments()));
+    let gravity = scene.environment.gravity_at(0.0);
+    let touching = scene.contact.is_some();
+    let all = starts.par_iter_mut().zip(told).enumerate();
+    all.try_for_each(|(fiber, (start, told))| {
+        let bundle = &scene.fibers[start.bundle];
+        let mut forces = forces.get(layout.node_range(fiber)).unwrap_or_default().to_vec();
+        let segments = start.rod.fiber.segments();
+        for (k, own) in bundle.node_forces(segments, 0.0).into_iter().flatten().enumerate() {
+            forces.resize(segments + 1, Vector3::zeros());
+            forces[k] += own;
+        }
+        *told = rest_one(start, bundle, gravity, &forces, touching)?;
+        Ok(())
+    })
+}
+
+/// Takes over the states in which fibres have settled.
+fn take_states(starts: &mut [FiberStart], settled: Vec<FiberStart>, told: &mut [Option<Told>]) {
+    for ((start, settled), told) in starts.iter_mut().zip(settled).zip(told) {
+        let (Some(told), Some(before), Some(after)) = (told, &start.state, &settled.state) else {
+            continue;
+        };
+        let ways = before.positions.iter().zip(&after.positions).map(|(a, b)| (a - b).norm());
+        told.moved = ways.fold(told.moved, f64::max);
+        start.state = settled.state;
+    }
 }
 
 /// Gives a groomed fibre its curve as its natural shape.
@@ -139,58 +175,10 @@ fn move_apart(
     Ok((overlaps > 0).then(note))
 }
 
-/// Forces of contacts on all nodes, N, world: what they must be to hold fibres without elastic
-/// forces in their curves, a mean over the first step. Roots and objects are held.
-fn contact_forces(
-    scene: &Scene,
-    settings: &ContactSettings,
-    starts: &[FiberStart],
-    objects: &[CollisionObject],
-) -> Result<Vec<Vector3<f64>>, SimError> {
-    let mut objects: Vec<_> = objects.iter().map(|object| object.held(0.0)).collect();
-    let mut still = scene.clone();
-    still.fibers.iter_mut().for_each(|bundle| bundle.motion = Motion::Fixed);
-    // What is held feels no drag.
-    still.environment.viscosity = 0.0;
-    let conditions = still.fibers.iter().enumerate().map(|(index, bundle)| {
-        let conditions = BundleConditions::new(&still, bundle, 1.0, 1.0);
-        conditions.map(Arc::new).map_err(|source| SimError::Rod { bundle: index, source })
-    });
-    let conditions = conditions.collect::<Result<Vec<_>, _>>()?;
-    let held = |start: &FiberStart| FiberStart {
-        conditions: Arc::clone(&conditions[start.bundle]),
-        velocity: Vector3::zeros(),
-        ..start.clone()
-    };
-    let starts: Vec<_> = starts.iter().map(held).collect();
-    let assembly = assembly(&starts);
-    let layout = assembly.layout().clone();
-    let dt = Plan::new(scene).step_after(0);
-    let mut around = at_start(&still, &mut objects);
-    let mut fibers = in_contact(settings, &starts, assembly, false, &mut around)?;
-    around.end = dt;
-    fibers.step(&mut around, dt)?;
-    let mut forces = vec![Vector3::zeros(); layout.nodes()];
-    for contact in fibers.contacts() {
-        let sides = contact.sides.into_iter().zip(contact.at).zip([1.0, -1.0]);
-        for ((side, at), sign) in sides {
-            let BodyRef::Fiber(fiber) = side else { continue };
-            let range = layout.node_range(fiber as usize);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
-            let segment = (at as usize).min(range.len() - 2);
-            let fraction = at - segment as f64;
-            let node = range.start + segment;
-            forces[node] += contact.force * (sign * (1.0 - fraction));
-            forces[node + 1] += contact.force * (sign * fraction);
-        }
-    }
-    Ok(forces)
-}
-
 /// Gives a groomed fibre the natural shape with which it rests under its loads: gravity (m/s^2) and
 /// forces on its nodes (N). Where it is `touching` others, contacts hold it, so that its stability
 /// is not known from it alone, and it stays where it is.
-fn rest(
+fn rest_one(
     start: &mut FiberStart,
     bundle: &Bundle,
     gravity: Vector3<f64>,
@@ -221,10 +209,9 @@ fn rest(
     };
     let curvature = fiber.nodes().iter().map(|node| node.natural_curvature.norm());
     let curvature = curvature.fold(0.0, f64::max);
-    let cut = touching && curvature >= most * (1.0 - 1e-9);
-    let other = usize::from(cut || moved > 1e-6 * fiber.length());
+    let length = fiber.length();
     (start.rod.fiber, start.state) = (fiber, Some(state));
-    Ok(Some(Told { fibers: 1, curvature, other, moved }))
+    Ok(Some(Told { fibers: 1, length, curvature, other: 0, moved }))
 }
 
 /// A fibre with the natural curvatures, cut to `most`, 1/m, that balance its loads where it is.
@@ -245,13 +232,15 @@ fn held(
 
 /// How the fibres of bundle `index` rest, if any are to.
 fn told_of(index: usize, fibers: impl Iterator<Item = Told>) -> Option<String> {
+    let one = |told: Told| Told { other: usize::from(told.moved > SAME * told.length), ..told };
     let add = |sum: Told, one: Told| Told {
         fibers: sum.fibers + one.fibers,
+        length: sum.length.max(one.length),
         curvature: sum.curvature.max(one.curvature),
         other: sum.other + one.other,
         moved: sum.moved.max(one.moved),
     };
-    let Told { fibers, curvature, other, moved } = fibers.reduce(add)?;
+    let Told { fibers, curvature, other, moved, .. } = fibers.map(one).reduce(add)?;
     Some(if other == 0 {
         format!(
             "fibers[{index}]: all {fibers} rest as they are drawn, by natural curvatures of at most \
@@ -261,7 +250,7 @@ fn told_of(index: usize, fibers: impl Iterator<Item = Told>) -> Option<String> {
         format!(
             "fibers[{index}]: {other} of {fibers} do not rest as they are drawn, by natural \
              curvatures of at most {curvature:.0} 1/m: they start in equilibria nearby, their nodes \
-             moved by up to {moved:.1e} m, or settle"
+             moved by up to {moved:.1e} m"
         )
     })
 }

@@ -1,0 +1,132 @@
+//! A scene in which no root and no object moves: what contacts carry there, and where fibres settle.
+
+use super::groups::{assembly, at_start, in_contact};
+use super::start::FiberStart;
+use crate::scene::{ContactSettings, Motion, Scene};
+use crate::{Plan, SimError};
+use nalgebra::Vector3;
+use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, FibersInContact};
+use rapunzel_fiber::Layout;
+use std::sync::Arc;
+
+/// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth of it.
+const SETTLED: f64 = 5e-3;
+/// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
+const SLOW_STEPS: usize = 20;
+/// Most steps of settling.
+const MOST_STEPS: usize = 300;
+
+/// Fibres among objects, all held.
+pub(super) struct Still {
+    scene: Scene,
+    objects: Vec<CollisionObject>,
+    pub(super) starts: Vec<FiberStart>,
+}
+
+impl Still {
+    /// The fibres and objects of a scene as they are at its start, without motion.
+    pub(super) fn new(
+        scene: &Scene,
+        starts: &[FiberStart],
+        objects: &[CollisionObject],
+    ) -> Result<Self, SimError> {
+        let mut scene = scene.clone();
+        scene.fibers.iter_mut().for_each(|bundle| bundle.motion = Motion::Fixed);
+        // What is held feels no drag.
+        scene.environment.viscosity = 0.0;
+        let conditions = scene.fibers.iter().enumerate().map(|(index, bundle)| {
+            let conditions = BundleConditions::new(&scene, bundle, 1.0, 1.0);
+            conditions.map(Arc::new).map_err(|source| SimError::Rod { bundle: index, source })
+        });
+        let conditions = conditions.collect::<Result<Vec<_>, _>>()?;
+        let held = |start: &FiberStart| FiberStart {
+            conditions: Arc::clone(&conditions[start.bundle]),
+            velocity: Vector3::zeros(),
+            ..start.clone()
+        };
+        let starts = starts.iter().map(held).collect();
+        let objects = objects.iter().map(|object| object.held(0.0)).collect();
+        Ok(Self { scene, objects, starts })
+    }
+
+    /// Forces of contacts on all nodes, N, world, a mean over the first step.
+    pub(super) fn contact_forces(
+        &mut self,
+        settings: &ContactSettings,
+    ) -> Result<Vec<Vector3<f64>>, SimError> {
+        let dt = Plan::new(&self.scene).step_after(0);
+        let assembly = assembly(&self.starts);
+        let layout = assembly.layout().clone();
+        let mut around = at_start(&self.scene, &mut self.objects);
+        let mut fibers = in_contact(settings, &self.starts, assembly, false, &mut around)?;
+        around.end = dt;
+        fibers.step(&mut around, dt)?;
+        Ok(node_forces(&fibers, &layout))
+    }
+
+    /// Lets the fibres settle.
+    ///
+    /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy has passed a
+    /// maximum, all velocities are set to zero. It ends when all fibres are slow, or after a number
+    /// of steps, and where contacts do not converge any more, with what there is.
+    pub(super) fn settle(&mut self, settings: &ContactSettings) -> Result<(), SimError> {
+        let dt = Plan::new(&self.scene).step_after(0);
+        let gravity = self.scene.environment.gravity_at(0.0);
+        let assembly = assembly(&self.starts);
+        let mut around = at_start(&self.scene, &mut self.objects);
+        let mut fibers = in_contact(settings, &self.starts, assembly, false, &mut around)?;
+        let (mut before, mut slow_steps) = (0.0, 0);
+        for step in 0..MOST_STEPS {
+            (around.start, around.end) = (step as f64 * dt, (step + 1) as f64 * dt);
+            if fibers.step(&mut around, dt).is_err() {
+                break;
+            }
+            let mut states = Vec::with_capacity(self.starts.len());
+            states.extend((0..self.starts.len()).map(|fiber| fibers.fibers().state(fiber)));
+            let is_slow = states.iter().zip(&self.starts).all(|(state, start)| {
+                let most = SETTLED * start.rod.fiber.length();
+                state.velocities.iter().all(|velocity| velocity.norm() < most)
+            });
+            slow_steps = if is_slow { slow_steps + 1 } else { 0 };
+            let kinetic = fibers.fibers().energy(&gravity).kinetic;
+            let is_past = kinetic < before && !is_slow;
+            before = if is_past { 0.0 } else { kinetic };
+            let all = self.starts.iter_mut().zip(states).enumerate();
+            for (fiber, (start, mut state)) in all {
+                state.velocities.fill(Vector3::zeros());
+                state.angular_velocities.fill(Vector3::zeros());
+                if is_past {
+                    let set = fibers.fibers_mut().set_state(fiber, &state);
+                    set.map_err(|source| SimError::State { fiber, source })?;
+                }
+                state.time = 0.0;
+                if start.state.is_some() {
+                    start.state = Some(state);
+                }
+            }
+            if slow_steps == SLOW_STEPS {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Forces of contacts on all nodes, N, world.
+fn node_forces(fibers: &FibersInContact, layout: &Layout) -> Vec<Vector3<f64>> {
+    let mut forces = vec![Vector3::zeros(); layout.nodes()];
+    for contact in fibers.contacts() {
+        let sides = contact.sides.into_iter().zip(contact.at).zip([1.0, -1.0]);
+        for ((side, at), sign) in sides {
+            let BodyRef::Fiber(fiber) = side else { continue };
+            let range = layout.node_range(fiber as usize);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+            let segment = (at as usize).min(range.len() - 2);
+            let fraction = at - segment as f64;
+            let node = range.start + segment;
+            forces[node] += contact.force * (sign * (1.0 - fraction));
+            forces[node + 1] += contact.force * (sign * fraction);
+        }
+    }
+    forces
+}
