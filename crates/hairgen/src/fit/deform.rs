@@ -136,6 +136,6 @@ fn smooth(squared: &[(usize, usize, f64)], wanted: &[Wanted]) -> Result<Vec<f64>
     let mut entries = squared.to_vec();
     entries.extend(wanted.iter().enumerate().map(|(i, w)| (i, i, w.weight)));
     let right = DMatrix::from_fn(wanted.len(), 1, |i, _| wanted[i].weight * wanted[i].displacement);
-    let system = SparseSystem::new(wanted.len(), &entries)?;
+    let system = SparseSystem::positive_definite(wanted.len(), &entries)?;
     Ok(system.solve(&right)?.column(0).iter().copied().collect())
 }
