@@ -20,7 +20,7 @@ const MOST: usize = 50;
 pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
     let hairs = size.of(90_000, 10_000);
     let ground = Ground::new(&HairVolume::BOB, 0.24, hairs)?;
-    let own = &ground.pores[..size.of(3000, 1000)];
+    let own = &ground.pores[..size.of(3000, 400)];
     let weights = GuideWeights { density: 1.0, ..GuideWeights::default() };
     let options = GuideOptions { weights, ..GuideOptions::default() };
     let (corners, region) = (ground.hull.vertices(), ground.region());
@@ -68,7 +68,7 @@ pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
     }
     Ok(Figure {
         scene: "the bob on the parametric head",
-        parameters: "1,000 guides and 10,000 hairs, --full 3,000 and 90,000; voxels of 4 mm; weight of \
+        parameters: "400 guides and 10,000 hairs, --full 3,000 and 90,000; voxels of 4 mm; weight of \
                      density 1 beside 0.9 of all others",
         drawings: vec![Drawing::Chart(Chart {
             title: "5.6 Voxels by the number of the guides' segments in them".into(),

@@ -46,7 +46,6 @@ pub(crate) fn grow(style: &Style) -> Fallible<Hairstyle> {
 pub(crate) struct Ground {
     pub(crate) head: Mesh,
     pub(crate) hull: Mesh,
-    pub(crate) growth: GrowthRegion,
     pub(crate) pores: Vec<Pore>,
     pub(crate) pre: Vec<PreGuide>,
     head_field: SurfaceField,
@@ -71,7 +70,7 @@ impl Ground {
         let dips = dips_by_height(&heights, 0.1, 0.7);
         let region = Region { head: &head_field, hull: &hull_field };
         let pre = grow_pre_guides(few, &dips, region, &GuideOptions::default())?;
-        Ok(Self { head, hull, growth, pores, pre, head_field, hull_field })
+        Ok(Self { head, hull, pores, pre, head_field, hull_field })
     }
 
     pub(crate) fn region(&self) -> Region<'_> {

@@ -12,10 +12,10 @@ const LOST: [f64; 3] = [0.84, 0.37, 0.0];
 
 /// Both on the parametric head in a bob.
 pub(crate) fn laid(size: Size) -> Fallible<Figure> {
-    let count = size.of(3000, 1000);
-    let ground = Ground::new(&HairVolume::BOB, 0.24, count)?;
+    let count = size.of(3000, 400);
+    let ground = Ground::new(&HairVolume::BOB, 0.24, 3000)?;
     let options = GuideOptions::default();
-    let hairs = place_guides(&ground.pores, &ground.pre, ground.region(), None, &options)?;
+    let hairs = place_guides(&ground.pores[..count], &ground.pre, ground.region(), None, &options)?;
     let picture = |view: View, lines: &[(&[Point3<f64>], [f64; 3])], caption: &str| {
         let mut canvas = Canvas::around(view, ground.hull.vertices(), LOWEST);
         canvas.solid(&ground.head, SKIN);
@@ -47,7 +47,7 @@ pub(crate) fn laid(size: Size) -> Fallible<Figure> {
     let legend = "orange: a pre-guide that lies less deep than asked";
     Ok(Figure {
         scene: "the bob on the parametric head, hairs of 24 cm",
-        parameters: "a pre-guide on each square centimeter, 1,000 guides, --full 3,000; no density",
+        parameters: "a pre-guide on each square centimeter, 400 guides, --full 3,000; no density",
         drawings: vec![images("5.3.3 Pre-guides and guides", legend, 2, pictures)],
         checks: vec![
             check(

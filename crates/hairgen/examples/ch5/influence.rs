@@ -31,8 +31,8 @@ const VARIANTS: [Variant; 6] = [
 pub(crate) fn variants(size: Size) -> Fallible<Figure> {
     let (mut pictures, mut deviations, mut angles) = (Vec::new(), Vec::new(), Vec::new());
     for Variant { name, length, curvature, density } in VARIANTS {
-        let ground = Ground::new(&HairVolume::LONG, length, size.of(60_000, 12_000))?;
-        let (own, region) = (&ground.pores[..size.of(3000, 600)], ground.region());
+        let ground = Ground::new(&HairVolume::LONG, length, size.of(60_000, 10_000))?;
+        let (own, region) = (&ground.pores[..size.of(3000, 200)], ground.region());
         let weights = GuideWeights { curvature, density, ..GuideWeights::default() };
         let options = GuideOptions { weights, ..GuideOptions::default() };
         let frame = voxels(ground.hull.vertices(), 4e-3)?;
@@ -54,9 +54,9 @@ pub(crate) fn variants(size: Size) -> Fallible<Figure> {
     let wispier = "the larger the weight, the more wisps are seen";
     Ok(Figure {
         scene: "the long style on the parametric head",
-        parameters: "hairs of 30 cm, longer ones of 42 cm; 600 guides and 12,000 hairs, --full 3,000 and \
+        parameters: "hairs of 30 cm, longer ones of 42 cm; 200 guides and 10,000 hairs, --full 3,000 and \
                      60,000; the thesis tells no weights",
-        drawings: vec![images("5.5 Weights and lengths", "", 3, pictures)],
+        drawings: vec![images("5.5 Weights and lengths", "seen from half front", 3, pictures)],
         checks: vec![
             check(
                 "deviation (5.9) with similarity 1 over that with 0.1",

@@ -5,7 +5,7 @@ use crate::grown::{Size, grow, shipped, voxels};
 use crate::silhouettes::kept;
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::{DistanceField, MeshDistance, Soup};
-use rapunzel_hairgen::style::Hairstyle;
+use rapunzel_hairgen::style::{Hairstyle, Style};
 use rapunzel_hairgen::{DensityModel, HairDensity};
 use rapunzel_repro::plot::Image;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
@@ -19,9 +19,8 @@ const CHORD: f64 = 0.2e-3;
 
 /// Cuts along three planes, and the density in the plane of symmetry.
 pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
-    let mut style = shipped("bob")?;
-    style.hairs = Some(size.of(90_000, 20_000));
-    let grown = grow(&style)?;
+    let (hairs, guides) = (Some(size.of(90_000, 20_000)), size.of(3000, 400));
+    let grown = grow(&Style { hairs, guides, ..shipped("bob")? })?;
     let (density, densities) = density(&grown)?;
     let pictures = vec![
         cut(&grown, View::SIDE, "along the plane of symmetry"),
@@ -61,7 +60,7 @@ pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
     checks.extend(kept("bob", &grown));
     Ok(Figure {
         scene: "scenes/style/bob.ron",
-        parameters: "20,000 hairs, --full 90,000; voxels of 4 mm; the head is cut through its origin",
+        parameters: "20,000 hairs of 400 guides, --full 90,000 of 3,000; voxels of 4 mm; the head is cut through its origin",
         drawings: vec![images(
             "5.7 Sections",
             "density: white none, black the largest; blue: the head",

@@ -15,7 +15,7 @@ const STYLES: [(&str, usize, &str); 2] = [
 ];
 const SCENE: &str = "scenes/style/afro.ron and long.ron";
 const PARAMETERS: &str =
-    "20,000 hairs and the styles' own guides; --full takes the thesis's 90,000 and 60,000 of 3,000";
+    "20,000 hairs of 400 guides; --full takes the thesis's 90,000 and 60,000 of 3,000";
 /// Colors of a silhouette: in both, only in the surface, only in the style.
 const BOTH: [f64; 3] = [0.75, 0.75, 0.75];
 const ONLY_HULL: [f64; 3] = [0.0, 0.45, 0.70];
@@ -25,11 +25,8 @@ const OVERLAY_LEGEND: &str =
     "grey: both, light where the bald head is; blue: only the surface; orange: only the style";
 
 fn style(name: &str, hairs: usize, size: Size) -> Fallible<Style> {
-    let mut style = shipped(name)?;
-    if size == Size::Full {
-        (style.hairs, style.guides) = (Some(hairs), 3000);
-    }
-    Ok(style)
+    let (hairs, guides) = (Some(size.of(hairs, 20_000)), size.of(3000, 400));
+    Ok(Style { hairs, guides, ..shipped(name)? })
 }
 
 /// A style on its head in a view, without what is lower than a height, m.
@@ -67,7 +64,12 @@ pub(crate) fn styles(size: Size) -> Fallible<Figure> {
     Ok(Figure {
         scene: SCENE,
         parameters: PARAMETERS,
-        drawings: vec![images("5.3 Surfaces of hair and styles", "", 3, pictures)],
+        drawings: vec![images(
+            "5.3 Surfaces of hair and styles",
+            "seen from half front and back",
+            3,
+            pictures,
+        )],
         checks,
     })
 }

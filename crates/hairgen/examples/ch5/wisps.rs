@@ -11,7 +11,7 @@ use rapunzel_repro::{Criterion, Fallible, Figure, check};
 /// The same guides with three patterns of hairs.
 pub(crate) fn patterns(size: Size) -> Fallible<Figure> {
     let ground = Ground::new(&HairVolume::BOB, 0.24, size.of(60_000, 15_000))?;
-    let (own, region) = (&ground.pores[..300], ground.region());
+    let (own, region) = (&ground.pores[..200], ground.region());
     let laid = place_guides(own, &ground.pre, region, None, &GuideOptions::default())?.guides;
     let patterns = [
         ("wisps", HairPattern::Wisps { tip: 0.2, turns: 0.0 }),
@@ -42,8 +42,13 @@ pub(crate) fn patterns(size: Size) -> Fallible<Figure> {
     }
     Ok(Figure {
         scene: "the bob on the parametric head, hairs of 24 cm",
-        parameters: "300 guides, 15,000 hairs, --full 60,000",
-        drawings: vec![images("5.3.5 Hairs along the same guides", "", 3, pictures)],
+        parameters: "200 guides, 15,000 hairs, --full 60,000",
+        drawings: vec![images(
+            "5.3.5 Hairs along the same guides",
+            "seen from half front",
+            3,
+            pictures,
+        )],
         checks,
     })
 }
