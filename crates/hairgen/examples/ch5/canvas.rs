@@ -16,7 +16,8 @@ const SECTION: [f64; 3] = [0.93, 0.89, 0.86];
 const WHITE: [f64; 3] = [1.0; 3];
 /// Direction toward the light, to the right, up and toward the viewer.
 const LIGHT: Vector3<f64> = Vector3::new(-0.35, 0.75, 0.56);
-/// What lines are nearer to the viewer than surfaces of the same place, m.
+/// What lines are nearer to the viewer than surfaces of the same place, m; farther where a cut shows
+/// the inside of these.
 const LIFT: f64 = 0.5e-3;
 
 /// A direction of view, in the frame of the head: y up, the face along z.
@@ -246,6 +247,7 @@ impl Canvas {
 
     fn segment(&mut self, ends: &[Point3<f64>], color: [f64; 3]) {
         let way = ends[1] - ends[0];
+        let lift = if self.nearest.is_finite() { -LIFT } else { LIFT };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
         let steps = (2.0 * way.norm() / PIXEL).ceil().max(1.0) as usize;
         for step in 0..=steps {
@@ -255,7 +257,7 @@ impl Canvas {
                 continue;
             }
             if let Some(pixel) = self.pixel_at(self.on_canvas(&seen)) {
-                self.put(pixel, seen[2] + LIFT, color);
+                self.put(pixel, seen[2] + lift, color);
             }
         }
     }

@@ -29,7 +29,7 @@ pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
         ("binary model (BBM)", Some((DensityModel::Binary { radius: 0.003 }, BINARY))),
         ("continuous model (KDM)", Some((DensityModel::Continuous { most: 0.1 }, COUNTED))),
     ];
-    let (mut curves, mut ginis) = (Vec::new(), Vec::new());
+    let (mut curves, mut ginis, mut fullest) = (Vec::new(), Vec::new(), Vec::new());
     for (name, model) in models {
         let mut density = match model {
             Some((model, side)) => Some(HairDensity::new(voxels(corners, side)?, model)),
@@ -41,13 +41,26 @@ pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
             Ok(DensityHistogram::of(curves, region, voxels(corners, COUNTED)?))
         };
         let histogram = counted(&mut laid.iter().map(|guide| &guide.curve[..]))?;
+        fullest.push(histogram.voxels.len() as f64 - 1.0);
         ginis.push([histogram.gini(), counted(&mut all.iter())?.gini()]);
         let shown = histogram.voxels.iter().take(MOST + 1).enumerate().skip(1);
         let points = shown.map(|(count, voxels)| [count as f64, *voxels as f64]).collect();
         curves.push(Curve { name: name.into(), points });
     }
     let mut checks = Vec::new();
-    for (what, k) in [("guides", 0), ("hairs", 1)] {
+    for ((name, _), count) in models.iter().zip(&fullest).skip(1) {
+        checks.push(check(
+            format!("most segments of guides in a voxel over those without a model, {name}"),
+            count / fullest[0],
+            "",
+            Criterion::AtMost(1.0),
+            "a picture",
+        ));
+    }
+    // The models see guides; hairs follow them.
+    for (what, k, criterion) in
+        [("guides", 0, Criterion::AtMost(1.0)), ("hairs", 1, Criterion::Told)]
+    {
         let none = ginis[0][k];
         checks.push(check(
             format!("coefficient of Gini of the {what}, without a model"),
@@ -61,7 +74,7 @@ pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
                 format!("the same over that, {what}, {name}"),
                 gini[k] / none,
                 "",
-                Criterion::AtMost(1.0),
+                criterion,
                 "voxels are filled more evenly with either model",
             ));
         }

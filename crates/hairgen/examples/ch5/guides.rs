@@ -16,8 +16,10 @@ pub(crate) fn laid(size: Size) -> Fallible<Figure> {
     let ground = Ground::new(&HairVolume::BOB, 0.24, 3000)?;
     let options = GuideOptions::default();
     let hairs = place_guides(&ground.pores[..count], &ground.pre, ground.region(), None, &options)?;
+    let mut room = ground.hull.vertices().to_vec();
+    room.extend(ground.pre.iter().flat_map(|guide| guide.shape.positions()));
     let picture = |view: View, lines: &[(&[Point3<f64>], [f64; 3])], caption: &str| {
-        let mut canvas = Canvas::around(view, ground.hull.vertices(), LOWEST);
+        let mut canvas = Canvas::around(view, &room, LOWEST);
         canvas.solid(&ground.head, SKIN);
         for (line, color) in lines {
             canvas.hair(line, *color);

@@ -13,9 +13,12 @@ use rayon::prelude::*;
 
 /// Side of a voxel of the density, m.
 const VOXEL: f64 = 4e-3;
-/// Depth of the triangles of the scalp below those of the head at most, m: both have their corners
-/// on the same surface.
-const CHORD: f64 = 0.2e-3;
+/// Colors of voxels without hair: of the head, and between it and the surface.
+const HEAD: [f64; 3] = [0.82, 0.88, 0.94];
+const EMPTY: [f64; 3] = [1.0, 0.85, 0.65];
+/// Depth of the scalp below the triangles of the head at most, m: both have their corners on the
+/// same surface, whose radius is small at the ears.
+const CHORD: f64 = 0.5e-3;
 
 /// Cuts along three planes, and the density in the plane of symmetry.
 pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
@@ -30,16 +33,16 @@ pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
     ];
     let distance = MeshDistance::new(&grown.surfaces.head);
     let hairs: Vec<_> = grown.hairs.iter().collect();
-    let inside = hairs
-        .par_iter()
-        .map(|hair| hair.iter().skip(1).filter(|point| distance.value(point) < -CHORD).count());
-    let inside: Vec<usize> = inside.collect();
+    let deepest = hairs.par_iter().map(|hair| {
+        hair.iter().skip(1).map(|point| -distance.value(point)).fold(f64::NEG_INFINITY, f64::max)
+    });
+    let deepest: Vec<f64> = deepest.collect();
     let mut checks = vec![
         check(
-            "nodes in the head, by the exact distance",
-            inside.iter().sum::<usize>() as f64,
-            "",
-            Criterion::AtMost(0.0),
+            "deepest node below the head's surface, by the exact distance",
+            1e3 * deepest.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            "mm",
+            Criterion::AtMost(1e3 * CHORD),
             "no fibers are seen in the head",
         ),
         check(
@@ -63,7 +66,7 @@ pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
         parameters: "20,000 hairs of 400 guides, --full 90,000 of 3,000; voxels of 4 mm; the head is cut through its origin",
         drawings: vec![images(
             "5.7 Sections",
-            "density: white none, black the largest; blue: the head",
+            "density: grey, black the largest; orange: no hair; blue: the head",
             2,
             pictures,
         )],
@@ -102,16 +105,15 @@ fn density(grown: &Hairstyle) -> Fallible<(Image, Densities)> {
         }
         let depth = -distance.value(&center);
         let (has_hair, inside) = (*cell > 0.0, depth > half * 3.0_f64.sqrt());
+        let admissible = depth < 0.0 && grown.surfaces.hull_field.value(&center) < 0.0;
         in_head += usize::from(has_hair && inside);
-        if depth < 0.0 && grown.surfaces.hull_field.value(&center) < 0.0 {
-            between += 1;
-            filled += usize::from(has_hair);
-        }
-        let grey = 1.0 - (cell / most).sqrt();
-        let color = match (has_hair, depth > 0.0) {
-            (true, _) => [grey; 3],
-            (false, true) => [0.82, 0.88, 0.94],
-            (false, false) => continue,
+        between += usize::from(admissible);
+        filled += usize::from(admissible && has_hair);
+        let color = match (has_hair, depth > 0.0, admissible) {
+            (true, ..) => [0.9 - 0.9 * (cell / most).sqrt(); 3],
+            (false, true, _) => HEAD,
+            (false, false, true) => EMPTY,
+            _ => continue,
         };
         canvas.surface(&square(&center, half), color);
     }
