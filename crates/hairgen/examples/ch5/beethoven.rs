@@ -3,7 +3,8 @@
 use crate::canvas::{Canvas, SKIN, View, images};
 use crate::grown::{Size, grow};
 use crate::silhouettes::{bust, kept, overlaps, overlay, portrait};
-use rapunzel_hairgen::style::{HairSource, HeadSource, Style};
+use rapunzel_hairgen::style::{HairSource, HeadSource, ScalpField, Style};
+use rapunzel_hairgen::{HairOptions, HairPattern};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -26,11 +27,17 @@ pub(crate) fn hair(size: Size) -> Fallible<Figure> {
         hairline: Default::default(),
         options: Default::default(),
     };
+    // Curls that stand off the head: locks are as wide at their ends as the gaps between guides.
+    let pattern = HairPattern::Wisps { tip: 2.0, turns: 3.0 };
     let style = Style {
         head,
         hair: HairSource::Scan,
         hairs: Some(size.of(90_000, 20_000)),
         guides: size.of(3000, 400),
+        length: ScalpField::Constant(0.09),
+        tilt: Some(ScalpField::Constant(10.0)),
+        dips: [0.0, 0.3],
+        strands: HairOptions { pattern, ..HairOptions::default() },
         ..Style::default()
     };
     let start = Instant::now();
@@ -64,7 +71,7 @@ pub(crate) fn hair(size: Size) -> Fallible<Figure> {
     shown.push(bust(hull, View::BACK, lowest, "the scan, back"));
     Ok(Figure {
         scene: "beethoven/bust.ply (Three D Scans), above the chin",
-        parameters: "20,000 hairs of 20 cm along 400 guides; --full takes the thesis's 90,000 of 3,000",
+        parameters: "20,000 hairs of 9 cm in wound wisps of 400 guides; --full takes the thesis's 90,000 of 3,000",
         drawings: vec![
             images("5.1 Beethoven's hair", "seen from half front if not told", 3, shown),
             overlay("5.4 Beethoven: silhouettes of scan and style", pictures),
