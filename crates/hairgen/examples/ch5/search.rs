@@ -15,7 +15,7 @@ const LOWER: f64 = 1e-3;
 /// Values and equilibria of both on the same pores.
 pub(crate) fn compared(size: Size) -> Fallible<Figure> {
     let ground = Ground::new(&HairVolume::BOB, 0.24, 1000)?;
-    let (pores, region) = (&ground.pores[..size.of(200, 40)], ground.region());
+    let (pores, region) = (&ground.pores[..size.of(200, 20)], ground.region());
     let options = GuideOptions::default();
     let own = place_guides(pores, &ground.pre, region, None, &options)?.guides;
     let simplex = simplex_guides(pores, &ground.pre, region, None, &options, MOST)?;
@@ -53,7 +53,7 @@ pub(crate) fn compared(size: Size) -> Fallible<Figure> {
     let ratio = sum(&values[1]) / sum(&values[0]);
     Ok(Figure {
         scene: "the bob on the parametric head, hairs of 24 cm",
-        parameters: "40 pores, --full 200; the simplex may take 4,000 equilibria, ours 60; no density",
+        parameters: "20 pores, --full 200; the simplex may take 4,000 equilibria, ours 60; no density",
         drawings: vec![
             chart(
                 "5.3.3 The objective (5.7) at the end loads found",
