@@ -71,7 +71,7 @@ pub(crate) fn hair(size: Size) -> Fallible<Figure> {
     shown.push(bust(hull, View::BACK, lowest, "the scan, back"));
     Ok(Figure {
         scene: "beethoven/bust.ply (Three D Scans), above the chin",
-        parameters: "20,000 hairs of 9 cm in wound wisps of 400 guides; --full takes the thesis's 90,000 of 3,000",
+        parameters: "20,000 hairs of 9 cm in wound wisps of 400 guides, --full 90,000 of 3,000",
         drawings: vec![
             images("5.1 Beethoven's hair", "seen from half front if not told", 3, shown),
             overlay("5.4 Beethoven: silhouettes of scan and style", pictures),

@@ -114,7 +114,7 @@ pub(crate) fn map(_: Size) -> Fallible<Figure> {
                   less, orange: four times or more";
     Ok(Figure {
         scene: "the scalp of the parametric head",
-        parameters: "72 sectors and 24 rings; stretch is weighted by areas, not summed over vertices",
+        parameters: "72 sectors and 24 rings; stretch is a mean by areas, not a sum over vertices",
         drawings: vec![
             images("5.3.2 The scalp in the disc", legend, 2, pictures),
             Drawing::Chart(Chart {

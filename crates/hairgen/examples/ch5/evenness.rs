@@ -81,8 +81,8 @@ pub(crate) fn histograms(size: Size) -> Fallible<Figure> {
     }
     Ok(Figure {
         scene: "the bob on the parametric head",
-        parameters: "400 guides and 10,000 hairs, --full 3,000 and 90,000; voxels of 4 mm; weight of \
-                     density 1 beside 0.9 of all others",
+        parameters: "400 guides and 10,000 hairs, --full 3,000 and 90,000; voxels of 4 mm; the \
+                     weight of density is 1 beside 0.9 of all others",
         drawings: vec![Drawing::Chart(Chart {
             title: "5.6 Voxels by the number of the guides' segments in them".into(),
             x: "segments in a voxel",

@@ -54,8 +54,8 @@ pub(crate) fn variants(size: Size) -> Fallible<Figure> {
     let wispier = "the larger the weight, the more wisps are seen";
     Ok(Figure {
         scene: "the long style on the parametric head",
-        parameters: "hairs of 30 cm, longer ones of 42 cm; 200 guides and 10,000 hairs, --full 3,000 and \
-                     60,000; the thesis tells no weights",
+        parameters: "hairs of 30 cm, longer ones of 42 cm; 200 guides and 10,000 hairs, --full \
+                     3,000 and 60,000; the thesis tells no weights",
         drawings: vec![images("5.5 Weights and lengths", "seen from half front", 3, pictures)],
         checks: vec![
             check(

@@ -1,5 +1,5 @@
-//! Draws the figures of the thesis's chapter 5 on hairstyles anew, and what its sections say without
-//! one, and compares both with our numbers.
+//! Draws the figures of the thesis's chapter 5 on hairstyles anew, and what its sections say
+//! without one, and compares both with our numbers.
 //!
 //! `cargo xtask repro ch5` runs it. Figures have the thesis's numbers, others those of the sections
 //! that they show. All but one need nothing but our own head; Beethoven's hair needs a scan that is

@@ -53,7 +53,7 @@ pub(crate) fn compared(size: Size) -> Fallible<Figure> {
     let ratio = sum(&values[1]) / sum(&values[0]);
     Ok(Figure {
         scene: "the bob on the parametric head, hairs of 24 cm",
-        parameters: "20 pores, --full 200; the simplex may take 4,000 equilibria, ours 60; no density",
+        parameters: "20 pores, --full 200; at most 4,000 equilibria of the simplex, 60 of ours",
         drawings: vec![
             chart(
                 "5.3.3 The objective (5.7) at the end loads found",

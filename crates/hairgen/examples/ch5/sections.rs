@@ -63,7 +63,7 @@ pub(crate) fn cuts(size: Size) -> Fallible<Figure> {
     checks.extend(kept("bob", &grown));
     Ok(Figure {
         scene: "scenes/style/bob.ron",
-        parameters: "20,000 hairs of 400 guides, --full 90,000 of 3,000; voxels of 4 mm; the head is cut through its origin",
+        parameters: "20,000 hairs of 400 guides, --full 90,000 of 3,000; cuts through the origin",
         drawings: vec![images(
             "5.7 Sections",
             "density: grey, black the largest; orange: no hair; blue: the head",

@@ -1,4 +1,5 @@
-//! Figures 5.3 and 5.4: surfaces of hair, the styles grown in them, and how both silhouettes overlap.
+//! Figures 5.3 and 5.4: surfaces of hair, the styles grown in them, and how their silhouettes
+//! overlap.
 
 use crate::canvas::{Canvas, HULL, LOWEST, SKIN, View, images};
 use crate::grown::{Size, grow, shipped};
