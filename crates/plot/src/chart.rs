@@ -1,5 +1,5 @@
 use crate::axis::PlotAxis;
-use crate::page::{GREY, INK, PALE, Page, WIDTH, letters, line, path, pixels, write};
+use crate::page::{GREY, INK, PALE, Page, TITLE, WIDTH, letters, line, path, pixels, write};
 use crate::{PlotError, quoted, range};
 use plotters::prelude::{
     ChartBuilder, Circle, Color, DashedLineSeries, LineSeries, RGBColor, TRANSPARENT,
@@ -16,8 +16,7 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0xe6, 0x9f, 0x00),
     RGBColor(0x56, 0xb4, 0xe9),
 ];
-/// Room for the title, below and to the left of the axes for labels, and around all, pixels.
-const TITLE: f64 = 40.0;
+/// Room below and to the left of the axes for labels, and around all, pixels.
 const CHART_BELOW: f64 = 60.0;
 const LEFT: f64 = 80.0;
 const CHART_GAP: f64 = 12.0;

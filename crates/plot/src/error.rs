@@ -6,9 +6,17 @@ pub enum PlotError {
     /// The library refuses an element.
     #[error("a drawing cannot be made: {0}")]
     Refused(String),
-    /// `Pictures` have no columns.
+    /// `Pictures` or `Images` have no columns.
     #[error("pictures stand in no columns; give them one at least")]
     NoColumns,
+    /// An image cannot be written as a PNG.
+    #[error("image {caption}: {problem}; its pixels must fill its rows")]
+    Image {
+        /// Its caption.
+        caption: String,
+        /// Why.
+        problem: String,
+    },
 }
 
 impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotError {

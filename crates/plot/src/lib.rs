@@ -3,12 +3,14 @@
 mod axis;
 mod chart;
 mod error;
+mod images;
 mod page;
 mod pictures;
 mod ticks;
 
 pub use chart::{Chart, Curve};
 pub use error::PlotError;
+pub use images::{Image, Images};
 pub use pictures::{Picture, Pictures};
 
 use page::{WIDTH, pixels};
@@ -21,12 +23,14 @@ pub enum Drawing {
     Chart(Chart),
     /// Fibers at several instants.
     Pictures(Pictures),
+    /// Images of pixels.
+    Images(Images),
 }
 
 /// Draws a figure, its parts one below the other, as the text of an SVG file 960 pixels wide.
 ///
 /// # Errors
-/// If pictures have no columns, or the library refuses an element.
+/// If pictures have no columns, an image is none, or the library refuses an element.
 pub fn svg(drawings: &[Drawing]) -> Result<String, PlotError> {
     let heights = drawings.iter().map(Drawing::height).collect::<Result<Vec<_>, _>>()?;
     let size = [WIDTH, heights.iter().sum::<f64>().ceil()];
@@ -34,20 +38,24 @@ pub fn svg(drawings: &[Drawing]) -> Result<String, PlotError> {
     let mut text = String::new();
     let root = SVGBackend::with_string(&mut text, (wide, high)).into_drawing_area();
     root.fill(&WHITE)?;
-    let mut rest = root.clone();
+    let (mut rest, mut top) = (root.clone(), 0.0);
+    // The library draws no images of pixels: they come last.
+    let mut images_drawn = String::new();
     for (drawing, height) in drawings.iter().zip(heights) {
         let (here, below) = rest.split_vertically(pixels(height));
         match drawing {
             Drawing::Chart(chart) => chart.draw(&here)?,
             Drawing::Pictures(pictures) => pictures.draw(&here)?,
+            Drawing::Images(images) => images_drawn += &images.draw(&here, top)?,
         }
-        rest = below;
+        (rest, top) = (below, top + height);
     }
     root.present()?;
     drop((root, rest));
     // The library counts in whole pixels, so what it draws is larger than what is shown.
     let drawn = format!("width=\"{wide}\" height=\"{high}\"");
-    Ok(text.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", size[0], size[1]), 1))
+    let shown = format!("width=\"{}\" height=\"{}\"", size[0], size[1]);
+    Ok(text.replacen(&drawn, &shown, 1).replace("</svg>", &format!("{images_drawn}</svg>")))
 }
 
 impl Drawing {
@@ -55,16 +63,18 @@ impl Drawing {
         match self {
             Self::Chart(chart) => Ok(chart.height()),
             Self::Pictures(pictures) => pictures.height(),
+            Self::Images(images) => images.height(),
         }
     }
 
     /// The numbers as they are drawn: a table with a row for each point of each curve or fiber, and
-    /// a head with the labels of the axes.
+    /// a head with the labels of the axes; of images their sizes and areas.
     #[must_use]
     pub fn csv(&self) -> String {
         match self {
             Self::Chart(chart) => chart.csv(),
             Self::Pictures(pictures) => pictures.csv(),
+            Self::Images(images) => images.csv(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What all drawings have: a page of pixels, its colors, its letters.
 
 use crate::PlotError;
+use crate::ticks::round_below;
 use plotters::coord::Shift;
 use plotters::prelude::{
     Color, DrawingArea, IntoTextStyle, PathElement, RGBColor, SVGBackend, ShapeStyle, Text,
@@ -10,6 +11,13 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Width of every page, pixels as shown.
 pub(crate) const WIDTH: f64 = 960.0;
+/// Room for the title of a drawing and around it, pixels.
+pub(crate) const TITLE: f64 = 40.0;
+pub(crate) const MARGIN: f64 = 20.0;
+/// Room for the caption of a picture, and within and between frames, pixels.
+pub(crate) const CAPTION: f64 = 32.0;
+pub(crate) const INSET: f64 = 12.0;
+const GAP: f64 = 4.0;
 /// The library's whole pixels in one that is shown.
 const FINE: f64 = 10.0;
 pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -54,9 +62,29 @@ pub(crate) fn path(
     Ok(page.draw(&PathElement::new(points, style))?)
 }
 
-pub(crate) fn frame(page: &Page<'_>, corner: [f64; 2], size: [f64; 2]) -> Result<(), PlotError> {
+/// The frame of a picture in a cell with this corner and size.
+pub(crate) fn frame(page: &Page<'_>, corner: [f64; 2], cell: [f64; 2]) -> Result<(), PlotError> {
     // A rectangle of the library has a line of a fixed width.
-    let ([left, top], [right, bottom]) = (corner, [corner[0] + size[0], corner[1] + size[1]]);
+    let ([left, top], [right, bottom]) = (corner, [0, 1].map(|i| corner[i] + cell[i] - GAP));
     let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
     path(page, corners, line(PALE, 1.0))
+}
+
+/// A bar of a round length, at most `most` pixels, where a meter has `scale` pixels, and a text
+/// beside it.
+pub(crate) fn bar(
+    page: &Page<'_>,
+    y: f64,
+    scale: f64,
+    most: f64,
+    text: &str,
+) -> Result<(), PlotError> {
+    let bar = round_below(most / scale);
+    let end = MARGIN + scale * bar;
+    path(page, [[MARGIN, y], [end, y]], line(INK, 1.0))?;
+    for x in [MARGIN, end] {
+        path(page, [[x, y - 4.0], [x, y + 4.0]], line(INK, 1.0))?;
+    }
+    let (length, unit) = if bar < 1e-3 { (1e6 * bar, "um") } else { (1e3 * bar, "mm") };
+    write(page, [end + 10.0, y], 12.0, &format!("{length:.0} {unit}; {text}"))
 }

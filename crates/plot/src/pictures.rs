@@ -1,19 +1,14 @@
-use crate::page::{INK, Page, WIDTH, frame, line, path, pixels, place, write};
-use crate::ticks::round_below;
+use crate::page::{
+    CAPTION, INK, INSET, MARGIN, Page, TITLE, WIDTH, bar, frame, line, path, pixels, place, write,
+};
 use crate::{PlotError, quoted, range};
 use nalgebra::{Point3, Vector3};
 use plotters::prelude::{Circle, Color, RGBColor};
 use std::fmt::Write;
 
 const FIBER: RGBColor = RGBColor(0x6b, 0x44, 0x23);
-/// Room for the title and for what is below, pixels.
-const TITLE: f64 = 40.0;
+/// Room for what is below, pixels.
 const PICTURE_BELOW: f64 = 56.0;
-const MARGIN: f64 = 20.0;
-/// Room for the caption of a picture, and within and between frames, pixels.
-const CAPTION: f64 = 32.0;
-const INSET: f64 = 12.0;
-const PICTURE_GAP: f64 = 4.0;
 /// Height of the fibers in a picture at most, so that a row fits on a screen, pixels.
 const TALLEST: f64 = 280.0;
 
@@ -99,7 +94,7 @@ impl Pictures {
                 let [x, y] = self.seen(p);
                 [left + scale * (x - xs[0]), top + scale * (ys[1] - y)]
             };
-            frame(page, corner, cell.map(|length| length - PICTURE_GAP))?;
+            frame(page, corner, cell)?;
             write(page, [corner[0] + 8.0, corner[1] + 14.0], 12.0, &picture.caption)?;
             let style = line(FIBER, if picture.fibers.len() > 1 { 0.4 } else { 1.5 });
             let finite = |p: &&Point3<f64>| p.iter().all(|x| x.is_finite());
@@ -112,15 +107,7 @@ impl Pictures {
             }
         }
         let rows = self.pictures.len().div_ceil(self.columns) as f64;
-        let bar = round_below(0.5 * (cell[0] - 2.0 * INSET) / scale);
-        let (end, y) = (MARGIN + scale * bar, TITLE + cell[1] * rows + 20.0);
-        path(page, [[MARGIN, y], [end, y]], line(INK, 1.0))?;
-        for x in [MARGIN, end] {
-            path(page, [[x, y - 4.0], [x, y + 4.0]], line(INK, 1.0))?;
-        }
-        let length = if bar < 1e-3 { 1e6 * bar } else { 1e3 * bar };
-        let unit = if bar < 1e-3 { "um" } else { "mm" };
-        let text = format!("{length:.0} {unit}; {}; the dot is the root", self.view);
-        write(page, [end + 10.0, y], 12.0, &text)
+        let (y, most) = (TITLE + cell[1] * rows + 20.0, 0.5 * (cell[0] - 2.0 * INSET));
+        bar(page, y, scale, most, &format!("{}; the dot is the root", self.view))
     }
 }

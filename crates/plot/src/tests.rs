@@ -79,3 +79,35 @@ fn any_numbers_are_drawn() {
     assert!(svg(&[]).is_ok() && svg(&[Drawing::Chart(chart("", "", Vec::new()))]).is_ok());
     assert!(matches!(svg(&[line(0)]), Err(PlotError::NoColumns)));
 }
+
+/// Images stand in their frames, below what is drawn before them; pixels that fill no rows are
+/// refused.
+#[test]
+fn images_are_drawn_whole() {
+    let image = |pixels| Image { caption: "i".into(), width: 2, pixels };
+    let images = |columns, pixels| {
+        let (title, legend) = ("images".into(), "none".into());
+        Drawing::Images(Images { title, legend, pixel: 1e-3, columns, images: vec![image(pixels)] })
+    };
+    let pixels = vec![[255; 3], [0; 3], [1, 2, 3], [255; 3], [255; 3], [255; 3]];
+    let both = [line(1), images(2, pixels.clone())];
+    let drawn = svg(&both).expect("drawn");
+    let elements: Vec<_> = drawn.lines().filter(|line| line.starts_with("<image")).collect();
+    assert!(elements.len() == 1 && drawn.ends_with("</svg>\n"), "{drawn}");
+    let number = |name| 0.1 * attribute(elements[0], name).parse::<f64>().expect("a number");
+    let [above, whole] = [&both[..1], &both].map(|part| {
+        let drawn = svg(part).expect("drawn");
+        attribute(&drawn, "height").parse::<f64>().expect("a number")
+    });
+    assert!(number("y") > above && number("y") + number("height") < whole, "{drawn}");
+    assert!((number("height") / number("width") - 1.5).abs() < 1e-2, "{drawn}");
+    assert!(attribute(elements[0], "href").starts_with("data:image/png;base64,iVBORw0KGgo"));
+    // Two of six pixels of a square millimeter.
+    let table = both[1].csv();
+    assert_eq!(table.lines().nth(1), Some("\"i\",0.002000,0.003000,0.00000200"));
+    assert!(matches!(svg(&[images(0, pixels.clone())]), Err(PlotError::NoColumns)));
+    for broken in [pixels[1..].to_vec(), Vec::new()] {
+        let refused = svg(&[images(1, broken)]).expect_err("refused");
+        assert!(matches!(refused, PlotError::Image { .. }), "{refused}");
+    }
+}

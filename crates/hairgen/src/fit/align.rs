@@ -17,8 +17,9 @@ const KEPT: f64 = 0.75;
 const SAMPLES: usize = 1500;
 /// Angle from the hairline from which on a vertex counts as face, rad.
 const BELOW_HAIRLINE: f64 = 0.12;
-/// Steps from every start.
+/// Steps from every start, with one of so many points.
 const FIRST_STEPS: usize = 12;
+const THINNED: usize = 6;
 /// Depths of the hair over the vertex of the head from which the search starts, m.
 const DEPTHS: [f64; 3] = [0.01, 0.03, 0.06];
 /// Sizes of the head from which the search starts.
@@ -26,7 +27,7 @@ const SCALES: [f64; 3] = [0.9, 1.0, 1.1];
 /// Half of the height of the face about the origin of the head, m.
 const FACE: f64 = 0.07;
 /// Change of a point in a step at which the search ends, m.
-const STILL: f64 = 1e-7;
+const STILL: f64 = 1e-5;
 
 /// Meters for a unit of the scan: as given, or meters, centimeters or millimeters, by its size.
 pub(super) fn unit(scan: &Mesh, given: Option<f64>) -> Result<f64, HairgenError> {
@@ -40,9 +41,15 @@ pub(super) fn unit(scan: &Mesh, given: Option<f64>) -> Result<f64, HairgenError>
     }
 }
 
+/// Height in the template's frame above which a scan of a head with its face has all that the
+/// template has, m.
+pub(super) fn lowest(template: &HeadTemplate) -> f64 {
+    0.75 * template.mesh.vertices.iter().map(|p| p.y).fold(0.0, f64::min)
+}
+
 /// Vertices of the template's face, evenly thinned.
 pub(super) fn face(template: &HeadTemplate) -> Vec<usize> {
-    let lowest = 0.75 * template.mesh.vertices.iter().map(|p| p.y).fold(0.0, f64::min);
+    let lowest = lowest(template);
     let is_face = |p: &Point3<f64>| {
         let direction = Unit::try_new(p.coords, 0.0);
         p.z > 0.0
@@ -63,9 +70,10 @@ pub(super) fn align(
     template: &HeadTemplate,
     face: &[usize],
 ) -> Result<(Similarity, f64), HairgenError> {
+    let thinned: Vec<usize> = face.iter().copied().step_by(THINNED).collect();
     let mut best: Option<(Similarity, f64)> = None;
     for start in outsets(hull, template) {
-        let found = closest_points(distance, template, face, start, FIRST_STEPS);
+        let found = closest_points(distance, template, &thinned, start, FIRST_STEPS);
         if let Some(found) = found
             && best.is_none_or(|(_, rms)| found.1 < rms)
         {

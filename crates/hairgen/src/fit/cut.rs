@@ -11,6 +11,9 @@ use rayon::prelude::*;
 const CHIN: f64 = -0.115;
 /// How far before the hairline the surface may still be hair that falls over the forehead, rad.
 const FRINGE: f64 = 0.35;
+/// Growth of the depth from which on the surface counts as hair with the angle below the hairline,
+/// m/rad: what lies on bare skin there, off by the error of the fit, are ears and the neck.
+const BELOW: f64 = 0.012;
 /// Least part of the way from the middle of the scalp to the hairline on which hair grows.
 const LEAST: f64 = 0.5;
 
@@ -33,10 +36,11 @@ pub(super) fn hair_surface(
             let Some(direction) = view.direction(&middle) else { return false };
             let origin = view.similarity.translation;
             let height = (view.similarity.rotation.inverse() * (middle.coords - origin)).y;
-            let in_face = direction.z > 0.0 && hairline.within(&direction) < -FRINGE;
+            let below = (-hairline.within(&direction)).max(0.0);
+            let in_face = direction.z > 0.0 && below > FRINGE;
             (options.hanging || height > lowest)
                 && !in_face
-                && view.head.value(&middle) > options.threshold
+                && view.head.value(&middle) > options.threshold + BELOW * below
         })
         .collect();
     // The part that is connected with what is seen over the middle of the scalp.

@@ -1,11 +1,13 @@
 //! The smooth deformation that lays the face on the scan and the skull below the hair.
 
+use super::align::lowest;
 use super::similarity::Similarity;
 use super::template::{FitOptions, HeadTemplate};
 use crate::HairgenError;
 use nalgebra::{DMatrix, Point3, Unit, Vector3};
 use rapunzel_collision::field::{DistanceField, MeshDistance, Soup};
 use rapunzel_linalg::SparseSystem;
+use rayon::prelude::*;
 
 /// Length over which the deformation is smooth, m.
 const SMOOTH: f64 = 12e-3;
@@ -52,39 +54,49 @@ pub(super) fn deform(
             wanted[i] = Wanted { displacement: -sample.value / facing, weight: 1.0 };
         }
     }
-    let margin: Vec<_> =
-        template.mesh.vertices.iter().map(|p| margin(p, template, options)).collect();
+    let lowest = lowest(template);
+    // Outside of the hairline nothing stands out, unless the scan ends there.
+    let margin = |i: usize| {
+        let vertex = &template.mesh.vertices[i];
+        let there = vertex.y > lowest && distance.value(&start[i]) < PULLED;
+        margin(vertex, template, options).or(there.then_some(0.0))
+    };
+    let margin: Vec<_> = (0..start.len()).into_par_iter().map(margin).collect();
     let squared = squared_laplacian(&template.mesh, similarity.scale);
     let mut displacement = vec![0.0; start.len()];
     for _ in 0..ROUNDS {
         displacement = smooth(&squared, &wanted)?;
-        let mut out = 0_usize;
-        for i in 0..start.len() {
-            let Some(margin) = margin[i] else { continue };
+        // Where a vertex that stands out is wanted instead.
+        let pushed = |i: usize| {
             let sample = distance.sample(&at(i, displacement[i]));
-            let above = sample.value + margin;
-            if above > 0.0 {
-                out += 1;
-                let facing = sample.gradient.dot(&rays[i]).max(0.3);
-                let displacement = displacement[i] - 1.2 * above / facing;
-                wanted[i] = Wanted { displacement, weight: 1.0 };
-            }
-        }
-        if out == 0 {
+            let above = sample.value + margin[i]?;
+            let facing = sample.gradient.dot(&rays[i]).max(0.3);
+            (above > 0.0).then_some(displacement[i] - 1.2 * above / facing)
+        };
+        let pushed: Vec<_> = (0..start.len()).into_par_iter().map(pushed).collect();
+        if pushed.iter().all(Option::is_none) {
             break;
+        }
+        for (wanted, pushed) in wanted.iter_mut().zip(pushed) {
+            if let Some(displacement) = pushed {
+                *wanted = Wanted { displacement, weight: 1.0 };
+            }
         }
     }
     // What still stands out after the last round is pushed in by itself.
-    for i in 0..start.len() {
-        let Some(margin) = margin[i] else { continue };
+    let settled = |i: usize| {
+        let mut displacement = displacement[i];
+        let Some(margin) = margin[i] else { return displacement };
         for _ in 0..20 {
-            let above = distance.value(&at(i, displacement[i])) + margin;
+            let above = distance.value(&at(i, displacement)) + margin;
             if above <= 0.0 {
                 break;
             }
-            displacement[i] -= above.max(1e-5);
+            displacement -= above.max(1e-5);
         }
-    }
+        displacement
+    };
+    let displacement: Vec<_> = (0..start.len()).into_par_iter().map(settled).collect();
     let vertices: Vec<_> = (0..start.len()).map(|i| at(i, displacement[i])).collect();
     let near = face.iter().filter(|&&i| wanted[i].weight == 1.0);
     let squares: Vec<_> = near.map(|&i| distance.value(&vertices[i]).powi(2)).collect();
@@ -136,6 +148,6 @@ fn smooth(squared: &[(usize, usize, f64)], wanted: &[Wanted]) -> Result<Vec<f64>
     let mut entries = squared.to_vec();
     entries.extend(wanted.iter().enumerate().map(|(i, w)| (i, i, w.weight)));
     let right = DMatrix::from_fn(wanted.len(), 1, |i, _| wanted[i].weight * wanted[i].displacement);
-    let system = SparseSystem::new(wanted.len(), &entries)?;
+    let system = SparseSystem::positive_definite(wanted.len(), &entries)?;
     Ok(system.solve(&right)?.column(0).iter().copied().collect())
 }

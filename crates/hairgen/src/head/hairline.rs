@@ -1,6 +1,7 @@
 use crate::HairgenError;
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use rapunzel_collision::field::Soup;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -126,7 +127,7 @@ impl Hairline {
         &self,
         around: u32,
         rings: u32,
-        place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64>,
+        place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64> + Sync,
     ) -> Result<Soup, HairgenError> {
         self.disc_to(around, rings, |_| 1.0, place)
     }
@@ -137,14 +138,15 @@ impl Hairline {
         &self,
         around: u32,
         rings: u32,
-        part: impl Fn(f64) -> f64,
-        place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64>,
+        part: impl Fn(f64) -> f64 + Sync,
+        place: impl Fn(&Unit<Vector3<f64>>) -> Point3<f64> + Sync,
     ) -> Result<Soup, HairgenError> {
         if around < 3 || rings < 1 {
             return Err(HairgenError::Resolution { around, rings });
         }
         let rim = self.rim();
-        let direction = |sector: u32, ring: u32| {
+        let direction = |number: u32| {
+            let (sector, ring) = (number % around, 1 + number / around);
             let about = TAU * f64::from(sector) / f64::from(around);
             let reach = Self::polar(&rim, about) * part(about);
             let polar = reach * f64::from(ring) / f64::from(rings);
@@ -152,9 +154,8 @@ impl Hairline {
             Unit::new_normalize(lean() * d)
         };
         let mut soup = Soup { vertices: vec![place(&self.axis())], triangles: Vec::new() };
-        for ring in 1..=rings {
-            soup.vertices.extend((0..around).map(|sector| place(&direction(sector, ring))));
-        }
+        let others = (0..around * rings).into_par_iter().map(|number| place(&direction(number)));
+        soup.vertices.par_extend(others);
         let vertex = |sector: u32, ring: u32| {
             if ring == 0 { 0 } else { 1 + (ring - 1) * around + sector % around }
         };

@@ -231,6 +231,26 @@ fn a_sparse_system_is_solved_as_the_dense_one() {
     let right = DMatrix::from_fn(n, 2, |i, j| (i as f64 * 0.3 + j as f64).sin());
     let found = SparseSystem::new(n, &entries).expect("regular").solve(&right).expect("solved");
     assert!((&dense * found - &right).amax() < rounding(n, 5.0));
+    // The symmetric part is diagonally dominant.
+    let both: Vec<_> = entries.iter().flat_map(|&(i, j, x)| [(i, j, x), (j, i, x)]).collect();
+    let found = SparseSystem::positive_definite(n, &both).expect("definite");
+    let found = found.solve(&right).expect("solved");
+    assert!(((&dense + dense.transpose()) * found - &right).amax() < rounding(n, 10.0));
+}
+
+#[test]
+fn what_is_not_positive_definite_is_refused() {
+    let right = DMatrix::from_element(2, 1, 1.0);
+    for entries in [
+        // Indefinite, of rank one, and not symmetric.
+        [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 2.0), (1, 0, 2.0)],
+        [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 1.0), (1, 0, 1.0)],
+        [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 0.5), (1, 0, 0.0)],
+    ] {
+        let system = SparseSystem::positive_definite(2, &entries);
+        let refused = system.and_then(|system| system.solve(&right)).expect_err("refused");
+        assert_eq!(refused, LinalgError::Singular, "{entries:?}");
+    }
 }
 
 #[test]
