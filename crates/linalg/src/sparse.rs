@@ -21,7 +21,7 @@ pub struct SparseSystem {
 #[derive(Debug, Clone)]
 enum Factors {
     /// `L U`.
-    Triangular(Lu<usize, f64>),
+    Triangular(Box<Lu<usize, f64>>),
     /// `L L^T`.
     Cholesky(Llt<usize, f64>),
 }
@@ -36,7 +36,7 @@ impl SparseSystem {
     pub fn new(size: usize, entries: &[(usize, usize, f64)]) -> Result<Self, LinalgError> {
         let matrix = assembled(size, entries)?;
         let factors = matrix.sp_lu().map_err(|_| LinalgError::Singular)?;
-        Ok(Self { matrix, factors: Factors::Triangular(factors) })
+        Ok(Self { matrix, factors: Factors::Triangular(Box::new(factors)) })
     }
 
     /// As [`SparseSystem::new`] of a symmetric positive definite matrix, several times as fast.
