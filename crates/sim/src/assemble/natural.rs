@@ -17,6 +17,9 @@ use rayon::prelude::*;
 /// Distance, in lengths of a fibre, within which it rests as it is drawn.
 const SAME: f64 = 1e-3;
 
+/// Most times that fibres in contact move on and are given natural shapes.
+const MOST_ROUNDS: usize = 6;
+
 /// What became of fibres.
 #[derive(Debug, Clone, Copy)]
 struct Told {
@@ -59,16 +62,27 @@ pub(super) fn give_natural_shapes(
         return Ok(());
     }
     let mut told = vec![None; starts.len()];
+    let mut moved = vec![0.0; starts.len()];
     match &scene.contact {
         None => rest(scene, starts, &[], &mut told)?,
         Some(settings) => {
             let mut still = Still::new(scene, starts, objects)?;
             let forces = still.contact_forces(settings)?;
             rest(scene, starts, &forces, &mut told)?;
-            // What contacts hold need not be stable: what leaves its place settles first.
-            let mut still = Still::new(scene, starts, objects)?;
-            still.settle(settings)?;
-            take_states(starts, still.starts, &mut told);
+            // What contacts hold need not be stable: what leaves its place moves on, and is given
+            // another natural shape where it has come to, until all stay.
+            for _ in 0..MOST_ROUNDS {
+                let mut still = Still::new(scene, starts, objects)?;
+                let (forces, is_slow) = still.settle(settings)?;
+                take_states(starts, still.starts, &mut moved);
+                rest(scene, starts, &forces, &mut told)?;
+                if is_slow {
+                    break;
+                }
+            }
+            told.iter_mut().zip(moved).for_each(|(told, moved)| {
+                told.iter_mut().for_each(|told| told.moved = moved);
+            });
         }
     }
     for index in 0..scene.fibers.len() {
@@ -103,14 +117,12 @@ fn rest(
     })
 }
 
-/// Takes over the states in which fibres have settled.
-fn take_states(starts: &mut [FiberStart], settled: Vec<FiberStart>, told: &mut [Option<Told>]) {
-    for ((start, settled), told) in starts.iter_mut().zip(settled).zip(told) {
-        let (Some(told), Some(before), Some(after)) = (told, &start.state, &settled.state) else {
-            continue;
-        };
+/// Takes over the states that fibres have come to, and adds to how far nodes have moved, m.
+fn take_states(starts: &mut [FiberStart], settled: Vec<FiberStart>, moved: &mut [f64]) {
+    for ((start, settled), moved) in starts.iter_mut().zip(settled).zip(moved) {
+        let (Some(before), Some(after)) = (&start.state, &settled.state) else { continue };
         let ways = before.positions.iter().zip(&after.positions).map(|(a, b)| (a - b).norm());
-        told.moved = ways.fold(told.moved, f64::max);
+        *moved += ways.fold(0.0, f64::max);
         start.state = settled.state;
     }
 }

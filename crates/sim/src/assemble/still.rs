@@ -13,8 +13,8 @@ use std::sync::Arc;
 const SETTLED: f64 = 5e-3;
 /// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
 const SLOW_STEPS: usize = 20;
-/// Most steps of settling.
-const MOST_STEPS: usize = 300;
+/// Most steps of settling at once.
+const MOST_STEPS: usize = 60;
 
 /// Fibres among objects, all held.
 pub(super) struct Still {
@@ -64,15 +64,20 @@ impl Still {
         Ok(node_forces(&fibers, &layout))
     }
 
-    /// Lets the fibres settle.
+    /// Lets the fibres settle for a while. Returns the forces of contacts on all nodes in the end, N,
+    /// world, and whether all were slow then.
     ///
     /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy has passed a
     /// maximum, all velocities are set to zero. It ends when all fibres are slow, or after a number
     /// of steps, and where contacts do not converge any more, with what there is.
-    pub(super) fn settle(&mut self, settings: &ContactSettings) -> Result<(), SimError> {
+    pub(super) fn settle(
+        &mut self,
+        settings: &ContactSettings,
+    ) -> Result<(Vec<Vector3<f64>>, bool), SimError> {
         let dt = Plan::new(&self.scene).step_after(0);
         let gravity = self.scene.environment.gravity_at(0.0);
         let assembly = assembly(&self.starts);
+        let layout = assembly.layout().clone();
         let mut around = at_start(&self.scene, &mut self.objects);
         let mut fibers = in_contact(settings, &self.starts, assembly, false, &mut around)?;
         let (mut before, mut slow_steps) = (0.0, 0);
@@ -108,7 +113,7 @@ impl Still {
                 break;
             }
         }
-        Ok(())
+        Ok((node_forces(&fibers, &layout), slow_steps == SLOW_STEPS))
     }
 }
 
