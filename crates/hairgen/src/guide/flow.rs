@@ -1,9 +1,8 @@
 use super::PreGuide;
 use super::rod::GuideRod;
-use crate::{HairgenError, Pore};
 use crate::near::nearest;
+use crate::{HairgenError, Pore};
 use nalgebra::{Point3, Vector3, Vector6};
-use rapunzel_rod_static::Shape;
 
 /// Number of pre-guides that tell a guide where hair flows; three are enough (thesis 5.3.3).
 const FLOWS: usize = 3;
@@ -67,10 +66,5 @@ impl<'a> GuideFlow<'a> {
     /// `rod`.
     pub(super) fn load(&self, rod: &GuideRod) -> Vector6<f64> {
         self.parts.iter().map(|(part, guide)| rod.moved(&guide.load, &guide.shape) * *part).sum()
-    }
-
-    /// The shape of the pre-guide next to the guide.
-    pub(super) fn shape(&self) -> &'a Shape {
-        &self.parts[0].1.shape
     }
 }

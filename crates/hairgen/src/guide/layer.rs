@@ -20,12 +20,7 @@ pub(super) struct Layer<'a> {
 }
 
 impl<'a> Layer<'a> {
-    pub(super) fn over(
-        pore: &Pore,
-        dip: f64,
-        region: Region<'a>,
-        options: &GuideOptions,
-    ) -> Self {
+    pub(super) fn over(pore: &Pore, dip: f64, region: Region<'a>, options: &GuideOptions) -> Self {
         let thickness = (-region.hull.value(&pore.position)).max(0.0);
         Self { region, dip, thickness, walls: [options.margin, options.penalty] }
     }

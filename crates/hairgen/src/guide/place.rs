@@ -11,6 +11,9 @@ use nalgebra::{Matrix6, Point3, UnitQuaternion, Vector6};
 use rapunzel_rod_static::Shape;
 use rayon::prelude::*;
 
+/// Part of a guide's length that is left after the cut with which no other start is tried.
+const ENOUGH: f64 = 0.9;
+
 /// A main guide in its place.
 #[derive(Debug, Clone)]
 pub struct GuideHair {
@@ -103,49 +106,68 @@ fn place(
     options: &GuideOptions,
 ) -> Result<Option<(GuideHair, Option<Matrix6<f64>>)>, HairgenError> {
     let mut rod = GuideRod::new(&objective.flow.limit(pore), number, options)?;
-    let Some(found) = optimum(&mut rod, objective, near, options.equilibria) else {
-        return Ok(None);
-    };
+    let mut best: Option<(f64, Vec<Point3<f64>>, Minimum<Shape>)> = None;
+    // Those of the first starts are counted too.
+    let mut equilibria = 1 + usize::from(near.is_some());
+    for (load, shape) in starts(&mut rod, objective, near) {
+        let inverse = near.and_then(|(_, inverse)| Some(rotated(&inverse?, &rod.root())));
+        let start = Start { point: load, kept: &shape, inverse };
+        let found = minimize(start, options.equilibria, |load, shape| {
+            let (value, gradient, rest) = objective.with_gradient(&mut rod, load, shape)?;
+            Some((value, gradient, rest.shape))
+        });
+        let Some(found) = found else { continue };
+        equilibria += found.evaluations;
+        let curve = cut(found.kept.positions(), objective.region, options.outside);
+        let left = length(&curve);
+        if best.as_ref().is_none_or(|(most, ..)| left > *most) {
+            best = Some((left, curve, found));
+        }
+        if left >= ENOUGH * rod.length {
+            break;
+        }
+    }
+    let Some((left, curve, found)) = best else { return Ok(None) };
     let (terms, _) = objective.terms(&rod, &found.kept);
-    let curve = cut(found.kept.positions(), objective.region, options.outside);
-    let left = length(&curve);
     let inverse = found.inverse.map(|inverse| rotated(&inverse, &rod.root().inverse()));
     let guide = GuideHair {
         pore: number,
         load: EndLoad::of(&found.point),
         terms,
         value: found.value,
-        equilibria: found.evaluations,
+        equilibria,
         curve,
         shape: found.kept,
     };
     Ok((left >= options.least * pore.length).then_some((guide, inverse)))
 }
 
-/// The end load that minimizes the objective, in at most `most` equilibria: searched from the mean
-/// load of the pre-guides next to the guide or from the load of the guide next to it, whichever is
-/// better.
-fn optimum(
+/// Loads from which the search may start, and equilibria there: first the mean load of the
+/// pre-guides next to the guide and the load of the guide next to it, the better one before the
+/// other, then the load of each of the pre-guides.
+fn starts(
     rod: &mut GuideRod,
     objective: &Objective<'_>,
     near: Option<Neighbor<'_>>,
-    most: usize,
-) -> Option<Minimum<Shape>> {
-    let point = objective.flow.load(rod);
-    let mut starts: Vec<(Vector6<f64>, &Shape)> = vec![(point, objective.flow.shape())];
+) -> Vec<(Vector6<f64>, Shape)> {
+    let flow = &objective.flow;
+    let mut first = vec![(flow.load(rod), flow.parts[0].1.shape.clone())];
     if let Some((guide, _)) = near {
-        starts.push((rod.moved(&guide.load, &guide.shape), &guide.shape));
+        first.push((rod.moved(&guide.load, &guide.shape), guide.shape.clone()));
     }
-    let values = starts.into_iter().filter_map(|(load, shape)| {
-        let (value, shape) = objective.at(rod, &load, shape)?;
-        Some((value, load, shape))
-    });
-    let (_, point, shape) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let inverse = near.and_then(|(_, inverse)| Some(rotated(&inverse?, &rod.root())));
-    minimize(Start { point, kept: &shape, inverse }, most, |load, shape| {
-        let (value, gradient, rest) = objective.with_gradient(rod, load, shape)?;
-        Some((value, gradient, rest.shape))
-    })
+    let mut values: Vec<_> = first
+        .into_iter()
+        .filter_map(|(load, shape)| {
+            let (value, shape) = objective.at(rod, &load, &shape)?;
+            Some((value, load, shape))
+        })
+        .collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut starts: Vec<_> = values.into_iter().map(|(_, load, shape)| (load, shape)).collect();
+    let parts =
+        flow.parts.iter().map(|(_, pre)| (rod.moved(&pre.load, &pre.shape), pre.shape.clone()));
+    starts.extend(parts);
+    starts
 }
 
 /// An inverse Hessian whose forces are turned.

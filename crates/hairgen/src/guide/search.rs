@@ -11,7 +11,7 @@ const SHORTEST: f64 = 1e-7;
 const SUFFICIENT: f64 = 1e-4;
 /// Slope along a step, relative to the value, at which the minimum is reached: twice the decrease
 /// that is left.
-const SETTLED: f64 = 5e-8;
+const SETTLED: f64 = 1e-5;
 
 /// Where a search begins.
 pub(super) struct Start<'a, T> {

@@ -29,7 +29,8 @@ fn the_optimum_is_as_low_as_without_derivatives() {
         own += guide.equilibria;
         other += searched.equilibria;
         worst = worst.max(guide.value / searched.value - 1.0);
-        assert!(guide.equilibria <= options.equilibria);
+        // And those of the two starts.
+        assert!(guide.equilibria <= options.equilibria + 2);
     }
     assert!(worst < 1e-4, "{worst:e}");
     assert!(45 * own < other, "{own} {other}");
