@@ -50,6 +50,11 @@ impl<'a> Layer<'a> {
         self.lacks(point).iter().all(|lack| lack.value <= 0.0)
     }
 
+    /// Whether it holds all of a shape behind the root.
+    pub(super) fn holds_all(&self, shape: &Shape) -> bool {
+        shape.positions()[1..].iter().all(|node| self.holds(node))
+    }
+
     /// What a shape of `rod` costs: the walls of the layer, and a little for its bending; and the
     /// derivatives.
     pub(super) fn cost(&self, rod: &GuideRod, shape: &Shape) -> (f64, ShapeDerivatives) {

@@ -9,12 +9,20 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use rapunzel_rod_static::Shape;
 use rayon::prelude::*;
 
+/// First force on the end of a pre-guide, `EI / L^2`.
+const FIRST_FORCE: f64 = 0.2;
+/// Factor by which the force grows.
+const FORCE_GROWTH: f64 = 1.15;
+/// Largest force: it bends the rod within a tenth of its length.
+const LARGEST_FORCE: f64 = 100.0;
 /// Length of a pre-guide at first, m.
 const FIRST_LENGTH: f64 = 0.02;
 /// Factor by which it grows.
 const GROWTH: f64 = 1.4;
 /// Largest number of equilibria at each length.
 const EQUILIBRIA: usize = 20;
+/// Largest number of times that the search at a length is started again.
+const RESTARTS: usize = 2;
 
 /// A pre-guide: a hair that is kept so deep below the hull by a load on its end while it grows
 /// (thesis 5.3.3). Pre-guides tell the main guides where hair flows.
@@ -38,9 +46,9 @@ pub struct PreGuide {
 ///
 /// `dips` says for each how deep it must go, from 0, just below the hull, to 1, at the head: the
 /// depth below the hull over the sum of both distances, which counts no more than at the pore. A
-/// force alone, as in the thesis, bends a hair to an arc that lies on no head: the load is a force
-/// and a couple, found by a quasi-Newton method, and it grows with the hair, from a length of 2 cm
-/// in steps. The hair ends before its pore's length where it would leave the region for more than is
+/// growing force is tried first, as in the thesis. It bends a hair to an arc, which does not follow
+/// a head for long: where it fails the load is a force and a couple, found by a quasi-Newton
+/// method, and it grows with the hair, from a length of 2 cm in steps. The hair ends before its pore's length where it would leave the region for more than is
 /// tolerated: hair that hangs down is cut at the hem.
 ///
 /// # Errors
@@ -86,7 +94,12 @@ fn grow(
     options: &GuideOptions,
 ) -> Result<PreGuide, HairgenError> {
     let layer = Layer::over(pore, dip, region, options);
-    let straight = GuideRod::new(pore, number, options)?.straight();
+    let mut rod = GuideRod::new(pore, number, options)?;
+    if let Some((load, shape)) = pushed(&mut rod, &layer) {
+        let (length, bends) = (pore.length, rod.bends(&shape));
+        return Ok(PreGuide { pore: *pore, length, bends, load, placed: true, shape });
+    }
+    let straight = rod.straight();
     let mut grown = Growth { length: 0.0, load: Vector6::zeros(), shape: straight, inverse: None };
     let to = |grown: &Growth, length: f64| -> Result<Option<Growth>, HairgenError> {
         let mut rod = GuideRod::new(&Pore { length, ..*pore }, number, options)?;
@@ -123,9 +136,25 @@ fn grow(
         grown = next;
     }
     let Growth { length, load, shape, .. } = grown;
-    let placed = length > 0.0 && shape.positions()[1..].iter().all(|node| layer.holds(node));
-    let bends = GuideRod::new(pore, number, options)?.bends(&shape);
+    let placed = length > 0.0 && layer.holds_all(&shape);
+    let bends = rod.bends(&shape);
     Ok(PreGuide { pore: *pore, length, bends, load: EndLoad::of(&load), placed, shape })
+}
+
+/// The least of some forces on the end, across the root and toward the head, under which all of a
+/// hair is deep enough (thesis 5.3.3), and its shape.
+fn pushed(rod: &mut GuideRod, layer: &Layer<'_>) -> Option<(EndLoad, Shape)> {
+    let across = rod.root() * Vector3::x();
+    let (mut force, mut shape) = (0.0, rod.straight());
+    while force <= LARGEST_FORCE {
+        let load = EndLoad { force: across * force, couple: Vector3::zeros() };
+        shape = rod.relax(&load, &shape).ok()?.shape;
+        if layer.holds_all(&shape) {
+            return Some((load, shape));
+        }
+        force = FIRST_FORCE.max(FORCE_GROWTH * force);
+    }
+    None
 }
 
 /// A pre-guide that grows.
@@ -140,13 +169,23 @@ impl Growth {
     /// What it becomes at the length of `rod`. In units of stiffness and length the load is at first
     /// as before, so that the shape is the same but for its size.
     fn to(&self, rod: &mut GuideRod, layer: &Layer<'_>) -> Option<Self> {
+        let mut search = |start: Start<'_, Shape>| {
+            minimize(start, EQUILIBRIA, |load, shape| {
+                let rest = rod.relax_nearby(&EndLoad::of(load), shape).ok()?;
+                let (cost, by) = layer.cost(rod, &rest.shape);
+                let gradient = rod.by_load(&rest, &by).ok()?;
+                cost.is_finite().then_some((cost, gradient, rest.shape))
+            })
+        };
         let start = Start { point: self.load, kept: &self.shape, inverse: self.inverse };
-        let found = minimize(start, EQUILIBRIA, |load, shape| {
-            let rest = rod.relax_nearby(&EndLoad::of(load), shape).ok()?;
-            let (cost, by) = layer.cost(rod, &rest.shape);
-            let gradient = rod.by_load(&rest, &by).ok()?;
-            cost.is_finite().then_some((cost, gradient, rest.shape))
-        })?;
+        let mut found = search(start)?;
+        // The inverse Hessian of another length may mislead.
+        for _ in 0..RESTARTS {
+            if layer.holds_all(&found.kept) {
+                break;
+            }
+            found = search(Start { point: found.point, kept: &found.kept, inverse: None })?;
+        }
         let Minimum { point, kept, inverse, .. } = found;
         Some(Self { length: rod.length, load: point, shape: kept, inverse })
     }

@@ -3,7 +3,7 @@
 use crate::balls::{BALLS, HEAD, pores, pre_guides};
 use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
-use rapunzel_collision::field::{Ball, Cuboid};
+use rapunzel_collision::field::Ball;
 use rapunzel_hairgen::thesis::simplex_guides;
 use rapunzel_hairgen::{
     DensityModel, GuideHairs, GuideOptions, GuideWeights, HairDensity, HairgenError, Pore, Region,
@@ -56,28 +56,6 @@ fn pre_guides_dip_below_the_hull() {
     }
     assert_eq!(dips_by_height(&[1.0, 3.0, 2.0], 0.2, 0.4), [0.4, 0.2, 0.30000000000000004]);
     assert_eq!(dips_by_height(&[2.0, 2.0], 0.2, 0.4), [0.2, 0.2]);
-}
-
-/// Hair that is longer than the way down to the hem ends as deep above it as is asked for, and a
-/// guide there with it.
-#[test]
-fn hair_that_hangs_down_ends_at_the_hem() {
-    let options = options();
-    let hull = Cuboid { half: Vector3::repeat(0.12) };
-    let region = Region { head: &HEAD, hull: &hull };
-    let normal = Vector3::x_axis();
-    let position = Point3::new(HEAD.radius, 0.0, 0.0);
-    let direction = Unit::new_normalize(Vector3::new(0.3, -0.9, 0.0));
-    let pore = Pore { position, normal, direction, length: 0.3, ..pores(1, 0.0, 1.0)[0] };
-    let pre = grow_pre_guides(&[pore], &[0.2], region, &options).expect("a pre-guide");
-    // Of 3 cm of hair over the pore.
-    let depth = 0.2 * 0.03;
-    assert!(pre[0].placed && pre[0].length < pore.length);
-    let tip = pre[0].shape.positions()[options.segments];
-    assert!((depth..2.5 * depth).contains(&(tip.y + 0.12)), "{tip}");
-    let hairs = place_guides(&[pore], &pre, region, None, &options).expect("a guide");
-    let left: f64 = hairs.guides[0].curve.windows(2).map(|e| (e[1] - e[0]).norm()).sum();
-    assert!((left / pre[0].length - 1.0).abs() < 1e-3, "{left}");
 }
 
 /// With a density too, the guides are the same to the last bit on any number of threads.
