@@ -92,6 +92,10 @@ pub fn place_guides(
     Ok(hairs)
 }
 
+/// A guide that has been laid, and the inverse Hessian of its objective, its forces in its root's
+/// axes.
+type Laid = (GuideHair, Option<Matrix6<f64>>);
+
 /// The nearest guide that has been laid, and the inverse Hessian of its objective, its forces in its
 /// root's axes.
 type Neighbor<'a> = (&'a GuideHair, Option<Matrix6<f64>>);
@@ -104,7 +108,7 @@ fn place(
     objective: &Objective<'_>,
     near: Option<Neighbor<'_>>,
     options: &GuideOptions,
-) -> Result<Option<(GuideHair, Option<Matrix6<f64>>)>, HairgenError> {
+) -> Result<Option<Laid>, HairgenError> {
     let mut rod = GuideRod::new(&objective.flow.limit(pore), number, options)?;
     let mut best: Option<(f64, Vec<Point3<f64>>, Minimum<Shape>)> = None;
     // Those of the first starts are counted too.
