@@ -50,7 +50,7 @@ impl<'a> Objective<'a> {
         let terms = Terms {
             direction: terms::direction(shape, &self.flow, first, &mut by),
             curvature: terms::curvature(&rod.bends(shape), rod.length, &self.flow, second, &mut by),
-            boundary: terms::boundary(positions, self.region, walls, third, &mut by),
+            boundary: terms::boundary(positions, |p| self.region.walls(p), walls, third, &mut by),
             density: self.density.map_or(0.0, |density| density.term(shape, fourth, &mut by)),
         };
         (terms, by)

@@ -1,9 +1,9 @@
 //! The terms of a guide's objective (5.8 to 5.10), each with its derivatives.
 
 use super::flow::GuideFlow;
-use crate::Region;
 use crate::quadrature::trapezoid;
 use nalgebra::{Point3, Vector3};
+use rapunzel_collision::field::Sample;
 use rapunzel_rod_static::{Shape, ShapeDerivatives};
 
 /// Rounds off the root of (5.9) at zero, where it has no derivative.
@@ -52,11 +52,12 @@ pub(super) fn curvature(
     sum
 }
 
-/// What being near to the walls or behind them costs, integrated over the scaled length and summed
-/// over head and hull (5.10, corrected): see [`wall`]. Adds `weight` times its derivatives.
+/// What being near to two walls or behind them costs, integrated over the scaled length and summed
+/// over both (5.10, corrected): see [`wall`]. `depths` are those into the forbidden sides, m. Adds
+/// `weight` times its derivatives.
 pub(super) fn boundary(
     positions: &[Point3<f64>],
-    region: Region<'_>,
+    depths: impl Fn(&Point3<f64>) -> [Sample; 2],
     [margin, penalty]: [f64; 2],
     weight: f64,
     by: &mut ShapeDerivatives,
@@ -65,7 +66,7 @@ pub(super) fn boundary(
     let mut sum = 0.0;
     for (node, position) in positions.iter().enumerate() {
         let part = trapezoid(node, segments);
-        for sample in region.walls(position) {
+        for sample in depths(position) {
             let [value, slope] = wall(sample.value / margin, penalty);
             sum += part * value;
             by.positions[node] += sample.gradient * (weight * part * slope / margin);
