@@ -235,7 +235,8 @@ impl SurfaceFiles<'_> {
     fn head(&mut self, what: &'static str, file: &Path) -> Result<Mesh, HairgenError> {
         let mesh = self.solid(what, file)?;
         check_size(what, mesh.bounds())?;
-        if MeshDistance::new(&mesh).value(&Point3::origin()) >= 0.0 {
+        // Also of one that cuts through itself, whose nearest face may tell the wrong side.
+        if MeshDistance::new(&mesh).tree().winding_number(&Point3::origin()) < 0.5 {
             return Err(HairgenError::HeadOrigin { what });
         }
         Ok(mesh)
