@@ -44,13 +44,13 @@ pub enum GroomSource {
         scale: Option<f64>,
         /// Axis of the file that points up, in place of what it states.
         #[serde(default)]
-        up: Option<UpAxis>,
+        up: Option<GroomUpAxis>,
     },
 }
 
 /// An axis that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum UpAxis {
+pub enum GroomUpAxis {
     /// The second.
     Y,
     /// The third.

@@ -7,6 +7,7 @@ mod check;
 mod contact;
 mod environment;
 mod error;
+mod fiber_shape;
 mod fibers;
 mod groom;
 mod locate;
@@ -31,8 +32,9 @@ pub use check::{SceneProblem, TextPlace};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, FrictionSurface};
 pub use environment::{Environment, Wind};
 pub use error::SceneError;
-pub use fibers::{Bundle, ClosedCurve, FiberShape, Initial, Orientation, PointForce, Pose};
-pub use groom::{Groom, GroomShape, GroomSource, RootBall, UpAxis};
+pub use fiber_shape::{ClosedCurve, FiberShape, Initial};
+pub use fibers::{Bundle, Orientation, PointForce, Pose};
+pub use groom::{Groom, GroomShape, GroomSource, GroomUpAxis, RootBall};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
 };

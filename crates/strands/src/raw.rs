@@ -73,6 +73,20 @@ impl RawStrands {
     }
 }
 
+impl StrandSet {
+    /// Strands along curves (world: meter, y up); those that cannot be hairs are left out, as of a
+    /// file.
+    #[must_use]
+    pub fn from_curves<'a>(curves: impl IntoIterator<Item = &'a [Point3<f64>]>) -> Self {
+        let mut raw = RawStrands::default();
+        for curve in curves {
+            raw.counts.push(curve.len());
+            raw.points.extend_from_slice(curve);
+        }
+        raw.sorted("curves", 1.0, &ReadOptions::default()).0
+    }
+}
+
 fn known<T: Copy>(given: Option<T>, stated: Option<T>, usual: T) -> Known<T> {
     let (value, origin) = match (given, stated) {
         (Some(value), _) => (value, Origin::Given),

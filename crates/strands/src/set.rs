@@ -1,5 +1,3 @@
-use crate::ReadOptions;
-use crate::raw::RawStrands;
 use nalgebra::Point3;
 use std::ops::Range;
 
@@ -35,18 +33,6 @@ impl StrandSet {
         if let Some(all) = &mut self.radii {
             all.extend(radii);
         }
-    }
-
-    /// Strands along curves (world: meter, y up); those that cannot be hairs are left out, as of a
-    /// file.
-    #[must_use]
-    pub fn from_curves<'a>(curves: impl IntoIterator<Item = &'a [Point3<f64>]>) -> Self {
-        let mut raw = RawStrands::default();
-        for curve in curves {
-            raw.counts.push(curve.len());
-            raw.points.extend_from_slice(curve);
-        }
-        raw.sorted("curves", 1.0, &ReadOptions::default()).0
     }
 
     /// Number of strands.

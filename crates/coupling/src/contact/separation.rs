@@ -13,7 +13,7 @@ const MOST_ROUNDS: usize = 60;
 /// Sweeps over a list.
 const SWEEPS: usize = 200;
 /// Gaps that are listed, in radii: nodes that give way come near others.
-const MARGIN: f64 = 2.0;
+const LISTED_GAP: f64 = 2.0;
 /// Depth that is none, in radii, and the gap that is aimed at, so that the last sweeps need not
 /// converge.
 const NOTHING: f64 = 0.01;
@@ -56,7 +56,7 @@ pub fn separate(
     let radii = segment_radii(layout, assembly.radii());
     let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = radii.iter().copied().fold(0.0, f64::max);
-    let mut detector = ContactDetector::new(MARGIN * largest, 0.0, false)?;
+    let mut detector = ContactDetector::new(LISTED_GAP * largest, 0.0, false)?;
     let mut shifts = vec![Vector3::zeros(); positions.len()];
     let mut result = Separation::default();
     let laid = positions.to_vec();

@@ -16,8 +16,8 @@ const SECTION: [f64; 3] = [0.93, 0.89, 0.86];
 const WHITE: [f64; 3] = [1.0; 3];
 /// Direction toward the light, to the right, up and toward the viewer.
 const LIGHT: Vector3<f64> = Vector3::new(-0.35, 0.75, 0.56);
-/// What lines and open surfaces are nearer to the viewer than solids of the same place, m; lines are
-/// farther where a cut shows the inside of these.
+/// What lines and open surfaces are nearer to the viewer than solids of the same place, m; lines
+/// are farther where a cut shows the inside of these.
 const LIFT: f64 = 0.5e-3;
 
 /// A direction of view, in the frame of the head: y up, the face along z.

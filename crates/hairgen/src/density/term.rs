@@ -48,8 +48,8 @@ impl HairDensity {
         Self { frame, model, occupied: vec![false; count], cells: vec![0.0; count] }
     }
 
-    /// The densities of the voxels by their numbers: means over the voxels around of what is occupied
-    /// in the binary model, of length over diagonal in the continuous one.
+    /// The densities of the voxels by their numbers: means over the voxels around of what is
+    /// occupied in the binary model, of length over diagonal in the continuous one.
     #[must_use]
     pub fn cells(&self) -> &[f64] {
         &self.cells

@@ -13,7 +13,7 @@ const CHIN: f64 = -0.115;
 const FRINGE: f64 = 0.35;
 /// Growth of the depth from which on the surface counts as hair with the angle below the hairline,
 /// m/rad: what lies on bare skin there, off by the error of the fit, are ears and the neck.
-const BELOW: f64 = 0.012;
+const DEPTH_BELOW: f64 = 0.012;
 /// Least part of the way from the middle of the scalp to the hairline on which hair grows.
 const LEAST: f64 = 0.5;
 
@@ -40,7 +40,7 @@ pub(super) fn hair_surface(
             let in_face = direction.z > 0.0 && below > FRINGE;
             (options.hanging || height > lowest)
                 && !in_face
-                && view.head.value(&middle) > options.threshold + BELOW * below
+                && view.head.value(&middle) > options.threshold + DEPTH_BELOW * below
         })
         .collect();
     // The part that is connected with what is seen over the middle of the scalp.

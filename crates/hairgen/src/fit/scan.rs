@@ -13,9 +13,9 @@ use rapunzel_collision::field::{DistanceField, Mesh, MeshDistance, Soup};
 /// squared Laplacian). Cost: some seconds for 80,000 triangles.
 ///
 /// # Errors
-/// [`HairgenError::Choice`] of options, [`HairgenError::Units`] and [`HairgenError::Size`] of a scan
-/// that is no head in any unit or the one that is given, [`HairgenError::NoFace`] where
-/// the template finds no face, [`HairgenError::Surface`] and those of the deformation's equations.
+/// [`HairgenError::Choice`] of options, [`HairgenError::Units`] and [`HairgenError::Size`] of a
+/// scan that is no head in any unit or the one that is given, [`HairgenError::NoFace`] where the
+/// template finds no face, [`HairgenError::Surface`] and those of the deformation's equations.
 pub fn fit(
     scan: &Mesh,
     template: &HeadTemplate,

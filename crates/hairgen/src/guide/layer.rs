@@ -1,5 +1,5 @@
+use super::barrier;
 use super::rod::GuideRod;
-use super::terms;
 use crate::{GuideOptions, Pore, Region};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Sample;
@@ -31,8 +31,8 @@ impl<'a> Layer<'a> {
     }
 
     /// How deep a point is in the head, and how much it lacks of the depth below the hull, m. The
-    /// depth that is possible is the distance from the hull to the head, the sum of both fields, and
-    /// no more than at the pore: below the neck there is no head to come near to.
+    /// depth that is possible is the distance from the hull to the head, the sum of both fields,
+    /// and no more than at the pore: below the neck there is no head to come near to.
     fn lacks(&self, point: &Point3<f64>) -> [Sample; 2] {
         let [head, hull] = self.region.walls(point);
         let across = -head.value - hull.value;
@@ -60,7 +60,7 @@ impl<'a> Layer<'a> {
     pub(super) fn cost(&self, rod: &GuideRod, shape: &Shape) -> (f64, ShapeDerivatives) {
         let positions = shape.positions();
         let mut by = ShapeDerivatives::zeros(positions.len() - 1);
-        let mut sum = terms::boundary(positions, |p| self.lacks(p), self.walls, 1.0, &mut by);
+        let mut sum = barrier::boundary(positions, |p| self.lacks(p), self.walls, 1.0, &mut by);
         let bends = rod.bends(shape);
         let part = STIFFNESS / bends.len() as f64;
         for (by, bend) in by.curvatures.iter_mut().zip(&bends) {

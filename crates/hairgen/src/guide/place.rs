@@ -1,7 +1,7 @@
 use super::flow::GuideFlow;
 use super::objective::{Objective, Terms};
 use super::rod::{EndLoad, GuideRod};
-use super::search::{Minimum, Start, minimize};
+use super::search::{Minimum, SearchStart, minimize};
 use super::{GuideOptions, PreGuide};
 use crate::density::HairDensity;
 use crate::near::nearest;
@@ -96,8 +96,8 @@ pub fn place_guides(
 /// axes.
 type Laid = (GuideHair, Option<Matrix6<f64>>);
 
-/// The nearest guide that has been laid, and the inverse Hessian of its objective, its forces in its
-/// root's axes.
+/// The nearest guide that has been laid, and the inverse Hessian of its objective, its forces in
+/// its root's axes.
 type Neighbor<'a> = (&'a GuideHair, Option<Matrix6<f64>>);
 
 /// The guide of a pore with its inverse Hessian; `None` if it has no equilibrium, or too little is
@@ -115,7 +115,7 @@ fn place(
     let mut equilibria = 1 + usize::from(near.is_some());
     for (load, shape) in starts(&mut rod, objective, near) {
         let inverse = near.and_then(|(_, inverse)| Some(rotated(&inverse?, &rod.root())));
-        let start = Start { point: load, kept: &shape, inverse };
+        let start = SearchStart { point: load, kept: &shape, inverse };
         let found = minimize(start, options.equilibria, |load, shape| {
             let (value, gradient, rest) = objective.with_gradient(&mut rod, load, shape)?;
             Some((value, gradient, rest.shape))

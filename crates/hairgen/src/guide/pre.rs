@@ -1,7 +1,7 @@
 use super::GuideOptions;
 use super::layer::Layer;
 use super::rod::{EndLoad, GuideRod};
-use super::search::{Minimum, Start, minimize};
+use super::search::{Minimum, SearchStart, minimize};
 use crate::error::choice;
 use crate::quadrature::length;
 use crate::{HairgenError, Pore, Region, cut};
@@ -48,8 +48,9 @@ pub struct PreGuide {
 /// depth below the hull over the sum of both distances, which counts no more than at the pore. A
 /// growing force is tried first, as in the thesis. It bends a hair to an arc, which does not follow
 /// a head for long: where it fails the load is a force and a couple, found by a quasi-Newton
-/// method, and it grows with the hair, from a length of 2 cm in steps. The hair ends before its pore's length where it would leave the region for more than is
-/// tolerated: hair that hangs down is cut at the hem.
+/// method, and it grows with the hair, from a length of 2 cm in steps. The hair ends before its
+/// pore's length where it would leave the region for more than is tolerated: hair that hangs down
+/// is cut at the hem.
 ///
 /// # Errors
 /// Options out of range, pores that are none, and dips that are not in [0, 1] or not one for each
@@ -166,10 +167,10 @@ struct Growth {
 }
 
 impl Growth {
-    /// What it becomes at the length of `rod`. In units of stiffness and length the load is at first
-    /// as before, so that the shape is the same but for its size.
+    /// What it becomes at the length of `rod`. In units of stiffness and length the load is at
+    /// first as before, so that the shape is the same but for its size.
     fn to(&self, rod: &mut GuideRod, layer: &Layer<'_>) -> Option<Self> {
-        let mut search = |start: Start<'_, Shape>| {
+        let mut search = |start: SearchStart<'_, Shape>| {
             minimize(start, EQUILIBRIA, |load, shape| {
                 let rest = rod.relax_nearby(&EndLoad::of(load), shape).ok()?;
                 let (cost, by) = layer.cost(rod, &rest.shape);
@@ -177,14 +178,14 @@ impl Growth {
                 cost.is_finite().then_some((cost, gradient, rest.shape))
             })
         };
-        let start = Start { point: self.load, kept: &self.shape, inverse: self.inverse };
+        let start = SearchStart { point: self.load, kept: &self.shape, inverse: self.inverse };
         let mut found = search(start)?;
         // The inverse Hessian of another length may mislead.
         for _ in 0..RESTARTS {
             if layer.holds_all(&found.kept) {
                 break;
             }
-            found = search(Start { point: found.point, kept: &found.kept, inverse: None })?;
+            found = search(SearchStart { point: found.point, kept: &found.kept, inverse: None })?;
         }
         let Minimum { point, kept, inverse, .. } = found;
         Some(Self { length: rod.length, load: point, shape: kept, inverse })

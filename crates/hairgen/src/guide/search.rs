@@ -14,7 +14,7 @@ const SUFFICIENT: f64 = 1e-4;
 const SETTLED: f64 = 1e-5;
 
 /// Where a search begins.
-pub(super) struct Start<'a, T> {
+pub(super) struct SearchStart<'a, T> {
     pub(super) point: Vector6<f64>,
     /// What the function kept of a point near to it.
     pub(super) kept: &'a T,
@@ -40,11 +40,11 @@ pub(super) struct Minimum<T> {
 /// what was kept of the point before; where it gives none the step is halved. `None` if there is no
 /// value at the start.
 pub(super) fn minimize<T>(
-    start: Start<'_, T>,
+    start: SearchStart<'_, T>,
     most: usize,
     mut function: impl FnMut(&Vector6<f64>, &T) -> Option<(f64, Vector6<f64>, T)>,
 ) -> Option<Minimum<T>> {
-    let Start { mut point, kept, mut inverse } = start;
+    let SearchStart { mut point, kept, mut inverse } = start;
     let (mut value, mut gradient, mut kept) = function(&point, kept)?;
     let mut evaluations = 1;
     while evaluations < most {
@@ -127,7 +127,7 @@ mod tests {
             (x[0] < 1.5).then_some((value, gradient, ()))
         };
         let start = Vector6::new(-1.2, 1.0, 0.0, 0.0, 1.0, -1.0);
-        let from = |point, inverse| Start { point, kept: &(), inverse };
+        let from = |point, inverse| SearchStart { point, kept: &(), inverse };
         let found = minimize(from(start, None), 200, function).expect("a start");
         assert!(found.value < 1e-8 && found.evaluations < 100, "{}", found.evaluations);
         assert!((found.point - Vector6::repeat(1.0)).norm() < 1e-3, "{}", found.point);

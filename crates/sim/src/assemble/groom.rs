@@ -1,7 +1,7 @@
 //! Curves of grooms, from the files that a scene names.
 
 use crate::file::{LARGEST_MESH, kind, open};
-use crate::scene::{Bundle, Groom, GroomSource, RootBall, UpAxis};
+use crate::scene::{Bundle, Groom, GroomSource, GroomUpAxis, RootBall};
 use crate::{SimError, style};
 use nalgebra::{Isometry3, Point3, UnitQuaternion};
 use rapunzel_strands::{ReadOptions, StrandFile, StrandFormat, StrandSet};
@@ -112,15 +112,15 @@ pub(crate) fn strand_count(groom: &Groom, index: usize) -> Result<usize, SimErro
 fn read(
     path: &Path,
     scale: Option<f64>,
-    up: Option<UpAxis>,
+    up: Option<GroomUpAxis>,
     bundle: usize,
 ) -> Result<StrandFile, SimError> {
     let mut bytes = Vec::new();
     let read = open(path, LARGEST_MESH)?.read_to_end(&mut bytes);
     read.map_err(SimError::io("read", path))?;
     let up = up.map(|up| match up {
-        UpAxis::Y => rapunzel_strands::UpAxis::Y,
-        UpAxis::Z => rapunzel_strands::UpAxis::Z,
+        GroomUpAxis::Y => rapunzel_strands::UpAxis::Y,
+        GroomUpAxis::Z => rapunzel_strands::UpAxis::Z,
     });
     let options = ReadOptions { meters_per_unit: scale, up, ..ReadOptions::default() };
     let format = StrandFormat::from_extension(&kind(path));

@@ -46,8 +46,8 @@ pub(crate) fn matter(
     scene.matter(bundle, t).map_err(|source| SimError::Keratin { bundle: i, source })
 }
 
-/// The fibres of bundle number `index`, ready to be handed to an integrator; what a user should know
-/// of them is added to the `notes`.
+/// The fibres of bundle number `index`, ready to be handed to an integrator; what a user should
+/// know of them is added to the `notes`.
 ///
 /// # Errors
 /// [`SimError`] of what cannot be made of the bundle's numbers and files.

@@ -1,4 +1,5 @@
-//! A scene in which no root and no object moves: what contacts carry there, and where fibres settle.
+//! A scene in which no root and no object moves: what contacts carry there, and where fibres
+//! settle.
 
 use super::groups::{assembly, at_start, in_contact};
 use super::start::FiberStart;
@@ -9,7 +10,8 @@ use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, FibersInCont
 use rapunzel_fiber::Layout;
 use std::sync::Arc;
 
-/// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth of it.
+/// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth
+/// of it.
 const SETTLED: f64 = 5e-3;
 /// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
 const SLOW_STEPS: usize = 20;
@@ -64,8 +66,8 @@ impl Still {
         Ok(node_forces(&fibers, &layout))
     }
 
-    /// Lets the fibres settle for a while. Returns the forces of contacts on all nodes in the end, N,
-    /// world, and whether all were slow then.
+    /// Lets the fibres settle for a while. Returns the forces of contacts on all nodes in the end,
+    /// N, world, and whether all were slow then.
     ///
     /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy has passed a
     /// maximum, all velocities are set to zero. It ends when all fibres are slow, or after a number

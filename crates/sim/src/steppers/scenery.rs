@@ -49,8 +49,8 @@ impl Scenery {
     /// Colour of springs and other lines: red, green and blue, linear.
     pub(crate) const ROPE: [f64; 3] = [0.5, 0.4, 0.25];
 
-    /// The scenery of the fibres of a scene, whose bundles have fibres of these numbers of `segments`: a
-    /// prim for each bundle.
+    /// The scenery of the fibres of a scene, whose bundles have fibres of these numbers of
+    /// `segments`: a prim for each bundle.
     pub(crate) fn of_fibers(scene: &Scene, segments: &[Vec<usize>]) -> Self {
         let bundles = segments.iter().scan(0, |end, fibers| {
             let first = *end;
