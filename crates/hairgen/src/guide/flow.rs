@@ -54,8 +54,8 @@ impl<'a> GuideFlow<'a> {
         Ok(Self { tangents: (0..nodes).map(tangent).collect(), parts })
     }
 
-    /// The pore with the length that the pre-guides have found place for: the mean of their parts of
-    /// what they were to have.
+    /// The pore with the length that the pre-guides have found place for: the mean of their parts
+    /// of what they were to have.
     pub(crate) fn limit(&self, pore: &Pore) -> Pore {
         let part = |guide: &PreGuide| guide.length / guide.pore.length;
         let part: f64 = self.parts.iter().map(|(weight, guide)| weight * part(guide)).sum();
