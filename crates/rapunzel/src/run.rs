@@ -23,6 +23,7 @@ static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Runs a scene into a folder.
 pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitCode, Failure> {
+    start_threads(options.threads)?;
     let scene = check::read(&options.scene)?;
     let estimate = MemoryEstimate::new(&scene).map_err(Failure::of(&options.scene))?;
     estimate.within(memory).map_err(Failure::of(&options.scene))?;
@@ -36,7 +37,7 @@ pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitC
         RunFolder::open(&path, existing).map_err(|error| advise(error, &options.scene))?;
     folder.protect(&options.scene);
     start_log(&folder.log())?;
-    set_up(options.threads)?;
+    catch_interrupts()?;
 
     let bar = if json { ProgressBar::hidden() } else { progress_bar() };
     let start = Instant::now();
@@ -182,10 +183,8 @@ fn start_log(path: &Path) -> Result<(), Failure> {
 /// How long an interrupt waits for the step at hand.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// Sets the number of threads and what an interrupt does: the first asks for a checkpoint, and
-/// leaves at once if a step does not end soon; so does the second. The run then is as a kill leaves
-/// it, and goes on from its last frame.
-fn set_up(threads: Option<u16>) -> Result<(), Failure> {
+/// Sets the number of threads, before anything is done in parallel.
+fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (asked, most) = (threads.map_or(cores, usize::from), MOST_THREADS * cores);
     if asked > most {
@@ -196,7 +195,13 @@ fn set_up(threads: Option<u16>) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
     pool.num_threads(asked.min(most))
         .build_global()
-        .map_err(|error| Failure::File(format!("cannot start threads: {error}")))?;
+        .map_err(|error| Failure::File(format!("cannot start threads: {error}")))
+}
+
+/// Sets what an interrupt does: the first asks for a checkpoint, and leaves at once if a step does
+/// not end soon; so does the second. The run then is as a kill leaves it, and goes on from its last
+/// frame.
+fn catch_interrupts() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         let asked_before = CANCEL.ask();
         std::thread::sleep(if asked_before { Duration::ZERO } else { PATIENCE });

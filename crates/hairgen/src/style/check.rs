@@ -72,6 +72,11 @@ impl Style {
             }
             None => {}
         }
+        if let Some(trim) = self.trim {
+            choice("the height of the trim (m)", trim, "between -2 and 1", |x| {
+                (-2.0..=1.0).contains(&x)
+            })?;
+        }
         let side = |x: f64| (5e-4..=0.1).contains(&x);
         choice("the side of a voxel (m)", self.guide.voxel.0, "between 0.0005 and 0.1", side)?;
         self.strands.validate()

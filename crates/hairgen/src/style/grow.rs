@@ -88,7 +88,10 @@ impl Style {
         }
 
         at(GrowthStage::Hairs);
-        let hairs = grow_hairs(&pores, &guides.guides, guide_pores, region, &self.strands)?;
+        let mut hairs = grow_hairs(&pores, &guides.guides, guide_pores, region, &self.strands)?;
+        if let Some(height) = self.trim {
+            hairs = hairs.trimmed(height);
+        }
         let lines = guides.guides.iter().map(|guide| &guide.curve[..]);
         let report = StyleReport {
             scalp_area: area,

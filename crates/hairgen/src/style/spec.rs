@@ -50,6 +50,10 @@ pub struct Style {
     /// How the other hairs follow the guides.
     #[serde(default)]
     pub strands: HairOptions,
+    /// Height over the origin of the head at which hair is cut off, m, as with scissors; not where
+    /// it is left out. Guides do not know of it: hair hangs as long hair does.
+    #[serde(default)]
+    pub trim: Option<f64>,
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
@@ -72,6 +76,7 @@ impl Default for Style {
             dips: dips(),
             guide: GuideSpec::default(),
             strands: HairOptions::default(),
+            trim: None,
             seed: 0,
         }
     }

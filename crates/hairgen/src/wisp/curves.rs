@@ -33,6 +33,29 @@ impl HairCurves {
         self.starts.windows(2).map(|ends| &self.points[ends[0]..ends[1]])
     }
 
+    /// The curves as far as they do not come below a height, m, y up; empty where a root does.
+    #[must_use]
+    pub fn trimmed(&self, height: f64) -> Self {
+        let mut all = Self::default();
+        let mut kept = Vec::new();
+        for curve in self.iter() {
+            kept.clear();
+            let above = curve.iter().take_while(|point| point.y >= height).count();
+            kept.extend_from_slice(&curve[..above]);
+            if let (Some(last), Some(next)) = (kept.last().copied(), curve.get(above)) {
+                let part = (last.y - height) / (last.y - next.y);
+                if part > 0.0 {
+                    kept.push(last + (next - last) * part);
+                }
+            }
+            if kept.len() < 2 {
+                kept.clear();
+            }
+            all.push(&kept);
+        }
+        all
+    }
+
     pub(super) fn push(&mut self, curve: &[Point3<f64>]) {
         self.points.extend_from_slice(curve);
         self.starts.push(self.points.len());
@@ -51,5 +74,28 @@ impl HairCurves {
             all.starts.extend(part.starts[1..].iter().map(|start| before + start));
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trim_cuts_at_its_height() {
+        let mut curves = HairCurves::default();
+        let at = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        // Over the height and down, down and up again, never below, wholly below, none.
+        curves.push(&[at(0.0, 1.0), at(1.0, 2.0), at(2.0, 0.0), at(3.0, -2.0)]);
+        curves.push(&[at(0.0, 1.0), at(1.0, 0.0), at(2.0, 1.0)]);
+        curves.push(&[at(0.0, 1.0), at(1.0, 0.5)]);
+        curves.push(&[at(0.0, 0.0), at(1.0, 1.0)]);
+        curves.push(&[]);
+        let trimmed = curves.trimmed(0.5);
+        let ends: Vec<_> = trimmed.iter().map(<[Point3<f64>]>::to_vec).collect();
+        assert_eq!(ends[0], [at(0.0, 1.0), at(1.0, 2.0), at(1.75, 0.5)]);
+        assert_eq!(ends[1], [at(0.0, 1.0), at(0.5, 0.5)]);
+        assert_eq!(ends[2], [at(0.0, 1.0), at(1.0, 0.5)]);
+        assert!(ends[3].is_empty() && ends[4].is_empty() && trimmed.count() == 5);
     }
 }
