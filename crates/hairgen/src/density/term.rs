@@ -13,8 +13,7 @@ pub enum DensityModel {
         /// Radius of a wisp, m.
         radius: f64,
     },
-    /// Each voxel has the mean of the lengths of guides in the 5³ voxels around, over its diagonal
-    /// (5.12): a guide stands for the hairs of its wisp.
+    /// Each voxel sums up the lengths of the guides in it, over its diagonal (5.12).
     Continuous {
         /// Density that is not to be exceeded.
         most: f64,
@@ -25,8 +24,9 @@ pub enum DensityModel {
 ///
 /// The count of (5.11) has no derivative; the term that a search takes instead is the occupied part
 /// of the 5³ voxels around each, interpolated between their centers and integrated along the hair.
-/// The term (5.12) turns hair into surfaces of the same density but does not keep it from dense
-/// places, which the text before it wants: a penalty is added for a density above the largest.
+/// The term (5.12)
+/// turns hair into surfaces of the same density but does not keep it from dense places, which the
+/// text before it wants: a penalty is added for a density above the largest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HairDensity {
     frame: VoxelFrame,
@@ -37,7 +37,7 @@ pub struct HairDensity {
     cells: Vec<f64>,
 }
 
-/// Voxels to each side over which the density is averaged.
+/// Voxels to each side over which the binary occupancy is averaged.
 const REACH: i64 = 2;
 
 impl HairDensity {
@@ -48,8 +48,8 @@ impl HairDensity {
         Self { frame, model, occupied: vec![false; count], cells: vec![0.0; count] }
     }
 
-    /// The densities of the voxels by their numbers: means over the voxels around of what is
-    /// occupied in the binary model, of length over diagonal in the continuous one.
+    /// The densities of the voxels by their numbers: the occupied part of those around in the
+    /// binary model, length over diagonal in the continuous one.
     #[must_use]
     pub fn cells(&self) -> &[f64] {
         &self.cells
@@ -68,23 +68,24 @@ impl HairDensity {
         for ends in points.windows(2) {
             let [start, end] = [&ends[0], &ends[1]];
             match model {
-                DensityModel::Binary { radius } => frame.cover([start, end], radius, |voxel| {
-                    if !std::mem::replace(&mut self.occupied[voxel], true) {
-                        self.spread(voxel, 1.0);
-                    }
-                }),
+                DensityModel::Binary { radius } => {
+                    frame.cover([start, end], radius, |voxel| self.occupy(voxel));
+                }
                 DensityModel::Continuous { .. } => frame.walk(start, end, |voxel, part| {
                     self.occupied[voxel] = true;
-                    self.spread(voxel, part / diagonal);
+                    self.cells[voxel] += part / diagonal;
                 }),
             }
         }
     }
 
-    /// Takes what is in a voxel into the means of those around it.
-    fn spread(&mut self, voxel: usize, amount: f64) {
+    /// Takes a voxel into the means of those around it, once.
+    fn occupy(&mut self, voxel: usize) {
+        if std::mem::replace(&mut self.occupied[voxel], true) {
+            return;
+        }
         let side = 2 * REACH + 1;
-        let share = amount / (side * side * side) as f64;
+        let share = ((side * side * side) as f64).recip();
         let [i, j, k] = self.frame.index(&self.frame.scaled(&self.frame.center(voxel)));
         for n in 0..side * side * side {
             let off = [n % side, n / side % side, n / (side * side)].map(|x| x - REACH);

@@ -10,10 +10,8 @@ use crate::HairgenError;
 use nalgebra::{Point2, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Tilt from the normal at the top of the head if none is given, rad: the middle of the 30 to 60
-/// degrees from the skin at which hair leaves the middle of the scalp, as surgeons who transplant
-/// hair find; at the hairline they find 10 to 20.
-const TOP_TILT: f64 = 45.0 * PI / 180.0;
+/// Tilt from the normal at the top of the head if none is given, rad.
+const TOP_TILT: f64 = 20.0 * PI / 180.0;
 
 /// Tilt from the normal at the lowest part of the hairline if none is given, rad.
 const LOW_TILT: f64 = 80.0 * PI / 180.0;

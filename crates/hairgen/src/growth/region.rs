@@ -43,7 +43,7 @@ pub struct GrowthOptions {
     /// To which side they grow.
     pub flow: GrowthFlow,
     /// Angle from the normal to the direction of growth, rad, from 0 to a right angle. If none is
-    /// given, 45 degrees at the top of the scalp and 80 at its lowest point, smoothly by height:
+    /// given, 20 degrees at the top of the scalp and 80 at its lowest point, smoothly by height:
     /// at temples and neck hair lies flat (thesis 5.3.2).
     pub tilt: Option<DiscField>,
 }

@@ -1,7 +1,7 @@
 use super::PreGuide;
 use super::rod::GuideRod;
+use crate::HairgenError;
 use crate::near::nearest;
-use crate::{HairgenError, Pore};
 use nalgebra::{Point3, Vector3, Vector6};
 
 /// Number of pre-guides that tell a guide where hair flows; three are enough (thesis 5.3.3).
@@ -10,9 +10,6 @@ const FLOWS: usize = 3;
 /// Fraction of the distance to the farthest of a guide's pre-guides that is added to all distances,
 /// so that a guide in the pore of a pre-guide has finite weights.
 const SOFTENING: f64 = 1e-2;
-
-/// Part of a hair's length that is always tried.
-const LEAST_PART: f64 = 1e-3;
 
 /// What the pre-guides next to a guide say about its shape, node by node at equal fractions of both
 /// lengths.
@@ -53,18 +50,17 @@ impl<'a> GuideFlow<'a> {
         };
         Ok(Self { tangents: (0..nodes).map(tangent).collect(), parts })
     }
-
-    /// The pore with the length that the pre-guides have found place for: the mean of their parts
-    /// of what they were to have.
-    pub(crate) fn limit(&self, pore: &Pore) -> Pore {
-        let part = |guide: &PreGuide| guide.length / guide.pore.length;
-        let part: f64 = self.parts.iter().map(|(weight, guide)| weight * part(guide)).sum();
-        Pore { length: pore.length * part.clamp(LEAST_PART, 1.0), ..*pore }
-    }
-
     /// The mean of the pre-guides' end loads, their forces turned from their roots to that of
     /// `rod`.
     pub(super) fn load(&self, rod: &GuideRod) -> Vector6<f64> {
-        self.parts.iter().map(|(part, guide)| rod.moved(&guide.load, &guide.shape) * *part).sum()
+        let mut load = Vector6::zeros();
+        for (part, guide) in &self.parts {
+            let turn = rod.root() * guide.shape.frames()[0].inverse();
+            let mut force = load.fixed_rows_mut::<3>(0);
+            force += turn * guide.load.force * *part;
+            let mut couple = load.fixed_rows_mut::<3>(3);
+            couple += guide.load.couple * *part;
+        }
+        load
     }
 }

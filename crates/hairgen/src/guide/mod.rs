@@ -1,9 +1,7 @@
 //! Guides: few hairs that are laid by forces and couples on their ends into the region between
 //! head and hull (thesis 5.3.3), and that all others follow.
 
-mod barrier;
 mod flow;
-mod layer;
 mod objective;
 mod options;
 mod place;

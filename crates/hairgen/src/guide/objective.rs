@@ -1,6 +1,6 @@
 use super::flow::GuideFlow;
 use super::rod::{EndLoad, GuideRod};
-use super::{GuideOptions, barrier, terms};
+use super::{GuideOptions, terms};
 use crate::density::HairDensity;
 use crate::{HairgenError, Region};
 use nalgebra::Vector6;
@@ -50,7 +50,7 @@ impl<'a> Objective<'a> {
         let terms = Terms {
             direction: terms::direction(shape, &self.flow, first, &mut by),
             curvature: terms::curvature(&rod.bends(shape), rod.length, &self.flow, second, &mut by),
-            boundary: barrier::boundary(positions, |p| self.region.walls(p), walls, third, &mut by),
+            boundary: terms::boundary(positions, self.region, walls, third, &mut by),
             density: self.density.map_or(0.0, |density| density.term(shape, fourth, &mut by)),
         };
         (terms, by)

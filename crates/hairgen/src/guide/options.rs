@@ -78,7 +78,7 @@ impl Default for GuideOptions {
             margin: 0.003,
             penalty: 10.0,
             outside: 0.005,
-            least: 0.02,
+            least: 0.2,
             equilibria: 60,
             batch: 64,
         }

@@ -1,56 +1,42 @@
 use super::GuideOptions;
-use super::layer::Layer;
 use super::rod::{EndLoad, GuideRod};
-use super::search::{Minimum, SearchStart, minimize};
 use crate::error::choice;
-use crate::quadrature::length;
-use crate::{HairgenError, Pore, Region, cut};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use crate::{HairgenError, Pore, Region};
+use nalgebra::Vector3;
 use rapunzel_rod_static::Shape;
 use rayon::prelude::*;
 
 /// First force on the end of a pre-guide, `EI / L^2`.
 const FIRST_FORCE: f64 = 0.2;
 /// Factor by which the force grows.
-const FORCE_GROWTH: f64 = 1.15;
-/// Largest force: it bends the rod within a tenth of its length.
-const LARGEST_FORCE: f64 = 100.0;
-/// Length of a pre-guide at first, m.
-const FIRST_LENGTH: f64 = 0.02;
-/// Factor by which it grows.
-const GROWTH: f64 = 1.4;
-/// Largest number of equilibria at each length.
-const EQUILIBRIA: usize = 20;
-/// Largest number of times that the search at a length is started again.
-const RESTARTS: usize = 2;
+const GROWTH: f64 = 1.5;
+/// Largest force: it bends the rod within a fortieth of its length.
+const LARGEST_FORCE: f64 = 3000.0;
+/// Number of halvings between the largest force that is too small and the smallest that is not.
+const BISECTIONS: usize = 4;
 
-/// A pre-guide: a hair that is kept so deep below the hull by a load on its end while it grows
-/// (thesis 5.3.3). Pre-guides tell the main guides where hair flows.
+/// A pre-guide: a hair bent by a growing force on its end until all of it is deep enough below the
+/// hull (thesis 5.3.3). Pre-guides tell the main guides where hair flows.
 #[derive(Debug, Clone)]
 pub struct PreGuide {
     /// The pore it grows out of.
     pub pore: Pore,
-    /// Length up to which it has found place, m: that of its pore or less.
-    pub length: f64,
     /// Its shape: positions and frames of its nodes.
     pub shape: Shape,
     /// Curvatures of its segments times its length, in their own axes.
     pub bends: Vec<Vector3<f64>>,
     /// Load on its end.
     pub load: EndLoad,
-    /// Whether all of it is deep enough and none in the head.
+    /// Whether all of it is deep enough and none in the head. Otherwise it has found no place, and
+    /// its shape is the one that lacks least depth before its end would enter the head.
     pub placed: bool,
 }
 
 /// The pre-guides of the `pores`, in their order.
 ///
 /// `dips` says for each how deep it must go, from 0, just below the hull, to 1, at the head: the
-/// depth below the hull over the sum of both distances, which counts no more than at the pore. A
-/// growing force is tried first, as in the thesis. It bends a hair to an arc, which does not follow
-/// a head for long: where it fails the load is a force and a couple, found by a quasi-Newton
-/// method, and it grows with the hair, from a length of 2 cm in steps. The hair ends before its
-/// pore's length where it would leave the region for more than is tolerated: hair that hangs down
-/// is cut at the hem.
+/// depth below the hull over the sum of both distances. The force is dead and acts in the plane of
+/// the scalp's normal and the growth direction, across that, toward the head.
 ///
 /// # Errors
 /// Options out of range, pores that are none, and dips that are not in [0, 1] or not one for each
@@ -94,107 +80,88 @@ fn grow(
     region: Region<'_>,
     options: &GuideOptions,
 ) -> Result<PreGuide, HairgenError> {
-    let layer = Layer::over(pore, dip, region, options);
     let mut rod = GuideRod::new(pore, number, options)?;
-    if let Some((load, shape)) = pushed(&mut rod, &layer) {
-        let (length, bends) = (pore.length, rod.bends(&shape));
-        return Ok(PreGuide { pore: *pore, length, bends, load, placed: true, shape });
-    }
-    let straight = rod.straight();
-    let mut grown = Growth { length: 0.0, load: Vector6::zeros(), shape: straight, inverse: None };
-    let to = |grown: &Growth, length: f64| -> Result<Option<Growth>, HairgenError> {
-        let mut rod = GuideRod::new(&Pore { length, ..*pore }, number, options)?;
-        Ok(grown.to(&mut rod, &layer))
+    let bend = rod.bend();
+    let mut try_force = |force: f64, start: &Shape| {
+        let load = EndLoad { force: bend * force, couple: Vector3::zeros() };
+        let shape = rod.relax(&load, start).ok()?.shape;
+        let lack = lacking(&shape, dip, region);
+        Some(ForceTrial { load, shape, lack })
     };
-    let mut length = FIRST_LENGTH.min(pore.length);
-    // Until all of it has grown, or more is cut off again.
-    while let Some(next) = to(&grown, length)? {
-        let left = next.kept(region, options.outside);
-        if left < 1.0 {
-            let length = left * length;
-            if length > grown.length
-                && let Some(next) = to(&grown, length)?
-                && next.kept(region, options.outside) == 1.0
-            {
-                grown = next;
-            }
-            break;
-        }
-        grown = next;
-        if length >= pore.length {
-            break;
-        }
-        length = (GROWTH * length).min(pore.length);
-    }
-    // A hair that hangs down to the hem ends as deep above it as elsewhere below the hull.
-    let nodes = grown.shape.positions();
-    let shallow = nodes.iter().rev().take_while(|node| !layer.holds(node)).count();
-    let end = grown.length * shallow as f64 / (nodes.len() - 1) as f64;
-    if shallow > 0
-        && end < grown.length.min(2.0 * layer.depth())
-        && let Some(next) = to(&grown, grown.length - end)?
-    {
-        grown = next;
-    }
-    let Growth { length, load, shape, .. } = grown;
-    let placed = length > 0.0 && layer.holds_all(&shape);
-    let bends = rod.bends(&shape);
-    Ok(PreGuide { pore: *pore, length, bends, load: EndLoad::of(&load), placed, shape })
-}
-
-/// The least of some forces on the end, across the root and toward the head, under which all of a
-/// hair is deep enough (thesis 5.3.3), and its shape.
-fn pushed(rod: &mut GuideRod, layer: &Layer<'_>) -> Option<(EndLoad, Shape)> {
-    let across = rod.root() * Vector3::x();
-    let (mut force, mut shape) = (0.0, rod.straight());
-    while force <= LARGEST_FORCE {
-        let load = EndLoad { force: across * force, couple: Vector3::zeros() };
-        shape = rod.relax(&load, &shape).ok()?.shape;
-        if layer.holds_all(&shape) {
-            return Some((load, shape));
-        }
-        force = FIRST_FORCE.max(FORCE_GROWTH * force);
-    }
-    None
-}
-
-/// A pre-guide that grows.
-struct Growth {
-    length: f64,
-    load: Vector6<f64>,
-    shape: Shape,
-    inverse: Option<Matrix6<f64>>,
-}
-
-impl Growth {
-    /// What it becomes at the length of `rod`. In units of stiffness and length the load is at
-    /// first as before, so that the shape is the same but for its size.
-    fn to(&self, rod: &mut GuideRod, layer: &Layer<'_>) -> Option<Self> {
-        let mut search = |start: SearchStart<'_, Shape>| {
-            minimize(start, EQUILIBRIA, |load, shape| {
-                let rest = rod.relax_nearby(&EndLoad::of(load), shape).ok()?;
-                let (cost, by) = layer.cost(rod, &rest.shape);
-                let gradient = rod.by_load(&rest, &by).ok()?;
-                cost.is_finite().then_some((cost, gradient, rest.shape))
-            })
-        };
-        let start = SearchStart { point: self.load, kept: &self.shape, inverse: self.inverse };
-        let mut found = search(start)?;
-        // The inverse Hessian of another length may mislead.
-        for _ in 0..RESTARTS {
-            if layer.holds_all(&found.kept) {
+    // The largest force that is too small, the one that lacks least, and the smallest that is
+    // enough.
+    let (mut low, mut force) = (0.0, FIRST_FORCE);
+    let straight = GuideRod::new(pore, number, options)?.straight();
+    let mut high = None;
+    let mut best = ForceTrial::unloaded(straight, dip, region);
+    let mut start = best.shape.clone();
+    if best.lack != Some(0.0) {
+        while force <= LARGEST_FORCE {
+            let Some(attempt) = try_force(force, &start) else { break };
+            if !attempt.is_between() {
+                high = Some(force);
+                best = best.better(attempt);
                 break;
             }
-            found = search(SearchStart { point: found.point, kept: &found.kept, inverse: None })?;
+            start.clone_from(&attempt.shape);
+            best = best.better(attempt);
+            (low, force) = (force, force * GROWTH);
         }
-        let Minimum { point, kept, inverse, .. } = found;
-        Some(Self { length: rod.length, load: point, shape: kept, inverse })
+    }
+    // Between a force that is too small and one that is enough, or presses it into the head.
+    for _ in 0..BISECTIONS {
+        let Some(above) = high else { break };
+        let middle = 0.5 * (low + above);
+        let Some(attempt) = try_force(middle, &start) else { break };
+        if attempt.is_between() {
+            low = middle;
+        } else {
+            high = Some(middle);
+        }
+        best = best.better(attempt);
+    }
+    let bends = rod.bends(&best.shape);
+    let placed = best.lack == Some(0.0);
+    Ok(PreGuide { pore: *pore, shape: best.shape, bends, load: best.load, placed })
+}
+
+/// A shape of a pre-guide that is being grown.
+struct ForceTrial {
+    load: EndLoad,
+    shape: Shape,
+    /// As of [`lacking`].
+    lack: Option<f64>,
+}
+
+impl ForceTrial {
+    fn unloaded(shape: Shape, dip: f64, region: Region<'_>) -> Self {
+        let load = EndLoad { force: Vector3::zeros(), couple: Vector3::zeros() };
+        let lack = lacking(&shape, dip, region);
+        Self { load, shape, lack }
     }
 
-    /// The part of its length that is left after the cut.
-    fn kept(&self, region: Region<'_>, outside: f64) -> f64 {
-        let positions = self.shape.positions();
-        let left = cut(positions, region, outside);
-        if left == positions { 1.0 } else { length(&left) / length(positions) }
+    /// Whether it is too shallow, but not in the head.
+    fn is_between(&self) -> bool {
+        self.lack.is_some_and(|lack| lack > 0.0)
     }
+
+    /// The attempt of both that lacks less, `other` if both lack nothing.
+    fn better(self, other: Self) -> Self {
+        let rank = |attempt: &Self| attempt.lack.unwrap_or(f64::INFINITY);
+        if other.lack.is_some() && rank(&other) <= rank(&self) { other } else { self }
+    }
+}
+
+/// How much depth the shape lacks, m: zero if all its nodes are deep enough. `None` if a node
+/// behind the root is in the head.
+fn lacking(shape: &Shape, dip: f64, region: Region<'_>) -> Option<f64> {
+    let mut lack = 0.0_f64;
+    for position in &shape.positions()[1..] {
+        let [inside, outside] = region.depths(position);
+        if inside > 0.0 {
+            return None;
+        }
+        lack = lack.max(outside + dip * (-inside - outside));
+    }
+    Some(lack)
 }

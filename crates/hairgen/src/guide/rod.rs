@@ -61,16 +61,14 @@ impl GuideRod {
         Ok(Self { chain, forces, length: pore.length })
     }
 
-    /// The frame of the root.
-    pub(super) fn root(&self) -> UnitQuaternion<f64> {
-        self.chain.clamp().rotation
+    /// The direction across the root in which the rod bends toward the head (world).
+    pub(crate) fn bend(&self) -> Vector3<f64> {
+        self.chain.clamp() * Vector3::x()
     }
 
-    /// The load on the end of a hair of another shape, its force turned with its root to this one.
-    pub(super) fn moved(&self, load: &EndLoad, shape: &Shape) -> Vector6<f64> {
-        let turn = self.root() * shape.frames()[0].inverse();
-        let (force, couple) = (turn * load.force, load.couple);
-        Vector6::new(force.x, force.y, force.z, couple.x, couple.y, couple.z)
+    /// The frame of the root.
+    pub(crate) fn root(&self) -> UnitQuaternion<f64> {
+        self.chain.clamp().rotation
     }
 
     pub(crate) fn straight(&self) -> Shape {

@@ -42,8 +42,8 @@ pub fn simplex_guides(
     options.validate()?;
     let search = |(number, pore): (usize, &Pore)| {
         let flow = GuideFlow::at(&pore.position, pre)?;
-        let mut rod = GuideRod::new(&flow.limit(pore), number, options)?;
         let objective = Objective::new(flow, region, density, options)?;
+        let mut rod = GuideRod::new(pore, number, options)?;
         let mut shape = rod.straight();
         let mut lowest = f64::INFINITY;
         let found = descend(most, |load| {

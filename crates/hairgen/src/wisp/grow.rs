@@ -1,10 +1,9 @@
 use super::curves::HairCurves;
-use super::line::{GuideLine, resample};
+use super::line::{GuideLine, length, resample};
 use super::options::{HairOptions, HairPattern};
 use super::rein::rein;
 use crate::guide::GuideHair;
 use crate::near::nearest;
-use crate::quadrature::length;
 use crate::{HairgenError, Pore, Region, cut};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;

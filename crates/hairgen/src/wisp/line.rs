@@ -1,6 +1,10 @@
-use crate::quadrature::length;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rapunzel_fiber::so3;
+
+/// Length of the straight ways between points, m.
+pub(super) fn length(points: &[Point3<f64>]) -> f64 {
+    points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
+}
 
 /// `segments + 1` points at equal distances along the straight ways between `points`, from the
 /// first on over the arc length `length`, m, or up to the last.

@@ -29,14 +29,13 @@ fn the_optimum_is_as_low_as_without_derivatives() {
         own += guide.equilibria;
         other += searched.equilibria;
         worst = worst.max(guide.value / searched.value - 1.0);
-        // And those of the two starts.
-        assert!(guide.equilibria <= options.equilibria + 2);
+        assert!(guide.equilibria <= options.equilibria);
     }
     assert!(worst < 1e-4, "{worst:e}");
     assert!(45 * own < other, "{own} {other}");
 }
 
-/// All of a pre-guide is as deep as asked for, and none in the head.
+/// All of a pre-guide is as deep as asked for, and none in the head; forces push toward it.
 #[test]
 fn pre_guides_dip_below_the_hull() {
     let options = options();
@@ -45,7 +44,7 @@ fn pre_guides_dip_below_the_hull() {
     let dips = dips_by_height(&heights, 0.1, 0.6);
     let pre = grow_pre_guides(&pores, &dips, BALLS, &options).expect("pre-guides");
     for ((guide, pore), dip) in pre.iter().zip(&pores).zip(&dips) {
-        assert!(guide.placed && guide.length == pore.length, "{pore:?}");
+        assert!(guide.placed, "{pore:?}");
         let deep = guide.shape.positions()[1..].iter().map(|point| {
             let [inside, outside] = BALLS.depths(point);
             assert!(inside <= 0.0, "{point}");
@@ -53,6 +52,8 @@ fn pre_guides_dip_below_the_hull() {
         });
         let least = deep.fold(1.0, f64::min);
         assert!(least >= dip - 1e-12, "{least} {dip}");
+        assert!(guide.load.force.dot(&pore.normal) < 0.0 && guide.load.couple.norm() == 0.0);
+        assert!(guide.load.force.dot(&pore.direction).abs() < 1e-12 * guide.load.force.norm());
     }
     assert_eq!(dips_by_height(&[1.0, 3.0, 2.0], 0.2, 0.4), [0.4, 0.2, 0.30000000000000004]);
     assert_eq!(dips_by_height(&[2.0, 2.0], 0.2, 0.4), [0.2, 0.2]);
