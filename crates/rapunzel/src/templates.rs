@@ -47,7 +47,6 @@ templates![
     "style/afro",
     "style/wavy",
     "style/curly",
-    "style/shaken-head",
     "style/tress",
 ];
 
