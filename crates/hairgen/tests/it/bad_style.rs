@@ -274,10 +274,6 @@ fn other_units_and_frames_are_refused() {
     let style = Style { head: scan(options), hair: HairSource::Scan, ..balls() };
     let head = obj(&scaled(ball(HEAD), 1000.0));
     assert_eq!(size(&style, vec![("head.obj", head)]), "the scan");
-    // A ball has no face.
-    let style = Style { head: scan(FitOptions::default()), ..style };
-    let error = refused(&style, vec![]);
-    assert!(matches!(error, HairgenError::NoFace { .. }), "{error}");
 }
 
 /// A scan in millimeters with a hole and with faces turned.
