@@ -9,8 +9,6 @@ use rapunzel_rod_dynamic::{Conditions, End};
 
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
-/// A step in which nothing moves, s.
-const INSTANT: f64 = 1e-12;
 
 /// All contact points of a world, with the radii of all its segments, m. Fibres whose held roots
 /// are deeper than `depth`, m, in a kinematic object grow out of it from now on, and so do those of
@@ -30,7 +28,7 @@ pub(super) fn contact_points(
         radii,
         start: &start,
         end: &start,
-        step: TimeInterval { start: system.start, length: INSTANT },
+        step: TimeInterval::instant(system.start),
     };
     let grows = |fiber: usize| {
         let held = matches!(ends(system, fiber)[0], End::Held(_) | End::Pinned { .. });

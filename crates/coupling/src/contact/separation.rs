@@ -17,8 +17,6 @@ const LISTED_GAP: f64 = 2.0;
 /// Depth that is none, in radii, and the gap that is aimed at, so that the last sweeps need not
 /// converge.
 const NOTHING: f64 = 0.01;
-/// A step in which nothing moves, s.
-const INSTANT: f64 = 1e-12;
 
 /// What it took to move fibres apart.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -67,7 +65,7 @@ pub fn separate(
             radii: &radii,
             start: positions,
             end: positions,
-            step: TimeInterval { start: around.start, length: INSTANT },
+            step: TimeInterval::instant(around.start),
         };
         if round == 0 {
             let grows = |fiber: usize| (!free[layout.node_range(fiber).start]).then_some(ROOT);
