@@ -74,7 +74,7 @@ pub(super) fn give_natural_shapes(
             for _ in 0..MOST_ROUNDS {
                 let mut still = Still::new(scene, starts, objects)?;
                 let (forces, is_slow) = still.settle(settings)?;
-                take_states(starts, still.starts, &mut moved);
+                take_states(starts, still.starts, &told, &mut moved);
                 rest(scene, starts, &forces, &mut told)?;
                 if is_slow {
                     break;
@@ -117,9 +117,16 @@ fn rest(
     })
 }
 
-/// Takes over the states that fibres have come to, and adds to how far nodes have moved, m.
-fn take_states(starts: &mut [FiberStart], settled: Vec<FiberStart>, moved: &mut [f64]) {
-    for ((start, settled), moved) in starts.iter_mut().zip(settled).zip(moved) {
+/// Takes over the states that fibres which are to rest have come to, and adds to how far their
+/// nodes have moved, m. Others start where the scene puts them.
+fn take_states(
+    starts: &mut [FiberStart],
+    settled: Vec<FiberStart>,
+    told: &[Option<Told>],
+    moved: &mut [f64],
+) {
+    let all = starts.iter_mut().zip(settled).zip(moved).zip(told);
+    for (((start, settled), moved), _) in all.filter(|(_, told)| told.is_some()) {
         let (Some(before), Some(after)) = (&start.state, &settled.state) else { continue };
         let ways = before.positions.iter().zip(&after.positions).map(|(a, b)| (a - b).norm());
         *moved += ways.fold(0.0, f64::max);

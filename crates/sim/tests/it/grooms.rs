@@ -146,6 +146,27 @@ fn a_groom_in_contact_rests_from_the_start() {
     assert!(world.contacts().count() > 10, "they lie on the ball");
 }
 
+/// A prestressed fibre beside a groom in contact starts where the scene puts it.
+#[test]
+fn other_fibers_do_not_settle() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write(&folder.path().join("groom.obj"), &droop(3, 0.05));
+    let text =
+        "(format: 1, duration: 0.1, contact: (friction: Isotropic(0.3)), stepper: (dt: 1e-3),
+        fibers: [
+            (groom: (from: Strands(file: \"groom.obj\")), segments: 10,
+                section: Circle(radius: 3.5e-5)),
+            (length: 0.05, segments: 10, section: Circle(radius: 3.5e-5), initial: Straight,
+                shape: Helix(radius: 0.005, pitch: 0.01), root: (position: (0.5, 0, 0))),
+        ])";
+    let scene = Scene::from_ron(text).expect("a scene").seen_from(folder.path());
+    let world = World::build(&scene).expect("a world");
+    for (node, p) in world.state(3).positions.iter().enumerate() {
+        let straight = Point3::new(0.5, 0.0, -5e-3 * node as f64);
+        assert!((p - straight).norm() < 1e-12, "{node}: {p}");
+    }
+}
+
 /// What a scene says in place of a groom, what is not there, and what is no fibre.
 #[test]
 fn what_a_groom_cannot_be_is_told() {
