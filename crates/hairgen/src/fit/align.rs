@@ -41,15 +41,9 @@ pub(super) fn unit(scan: &Mesh, given: Option<f64>) -> Result<f64, HairgenError>
     }
 }
 
-/// Height in the template's frame above which a scan of a head with its face has all that the
-/// template has, m.
-pub(super) fn lowest(template: &HeadTemplate) -> f64 {
-    0.75 * template.mesh.vertices.iter().map(|p| p.y).fold(0.0, f64::min)
-}
-
 /// Vertices of the template's face, evenly thinned.
 pub(super) fn face(template: &HeadTemplate) -> Vec<usize> {
-    let lowest = lowest(template);
+    let lowest = 0.75 * template.mesh.vertices.iter().map(|p| p.y).fold(0.0, f64::min);
     let is_face = |p: &Point3<f64>| {
         let direction = Unit::try_new(p.coords, 0.0);
         p.z > 0.0

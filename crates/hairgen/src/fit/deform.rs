@@ -1,6 +1,5 @@
 //! The smooth deformation that lays the face on the scan and the skull below the hair.
 
-use super::align::lowest;
 use super::similarity::Similarity;
 use super::template::{FitOptions, HeadTemplate};
 use crate::HairgenError;
@@ -54,14 +53,8 @@ pub(super) fn deform(
             wanted[i] = Wanted { displacement: -sample.value / facing, weight: 1.0 };
         }
     }
-    let lowest = lowest(template);
-    // Outside of the hairline nothing stands out, unless the scan ends there.
-    let margin = |i: usize| {
-        let vertex = &template.mesh.vertices[i];
-        let there = vertex.y > lowest && distance.value(&start[i]) < PULLED;
-        margin(vertex, template, options).or(there.then_some(0.0))
-    };
-    let margin: Vec<_> = (0..start.len()).into_par_iter().map(margin).collect();
+    let margin = |vertex| margin(vertex, template, options);
+    let margin: Vec<_> = template.mesh.vertices.iter().map(margin).collect();
     let squared = squared_laplacian(&template.mesh, similarity.scale);
     let mut displacement = vec![0.0; start.len()];
     for _ in 0..ROUNDS {
