@@ -22,6 +22,6 @@ pub use linear::{Linearization, Mode, linearize};
 pub use response::{ImpulseResponse, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
-    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, equilibrium, fitted, fitted_end_load,
-    natural_curvatures,
+    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,
+    equilibrium, fitted, fitted_end_load, natural_curvatures,
 };

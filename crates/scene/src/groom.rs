@@ -72,32 +72,33 @@ pub struct RootBall {
 #[serde(deny_unknown_fields)]
 pub enum GroomShape {
     /// The one with which the curve is an equilibrium under all loads of the start, those of
-    /// contacts included: nothing sags. A fibre that would not stay, because the equilibrium is
-    /// unstable or takes more than the largest curvature, starts in an equilibrium nearby.
+    /// contacts included, but without wind: nothing sags, and wind blows the fibres away from it. A fibre that would not stay, because the equilibrium is
+    /// unstable or takes more than the largest change of curvature, starts in an equilibrium nearby.
     SagFree {
-        /// Largest natural curvature, 1/m.
-        #[serde(default = "largest_curvature")]
+        /// Largest difference of the natural curvature from the curve's own, 1/m.
+        #[serde(default = "largest_change")]
         most: f64,
     },
     /// The same, but a dead force and a following couple on each tip, which stay, bear as much as
     /// they can, as in the thesis's guides; the natural curvature bears the rest.
     EndLoads {
-        /// Largest natural curvature, 1/m.
-        #[serde(default = "largest_curvature")]
+        /// Largest difference of the natural curvature from the curve's own, 1/m.
+        #[serde(default = "largest_change")]
         most: f64,
     },
     /// The curve itself: the fibres sag by their weight.
     Drawn,
 }
 
-/// The natural curvature of a ring of 2 mm, 1/m: hair is not curlier.
-fn largest_curvature() -> f64 {
-    500.0
+/// The curvature of a ring of 1 cm, 1/m: straight hair that must be curled more than that to stay
+/// where it is drawn sags instead.
+fn largest_change() -> f64 {
+    100.0
 }
 
 impl Default for GroomShape {
     fn default() -> Self {
-        Self::SagFree { most: largest_curvature() }
+        Self::SagFree { most: largest_change() }
     }
 }
 

@@ -147,10 +147,23 @@ impl Scene {
         can_meet.then(|| radii.fold(0.0, f64::max))
     }
 
-    /// Paths of the files that belong to the scene beside its text.
+    /// Paths of the files that the scene names.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let meshes = self.objects.iter().filter_map(|object| object.shape.file());
         meshes.chain(self.fibers.iter().filter_map(Bundle::file))
+    }
+
+    /// Paths of the styles among these files, which name files of their own.
+    pub fn styles(&self) -> impl Iterator<Item = &Path> {
+        let heads = self.objects.iter().filter_map(|object| match &object.shape {
+            ObjectShape::Head { style, .. } => Some(style.as_path()),
+            _ => None,
+        });
+        let grooms = self.fibers.iter().filter_map(|bundle| match &bundle.groom.as_ref()?.from {
+            GroomSource::Style { file, .. } => Some(file.as_path()),
+            GroomSource::Strands { .. } => None,
+        });
+        heads.chain(grooms)
     }
 
     /// Whether no energy enters from outside: everything moves by itself, in steady gravity. No

@@ -1,6 +1,6 @@
 use crate::file::{self, LARGEST_MESH};
 use crate::storage::replace;
-use crate::{Scene, SimError, Snapshot, Statistics};
+use crate::{Scene, SimError, Snapshot, Statistics, style};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -30,13 +30,14 @@ pub(crate) struct Checkpoint<S = Snapshot> {
     pub(crate) marks: Vec<u64>,
 }
 
-/// The hash that tells scenes apart: of the RON with all defaults filled in, and the files in it.
+/// The hash that tells scenes apart: of the RON with all defaults filled in, the files that it
+/// names, and those that its styles name.
 pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(scene.to_ron()?.as_bytes());
-    for path in scene.files() {
-        let read = hasher.update_reader(file::open(path, LARGEST_MESH)?);
-        read.map_err(SimError::io("read", path))?;
+    for path in style::files(scene)? {
+        let read = hasher.update_reader(file::open(&path, LARGEST_MESH)?);
+        read.map_err(SimError::io("read", &path))?;
     }
     Ok(hasher.finalize().into())
 }

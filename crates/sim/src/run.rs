@@ -5,7 +5,9 @@ use crate::folder::{
 use crate::manifest::{Entry, Manifest};
 use crate::observers::{CsvTable, FieldWriter, FrameWriter, Objects, Observer, Show};
 use crate::storage::{rename_durably, replace, sync};
-use crate::{Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World};
+use crate::{
+    Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, style,
+};
 use rapunzel_electrostatics::FieldGrid;
 use std::io::Write;
 use std::path::Path;
@@ -118,7 +120,7 @@ impl<'a> ActiveRun<'a> {
         checkpoints.retain(|path| path.exists());
         let fresh = checkpoints.is_empty();
         if fresh {
-            scene.files().for_each(|file| folder.protect(file));
+            style::files(scene)?.iter().for_each(|file| folder.protect(file));
             folder.begin(&files(scene, world.stepper(), &plan))?;
         } else {
             folder.go_on()?;

@@ -10,10 +10,10 @@ use rapunzel_export::{ExportError, Frame, Strand, data, hair, obj, ply, preview,
 use rapunzel_fiber::so3;
 use rapunzel_hairgen::HairgenError;
 pub use rapunzel_hairgen::style::{GrowthStage, Hairstyle, Style, StyleReport};
-use rapunzel_scene::style_from_ron;
+use rapunzel_scene::{Scene, style_from_ron};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Radius of the hairs in the files, m.
 const HAIR_RADIUS: f64 = 35e-6;
@@ -40,6 +40,20 @@ pub fn read(path: &Path) -> Result<Style, SimError> {
 /// [`SimError::Hairstyle`].
 pub fn grow(style: &Style, folder: &Path, at: &dyn Fn(GrowthStage)) -> Result<Hairstyle, SimError> {
     Ok(style.grow(&|path| bytes(&folder.join(path)), at)?)
+}
+
+/// Paths of all files that belong to a scene beside its text: those that it names, and those that
+/// its styles name.
+///
+/// # Errors
+/// Those of [`read`].
+pub(crate) fn files(scene: &Scene) -> Result<Vec<PathBuf>, SimError> {
+    let mut paths: Vec<_> = scene.files().map(Path::to_owned).collect();
+    for path in scene.styles() {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        paths.extend(read(path)?.files().map(|file| folder.join(file)));
+    }
+    Ok(paths)
 }
 
 /// The closed surface of the head that the style in a file grows on, meters, z up, its face along
@@ -142,5 +156,26 @@ fn strand(points: &[Point3<f64>]) -> Strand {
         frames,
         curvatures: vec![Vector3::zeros(); segments + 1],
         forces: vec![Vector3::zeros(); segments],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene beside a folder with a style, which names an image beside itself.
+    #[test]
+    fn files_of_a_style_belong_to_the_scene() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("styles")).expect("a folder");
+        let style = "(length: Image(file: \"length.png\", black: 0.0, white: 0.3))";
+        std::fs::write(folder.path().join("styles/short.ron"), style).expect("a file");
+        let text = "(format: 1, duration: 0.1,
+            objects: [(shape: Head(style: \"styles/short.ron\", spacing: 0.003))],
+            fibers: [(length: 0.1, section: Circle(radius: 3.5e-5))], stepper: (dt: 1e-3))";
+        let scene = Scene::from_ron(text).expect("a scene").seen_from(folder.path());
+        let expected =
+            ["styles/short.ron", "styles/length.png"].map(|file| folder.path().join(file));
+        assert_eq!(files(&scene).expect("a style"), expected);
     }
 }

@@ -91,7 +91,9 @@ impl<F: DistanceField> AxisProbe<'_, F> {
         let fraction = 0.5 * (ends[0] + ends[1]);
         let value = self.field.value(&self.capsule.at(fraction));
         let change = 0.5 * self.field.lipschitz() * (ends[1] - ends[0]) * self.length;
-        let near = value - change <= self.reach;
+        let places = ends.map(|end| self.capsule.at(end));
+        let near = value - change <= self.reach
+            && self.field.least_between(&places[0], &places[1]) <= self.reach;
         let ContactSearch { spacing, tolerance, .. } = self.search;
         // A tolerance below the rounding would not end.
         let small = change <= tolerance.max(1e-9 * self.length);

@@ -12,6 +12,7 @@ mod exact;
 mod feature;
 mod grid;
 mod height;
+mod line;
 mod mesh;
 mod nearest;
 mod obj;

@@ -34,6 +34,10 @@ impl DistanceField for Grid {
         out
     }
 
+    fn least_between(&self, start: &Point3<f64>, end: &Point3<f64>) -> f64 {
+        self.least_on(start, end)
+    }
+
     fn lipschitz(&self) -> f64 {
         self.lipschitz
     }
@@ -62,7 +66,12 @@ impl Grid {
     /// The eight corners of a cell, given its block and its place in that.
     #[inline(always)]
     fn corners(&self, [block, place]: [u32; 2]) -> [f32; 8] {
-        let start = (self.starts[block as usize] + place) as usize;
+        self.corners_at((self.starts[block as usize] + place) as usize)
+    }
+
+    /// The eight corners of the cell whose first node is number `start`.
+    #[inline(always)]
+    pub(super) fn corners_at(&self, start: usize) -> [f32; 8] {
         let nodes = &self.nodes[start..start + CORNERS];
         let [j, k] = [SIDE, SIDE * SIDE];
         [

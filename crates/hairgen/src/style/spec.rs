@@ -2,7 +2,7 @@ use crate::fit::FitOptions;
 use crate::head::{HairVolume, Hairline, HeadMeasures};
 use crate::{DensityModel, GuideOptions, HairOptions};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A hairstyle as a file says it. Paths are relative to the folder of the style.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,6 +79,32 @@ impl Default for Style {
             trim: None,
             seed: 0,
         }
+    }
+}
+
+impl Style {
+    /// Paths of the files that the style names, as it says them.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let (head, template) = match &self.head {
+            HeadSource::Parametric { .. } => (None, None),
+            HeadSource::Mesh { file, .. } => (Some(file), None),
+            HeadSource::Scan { file, template, .. } => (Some(file), template.as_ref()),
+        };
+        let hair = match &self.hair {
+            HairSource::Volume(_) | HairSource::Scan => None,
+            HairSource::Solid(file) | HairSource::Shell { file, .. } => Some(file),
+        };
+        let angle = match &self.flow {
+            FlowSpec::Whorl { .. } => None,
+            FlowSpec::Angle(field) => Some(field),
+        };
+        let fields = [Some(&self.density), Some(&self.length), angle, self.tilt.as_ref()];
+        let images = fields.into_iter().flatten().filter_map(|field| match field {
+            ScalpField::Constant(_) => None,
+            ScalpField::Image { file, .. } => Some(file),
+        });
+        let meshes = [head, template, hair, self.scalp.as_ref()].into_iter().flatten();
+        meshes.chain(images).map(PathBuf::as_path)
     }
 }
 

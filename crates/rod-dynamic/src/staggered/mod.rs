@@ -49,5 +49,7 @@ mod workspace;
 
 pub use batch::StaggeredBatch;
 pub use equilibrium::{EquilibriumError, equilibrium};
-pub use natural::{FittedFiber, fitted, fitted_end_load, natural_curvatures};
+pub use natural::{
+    FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
+};
 pub use single::Staggered;

@@ -94,6 +94,40 @@ pub fn natural_curvatures(
     Ok(curvatures)
 }
 
+/// The [`natural_curvatures`] as far as they are at most `most`, 1/m, off the curvatures that the
+/// shape of `state` has without any load; what is more is cut to that, and the shape is no
+/// equilibrium then.
+///
+/// # Errors
+/// Those of [`natural_curvatures`], and a bound that is negative or not a number.
+pub fn bounded_natural_curvatures(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    most: f64,
+) -> Result<Vec<Vector3<f64>>, RodError> {
+    if most.is_nan() || most < 0.0 {
+        let what = "largest change of curvature";
+        return Err(RodError::Invalid { what, why: "must not be negative" });
+    }
+    let mut curvatures = natural_curvatures(fiber, state, conditions, node_forces)?;
+    let unloaded = Instant {
+        tip: End::FREE,
+        gravity: Vector3::zeros(),
+        distributed: Vector3::zeros(),
+        ..*conditions
+    };
+    let drawn = natural_curvatures(fiber, state, &unloaded, &[])?;
+    for (natural, drawn) in curvatures.iter_mut().zip(drawn) {
+        let change = *natural - drawn;
+        if change.norm() > most {
+            *natural = drawn + change.cap_magnitude(most);
+        }
+    }
+    Ok(curvatures)
+}
+
 /// Natural curvatures for a force (N) and a moment (N m) on the end, world.
 fn balance(
     fiber: &Fiber,
@@ -192,12 +226,12 @@ pub fn fitted_end_load(
 /// The fibre whose natural curvature lets it rest in the shape of `state`, or in a stable one near
 /// it.
 ///
-/// Where [`natural_curvatures`] are larger than `most` (1/m), they are cut to that; where the
-/// equilibrium is not stable, the fibre falls from it to one that is. `moved` tells how far that
-/// leads. Cost: a Newton step where the shape is stable as it is.
+/// Loads change curvatures by at most `most` (1/m), as with [`bounded_natural_curvatures`]: where
+/// that does not do, or the equilibrium is not stable, the fibre falls to one that is. `moved` tells
+/// how far that leads. Cost: a Newton step where the shape is stable as it is.
 ///
 /// # Errors
-/// Those of [`natural_curvatures`], and of [`equilibrium`](super::equilibrium()).
+/// Those of [`bounded_natural_curvatures`], and of [`equilibrium`](super::equilibrium()).
 pub fn fitted(
     fiber: &Fiber,
     state: &RodState,
@@ -205,17 +239,7 @@ pub fn fitted(
     node_forces: &[Vector3<f64>],
     most: f64,
 ) -> Result<FittedFiber, EquilibriumError> {
-    if most.is_nan() || most < 0.0 {
-        let what = "largest natural curvature";
-        return Err(RodError::Invalid { what, why: "must not be negative" }.into());
-    }
-    let mut curvatures = natural_curvatures(fiber, state, conditions, node_forces)?;
-    for kappa in &mut curvatures {
-        let size = kappa.norm();
-        if size > most {
-            *kappa *= most / size;
-        }
-    }
+    let curvatures = bounded_natural_curvatures(fiber, state, conditions, node_forces, most)?;
     let invalid = |_| RodError::Invalid { what: "natural curvature", why: "must be finite" };
     let fiber = fiber.clone().with_node_curvatures(&curvatures).map_err(invalid)?;
     let rod = Rod::new(fiber);

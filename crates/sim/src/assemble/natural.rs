@@ -9,16 +9,16 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{CollisionObject, Separation, separate};
 use rapunzel_fiber::{Fiber, Layout};
 use rapunzel_rod_dynamic::{
-    End, FittedFiber, Instant, RodError, RodIntegrator, RodState, Staggered, fitted,
-    fitted_end_load, natural_curvatures,
+    End, FittedFiber, Instant, RodError, RodIntegrator, RodState, Staggered,
+    bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };
 use rayon::prelude::*;
 
 /// Distance, in lengths of a fibre, within which it rests as it is drawn.
 const SAME: f64 = 1e-3;
 
-/// Most times that fibres in contact move on and are given natural shapes.
-const MOST_ROUNDS: usize = 6;
+/// Times that settled fibres are let go and balanced with what contacts bear then.
+const REBALANCINGS: usize = 3;
 
 /// What became of fibres.
 #[derive(Debug, Clone, Copy)]
@@ -62,27 +62,29 @@ pub(super) fn give_natural_shapes(
         return Ok(());
     }
     let mut told = vec![None; starts.len()];
-    let mut moved = vec![0.0; starts.len()];
     match &scene.contact {
-        None => rest(scene, starts, &[], &mut told)?,
+        None => rest(scene, starts, &[], Course::Alone, &mut told)?,
         Some(settings) => {
+            let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
+            rest(scene, starts, &forces, Course::Touching, &mut told)?;
+            // What contacts hold need not be stable, and what asks for too much sags.
             let mut still = Still::new(scene, starts, objects)?;
-            let forces = still.contact_forces(settings)?;
-            rest(scene, starts, &forces, &mut told)?;
-            // What contacts hold need not be stable: what leaves its place moves on, and is given
-            // another natural shape where it has come to, until all stay.
-            for _ in 0..MOST_ROUNDS {
-                let mut still = Still::new(scene, starts, objects)?;
-                let (forces, is_slow) = still.settle(settings)?;
-                take_states(starts, still.starts, &told, &mut moved);
-                rest(scene, starts, &forces, &mut told)?;
-                if is_slow {
-                    break;
-                }
+            let forces = still.settle(settings)?;
+            let drawn: Vec<_> = starts.iter().map(|start| start.state.clone()).collect();
+            take_states(starts, still.starts, &told);
+            rest(scene, starts, &forces, Course::Settled, &mut told)?;
+            // Some contacts were there only because fibres moved.
+            for _ in 0..REBALANCINGS {
+                let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
+                rest(scene, starts, &forces, Course::Settled, &mut told)?;
             }
-            told.iter_mut().zip(moved).for_each(|(told, moved)| {
-                told.iter_mut().for_each(|told| told.moved = moved);
-            });
+            for ((told, drawn), start) in told.iter_mut().zip(drawn).zip(&*starts) {
+                let (Some(told), Some(drawn), Some(state)) = (told, drawn, &start.state) else {
+                    continue;
+                };
+                let ways = drawn.positions.iter().zip(&state.positions);
+                told.moved = ways.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            }
         }
     }
     for index in 0..scene.fibers.len() {
@@ -92,17 +94,30 @@ pub(super) fn give_natural_shapes(
     Ok(())
 }
 
+/// Where fibres are that are given natural shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Course {
+    /// In the curves of the groom, touching nothing: what does not stay there falls to where it
+    /// does.
+    Alone,
+    /// In the curves of the groom, touching others: contacts hold them, so that their stability is
+    /// not known from each alone.
+    Touching,
+    /// Where they have settled: what is left of their motion is balanced, whatever that takes.
+    Settled,
+}
+
 /// Gives all groomed fibres natural shapes under their loads, and forces of contacts on all nodes,
 /// N, if there are any, and tells of each.
 fn rest(
     scene: &Scene,
     starts: &mut [FiberStart],
     forces: &[Vector3<f64>],
+    course: Course,
     told: &mut [Option<Told>],
 ) -> Result<(), SimError> {
     let layout = Layout::new(starts.iter().map(|start| start.rod.fiber.segments()));
     let gravity = scene.environment.gravity_at(0.0);
-    let touching = scene.contact.is_some();
     let all = starts.par_iter_mut().zip(told).enumerate();
     all.try_for_each(|(fiber, (start, told))| {
         let bundle = &scene.fibers[start.bundle];
@@ -112,25 +127,18 @@ fn rest(
             forces.resize(segments + 1, Vector3::zeros());
             forces[k] += own;
         }
-        *told = rest_one(start, bundle, gravity, &forces, touching)?;
+        *told = rest_one(start, bundle, gravity, &forces, course)?;
         Ok(())
     })
 }
 
-/// Takes over the states that fibres which are to rest have come to, and adds to how far their
-/// nodes have moved, m. Others start where the scene puts them.
-fn take_states(
-    starts: &mut [FiberStart],
-    settled: Vec<FiberStart>,
-    told: &[Option<Told>],
-    moved: &mut [f64],
-) {
-    let all = starts.iter_mut().zip(settled).zip(moved).zip(told);
-    for (((start, settled), moved), _) in all.filter(|(_, told)| told.is_some()) {
-        let (Some(before), Some(after)) = (&start.state, &settled.state) else { continue };
-        let ways = before.positions.iter().zip(&after.positions).map(|(a, b)| (a - b).norm());
-        *moved += ways.fold(0.0, f64::max);
-        start.state = settled.state;
+/// Takes over the states that fibres which are to rest have come to. Others start where the scene
+/// puts them.
+fn take_states(starts: &mut [FiberStart], settled: Vec<FiberStart>, told: &[Option<Told>]) {
+    for ((start, settled), told) in starts.iter_mut().zip(settled).zip(told) {
+        if told.is_some() {
+            start.state = settled.state;
+        }
     }
 }
 
@@ -195,14 +203,13 @@ fn move_apart(
 }
 
 /// Gives a groomed fibre the natural shape with which it rests under its loads: gravity (m/s^2) and
-/// forces on its nodes (N). Where it is `touching` others, contacts hold it, so that its stability
-/// is not known from it alone, and it stays where it is.
+/// forces on its nodes (N).
 fn rest_one(
     start: &mut FiberStart,
     bundle: &Bundle,
     gravity: Vector3<f64>,
     forces: &[Vector3<f64>],
-    touching: bool,
+    course: Course,
 ) -> Result<Option<Told>, SimError> {
     let (Some(groom), Some(state)) = (&bundle.groom, &start.state) else { return Ok(None) };
     let failed = |source| SimError::Rod { bundle: start.bundle, source };
@@ -215,17 +222,21 @@ fn rest_one(
         GroomShape::Drawn => return Ok(None),
         GroomShape::SagFree { most } => most,
         GroomShape::EndLoads { most } => {
-            start.end_load = fitted_end_load(fiber, state, &conditions, forces).map_err(failed)?;
+            if course != Course::Settled {
+                let load = fitted_end_load(fiber, state, &conditions, forces);
+                start.end_load = load.map_err(failed)?;
+            }
             conditions.tip = start.end_load;
             most
         }
     };
-    let held = || held(fiber, state, &conditions, forces, most);
-    let FittedFiber { fiber, state, moved } = if touching {
-        held().map_err(failed)?
-    } else {
-        fitted(fiber, state, &conditions, forces, most).or_else(|_| held()).map_err(failed)?
+    let held = |most: f64| held(fiber, state, &conditions, forces, most);
+    let rested = match course {
+        Course::Alone => fitted(fiber, state, &conditions, forces, most).or_else(|_| held(most)),
+        Course::Touching => held(most),
+        Course::Settled => held(f64::INFINITY),
     };
+    let FittedFiber { fiber, state, moved } = rested.map_err(failed)?;
     let curvature = fiber.nodes().iter().map(|node| node.natural_curvature.norm());
     let curvature = curvature.fold(0.0, f64::max);
     let length = fiber.length();
@@ -233,7 +244,8 @@ fn rest_one(
     Ok(Some(Told { fibers: 1, length, curvature, other: 0, moved }))
 }
 
-/// A fibre with the natural curvatures, cut to `most`, 1/m, that balance its loads where it is.
+/// A fibre with the natural curvatures that balance its loads where it is, if they change its
+/// curvatures by at most `most`, 1/m.
 fn held(
     fiber: &Fiber,
     state: &RodState,
@@ -241,10 +253,7 @@ fn held(
     forces: &[Vector3<f64>],
     most: f64,
 ) -> Result<FittedFiber, RodError> {
-    let mut curvatures = natural_curvatures(fiber, state, conditions, forces)?;
-    for curvature in &mut curvatures {
-        *curvature = curvature.cap_magnitude(most);
-    }
+    let curvatures = bounded_natural_curvatures(fiber, state, conditions, forces, most)?;
     let fiber = curved(fiber, &curvatures)?;
     Ok(FittedFiber { fiber, state: state.clone(), moved: 0.0 })
 }
