@@ -48,6 +48,7 @@ templates![
     "style/wavy",
     "style/curly",
     "style/tress",
+    "style/shaken-head",
 ];
 
 /// The text of a scene that ships.

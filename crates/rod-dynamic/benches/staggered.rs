@@ -6,8 +6,9 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
     Conditions, ImpulseResponse, Instant, Rod, RodIntegrator, RodStepReport, Staggered,
-    StaggeredBatch, Steady, equilibrium,
+    StaggeredBatch, Steady, equilibrium, fitted, natural_curvatures,
 };
+use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 use std::time::Duration;
@@ -133,5 +134,44 @@ fn statics(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, steps, response, statics);
+/// Natural shapes of 1,900 strands of 100 points that arch up and over, 0.1 m long, on all threads:
+/// in closed form, and with the proof that each is stable, or else the nearest that is.
+fn natural_shapes(c: &mut Criterion) {
+    const STRANDS: u32 = 1900;
+    let strand = |k: u32| {
+        let fiber = Fiber::uniform(0.1, 99, Section::Circle { radius: 35e-6 }, &Material::HAIR)
+            .expect("hair");
+        let lean = 0.2 + f64::from(k) / f64::from(STRANDS);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), lean);
+        let fiber = fiber.with_root(Isometry3::from_parts(Vector3::zeros().into(), turn));
+        let arched =
+            fiber.with_natural_curvature(|_| Vector3::new(0.0, 10.0, 0.0)).expect("finite");
+        let state = Staggered::new(Rod::new(arched.clone())).expect("a valid rod").state();
+        (arched, state)
+    };
+    let strands: Vec<_> = (0..STRANDS).map(strand).collect();
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let clamped = |fiber: &Fiber| Instant::clamped(*fiber.root(), gravity);
+    let mut group = c.benchmark_group("natural");
+    group.sample_size(10);
+    group.bench_function("1900 strands of 100 points", |b| {
+        b.iter(|| {
+            let all = strands.par_iter().map(|(fiber, state)| {
+                natural_curvatures(fiber, state, &clamped(fiber), &[]).expect("a held root")
+            });
+            all.collect::<Vec<_>>()
+        });
+    });
+    group.bench_function("1900 strands of 100 points and stable", |b| {
+        b.iter(|| {
+            let all = strands.par_iter().map(|(fiber, state)| {
+                fitted(fiber, state, &clamped(fiber), &[], f64::INFINITY).expect("an equilibrium")
+            });
+            all.collect::<Vec<_>>()
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, steps, response, statics, natural_shapes);
 criterion_main!(benches);

@@ -172,7 +172,8 @@ mod tests {
         std::fs::write(folder.path().join("styles/short.ron"), style).expect("a file");
         let text = "(format: 1, duration: 0.1,
             objects: [(shape: Head(style: \"styles/short.ron\", spacing: 0.003))],
-            fibers: [(length: 0.1, section: Circle(radius: 3.5e-5))], stepper: (dt: 1e-3))";
+            fibers: [(length: 0.1, segments: 9, section: Circle(radius: 3.5e-5))],
+            contact: (friction: Isotropic(0.3)), stepper: (dt: 1e-3))";
         let scene = Scene::from_ron(text).expect("a scene").seen_from(folder.path());
         let expected =
             ["styles/short.ron", "styles/length.png"].map(|file| folder.path().join(file));

@@ -100,12 +100,12 @@ proptest! {
         let End::Loaded { force: Load::World(f), moment: Load::Follower(m) } = found else {
             panic!("a dead force and a following couple");
         };
-        // To what Newton's method leaves of the balance.
-        prop_assert!((f - force).norm() < 1e-6 * stiffness / length.powi(2), "{f} {force}");
-        prop_assert!((m - couple).norm() < 1e-6 * stiffness / length, "{m} {couple}");
+        // To what Newton's method leaves of the balance, some millionths of what bends the fibre.
+        prop_assert!((f - force).norm() < 1e-5 * stiffness / length.powi(2), "{f} {force}");
+        prop_assert!((m - couple).norm() < 1e-5 * stiffness / length, "{m} {couple}");
         let loaded = Instant { tip: found, ..conditions };
         let left = natural_curvatures(&fiber, &state, &loaded, &[]).expect("finite");
-        prop_assert!(left.iter().all(|kappa| kappa.norm() < 1e-6 / length));
+        prop_assert!(left.iter().all(|kappa| kappa.norm() < 1e-5 / length));
     }
 }
 
@@ -168,18 +168,24 @@ fn what_cannot_stand_falls_and_is_told() {
     assert!(rest.is_exact(), "{} m", rest.moved);
 }
 
-/// A curvature that no hair has is cut, and the shape follows.
+/// Loads may change the curvature by no more than is said, however curved the shape is, and the
+/// shape follows.
 #[test]
-fn natural_curvature_is_bounded() {
+fn the_change_of_curvature_is_bounded() {
     let fiber = hair(0.1, 40);
     let state = style(&fiber, [6.0, 3.0, 0.0]);
     let rest = fitted(&fiber, &state, &clamped(&state), &[], 30.0).expect("a fibre");
-    let largest = rest.fiber.nodes().iter().map(|n| n.natural_curvature.norm()).fold(0.0, f64::max);
-    assert!(
-        largest <= 30.0 * (1.0 + 1e-12) && rest.moved > 1e-3,
-        "{largest} 1/m, {} m",
-        rest.moved
-    );
+    let unloaded = Instant { gravity: Vector3::zeros(), ..clamped(&state) };
+    let drawn = natural_curvatures(&fiber, &state, &unloaded, &[]).expect("a held root");
+    let nodes = rest.fiber.nodes().iter().zip(&drawn);
+    let changes = nodes.map(|(node, drawn)| (node.natural_curvature - drawn).norm());
+    let largest = changes.fold(0.0, f64::max);
+    assert!((largest - 30.0).abs() < 1e-9 && rest.moved > 1e-3, "{largest} 1/m, {} m", rest.moved);
+    assert!(drawn.iter().any(|drawn| drawn.norm() > 60.0));
+    // What asks for less is not changed.
+    let rest = fitted(&fiber, &state, &clamped(&state), &[], 1e4).expect("a fibre");
+    let free = natural_curvatures(&fiber, &state, &clamped(&state), &[]).expect("a held root");
+    assert!(rest.fiber.nodes().iter().zip(free).all(|(n, free)| n.natural_curvature == free));
 }
 
 /// The chain of `rod-static`, with the natural curvature between the nodes, rests where the style
