@@ -2,6 +2,7 @@
 //! head and hull (thesis 5.3.3), and that all others follow.
 
 mod flow;
+mod hang;
 mod objective;
 mod options;
 mod place;

@@ -21,7 +21,7 @@ pub struct Terms {
 
 /// What a guide's end load minimizes (5.7).
 pub(crate) struct Objective<'a> {
-    pub(super) flow: GuideFlow<'a>,
+    pub(crate) flow: GuideFlow<'a>,
     pub(super) region: Region<'a>,
     pub(super) density: Option<&'a HairDensity>,
     pub(super) weights: [f64; 4],

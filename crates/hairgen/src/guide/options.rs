@@ -47,8 +47,8 @@ pub struct GuideOptions {
     pub segments: usize,
     /// Torsion stiffness over bending stiffness.
     pub torsion: f64,
-    /// Direction in which hair falls (world); it decides only where a hair that grows along the
-    /// scalp's normal bends.
+    /// Direction in which hair falls (world): to there hair hangs that is too long to be laid
+    /// otherwise, and there a hair bends that grows along the scalp's normal.
     pub down: Unit<Vector3<f64>>,
     /// Weights of the terms of the objective.
     pub weights: GuideWeights,
@@ -58,8 +58,8 @@ pub struct GuideOptions {
     pub penalty: f64,
     /// Arc length that a guide may be outside of the hull before it is cut, m.
     pub outside: f64,
-    /// Fraction of its length that must be left of a guide after the cut; one with less finds no
-    /// place.
+    /// Fraction of its pore's length that must be left of a guide after the cut; one with less
+    /// finds no place.
     pub least: f64,
     /// Largest number of equilibria of a guide.
     pub equilibria: usize,
@@ -78,7 +78,7 @@ impl Default for GuideOptions {
             margin: 0.003,
             penalty: 10.0,
             outside: 0.005,
-            least: 0.2,
+            least: 0.05,
             equilibria: 60,
             batch: 64,
         }

@@ -39,8 +39,9 @@ pub struct GuideHairs {
 }
 
 /// Lays a guide in each of the `pores`: the load on its end, a force and a couple, is the one that
-/// minimizes the objective (5.7), searched by a quasi-Newton method from the loads of the
-/// pre-guides next to it. Guides are cut where they leave the region.
+/// minimizes the objective (5.7), searched by a quasi-Newton method from the load of the
+/// pre-guide next to it. A guide is as long as its pore says, and not longer than the pre-guides
+/// next to it in the mean, which end where they leave the region; it is cut where it leaves it.
 ///
 /// With a `density`, which grows by the guides laid, guides are laid in batches in the order of
 /// their pores: each sees the guides of the batches before. So the result does not depend on the
@@ -87,7 +88,7 @@ fn place(
     objective: &Objective<'_>,
     options: &GuideOptions,
 ) -> Result<Option<GuideHair>, HairgenError> {
-    let mut rod = GuideRod::new(pore, number, options)?;
+    let mut rod = GuideRod::new(&objective.flow.fitted(pore), number, options)?;
     let Some(found) = optimum(&mut rod, objective, options.equilibria) else { return Ok(None) };
     let (terms, _) = objective.terms(&rod, &found.kept);
     let curve = cut(found.kept.positions(), objective.region, options.outside);
@@ -104,16 +105,15 @@ fn place(
     Ok((left >= options.least * pore.length).then_some(guide))
 }
 
-/// The end load that minimizes the objective, searched from the mean load of the pre-guides next to
-/// the guide, in at most `most` equilibria.
+/// The end load that minimizes the objective, searched from that of the pre-guide next to the
+/// guide, in at most `most` equilibria.
 pub(crate) fn optimum(
     rod: &mut GuideRod,
     objective: &Objective<'_>,
     most: usize,
 ) -> Option<Minimum<Shape>> {
-    let start = objective.flow.load(rod);
-    let shape = rod.relax(&EndLoad::of(&start), &rod.straight()).ok()?.shape;
-    minimize(&start, &shape, most, |load, shape| {
+    let (load, shape) = objective.flow.start(rod)?;
+    minimize(&load.unknowns(), &shape, most, |load, shape| {
         let (value, gradient, rest) = objective.with_gradient(rod, load, shape)?;
         Some((value, gradient, rest.shape))
     })

@@ -1,4 +1,5 @@
 use super::GuideOptions;
+use super::hang::hang;
 use super::rod::{EndLoad, GuideRod};
 use crate::error::choice;
 use crate::{HairgenError, Pore, Region};
@@ -16,10 +17,12 @@ const LARGEST_FORCE: f64 = 3000.0;
 const BISECTIONS: usize = 4;
 
 /// A pre-guide: a hair bent by a growing force on its end until all of it is deep enough below the
-/// hull (thesis 5.3.3). Pre-guides tell the main guides where hair flows.
+/// hull (thesis 5.3.3), or a shorter one that hangs. Pre-guides tell the main guides where hair
+/// flows, and how long it can be.
 #[derive(Debug, Clone)]
 pub struct PreGuide {
-    /// The pore it grows out of.
+    /// The pore it grows out of, with the length of the pre-guide, which is less than that of the
+    /// pore where a hair of that length leaves the region.
     pub pore: Pore,
     /// Its shape: positions and frames of its nodes.
     pub shape: Shape,
@@ -27,8 +30,8 @@ pub struct PreGuide {
     pub bends: Vec<Vector3<f64>>,
     /// Load on its end.
     pub load: EndLoad,
-    /// Whether all of it is deep enough and none in the head. Otherwise it has found no place, and
-    /// its shape is the one that lacks least depth before its end would enter the head.
+    /// Whether it has found a place: all of it is deep enough and none in the head, or the least
+    /// part of the pore's length that a guide must have hangs in the region.
     pub placed: bool,
 }
 
@@ -36,7 +39,10 @@ pub struct PreGuide {
 ///
 /// `dips` says for each how deep it must go, from 0, just below the hull, to 1, at the head: the
 /// depth below the hull over the sum of both distances. The force is dead and acts in the plane of
-/// the scalp's normal and the growth direction, across that, toward the head.
+/// the scalp's normal and the growth direction, across that, toward the head. Hair that is longer
+/// than the head is wide finds no place so, for it would wind about the head: it hangs by a force
+/// downward, as far as it stays in the region, and ends there. Of the forces under which it stays
+/// for the longest way, or nearly, that is taken under which it is nearest to its depth in the mean.
 ///
 /// # Errors
 /// Options out of range, pores that are none, and dips that are not in [0, 1] or not one for each
@@ -120,9 +126,11 @@ fn grow(
         }
         best = best.better(attempt);
     }
+    if best.lack != Some(0.0) {
+        return hang(pore, number, dip, region, options);
+    }
     let bends = rod.bends(&best.shape);
-    let placed = best.lack == Some(0.0);
-    Ok(PreGuide { pore: *pore, shape: best.shape, bends, load: best.load, placed })
+    Ok(PreGuide { pore: *pore, shape: best.shape, bends, load: best.load, placed: true })
 }
 
 /// A shape of a pre-guide that is being grown.
@@ -157,11 +165,17 @@ impl ForceTrial {
 fn lacking(shape: &Shape, dip: f64, region: Region<'_>) -> Option<f64> {
     let mut lack = 0.0_f64;
     for position in &shape.positions()[1..] {
-        let [inside, outside] = region.depths(position);
-        if inside > 0.0 {
+        let depths = region.depths(position);
+        if depths[0] > 0.0 {
             return None;
         }
-        lack = lack.max(outside + dip * (-inside - outside));
+        lack = lack.max(shortfall(depths, dip));
     }
     Some(lack)
+}
+
+/// How much depth a point lacks to the one asked for, m, from its depths into the forbidden sides
+/// of head and hull; negative if it is deep enough.
+pub(super) fn shortfall([inside, outside]: [f64; 2], dip: f64) -> f64 {
+    outside + dip * (-inside - outside)
 }

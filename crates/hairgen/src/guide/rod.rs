@@ -20,6 +20,11 @@ impl EndLoad {
         let [force, couple] = [0, 3].map(|row| unknowns.fixed_rows::<3>(row).into_owned());
         Self { force, couple }
     }
+
+    pub(super) fn unknowns(&self) -> Vector6<f64> {
+        let (f, c) = (self.force, self.couple);
+        Vector6::new(f.x, f.y, f.z, c.x, c.y, c.z)
+    }
 }
 
 /// A guide as a naturally straight round rod, clamped in its pore.
@@ -73,6 +78,14 @@ impl GuideRod {
 
     pub(crate) fn straight(&self) -> Shape {
         self.chain.natural_shape()
+    }
+
+    /// The shape with the given frames of the nodes.
+    pub(super) fn shape_of(
+        &self,
+        frames: Vec<UnitQuaternion<f64>>,
+    ) -> Result<Shape, StaticError> {
+        self.chain.shape_of(frames)
     }
 
     /// The equilibrium under a load on the end that is reached from `start`.
