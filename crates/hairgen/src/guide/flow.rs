@@ -3,7 +3,7 @@ use super::rod::{EndLoad, GuideRod};
 use crate::near::nearest;
 use crate::{HairgenError, Pore};
 use nalgebra::{Point3, Vector3};
-use rapunzel_rod_static::Shape;
+use rapunzel_rod_static::Rest;
 
 /// Number of pre-guides that tell a guide where hair flows; three are enough (thesis 5.3.3).
 const FLOWS: usize = 3;
@@ -61,12 +61,12 @@ impl<'a> GuideFlow<'a> {
     /// Where a search for the load on the end of `rod` starts: the load of the nearest pre-guide,
     /// turned from its root to that of `rod`, and the equilibrium there next to its shape. The mean
     /// of several loads may bend a hair into none of their shapes. `None` without an equilibrium.
-    pub(super) fn start(&self, rod: &mut GuideRod) -> Option<(EndLoad, Shape)> {
+    pub(super) fn start(&self, rod: &mut GuideRod) -> Option<(EndLoad, Rest)> {
         let (_, near) = self.parts.first()?;
         let turn = rod.root() * near.shape.frames()[0].inverse();
         let load = EndLoad { force: turn * near.load.force, ..near.load };
         let rest = rod.relax_nearby(&load, &near.shape);
         let rest = rest.or_else(|_| rod.relax(&load, &rod.straight())).ok()?;
-        Some((load, rest.shape))
+        Some((load, rest))
     }
 }

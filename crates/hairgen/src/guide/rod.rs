@@ -1,6 +1,8 @@
 use crate::{HairgenError, Pore};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6};
-use rapunzel_rod_static::{Chain, Piece, Properties, Rest, Shape, ShapeDerivatives, StaticError};
+use rapunzel_rod_static::{
+    Chain, Piece, Properties, Rest, Shape, ShapeDerivatives, ShapeResponse, StaticError,
+};
 
 /// Smallest sine of an angle between two directions that span a plane.
 const LEAST_SINE: f64 = 1e-3;
@@ -81,10 +83,7 @@ impl GuideRod {
     }
 
     /// The shape with the given frames of the nodes.
-    pub(super) fn shape_of(
-        &self,
-        frames: Vec<UnitQuaternion<f64>>,
-    ) -> Result<Shape, StaticError> {
+    pub(super) fn shape_of(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Shape, StaticError> {
         self.chain.shape_of(frames)
     }
 
@@ -122,6 +121,16 @@ impl GuideRod {
         let by = self.chain.end_load_derivatives(rest, &by)?;
         let couple = by.couple * self.length;
         Ok(Vector6::new(by.force.x, by.force.y, by.force.z, couple.x, couple.y, couple.z))
+    }
+
+    /// Changes of an equilibrium by the components of the load on the end, in its units.
+    pub(super) fn responses(&self, rest: &Rest) -> Result<[ShapeResponse; 6], StaticError> {
+        let mut responses = self.chain.end_load_responses(rest)?;
+        for response in &mut responses[3..] {
+            let parts = [&mut response.positions, &mut response.tangents, &mut response.curvatures];
+            parts.into_iter().flatten().for_each(|change| *change *= self.length);
+        }
+        Ok(responses)
     }
 
     /// Curvatures of the segments times the length, in their own axes: those of the curve scaled to
