@@ -14,6 +14,8 @@ const RATIO: f64 = 1.6;
 const STRONGEST: f64 = 700.0;
 /// Part of the longest way in the region that is as good as all of it.
 const NEARLY: f64 = 0.98;
+/// Part of the longest way for which a hair is let hang like those around it.
+const ENOUGH: f64 = 0.8;
 /// Shortest part of a pore's length that is laid at all.
 const SHORTEST: f64 = 0.02;
 
@@ -43,32 +45,63 @@ impl HangingHair {
     }
 }
 
-/// The pre-guide of a pore that hangs, and ends where it leaves the region.
+/// The hairs of a pore under the forces, from none on.
+pub(super) struct HangingHairs {
+    rod: GuideRod,
+    hairs: Vec<HangingHair>,
+    /// Number of the one that fits best by itself.
+    best: usize,
+}
+
+/// Hangs a hair of the pore by each of the forces.
 pub(super) fn hang(
     pore: &Pore,
     number: usize,
     dip: f64,
     region: Region<'_>,
     options: &GuideOptions,
-) -> Result<PreGuide, HairgenError> {
+) -> Result<HangingHairs, HairgenError> {
     let mut rod = GuideRod::new(pore, number, options)?;
     let unloaded = EndLoad { force: Vector3::zeros(), couple: Vector3::zeros() };
-    let mut best = HangingHair::new(unloaded, rod.straight(), dip, region, options);
-    let (mut force, mut start, mut longest) = (WEAKEST, rod.straight(), best.reach);
+    let mut hairs = vec![HangingHair::new(unloaded, rod.straight(), dip, region, options)];
+    let mut force = WEAKEST;
     while force <= STRONGEST {
         let load = EndLoad { force: options.down.into_inner() * force, couple: Vector3::zeros() };
-        let Ok(rest) = rod.relax(&load, &start) else { break };
-        let hair = HangingHair::new(load, rest.shape, dip, region, options);
-        start.clone_from(&hair.shape);
-        longest = longest.max(hair.reach);
-        let far = |hair: &HangingHair| hair.reach >= NEARLY * longest;
-        if far(&hair) && (!far(&best) || hair.off < best.off) {
-            best = hair;
-        }
+        let Ok(rest) = rod.relax(&load, &hairs[hairs.len() - 1].shape) else { break };
+        hairs.push(HangingHair::new(load, rest.shape, dip, region, options));
         force *= RATIO;
     }
-    let placed = best.reach >= options.least * pore.length;
-    shortened(pore, number, &rod, &best, options).map(|guide| PreGuide { placed, ..guide })
+    let mut all = HangingHairs { rod, hairs, best: 0 };
+    all.best = all.least(NEARLY, |_, hair| hair.off);
+    Ok(all)
+}
+
+impl HangingHairs {
+    /// The number of the hair for which `cost` is least, the first of several, of those that stay
+    /// in the region for a part of the longest way.
+    fn least(&self, part: f64, cost: impl Fn(usize, &HangingHair) -> f64) -> usize {
+        let longest = self.hairs.iter().map(|hair| hair.reach).fold(0.0, f64::max);
+        let far = self.hairs.iter().enumerate().filter(|(_, hair)| hair.reach >= part * longest);
+        let ranked = far.map(|(number, hair)| (cost(number, hair), number));
+        ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, number)| number)
+    }
+
+    /// The pre-guide of the pore, by about the force by which most of the pores around hang, so
+    /// that hair next to each other hangs alike; it ends where it leaves the region.
+    pub(super) fn among(
+        &self,
+        around: &[&Self],
+        pore: &Pore,
+        number: usize,
+        options: &GuideOptions,
+    ) -> Result<PreGuide, HairgenError> {
+        let mut forces: Vec<usize> = around.iter().map(|other| other.best).collect();
+        forces.sort_unstable();
+        let middle = forces.get(forces.len() / 2).copied().unwrap_or(self.best);
+        let hair = &self.hairs[self.least(ENOUGH, |force, _| force.abs_diff(middle) as f64)];
+        let placed = hair.reach >= options.least * pore.length;
+        shortened(pore, number, &self.rod, hair, options).map(|guide| PreGuide { placed, ..guide })
+    }
 }
 
 /// The part of a hair that stays in the region, as a rod of its own: the load on its end is what
