@@ -1,6 +1,5 @@
 //! Hair that hangs, for pores whose hair is too long to be bent into the region by a force across.
 
-use super::pre::shortfall;
 use super::rod::{EndLoad, GuideRod};
 use super::{GuideOptions, PreGuide};
 use crate::{HairgenError, Pore, Region, cut};
@@ -25,23 +24,13 @@ struct HangingHair {
     shape: Shape,
     /// Arc length from the root on that stays in the region, m.
     reach: f64,
-    /// How far this part is from the depth asked for in the mean, m.
-    off: f64,
 }
 
 impl HangingHair {
-    fn new(
-        load: EndLoad,
-        shape: Shape,
-        dip: f64,
-        region: Region<'_>,
-        options: &GuideOptions,
-    ) -> Self {
+    fn new(load: EndLoad, shape: Shape, region: Region<'_>, options: &GuideOptions) -> Self {
         let kept = cut(shape.positions(), region, options.outside);
         let reach = kept.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-        let off = kept.iter().map(|point| shortfall(region.depths(point), dip).abs());
-        let off = off.sum::<f64>() / kept.len().max(1) as f64;
-        Self { load, shape, reach, off }
+        Self { load, shape, reach }
     }
 }
 
@@ -57,33 +46,32 @@ pub(super) struct HangingHairs {
 pub(super) fn hang(
     pore: &Pore,
     number: usize,
-    dip: f64,
     region: Region<'_>,
     options: &GuideOptions,
 ) -> Result<HangingHairs, HairgenError> {
     let mut rod = GuideRod::new(pore, number, options)?;
     let unloaded = EndLoad { force: Vector3::zeros(), couple: Vector3::zeros() };
-    let mut hairs = vec![HangingHair::new(unloaded, rod.straight(), dip, region, options)];
+    let mut hairs = vec![HangingHair::new(unloaded, rod.straight(), region, options)];
     let mut force = WEAKEST;
     while force <= STRONGEST {
         let load = EndLoad { force: options.down.into_inner() * force, couple: Vector3::zeros() };
         let Ok(rest) = rod.relax(&load, &hairs[hairs.len() - 1].shape) else { break };
-        hairs.push(HangingHair::new(load, rest.shape, dip, region, options));
+        hairs.push(HangingHair::new(load, rest.shape, region, options));
         force *= RATIO;
     }
     let mut all = HangingHairs { rod, hairs, best: 0 };
-    all.best = all.least(NEARLY, |_, hair| hair.off);
+    // The weakest: its hair fills the hull.
+    all.best = all.nearest(0, NEARLY);
     Ok(all)
 }
 
 impl HangingHairs {
-    /// The number of the hair for which `cost` is least, the first of several, of those that stay
-    /// in the region for a part of the longest way.
-    fn least(&self, part: f64, cost: impl Fn(usize, &HangingHair) -> f64) -> usize {
+    /// The number of the hair whose force is nearest to the force of a number, the weaker of two,
+    /// of those that stay in the region for at least a part of the longest way.
+    fn nearest(&self, force: usize, part: f64) -> usize {
         let longest = self.hairs.iter().map(|hair| hair.reach).fold(0.0, f64::max);
-        let far = self.hairs.iter().enumerate().filter(|(_, hair)| hair.reach >= part * longest);
-        let ranked = far.map(|(number, hair)| (cost(number, hair), number));
-        ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, number)| number)
+        let far = (0..self.hairs.len()).filter(|i| self.hairs[*i].reach >= part * longest);
+        far.min_by_key(|i| i.abs_diff(force)).unwrap_or(0)
     }
 
     /// The pre-guide of the pore, by about the force by which most of the pores around hang, so
@@ -98,7 +86,7 @@ impl HangingHairs {
         let mut forces: Vec<usize> = around.iter().map(|other| other.best).collect();
         forces.sort_unstable();
         let middle = forces.get(forces.len() / 2).copied().unwrap_or(self.best);
-        let hair = &self.hairs[self.least(ENOUGH, |force, _| force.abs_diff(middle) as f64)];
+        let hair = &self.hairs[self.nearest(middle, ENOUGH)];
         let placed = hair.reach >= options.least * pore.length;
         shortened(pore, number, &self.rod, hair, options).map(|guide| PreGuide { placed, ..guide })
     }

@@ -81,7 +81,7 @@ impl Default for GuideOptions {
             penalty: 10.0,
             outside: 0.005,
             least: 0.05,
-            tolerance: 5e-4,
+            tolerance: 2e-3,
             equilibria: 60,
             batch: 64,
         }

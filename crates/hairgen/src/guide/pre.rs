@@ -45,10 +45,10 @@ pub struct PreGuide {
 /// depth below the hull over the sum of both distances. The force is dead and acts in the plane of
 /// the scalp's normal and the growth direction, across that, toward the head. Hair that is longer
 /// than the head is wide finds no place so, for it would wind about the head: it hangs by a force
-/// downward, as far as it stays in the region, and ends there. Of the forces under which it stays
-/// for the longest way, or nearly, that is best under which it is nearest to its depth in the mean,
-/// and of the pores around the force in the middle is taken, or the next one under which the hair
-/// stays for most of its way.
+/// downward, as far as it stays in the region, and ends there. The weakest force under which it
+/// stays for the longest way, or nearly, fills the hull best, whatever the dip; of those of the
+/// pores around that in the middle is taken, or the next one under which the hair stays for most of
+/// its way.
 ///
 /// # Errors
 /// Options out of range, pores that are none, and dips that are not in [0, 1] or not one for each
@@ -156,7 +156,7 @@ fn grow(
         best = best.better(attempt);
     }
     if best.lack != Some(0.0) {
-        return hang(pore, number, dip, region, options).map(Grown::Hanging);
+        return hang(pore, number, region, options).map(Grown::Hanging);
     }
     let bends = rod.bends(&best.shape);
     let load = best.load;
@@ -195,17 +195,11 @@ impl ForceTrial {
 fn lacking(shape: &Shape, dip: f64, region: Region<'_>) -> Option<f64> {
     let mut lack = 0.0_f64;
     for position in &shape.positions()[1..] {
-        let depths = region.depths(position);
-        if depths[0] > 0.0 {
+        let [inside, outside] = region.depths(position);
+        if inside > 0.0 {
             return None;
         }
-        lack = lack.max(shortfall(depths, dip));
+        lack = lack.max(outside + dip * (-inside - outside));
     }
     Some(lack)
-}
-
-/// How much depth a point lacks to the one asked for, m, from its depths into the forbidden sides
-/// of head and hull; negative if it is deep enough.
-pub(super) fn shortfall([inside, outside]: [f64; 2], dip: f64) -> f64 {
-    outside + dip * (-inside - outside)
 }
