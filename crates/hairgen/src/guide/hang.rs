@@ -16,7 +16,7 @@ const NEARLY: f64 = 0.98;
 /// Part of the longest way for which a hair is let hang like those around it.
 const ENOUGH: f64 = 0.8;
 /// Shortest part of a pore's length that is laid at all.
-const SHORTEST: f64 = 0.02;
+const LEAST_PART: f64 = 0.02;
 
 /// A hair of the pore's length that hangs by a force on its end.
 struct HangingHair {
@@ -101,7 +101,7 @@ fn shortened(
     hair: &HangingHair,
     options: &GuideOptions,
 ) -> Result<PreGuide, HairgenError> {
-    let part = (hair.reach / pore.length).clamp(SHORTEST, 1.0);
+    let part = (hair.reach / pore.length).clamp(LEAST_PART, 1.0);
     let pore = Pore { length: part * pore.length, ..*pore };
     let mut short = GuideRod::new(&pore, number, options)?;
     let frames = hair.shape.frames();

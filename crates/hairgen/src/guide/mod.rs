@@ -7,6 +7,7 @@ mod objective;
 mod options;
 mod place;
 mod pre;
+mod pre_guide;
 mod rod;
 mod search;
 mod terms;
@@ -14,7 +15,8 @@ mod terms;
 pub use objective::Terms;
 pub use options::{GuideOptions, GuideWeights};
 pub use place::{GuideHair, GuideHairs, place_guides};
-pub use pre::{PreGuide, dips_by_height, grow_pre_guides};
+pub use pre::{dips_by_height, grow_pre_guides};
+pub use pre_guide::PreGuide;
 pub use rod::EndLoad;
 
 pub(crate) use flow::GuideFlow;
