@@ -7,7 +7,7 @@ use rapunzel_hairgen::head::HairVolume;
 use rapunzel_hairgen::{GuideOptions, place_guides};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 
-/// Color of what has found no place as deep as asked.
+/// Color of what has found no place.
 const LOST: [f64; 3] = [0.84, 0.37, 0.0];
 
 /// Both on the parametric head in a bob.
@@ -46,18 +46,18 @@ pub(crate) fn laid(size: Size) -> Fallible<Figure> {
     pictures.extend(views.map(|view| picture(view, &guides, "guides")));
     let placed = ground.pre.iter().filter(|guide| guide.placed).count() as f64;
     let equilibria: usize = hairs.guides.iter().map(|guide| guide.equilibria).sum();
-    let legend = "orange: a pre-guide that lies less deep than asked";
+    let legend = "orange: a pre-guide without a place";
     Ok(Figure {
         scene: "the bob on the parametric head, hairs of 24 cm",
         parameters: "a pre-guide on each square centimeter, 400 guides, --full 3,000; no density",
         drawings: vec![images("5.3.3 Pre-guides and guides", legend, 2, pictures)],
         checks: vec![
             check(
-                "pre-guides as deep as asked",
+                "pre-guides with a place",
                 100.0 * placed / ground.pre.len() as f64,
                 "%",
                 Criterion::Told,
-                "the load grows until all of the hair is",
+                "all: the load grows until they are deep enough",
             ),
             check(
                 "pores without a guide",

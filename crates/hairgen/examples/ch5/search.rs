@@ -16,7 +16,8 @@ const LOWER: f64 = 1e-3;
 pub(crate) fn compared(size: Size) -> Fallible<Figure> {
     let ground = Ground::new(&HairVolume::BOB, 0.24, 1000)?;
     let (pores, region) = (&ground.pores[..size.of(200, 20)], ground.region());
-    let options = GuideOptions::default();
+    // As low as the simplex goes.
+    let options = GuideOptions { tolerance: 2.5e-8, ..GuideOptions::default() };
     let own = place_guides(pores, &ground.pre, region, None, &options)?.guides;
     let simplex = simplex_guides(pores, &ground.pre, region, None, &options, MOST)?;
     let mut pairs: Vec<_> = own

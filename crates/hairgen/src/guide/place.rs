@@ -1,12 +1,12 @@
 use super::flow::GuideFlow;
 use super::objective::{Objective, Terms};
 use super::rod::{EndLoad, GuideRod};
-use super::search::{Minimum, minimize};
+use super::search::{Minimum, Searched, minimize};
 use super::{GuideOptions, PreGuide};
 use crate::density::HairDensity;
 use crate::{HairgenError, Pore, Region, cut};
-use nalgebra::Point3;
-use rapunzel_rod_static::Shape;
+use nalgebra::{Matrix6, Point3, Vector6};
+use rapunzel_rod_static::{Rest, Shape};
 use rayon::prelude::*;
 
 /// A main guide in its place.
@@ -39,8 +39,9 @@ pub struct GuideHairs {
 }
 
 /// Lays a guide in each of the `pores`: the load on its end, a force and a couple, is the one that
-/// minimizes the objective (5.7), searched by a quasi-Newton method from the loads of the
-/// pre-guides next to it. Guides are cut where they leave the region.
+/// minimizes the objective (5.7), searched by a quasi-Newton method from the load of the
+/// pre-guide next to it. A guide is as long as its pore says, and not longer than the pre-guides
+/// next to it in the mean, which end where they leave the region; it is cut where it leaves it.
 ///
 /// With a `density`, which grows by the guides laid, guides are laid in batches in the order of
 /// their pores: each sees the guides of the batches before. So the result does not depend on the
@@ -87,10 +88,10 @@ fn place(
     objective: &Objective<'_>,
     options: &GuideOptions,
 ) -> Result<Option<GuideHair>, HairgenError> {
-    let mut rod = GuideRod::new(pore, number, options)?;
-    let Some(found) = optimum(&mut rod, objective, options.equilibria) else { return Ok(None) };
-    let (terms, _) = objective.terms(&rod, &found.kept);
-    let curve = cut(found.kept.positions(), objective.region, options.outside);
+    let mut rod = GuideRod::new(&objective.flow.fitted(pore), number, options)?;
+    let Some(found) = optimum(&mut rod, objective, options) else { return Ok(None) };
+    let (terms, _) = objective.terms(&rod, &found.kept.shape);
+    let curve = cut(found.kept.shape.positions(), objective.region, options.outside);
     let left: f64 = curve.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     let guide = GuideHair {
         pore: number,
@@ -99,22 +100,37 @@ fn place(
         value: found.value,
         equilibria: found.evaluations,
         curve,
-        shape: found.kept,
+        shape: found.kept.shape,
     };
     Ok((left >= options.least * pore.length).then_some(guide))
 }
 
-/// The end load that minimizes the objective, searched from the mean load of the pre-guides next to
-/// the guide, in at most `most` equilibria.
-pub(crate) fn optimum(
+/// The objective as a function of the load on the end of a rod.
+struct LoadSearch<'r, 'o> {
+    rod: &'r mut GuideRod,
+    objective: &'r Objective<'o>,
+}
+
+impl Searched for LoadSearch<'_, '_> {
+    type Kept = Rest;
+
+    fn at(&mut self, load: &Vector6<f64>, near: &Rest) -> Option<(f64, Vector6<f64>, Rest)> {
+        self.objective.with_gradient(self.rod, load, &near.shape)
+    }
+
+    fn inverse_hessian(&self, rest: &Rest) -> Option<Matrix6<f64>> {
+        self.objective.inverse_hessian(self.rod, rest)
+    }
+}
+
+/// The end load that minimizes the objective, searched from that of the pre-guide next to the
+/// guide.
+fn optimum(
     rod: &mut GuideRod,
     objective: &Objective<'_>,
-    most: usize,
-) -> Option<Minimum<Shape>> {
-    let start = objective.flow.load(rod);
-    let shape = rod.relax(&EndLoad::of(&start), &rod.straight()).ok()?.shape;
-    minimize(&start, &shape, most, |load, shape| {
-        let (value, gradient, rest) = objective.with_gradient(rod, load, shape)?;
-        Some((value, gradient, rest.shape))
-    })
+    options: &GuideOptions,
+) -> Option<Minimum<Rest>> {
+    let (load, rest) = objective.flow.start(rod)?;
+    let mut search = LoadSearch { rod, objective };
+    minimize(&mut search, &load.unknowns(), &rest, options.tolerance, options.equilibria)
 }

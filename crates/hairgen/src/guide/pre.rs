@@ -1,6 +1,8 @@
-use super::GuideOptions;
+use super::hang::{HangingHairs, hang};
 use super::rod::{EndLoad, GuideRod};
+use super::{GuideOptions, PreGuide};
 use crate::error::choice;
+use crate::near::nearest;
 use crate::{HairgenError, Pore, Region};
 use nalgebra::Vector3;
 use rapunzel_rod_static::Shape;
@@ -15,28 +17,19 @@ const LARGEST_FORCE: f64 = 3000.0;
 /// Number of halvings between the largest force that is too small and the smallest that is not.
 const BISECTIONS: usize = 4;
 
-/// A pre-guide: a hair bent by a growing force on its end until all of it is deep enough below the
-/// hull (thesis 5.3.3). Pre-guides tell the main guides where hair flows.
-#[derive(Debug, Clone)]
-pub struct PreGuide {
-    /// The pore it grows out of.
-    pub pore: Pore,
-    /// Its shape: positions and frames of its nodes.
-    pub shape: Shape,
-    /// Curvatures of its segments times its length, in their own axes.
-    pub bends: Vec<Vector3<f64>>,
-    /// Load on its end.
-    pub load: EndLoad,
-    /// Whether all of it is deep enough and none in the head. Otherwise it has found no place, and
-    /// its shape is the one that lacks least depth before its end would enter the head.
-    pub placed: bool,
-}
+/// Number of pores, one of them itself, among which a pre-guide hangs as most do.
+const ALIKE: usize = 7;
 
 /// The pre-guides of the `pores`, in their order.
 ///
 /// `dips` says for each how deep it must go, from 0, just below the hull, to 1, at the head: the
 /// depth below the hull over the sum of both distances. The force is dead and acts in the plane of
-/// the scalp's normal and the growth direction, across that, toward the head.
+/// the scalp's normal and the growth direction, across that, toward the head. Hair that is longer
+/// than the head is wide finds no place so, for it would wind about the head: it hangs by a force
+/// downward, as far as it stays in the region, and ends there. The weakest force under which it
+/// stays for the longest way, or nearly, fills the hull best, whatever the dip; of those of the
+/// pores around that in the middle is taken, or the next one under which the hair stays for most of
+/// its way.
 ///
 /// # Errors
 /// Options out of range, pores that are none, and dips that are not in [0, 1] or not one for each
@@ -56,7 +49,30 @@ pub fn grow_pre_guides(
         choice("the dip of a pre-guide", *dip, "in [0, 1]", |x| (0.0..=1.0).contains(&x))?;
     }
     let grow = |number: usize| grow(&pores[number], number, dips[number], region, options);
-    (0..pores.len()).into_par_iter().map(grow).collect()
+    let all: Vec<Grown> =
+        (0..pores.len()).into_par_iter().map(grow).collect::<Result<_, HairgenError>>()?;
+    let hanging: Vec<(usize, &HangingHairs)> = (all.iter().enumerate())
+        .filter_map(|(number, grown)| match grown {
+            Grown::Bent(_) => None,
+            Grown::Hanging(hairs) => Some((number, hairs)),
+        })
+        .collect();
+    let finish = |(number, grown): (usize, &Grown)| match grown {
+        Grown::Bent(guide) => Ok(guide.clone()),
+        Grown::Hanging(hairs) => {
+            let places = hanging.iter().map(|(number, _)| pores[*number].position);
+            let near = nearest::<ALIKE, 3>(&pores[number].position, places);
+            let around: Vec<_> = near.iter().map(|(_, i)| hanging[*i].1).collect();
+            hairs.among(&around, &pores[number], number, options)
+        }
+    };
+    all.par_iter().enumerate().map(finish).collect()
+}
+
+/// A pore with a pre-guide, or with those to choose from.
+enum Grown {
+    Bent(PreGuide),
+    Hanging(HangingHairs),
 }
 
 /// Dips of pre-guides by the heights of their pores, m: from `shallow` for the highest pore to
@@ -79,7 +95,7 @@ fn grow(
     dip: f64,
     region: Region<'_>,
     options: &GuideOptions,
-) -> Result<PreGuide, HairgenError> {
+) -> Result<Grown, HairgenError> {
     let mut rod = GuideRod::new(pore, number, options)?;
     let bend = rod.bend();
     let mut try_force = |force: f64, start: &Shape| {
@@ -120,9 +136,12 @@ fn grow(
         }
         best = best.better(attempt);
     }
+    if best.lack != Some(0.0) {
+        return hang(pore, number, region, options).map(Grown::Hanging);
+    }
     let bends = rod.bends(&best.shape);
-    let placed = best.lack == Some(0.0);
-    Ok(PreGuide { pore: *pore, shape: best.shape, bends, load: best.load, placed })
+    let load = best.load;
+    Ok(Grown::Bent(PreGuide { pore: *pore, shape: best.shape, bends, load, placed: true }))
 }
 
 /// A shape of a pre-guide that is being grown.

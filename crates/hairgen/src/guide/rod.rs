@@ -1,6 +1,8 @@
 use crate::{HairgenError, Pore};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3, Vector6};
-use rapunzel_rod_static::{Chain, Piece, Properties, Rest, Shape, ShapeDerivatives, StaticError};
+use rapunzel_rod_static::{
+    Chain, Piece, Properties, Rest, Shape, ShapeDerivatives, ShapeResponse, StaticError,
+};
 
 /// Smallest sine of an angle between two directions that span a plane.
 const LEAST_SINE: f64 = 1e-3;
@@ -19,6 +21,11 @@ impl EndLoad {
     pub(crate) fn of(unknowns: &Vector6<f64>) -> Self {
         let [force, couple] = [0, 3].map(|row| unknowns.fixed_rows::<3>(row).into_owned());
         Self { force, couple }
+    }
+
+    pub(super) fn unknowns(&self) -> Vector6<f64> {
+        let (f, c) = (self.force, self.couple);
+        Vector6::new(f.x, f.y, f.z, c.x, c.y, c.z)
     }
 }
 
@@ -75,6 +82,11 @@ impl GuideRod {
         self.chain.natural_shape()
     }
 
+    /// The shape with the given frames of the nodes.
+    pub(super) fn shape_of(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Shape, StaticError> {
+        self.chain.shape_of(frames)
+    }
+
     /// The equilibrium under a load on the end that is reached from `start`.
     pub(crate) fn relax(&mut self, load: &EndLoad, start: &Shape) -> Result<Rest, StaticError> {
         self.load(load)?;
@@ -109,6 +121,16 @@ impl GuideRod {
         let by = self.chain.end_load_derivatives(rest, &by)?;
         let couple = by.couple * self.length;
         Ok(Vector6::new(by.force.x, by.force.y, by.force.z, couple.x, couple.y, couple.z))
+    }
+
+    /// Changes of an equilibrium by the components of the load on the end, in its units.
+    pub(super) fn responses(&self, rest: &Rest) -> Result<[ShapeResponse; 6], StaticError> {
+        let mut responses = self.chain.end_load_responses(rest)?;
+        for response in &mut responses[3..] {
+            let parts = [&mut response.positions, &mut response.tangents, &mut response.curvatures];
+            parts.into_iter().flatten().for_each(|change| *change *= self.length);
+        }
+        Ok(responses)
     }
 
     /// Curvatures of the segments times the length, in their own axes: those of the curve scaled to

@@ -3,15 +3,12 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-/// Largest change of the load in a step, in its units.
-const LONGEST_STEP: f64 = 4.0;
+/// Largest change of the load in a step, in its units, and relative to the load.
+const LONGEST_STEP: [f64; 2] = [4.0, 0.25];
 /// Shortest change of the load in a line search.
 const SHORTEST: f64 = 1e-7;
 /// Fraction of the decrease predicted by the slope that a step must bring (Armijo 1966).
 const SUFFICIENT: f64 = 1e-4;
-/// Slope along a step, relative to the value, at which the minimum is reached: twice the decrease
-/// that is left.
-const SETTLED: f64 = 5e-8;
 
 /// The end of a search.
 pub(super) struct Minimum<T> {
@@ -24,19 +21,36 @@ pub(super) struct Minimum<T> {
     pub(super) evaluations: usize,
 }
 
-/// Descends from `start` until the predicted decrease is a small part of the value, or `most`
-/// values are computed. `function` gives value, gradient and what is to be kept of a point, from
-/// what was kept of the point before; where it gives none the step is halved. `None` if there is no
-/// value at the start.
-pub(super) fn minimize<T>(
+/// A function of an end load that has a minimum.
+pub(super) trait Searched {
+    /// What is kept of a point, here an equilibrium.
+    type Kept;
+
+    /// Value, gradient and what is to be kept of a point, from what was kept of a point nearby;
+    /// `None` where there is no value.
+    fn at(
+        &mut self,
+        point: &Vector6<f64>,
+        near: &Self::Kept,
+    ) -> Option<(f64, Vector6<f64>, Self::Kept)>;
+
+    /// A guess at the inverse of the second derivatives at the point computed last.
+    fn inverse_hessian(&self, kept: &Self::Kept) -> Option<Matrix6<f64>>;
+}
+
+/// Descends from `start` until the predicted decrease is less than `tolerance` times the value, or
+/// `most` values are computed. Where there is no value the step is halved. `None` if there is none
+/// at the start.
+pub(super) fn minimize<F: Searched>(
+    function: &mut F,
     start: &Vector6<f64>,
-    kept: &T,
+    kept: &F::Kept,
+    tolerance: f64,
     most: usize,
-    mut function: impl FnMut(&Vector6<f64>, &T) -> Option<(f64, Vector6<f64>, T)>,
-) -> Option<Minimum<T>> {
+) -> Option<Minimum<F::Kept>> {
     let mut point = *start;
-    let (mut value, mut gradient, mut kept) = function(&point, kept)?;
-    let mut inverse: Option<Matrix6<f64>> = None;
+    let (mut value, mut gradient, mut kept) = function.at(&point, kept)?;
+    let mut inverse = function.inverse_hessian(&kept);
     let mut evaluations = 1;
     while evaluations < most {
         let mut step = match &inverse {
@@ -47,12 +61,13 @@ pub(super) fn minimize<T>(
         if slope >= 0.0 {
             (inverse, step, slope) = (None, -gradient, -gradient.norm_squared());
         }
-        if slope > -SETTLED * value.abs() {
+        if slope > -2.0 * tolerance * value.abs() {
             break;
         }
-        // The first step has no scale but that of the load.
+        // Without a guess the first step has no scale but that of the load.
+        let longest = LONGEST_STEP[0] + LONGEST_STEP[1] * point.norm();
         let mut part = match inverse {
-            Some(_) => (LONGEST_STEP / step.norm()).min(1.0),
+            Some(_) => (longest / step.norm()).min(1.0),
             None => step.norm().recip(),
         };
         let accepted = loop {
@@ -61,7 +76,7 @@ pub(super) fn minimize<T>(
             }
             evaluations += 1;
             let there = point + step * part;
-            match function(&there, &kept) {
+            match function.at(&there, &kept) {
                 Some(next) if next.0 <= value + SUFFICIENT * part * slope => {
                     break Some((there, next));
                 }
@@ -103,10 +118,14 @@ fn update(inverse: &mut Option<Matrix6<f64>>, moved: &Vector6<f64>, turned: &Vec
 mod tests {
     use super::*;
 
-    /// Rosenbrock's valley in three planes, and its minimum at ones.
-    #[test]
-    fn a_curved_valley_is_followed_to_its_end() {
-        let function = |x: &Vector6<f64>, (): &()| {
+    /// Rosenbrock's valley in three planes, with its minimum at ones. No values here and there: the
+    /// search goes around.
+    struct Valley;
+
+    impl Searched for Valley {
+        type Kept = ();
+
+        fn at(&mut self, x: &Vector6<f64>, (): &()) -> Option<(f64, Vector6<f64>, ())> {
             let (mut value, mut gradient) = (0.0, Vector6::zeros());
             for i in [0, 2, 4] {
                 let (off, climb) = (1.0 - x[i], x[i + 1] - x[i] * x[i]);
@@ -114,16 +133,41 @@ mod tests {
                 gradient[i] -= 2.0 * off + 40.0 * climb * x[i];
                 gradient[i + 1] += 20.0 * climb;
             }
-            // No values here and there: the search goes around.
             (x[0] < 1.5).then_some((value, gradient, ()))
-        };
+        }
+
+        fn inverse_hessian(&self, (): &()) -> Option<Matrix6<f64>> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_curved_valley_is_followed_to_its_end() {
         let start = Vector6::new(-1.2, 1.0, 0.0, 0.0, 1.0, -1.0);
-        let found = minimize(&start, &(), 200, function).expect("a start");
+        let found = minimize(&mut Valley, &start, &(), 2.5e-8, 200).expect("a start");
         assert!(found.value < 1e-8 && found.evaluations < 100, "{}", found.evaluations);
         assert!((found.point - Vector6::repeat(1.0)).norm() < 1e-3, "{}", found.point);
-        let few = minimize(&start, &(), 7, function).expect("a start");
+        let few = minimize(&mut Valley, &start, &(), 2.5e-8, 7).expect("a start");
         assert_eq!(few.evaluations, 7);
-        assert!(few.value < function(&start, &()).expect("a start").0);
-        assert!(minimize(&Vector6::repeat(2.0), &(), 7, function).is_none());
+        assert!(few.value < Valley.at(&start, &()).expect("a start").0);
+        assert!(minimize(&mut Valley, &Vector6::repeat(2.0), &(), 2.5e-8, 7).is_none());
+    }
+
+    /// With the right second derivatives a quadratic function takes one step, from however far.
+    #[test]
+    fn a_guess_at_the_second_derivatives_sets_the_scale() {
+        struct Bowl;
+        impl Searched for Bowl {
+            type Kept = ();
+            fn at(&mut self, x: &Vector6<f64>, (): &()) -> Option<(f64, Vector6<f64>, ())> {
+                Some((1e-4 * x.norm_squared() + 1.0, 2e-4 * x, ()))
+            }
+            fn inverse_hessian(&self, (): &()) -> Option<Matrix6<f64>> {
+                Some(Matrix6::from_diagonal_element(5e3))
+            }
+        }
+        let found = minimize(&mut Bowl, &Vector6::repeat(1.0), &(), 1e-12, 20).expect("a start");
+        assert_eq!(found.evaluations, 2);
+        assert!(found.point.norm() < 1e-12, "{}", found.point);
     }
 }

@@ -1,10 +1,11 @@
 //! The terms of a guide's objective (5.8 to 5.10), each with its derivatives.
 
+use super::PreGuide;
 use super::flow::GuideFlow;
 use crate::Region;
 use crate::quadrature::trapezoid;
-use nalgebra::{Point3, Vector3};
-use rapunzel_rod_static::{Shape, ShapeDerivatives};
+use nalgebra::{Matrix6, Point3, Vector3};
+use rapunzel_rod_static::{Shape, ShapeDerivatives, ShapeResponse};
 
 /// Rounds off the root of (5.9) at zero, where it has no derivative.
 const ROUNDING: f64 = 1e-2;
@@ -89,6 +90,94 @@ fn wall(depth: f64, penalty: f64) -> [f64; 2] {
     }
 }
 
+/// Adds `weight` times the second derivatives of [`direction`] by loads with the given responses,
+/// without those of the shape by the loads (Gauss and Newton).
+pub(super) fn direction_bend(
+    flow: &GuideFlow<'_>,
+    weight: f64,
+    responses: &[ShapeResponse; 6],
+    hessian: &mut Matrix6<f64>,
+) {
+    let segments = flow.tangents.len() - 1;
+    for (node, along) in flow.tangents.iter().enumerate() {
+        // One less the cosine is half the square of a small angle.
+        let part = weight * trapezoid(node, segments) * along.norm();
+        add_squares(part, responses, |response| response.tangents[node], hessian);
+    }
+}
+
+/// As [`direction_bend`] for [`curvature`].
+pub(super) fn curvature_bend(
+    bends: &[Vector3<f64>],
+    length: f64,
+    flow: &GuideFlow<'_>,
+    weight: f64,
+    responses: &[ShapeResponse; 6],
+    hessian: &mut Matrix6<f64>,
+) {
+    let part = (bends.len() as f64).recip();
+    let size = |guide: &PreGuide| {
+        let squares =
+            bends.iter().zip(&guide.bends).map(|(own, other)| (own - other).norm_squared());
+        (ROUNDING * ROUNDING + part * squares.sum::<f64>()).sqrt()
+    };
+    let stiffness: f64 = flow.parts.iter().map(|(share, guide)| share / size(guide)).sum();
+    let part = weight * stiffness * part * length * length;
+    for segment in 0..bends.len() {
+        add_squares(part, responses, |response| response.curvatures[segment], hessian);
+    }
+}
+
+/// As [`direction_bend`] for [`boundary`].
+pub(super) fn boundary_bend(
+    positions: &[Point3<f64>],
+    region: Region<'_>,
+    [margin, penalty]: [f64; 2],
+    weight: f64,
+    responses: &[ShapeResponse; 6],
+    hessian: &mut Matrix6<f64>,
+) {
+    let segments = positions.len() - 1;
+    for (node, position) in positions.iter().enumerate() {
+        let part = weight * trapezoid(node, segments) / (margin * margin);
+        for sample in region.walls(position) {
+            let bend = wall_bend(sample.value / margin, penalty);
+            if bend > 0.0 {
+                let toward = |response: &ShapeResponse| {
+                    Vector3::new(response.positions[node].dot(&sample.gradient), 0.0, 0.0)
+                };
+                add_squares(part * bend, responses, toward, hessian);
+            }
+        }
+    }
+}
+
+/// Second derivative of [`wall`].
+fn wall_bend(depth: f64, penalty: f64) -> f64 {
+    if depth <= -1.0 {
+        0.0
+    } else if depth <= 0.0 {
+        1.0
+    } else {
+        penalty / (1.0 + depth * depth).powf(1.5)
+    }
+}
+
+/// Adds `part` times the products of the changes `of` the responses.
+fn add_squares(
+    part: f64,
+    responses: &[ShapeResponse; 6],
+    of: impl Fn(&ShapeResponse) -> Vector3<f64>,
+    hessian: &mut Matrix6<f64>,
+) {
+    let changes = responses.each_ref().map(of);
+    for row in 0..6 {
+        for column in 0..=row {
+            hessian[(row, column)] += part * changes[row].dot(&changes[column]);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,6 +192,10 @@ mod tests {
             let slope = (high[0] - low[0]) / (2.0 * h);
             assert!((slope - middle[1]).abs() < 1e-4, "{depth}: {slope} {middle:?}");
             assert!(low[0] <= high[0] && low[1] <= high[1], "{depth}");
+            // The second derivative jumps at the margin and at the wall.
+            let bend = (high[1] - low[1]) / (2.0 * h);
+            let kink = i == -100 || i == 0;
+            assert!(kink || (bend - wall_bend(depth, 10.0)).abs() < 1e-4, "{depth}: {bend}");
         }
         assert_eq!(wall(-1.0, 10.0), [0.0, 0.0]);
         assert_eq!(wall(0.0, 10.0), [0.5, 1.0]);

@@ -24,7 +24,7 @@ pub struct StyleReport {
     pub hairs: HairReport,
     /// Number of pre-guides.
     pub pre_guides: usize,
-    /// How many of them found no place as deep as they should go.
+    /// How many of them found no place.
     pub pre_guides_without_place: usize,
     /// Number of guides that found a place.
     pub guides: usize,
@@ -73,13 +73,13 @@ impl fmt::Display for StyleReport {
         )?;
         writeln!(
             f,
-            "  guides      {} of {} found a place, {:.1} equilibria each; of {} pre-guides {} as \
-             deep as asked",
+            "  guides      {} of {} found a place, {:.1} equilibria each; {} of {} \
+             pre-guides",
             self.guides,
             self.guides + self.guides_without_place.len(),
             self.equilibria as f64 / self.guides.max(1) as f64,
-            self.pre_guides,
             self.pre_guides - self.pre_guides_without_place,
+            self.pre_guides,
         )?;
         writeln!(f, "  in head     {} of {} segments", self.hairs.in_head, self.hairs.segments)?;
         writeln!(

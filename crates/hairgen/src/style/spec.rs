@@ -41,7 +41,7 @@ pub struct Style {
     #[serde(default = "guides")]
     pub guides: usize,
     /// Depth below the surface of the hair to which pre-guides dip, of the way to the head: of the
-    /// highest ones and of the lowest.
+    /// highest ones and of the lowest. Long hair hangs instead.
     #[serde(default = "dips")]
     pub dips: [f64; 2],
     /// How guides are laid.

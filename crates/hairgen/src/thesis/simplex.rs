@@ -43,7 +43,7 @@ pub fn simplex_guides(
     let search = |(number, pore): (usize, &Pore)| {
         let flow = GuideFlow::at(&pore.position, pre)?;
         let objective = Objective::new(flow, region, density, options)?;
-        let mut rod = GuideRod::new(pore, number, options)?;
+        let mut rod = GuideRod::new(&objective.flow.fitted(pore), number, options)?;
         let mut shape = rod.straight();
         let mut lowest = f64::INFINITY;
         let found = descend(most, |load| {

@@ -3,12 +3,15 @@ use nalgebra::{Point3, Vector3};
 
 /// Corrections of a segment that would leave the region.
 const CORRECTIONS: usize = 4;
+/// Cosine of the angle between two segments at which a hair ends.
+const FOLD: f64 = 0.5;
 /// Number of segments over which the clearance of the head grows.
 const RISE: f64 = 3.0;
 
 /// Lays a hair along the `aims`, points at equal distances, in segments of the length `segment`, m,
 /// into the region: each segment is led to its aim, and where it would enter the head or leave the
-/// hull it is turned along the surface. So all segments keep their length.
+/// hull it is turned along the surface. So all segments keep their length. Where the surfaces leave
+/// no way ahead, as in the wedge between them at the hairline, it would fold: it ends there.
 pub(super) fn rein(
     root: &Point3<f64>,
     aims: &[Point3<f64>],
@@ -30,6 +33,9 @@ pub(super) fn rein(
                 break;
             }
             along = (along * segment + push).try_normalize(0.0).unwrap_or(along);
+        }
+        if node > 1 && along.dot(&(at - out[node - 2])) < FOLD * segment {
+            break;
         }
         at += along * segment;
         out.push(at);

@@ -18,7 +18,7 @@ fn options() -> GuideOptions {
 /// derivatives, to where both stop, in about a fiftieth of its equilibria.
 #[test]
 fn the_optimum_is_as_low_as_without_derivatives() {
-    let options = options();
+    let options = GuideOptions { tolerance: 2.5e-8, ..options() };
     let (pre, pores) = (pre_guides(1.2, 0.08, &options), pores(200, 1.2, 0.08));
     let hairs = place_guides(&pores, &pre, BALLS, None, &options).expect("guides");
     assert!(hairs.without_place.is_empty(), "{:?}", hairs.without_place);

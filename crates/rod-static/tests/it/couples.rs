@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use rapunzel_rod_static::{
-    Chain, Lagrange, Piece, Properties, Rest, ShapeDerivatives, StaticError, Target,
+    Chain, Lagrange, Piece, Properties, Rest, ShapeDerivatives, ShapeResponse, StaticError, Target,
 };
 
 const STIFFNESS: Vector3<f64> = Vector3::new(1.0, 1.0, 0.75);
@@ -90,6 +90,17 @@ impl Functional {
         positions.sum::<f64>() + tangents.sum::<f64>() + 0.1 * bends.sum::<f64>()
     }
 
+    /// The change of the value by a change of the shape.
+    fn change(&self, chain: &Chain, rest: &Rest, response: &ShapeResponse) -> f64 {
+        let by = self.derivatives(chain, rest);
+        let sum = |by: &[Vector3<f64>], change: &[Vector3<f64>]| {
+            by.iter().zip(change).map(|(by, change)| by.dot(change)).sum::<f64>()
+        };
+        sum(&by.positions, &response.positions)
+            + sum(&by.tangents, &response.tangents)
+            + sum(&by.curvatures, &response.curvatures)
+    }
+
     fn derivatives(&self, chain: &Chain, rest: &Rest) -> ShapeDerivatives {
         let bends = chain.curvatures(&rest.shape);
         ShapeDerivatives {
@@ -127,6 +138,11 @@ fn derivative_error(
     let by = functional.derivatives(&chain, &rest);
     let by = chain.by_rotations(&rest.shape, &by).expect("derivatives");
     let exact = chain.end_load_derivatives(&rest, &by).expect("derivatives");
+    let responses = chain.end_load_responses(&rest).expect("responses");
+    for (response, adjoint) in responses.iter().zip(exact.force.iter().chain(&exact.couple)) {
+        let forward = functional.change(&chain, &rest, response);
+        assert!((forward - adjoint).abs() < 1e-9 * (1.0 + adjoint.abs()), "{forward} {adjoint}");
+    }
     let value = |axis: usize, h: f64| {
         let mut loads = [force, couple];
         loads[axis / 3][axis % 3] += h;
@@ -194,6 +210,8 @@ fn what_has_no_derivatives_is_refused() {
     let by = vec![Vector3::x(); 4];
     assert!(chain.end_load_derivatives(&rest, &by[1..]).is_err());
     chain.set_followers(&[Vector3::x(); 5]).expect("followers");
+    let refused = chain.end_load_responses(&rest);
+    assert!(matches!(refused, Err(StaticError::NoDerivative { .. })), "{refused:?}");
     let refused = chain.end_load_derivatives(&rest, &by);
     assert!(matches!(refused, Err(StaticError::NoDerivative { .. })), "{refused:?}");
 }

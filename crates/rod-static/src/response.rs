@@ -1,0 +1,112 @@
+//! How an equilibrium changes by the loads on its end.
+
+use crate::StaticError;
+use crate::band::{BandFactor, Follow};
+use crate::chain::Chain;
+use crate::newton::NewtonStep;
+use crate::relax::Rest;
+use crate::segment::turn;
+use crate::trial::TrialShape;
+use nalgebra::{Matrix3, Vector3};
+use rapunzel_fiber::so3::right_jacobian_inverse;
+
+/// Change of the shape of a [`Chain`] by the unit of a load, to first order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeResponse {
+    /// Of the positions of the nodes, world frame, the clamp first; the unit is m over the load's.
+    pub positions: Vec<Vector3<f64>>,
+    /// Of the tangents of the nodes, unit vectors in the world frame, the clamp first.
+    pub tangents: Vec<Vector3<f64>>,
+    /// Of the curvatures of the segments, in their own axes, as of [`Chain::curvatures`].
+    pub curvatures: Vec<Vector3<f64>>,
+}
+
+impl Chain {
+    /// Changes of the equilibrium `rest` of this chain by the three components of the dead force on
+    /// the last node, N, world frame, and by those of the couple of [`Chain::set_tip_couple`], N m.
+    ///
+    /// Cost: about that of two Newton steps. For the derivatives of one functional alone,
+    /// [`Chain::end_load_derivatives`] takes less.
+    ///
+    /// # Errors
+    /// A shape of another number of nodes, and [`StaticError::NoDerivative`] for a chain with
+    /// following forces, or at a limit of stability.
+    pub fn end_load_responses(&self, rest: &Rest) -> Result<[ShapeResponse; 6], StaticError> {
+        let frames = &rest.shape.frames;
+        self.check(&rest.shape)?;
+        if self.followers.iter().any(|force| *force != Vector3::zeros()) {
+            let reason = "forces act that follow the nodes";
+            return Err(StaticError::NoDerivative { reason });
+        }
+        let carried = self.carried(frames, 0.0, &rest.pulls);
+        let trial = TrialShape::new(self, frames.clone(), &carried);
+        let (blocks, motions) = (trial.blocks(self, &carried), trial.motions(self));
+        let turned = vec![Matrix3::zeros(); frames.len()];
+        let follow = Follow { couple: self.tip_couple, turned, motions };
+        let limit = StaticError::NoDerivative { reason: "it is at a limit of stability" };
+        let factor = BandFactor::of(&blocks, 0.0, Some(&follow), self.tip);
+        let factor = factor.ok_or_else(|| limit.clone())?;
+        let met = vec![Vector3::zeros(); self.targets.len()];
+        let inverses: Vec<Matrix3<f64>> = frames
+            .windows(2)
+            .map(|ends| right_jacobian_inverse(&turn(&ends[0], &ends[1])))
+            .collect();
+        let response = |load: usize| {
+            let moments = self.unit_moments(load, &follow.motions);
+            let step = factor.solve(&blocks, Some(&follow), &moments);
+            let mut turns = NewtonStep { step, pulls: Vec::new(), shift: 0.0, falling: None };
+            turns.bind(self, &blocks, &met, &follow.motions, Some(&follow), &factor)?;
+            let finite = turns.size().is_finite();
+            finite.then(|| self.response(rest, &turns.step, &follow.motions, &inverses))
+        };
+        let all: Option<Vec<_>> = (0..6).map(response).collect();
+        all.and_then(|all| all.try_into().ok()).ok_or(limit)
+    }
+
+    /// Moments on the nodes behind the clamp of the unit of a component of the load on the last
+    /// node: three of the force and three of the couple.
+    fn unit_moments(&self, load: usize, motions: &[[Matrix3<f64>; 2]]) -> Vec<Vector3<f64>> {
+        let mut moments = vec![Vector3::zeros(); self.segments.len()];
+        if load >= 3 {
+            if let Some(last) = moments.last_mut() {
+                last[load - 3] = 1.0;
+            }
+            return moments;
+        }
+        for (s, motion) in motions.iter().enumerate() {
+            moments[s] += motion[1].row(load).transpose();
+            if s > 0 {
+                moments[s - 1] += motion[0].row(load).transpose();
+            }
+        }
+        moments
+    }
+
+    /// The change of the shape by the rotations `turns` of the nodes behind the clamp.
+    fn response(
+        &self,
+        rest: &Rest,
+        turns: &[Vector3<f64>],
+        motions: &[[Matrix3<f64>; 2]],
+        inverses: &[Matrix3<f64>],
+    ) -> ShapeResponse {
+        let count = turns.len();
+        let (mut at, mut before) = (Vector3::zeros(), Vector3::zeros());
+        let mut response = ShapeResponse {
+            positions: Vec::with_capacity(count + 1),
+            tangents: Vec::with_capacity(count + 1),
+            curvatures: Vec::with_capacity(count),
+        };
+        response.positions.push(at);
+        response.tangents.push(Vector3::zeros());
+        for (i, turn) in turns.iter().enumerate() {
+            at += motions[i][0] * before + motions[i][1] * turn;
+            response.positions.push(at);
+            response.tangents.push(rest.shape.frames[i + 1] * turn.cross(&Vector3::z()));
+            let bend = inverses[i] * turn - inverses[i].tr_mul(&before);
+            response.curvatures.push(bend / self.segments[i].length);
+            before = *turn;
+        }
+        response
+    }
+}
