@@ -13,11 +13,12 @@ use rapunzel_fiber::so3::right_jacobian_inverse;
 /// Change of the shape of a [`Chain`] by the unit of a load, to first order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeResponse {
-    /// Of the positions of the nodes, world frame, the clamp first; the unit is m over the load's.
+    /// Changes of the positions of the nodes, world frame, the clamp first, m for the load's unit.
     pub positions: Vec<Vector3<f64>>,
-    /// Of the tangents of the nodes, unit vectors in the world frame, the clamp first.
+    /// Changes of the unit tangents of the nodes, world frame, the clamp first, for the load's unit.
     pub tangents: Vec<Vector3<f64>>,
-    /// Of the curvatures of the segments, in their own axes, as of [`Chain::curvatures`].
+    /// Changes of the curvatures of the segments, 1/m, in their own axes as those of
+    /// [`Chain::curvatures`], for the load's unit.
     pub curvatures: Vec<Vector3<f64>>,
 }
 

@@ -51,6 +51,7 @@ impl<'a> GuideFlow<'a> {
         };
         Ok(Self { tangents: (0..nodes).map(tangent).collect(), parts })
     }
+
     /// The pore with the length of its guide: its own, and not more than that of its pre-guides in
     /// the mean.
     pub(crate) fn fitted(&self, pore: &Pore) -> Pore {

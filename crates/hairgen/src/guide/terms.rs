@@ -106,7 +106,8 @@ pub(super) fn direction_bend(
     }
 }
 
-/// As [`direction_bend`] for [`curvature`].
+/// Adds `weight` times the second derivatives of [`curvature`] by loads with the given responses,
+/// without those of the shape by the loads (Gauss and Newton).
 pub(super) fn curvature_bend(
     bends: &[Vector3<f64>],
     length: f64,
@@ -128,7 +129,8 @@ pub(super) fn curvature_bend(
     }
 }
 
-/// As [`direction_bend`] for [`boundary`].
+/// Adds `weight` times the second derivatives of [`boundary`] by loads with the given responses,
+/// without those of the shape by the loads (Gauss and Newton).
 pub(super) fn boundary_bend(
     positions: &[Point3<f64>],
     region: Region<'_>,
