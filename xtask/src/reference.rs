@@ -8,10 +8,11 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 15] = [
     "lib",
     "environment",
     "fibers",
+    "groom",
     "arrangement",
     "material",
     "tip",

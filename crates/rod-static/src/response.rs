@@ -15,7 +15,8 @@ use rapunzel_fiber::so3::right_jacobian_inverse;
 pub struct ShapeResponse {
     /// Changes of the positions of the nodes, world frame, the clamp first, m for the load's unit.
     pub positions: Vec<Vector3<f64>>,
-    /// Changes of the unit tangents of the nodes, world frame, the clamp first, for the load's unit.
+    /// Changes of the unit tangents of the nodes, world frame, the clamp first, for the load's
+    /// unit.
     pub tangents: Vec<Vector3<f64>>,
     /// Changes of the curvatures of the segments, 1/m, in their own axes as those of
     /// [`Chain::curvatures`], for the load's unit.

@@ -72,8 +72,9 @@ pub struct RootBall {
 #[serde(deny_unknown_fields)]
 pub enum GroomShape {
     /// The one with which the curve is an equilibrium under all loads of the start, those of
-    /// contacts included, but without wind: nothing sags, and wind blows the fibres away from it. A fibre that would not stay, because the equilibrium is
-    /// unstable or takes more than the largest change of curvature, starts in an equilibrium nearby.
+    /// contacts included, but without wind: nothing sags, and wind blows the fibres away from it. A
+    /// fibre that would not stay, because the equilibrium is unstable or takes more than the
+    /// largest change of curvature, starts in an equilibrium nearby.
     SagFree {
         /// Largest difference of the natural curvature from the curve's own, 1/m.
         #[serde(default = "largest_change")]

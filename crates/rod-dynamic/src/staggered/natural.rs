@@ -227,8 +227,8 @@ pub fn fitted_end_load(
 /// it.
 ///
 /// Loads change curvatures by at most `most` (1/m), as with [`bounded_natural_curvatures`]: where
-/// that does not do, or the equilibrium is not stable, the fibre falls to one that is. `moved` tells
-/// how far that leads. Cost: a Newton step where the shape is stable as it is.
+/// that does not do, or the equilibrium is not stable, the fibre falls to one that is. `moved`
+/// tells how far that leads. Cost: a Newton step where the shape is stable as it is.
 ///
 /// # Errors
 /// Those of [`bounded_natural_curvatures`], and of [`equilibrium`](super::equilibrium()).

@@ -17,8 +17,10 @@ use rayon::prelude::*;
 /// Distance, in lengths of a fibre, within which it rests as it is drawn.
 const SAME: f64 = 1e-3;
 
+/// Times that fibres in contact settle.
+const ROUNDS: usize = 3;
 /// Times that settled fibres are let go and balanced with what contacts bear then.
-const REBALANCINGS: usize = 3;
+const REBALANCINGS: usize = 2;
 
 /// What became of fibres.
 #[derive(Debug, Clone, Copy)]
@@ -67,16 +69,19 @@ pub(super) fn give_natural_shapes(
         Some(settings) => {
             let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
             rest(scene, starts, &forces, Course::Touching, &mut told)?;
-            // What contacts hold need not be stable, and what asks for too much sags.
-            let mut still = Still::new(scene, starts, objects)?;
-            let forces = still.settle(settings)?;
             let drawn: Vec<_> = starts.iter().map(|start| start.state.clone()).collect();
-            take_states(starts, still.starts, &told);
-            rest(scene, starts, &forces, Course::Settled, &mut told)?;
-            // Some contacts were there only because fibres moved.
-            for _ in 0..REBALANCINGS {
-                let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
+            // What asks for too much sags, and what contacts hold need not be stable: that leaves
+            // its place again.
+            for _ in 0..ROUNDS {
+                let mut still = Still::new(scene, starts, objects)?;
+                let forces = still.settle(settings)?;
+                take_states(starts, still.starts, &told);
                 rest(scene, starts, &forces, Course::Settled, &mut told)?;
+                // Some contacts were there only because fibres moved.
+                for _ in 0..REBALANCINGS {
+                    let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
+                    rest(scene, starts, &forces, Course::Settled, &mut told)?;
+                }
             }
             for ((told, drawn), start) in told.iter_mut().zip(drawn).zip(&*starts) {
                 let (Some(told), Some(drawn), Some(state)) = (told, drawn, &start.state) else {

@@ -15,8 +15,8 @@ use std::sync::Arc;
 const SETTLED: f64 = 5e-3;
 /// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
 const SLOW_STEPS: usize = 20;
-/// Most steps of settling.
-const MOST_STEPS: usize = 150;
+/// Most steps of settling at once.
+const MOST_STEPS: usize = 75;
 /// Largest Coulomb residual of a step of settling, relative to all impulses: how fibres come to
 /// where they rest does not count.
 const RESIDUAL: f64 = 1e-2;
@@ -80,9 +80,9 @@ impl Still {
 
     /// Lets the fibres settle. Returns the forces of contacts on all nodes in the end, N, world.
     ///
-    /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy of a fibre has
-    /// passed a maximum, its velocities are set to zero. It ends when all fibres are slow, or after a number
-    /// of steps, and where contacts do not converge any more, with what there is.
+    /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy of a fibre
+    /// has passed a maximum, its velocities are set to zero. It ends when all fibres are slow, or
+    /// after a number of steps, and where contacts do not converge any more, with what there is.
     pub(super) fn settle(
         &mut self,
         settings: &ContactSettings,
