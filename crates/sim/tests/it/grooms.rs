@@ -253,3 +253,18 @@ fn a_groom_goes_through_every_format() {
         }
     }
 }
+
+/// The scenes with styles that ship can be read, and written again; growing them takes longer than
+/// a test should.
+#[test]
+fn scenes_with_styles_that_ship_are_sound() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/style"));
+    for name in ["tress.ron", "shaken-head.ron"] {
+        let text = std::fs::read_to_string(folder.join(name)).expect("a scene");
+        let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(Scene::from_ron(&scene.to_ron().expect("sound")).expect("reads back"), scene);
+        for file in scene.seen_from(folder).files() {
+            assert!(file.exists(), "{name}: {}", file.display());
+        }
+    }
+}
