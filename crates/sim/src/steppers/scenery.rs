@@ -113,7 +113,9 @@ fn fiber_supports(scene: &Scene, segments: &[Vec<usize>]) -> Vec<(Support, Range
             Tip::Held => Some((true, ALWAYS)),
             Tip::Driven { joint, .. } => by(joint).map(|clamped| (clamped, ALWAYS)),
         };
-        let root = by(&bundle.root_joint).map(|clamped| (clamped, ALWAYS));
+        // Roots of hair are many, and seen to be in the skin.
+        let root = by(&bundle.root_joint).filter(|_| bundle.groom.is_none());
+        let root = root.map(|clamped| (clamped, ALWAYS));
         let ends = [(0, root), (*segments, tip)];
         ends.into_iter().filter_map(move |(point, hold)| {
             let (clamped, times) = hold?;
