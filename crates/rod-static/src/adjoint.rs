@@ -1,14 +1,13 @@
 //! Derivatives of what is a function of an equilibrium by the loads on its end.
 
 use crate::StaticError;
-use crate::band::{BandFactor, Follow};
 use crate::chain::Chain;
-use crate::newton::{NewtonStep, moved};
+use crate::linearized::LinearizedBalance;
+use crate::newton::moved;
 use crate::relax::Rest;
 use crate::segment::turn;
 use crate::shape::Shape;
-use crate::trial::TrialShape;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use rapunzel_fiber::so3::right_jacobian_inverse;
 
 /// Derivatives of a functional of a shape of a [`Chain`] by what the shape is made of; the unit is
@@ -100,32 +99,11 @@ impl Chain {
         rest: &Rest,
         by: &[Vector3<f64>],
     ) -> Result<EndLoadDerivatives, StaticError> {
-        let frames = &rest.shape.frames;
-        self.check(&rest.shape)?;
         self.check_free(by)?;
-        if self.followers.iter().any(|force| *force != Vector3::zeros()) {
-            let reason = "forces act that follow the nodes";
-            return Err(StaticError::NoDerivative { reason });
-        }
-        let carried = self.carried(frames, 0.0, &rest.pulls);
-        let trial = TrialShape::new(self, frames.clone(), &carried);
-        let (blocks, motions) = (trial.blocks(self, &carried), trial.motions(self));
-        let couple = -self.tip_couple;
-        let turned = vec![Matrix3::zeros(); frames.len()];
-        let transposed = Follow { couple, turned, motions };
-        let adjoint = || {
-            let factor = BandFactor::of(&blocks, 0.0, Some(&transposed), self.tip)?;
-            let step = factor.solve(&blocks, Some(&transposed), by);
-            let mut adjoint = NewtonStep { step, pulls: Vec::new(), shift: 0.0, falling: None };
-            let met = vec![Vector3::zeros(); self.targets.len()];
-            let motions = &transposed.motions;
-            adjoint.bind(self, &blocks, &met, motions, Some(&transposed), &factor)?;
-            adjoint.size().is_finite().then_some(adjoint.step)
-        };
-        let limit = StaticError::NoDerivative { reason: "it is at a limit of stability" };
-        let adjoint = adjoint().ok_or(limit)?;
+        let transposed = LinearizedBalance::new(self, rest, -self.tip_couple)?;
+        let adjoint = transposed.turns(self, by)?;
         // A force on the last node turns each node in proportion to how that moves the last one.
-        let force = moved(&transposed.motions, &adjoint);
+        let force = moved(transposed.motions(), &adjoint);
         Ok(EndLoadDerivatives { force, couple: adjoint[adjoint.len() - 1] })
     }
 }

@@ -12,6 +12,7 @@ mod error;
 mod gauss;
 mod goal;
 mod lagrange;
+mod linearized;
 mod mesh;
 mod newton;
 mod problem;

@@ -1,12 +1,10 @@
 //! How an equilibrium changes by the loads on its end.
 
 use crate::StaticError;
-use crate::band::{BandFactor, Follow};
 use crate::chain::Chain;
-use crate::newton::NewtonStep;
+use crate::linearized::LinearizedBalance;
 use crate::relax::Rest;
 use crate::segment::turn;
-use crate::trial::TrialShape;
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_fiber::so3::right_jacobian_inverse;
 
@@ -34,35 +32,18 @@ impl Chain {
     /// A shape of another number of nodes, and [`StaticError::NoDerivative`] for a chain with
     /// following forces, or at a limit of stability.
     pub fn end_load_responses(&self, rest: &Rest) -> Result<[ShapeResponse; 6], StaticError> {
+        let balance = LinearizedBalance::new(self, rest, self.tip_couple)?;
         let frames = &rest.shape.frames;
-        self.check(&rest.shape)?;
-        if self.followers.iter().any(|force| *force != Vector3::zeros()) {
-            let reason = "forces act that follow the nodes";
-            return Err(StaticError::NoDerivative { reason });
-        }
-        let carried = self.carried(frames, 0.0, &rest.pulls);
-        let trial = TrialShape::new(self, frames.clone(), &carried);
-        let (blocks, motions) = (trial.blocks(self, &carried), trial.motions(self));
-        let turned = vec![Matrix3::zeros(); frames.len()];
-        let follow = Follow { couple: self.tip_couple, turned, motions };
-        let limit = StaticError::NoDerivative { reason: "it is at a limit of stability" };
-        let factor = BandFactor::of(&blocks, 0.0, Some(&follow), self.tip);
-        let factor = factor.ok_or_else(|| limit.clone())?;
-        let met = vec![Vector3::zeros(); self.targets.len()];
         let inverses: Vec<Matrix3<f64>> = frames
             .windows(2)
             .map(|ends| right_jacobian_inverse(&turn(&ends[0], &ends[1])))
             .collect();
         let response = |load: usize| {
-            let moments = self.unit_moments(load, &follow.motions);
-            let step = factor.solve(&blocks, Some(&follow), &moments);
-            let mut turns = NewtonStep { step, pulls: Vec::new(), shift: 0.0, falling: None };
-            turns.bind(self, &blocks, &met, &follow.motions, Some(&follow), &factor)?;
-            let finite = turns.size().is_finite();
-            finite.then(|| self.response(rest, &turns.step, &follow.motions, &inverses))
+            let turns = balance.turns(self, &self.unit_moments(load, balance.motions()))?;
+            Ok(self.response(rest, &turns, balance.motions(), &inverses))
         };
-        let all: Option<Vec<_>> = (0..6).map(response).collect();
-        all.and_then(|all| all.try_into().ok()).ok_or(limit)
+        let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(response);
+        Ok([a?, b?, c?, d?, e?, f?])
     }
 
     /// Moments on the nodes behind the clamp of the unit of a component of the load on the last

@@ -87,13 +87,13 @@ impl HangingHairs {
         forces.sort_unstable();
         let middle = forces.get(forces.len() / 2).copied().unwrap_or(self.best);
         let hair = &self.hairs[self.nearest(middle, ENOUGH)];
-        let placed = hair.reach >= options.least * pore.length;
-        shortened(pore, number, &self.rod, hair, options).map(|guide| PreGuide { placed, ..guide })
+        shortened(pore, number, &self.rod, hair, options)
     }
 }
 
 /// The part of a hair that stays in the region, as a rod of its own: the load on its end is what
-/// the rest of the hair bears there, so it has the same shape.
+/// the rest of the hair bears there, so it has the same shape. It has no place if that is too
+/// little, or no equilibrium.
 fn shortened(
     pore: &Pore,
     number: usize,
@@ -101,8 +101,9 @@ fn shortened(
     hair: &HangingHair,
     options: &GuideOptions,
 ) -> Result<PreGuide, HairgenError> {
-    let part = (hair.reach / pore.length).clamp(LEAST_PART, 1.0);
-    let pore = Pore { length: part * pore.length, ..*pore };
+    let hair_length = pore.length;
+    let part = (hair.reach / hair_length).clamp(LEAST_PART, 1.0);
+    let pore = Pore { length: part * hair_length, ..*pore };
     let mut short = GuideRod::new(&pore, number, options)?;
     let frames = hair.shape.frames();
     let last = frames.len() - 1;
@@ -121,6 +122,7 @@ fn shortened(
     let couple = if part < 1.0 { moment } else { hair.load.couple };
     let load = EndLoad { force: hair.load.force * (part * part), couple };
     let found = start.and_then(|start| short.relax(&load, &start));
+    let placed = found.is_ok() && hair.reach >= options.least * hair_length;
     let (load, shape) = match found {
         Ok(rest) => (load, rest.shape),
         Err(_) => {
@@ -129,5 +131,5 @@ fn shortened(
         }
     };
     let bends = short.bends(&shape);
-    Ok(PreGuide { pore, shape, bends, load, placed: false })
+    Ok(PreGuide { pore, shape, bends, load, placed })
 }

@@ -100,7 +100,8 @@ proptest! {
         let End::Loaded { force: Load::World(f), moment: Load::Follower(m) } = found else {
             panic!("a dead force and a following couple");
         };
-        // To what Newton's method leaves of the balance, some millionths of what bends the fibre.
+        // The equilibrium takes turns of 1e-5 rad that hardly fall any more for rounding, as a load
+        // that follows the end may leave them: so much of what bends the fibre by 1 rad.
         prop_assert!((f - force).norm() < 1e-5 * stiffness / length.powi(2), "{f} {force}");
         prop_assert!((m - couple).norm() < 1e-5 * stiffness / length, "{m} {couple}");
         let loaded = Instant { tip: found, ..conditions };

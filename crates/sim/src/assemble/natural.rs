@@ -65,10 +65,10 @@ pub(super) fn give_natural_shapes(
     }
     let mut told = vec![None; starts.len()];
     match &scene.contact {
-        None => rest(scene, starts, &[], Course::Alone, &mut told)?,
+        None => rest(scene, starts, &[], RestStage::Alone, &mut told)?,
         Some(settings) => {
             let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
-            rest(scene, starts, &forces, Course::Touching, &mut told)?;
+            rest(scene, starts, &forces, RestStage::Touching, &mut told)?;
             let drawn: Vec<_> = starts.iter().map(|start| start.state.clone()).collect();
             // What asks for too much sags, and what contacts hold need not be stable: that leaves
             // its place again.
@@ -76,11 +76,11 @@ pub(super) fn give_natural_shapes(
                 let mut still = Still::new(scene, starts, objects)?;
                 let forces = still.settle(settings)?;
                 take_states(starts, still.starts, &told);
-                rest(scene, starts, &forces, Course::Settled, &mut told)?;
+                rest(scene, starts, &forces, RestStage::Settled, &mut told)?;
                 // Some contacts were there only because fibres moved.
                 for _ in 0..REBALANCINGS {
                     let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;
-                    rest(scene, starts, &forces, Course::Settled, &mut told)?;
+                    rest(scene, starts, &forces, RestStage::Settled, &mut told)?;
                 }
             }
             for ((told, drawn), start) in told.iter_mut().zip(drawn).zip(&*starts) {
@@ -101,7 +101,7 @@ pub(super) fn give_natural_shapes(
 
 /// Where fibres are that are given natural shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Course {
+enum RestStage {
     /// In the curves of the groom, touching nothing: what does not stay there falls to where it
     /// does.
     Alone,
@@ -118,7 +118,7 @@ fn rest(
     scene: &Scene,
     starts: &mut [FiberStart],
     forces: &[Vector3<f64>],
-    course: Course,
+    stage: RestStage,
     told: &mut [Option<Told>],
 ) -> Result<(), SimError> {
     let layout = Layout::new(starts.iter().map(|start| start.rod.fiber.segments()));
@@ -132,7 +132,7 @@ fn rest(
             forces.resize(segments + 1, Vector3::zeros());
             forces[k] += own;
         }
-        *told = rest_one(start, bundle, gravity, &forces, course)?;
+        *told = rest_one(start, bundle, gravity, &forces, stage)?;
         Ok(())
     })
 }
@@ -214,7 +214,7 @@ fn rest_one(
     bundle: &Bundle,
     gravity: Vector3<f64>,
     forces: &[Vector3<f64>],
-    course: Course,
+    stage: RestStage,
 ) -> Result<Option<Told>, SimError> {
     let (Some(groom), Some(state)) = (&bundle.groom, &start.state) else { return Ok(None) };
     let failed = |source| SimError::Rod { bundle: start.bundle, source };
@@ -227,7 +227,7 @@ fn rest_one(
         GroomShape::Drawn => return Ok(None),
         GroomShape::SagFree { most } => most,
         GroomShape::EndLoads { most } => {
-            if course != Course::Settled {
+            if stage != RestStage::Settled {
                 let load = fitted_end_load(fiber, state, &conditions, forces);
                 start.end_load = load.map_err(failed)?;
             }
@@ -236,10 +236,10 @@ fn rest_one(
         }
     };
     let held = |most: f64| held(fiber, state, &conditions, forces, most);
-    let rested = match course {
-        Course::Alone => fitted(fiber, state, &conditions, forces, most).or_else(|_| held(most)),
-        Course::Touching => held(most),
-        Course::Settled => held(f64::INFINITY),
+    let rested = match stage {
+        RestStage::Alone => fitted(fiber, state, &conditions, forces, most).or_else(|_| held(most)),
+        RestStage::Touching => held(most),
+        RestStage::Settled => held(f64::INFINITY),
     };
     let FittedFiber { fiber, state, moved } = rested.map_err(failed)?;
     let curvature = fiber.nodes().iter().map(|node| node.natural_curvature.norm());
