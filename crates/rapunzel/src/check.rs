@@ -1,5 +1,5 @@
 use crate::failure::Failure;
-use crate::words::say;
+use crate::words::{build_stage, say, spinner};
 use rapunzel_sim::{MemoryEstimate, Plan, Scene, World, read_text};
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,7 +17,10 @@ pub(crate) fn check(path: &Path, memory: f64, json: bool) -> Result<ExitCode, Fa
     let scene = read(path)?;
     let estimate = MemoryEstimate::new(&scene).map_err(Failure::of(path))?;
     estimate.within(memory).map_err(Failure::of(path))?;
-    let world = World::build(&scene).map_err(Failure::of(path))?;
+    let bar = spinner(json);
+    let world = World::build_observed(&scene, &|stage| bar.set_message(build_stage(stage)));
+    bar.finish_and_clear();
+    let world = world.map_err(Failure::of(path))?;
     let plan = Plan::new(&scene);
     let (fibers, nodes) = (world.assembly().fibers().len(), world.nodes());
     let warning = world.warning(plan.dt);

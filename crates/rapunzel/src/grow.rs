@@ -1,11 +1,9 @@
 use crate::arguments::GrowOptions;
 use crate::failure::Failure;
-use crate::words::{complain, say};
-use indicatif::ProgressBar;
+use crate::words::{complain, growth_stage, say, spinner};
 use rapunzel_sim::style::{self, GrowthStage, StyleReport};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Grows a style into a folder.
 pub(crate) fn grow(options: &GrowOptions, json: bool) -> Result<ExitCode, Failure> {
@@ -15,11 +13,8 @@ pub(crate) fn grow(options: &GrowOptions, json: bool) -> Result<ExitCode, Failur
         .out
         .clone()
         .unwrap_or_else(|| Path::new("runs").join(path.file_stem().unwrap_or_default()));
-    let bar = ProgressBar::new_spinner();
-    if !json {
-        bar.enable_steady_tick(Duration::from_millis(100));
-    }
-    let at = |stage: GrowthStage| bar.set_message(told(stage));
+    let bar = spinner(json);
+    let at = |stage: GrowthStage| bar.set_message(growth_stage(stage));
     let beside = path.parent().unwrap_or(Path::new("."));
     let grown = style::grow(&spec, beside, &at);
     bar.set_message("files");
@@ -39,16 +34,6 @@ pub(crate) fn grow(options: &GrowOptions, json: bool) -> Result<ExitCode, Failur
         ));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-fn told(stage: GrowthStage) -> &'static str {
-    match stage {
-        GrowthStage::Surfaces => "surfaces",
-        GrowthStage::Pores => "pores",
-        GrowthStage::PreGuides => "pre-guides",
-        GrowthStage::Guides => "guides",
-        GrowthStage::Hairs => "hairs",
-    }
 }
 
 fn numbers(report: &StyleReport) -> serde_json::Value {

@@ -1,7 +1,7 @@
 use crate::arguments::RunOptions;
 use crate::cost::{Steps, peak_memory};
 use crate::failure::{Failure, INTERRUPTED, UNRESOLVED};
-use crate::words::{complain, say};
+use crate::words::{build_stage, complain, say, spinner};
 use crate::{check, info};
 use indicatif::{ProgressBar, ProgressStyle};
 use rapunzel_sim::{
@@ -84,7 +84,10 @@ pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitC
         }
         rapunzel_sim::run(&scene, world, &mut folder, control)
     };
-    let result = World::build(&scene).and_then(run);
+    let building = spinner(json);
+    let world = World::build_observed(&scene, &|stage| building.set_message(build_stage(stage)));
+    building.finish_and_clear();
+    let result = world.and_then(run);
     bar.finish_and_clear();
     let wall = start.elapsed().as_secs_f64();
     let steps = first.zip(before).map_or_else(Steps::default, |(first, last)| Steps {

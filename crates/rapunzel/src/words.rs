@@ -2,11 +2,14 @@
 //! written.
 
 use crate::failure::{Failure, SceneReport, as_json};
+use indicatif::ProgressBar;
 use miette::NamedSource;
-use rapunzel_sim::SimError;
 use rapunzel_sim::scene::SceneError;
+use rapunzel_sim::style::GrowthStage;
+use rapunzel_sim::{BuildStage, SimError};
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Prints lines to the standard output. A reader that has gone, as `head` does, has read enough.
 pub(crate) fn say(text: &str) -> Result<(), Failure> {
@@ -22,6 +25,40 @@ pub(crate) fn say(text: &str) -> Result<(), Failure> {
 /// Prints lines to the standard error; nobody is left to hear that it failed.
 pub(crate) fn complain(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// A sign of life for work of unknown length; for programs that read `json` it is hidden.
+pub(crate) fn spinner(json: bool) -> ProgressBar {
+    if json {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// A part of the building of a world, as a bar says it.
+pub(crate) fn build_stage(stage: BuildStage) -> String {
+    match stage {
+        BuildStage::Growing { bundle, stage } => {
+            format!("fibers[{bundle}]: {} grow", growth_stage(stage))
+        }
+        BuildStage::MovingApart => "fibres are moved apart".to_owned(),
+        BuildStage::Settling { done, most } => {
+            format!("fibres settle, step {done} of at most {most}")
+        }
+    }
+}
+
+/// A part of the growth of a hairstyle, as a bar says it.
+pub(crate) fn growth_stage(stage: GrowthStage) -> &'static str {
+    match stage {
+        GrowthStage::Surfaces => "surfaces",
+        GrowthStage::Pores => "pores",
+        GrowthStage::PreGuides => "pre-guides",
+        GrowthStage::Guides => "guides",
+        GrowthStage::Hairs => "hairs",
+    }
 }
 
 impl Failure {

@@ -134,42 +134,51 @@ fn statics(c: &mut Criterion) {
     group.finish();
 }
 
-/// Natural shapes of 1,900 strands of 100 points that arch up and over, 0.1 m long, on all threads:
-/// in closed form, and with the proof that each is stable, or else the nearest that is.
+/// Natural shapes of 1,900 strands of 100 points, 0.1 m long, on all threads: in closed form, with
+/// the proof that each is stable, and of strands that are not and topple to the nearest that is.
 fn natural_shapes(c: &mut Criterion) {
     const STRANDS: u32 = 1900;
-    let strand = |k: u32| {
+    // They arch over from a lean of 0.2 rad and more, by `bend`, rad.
+    let strand = |k: u32, bend: f64, leans: f64| {
         let fiber = Fiber::uniform(0.1, 99, Section::Circle { radius: 35e-6 }, &Material::HAIR)
             .expect("hair");
-        let lean = 0.2 + f64::from(k) / f64::from(STRANDS);
+        let lean = 0.2 + leans * f64::from(k) / f64::from(STRANDS);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), lean);
         let fiber = fiber.with_root(Isometry3::from_parts(Vector3::zeros().into(), turn));
         let arched =
-            fiber.with_natural_curvature(|_| Vector3::new(0.0, 10.0, 0.0)).expect("finite");
+            fiber.with_natural_curvature(|_| Vector3::new(0.0, 10.0 * bend, 0.0)).expect("finite");
         let state = Staggered::new(Rod::new(arched.clone())).expect("a valid rod").state();
         (arched, state)
     };
-    let strands: Vec<_> = (0..STRANDS).map(strand).collect();
+    let strands = |bend: f64, leans: f64| -> Vec<_> {
+        (0..STRANDS).map(|k| strand(k, bend, leans)).collect()
+    };
     let gravity = Vector3::new(0.0, 0.0, -9.81);
     let clamped = |fiber: &Fiber| Instant::clamped(*fiber.root(), gravity);
     let mut group = c.benchmark_group("natural");
     group.sample_size(10);
+    let arched = strands(2.5, 1.0);
     group.bench_function("1900 strands of 100 points", |b| {
         b.iter(|| {
-            let all = strands.par_iter().map(|(fiber, state)| {
+            let all = arched.par_iter().map(|(fiber, state)| {
                 natural_curvatures(fiber, state, &clamped(fiber), &[]).expect("a held root")
             });
             all.collect::<Vec<_>>()
         });
     });
-    group.bench_function("1900 strands of 100 points and stable", |b| {
-        b.iter(|| {
-            let all = strands.par_iter().map(|(fiber, state)| {
-                fitted(fiber, state, &clamped(fiber), &[], f64::INFINITY).expect("an equilibrium")
+    let toppling = strands(1.0, 0.5);
+    for (name, strands) in [("stable", arched), ("toppling", toppling)] {
+        group.bench_function(format!("1900 {name} strands of 100 points"), |b| {
+            b.iter(|| {
+                let all = strands.par_iter().map(|(fiber, state)| {
+                    fitted(fiber, state, &clamped(fiber), &[], f64::INFINITY).expect("it rests")
+                });
+                let rests: Vec<_> = all.collect();
+                assert!(rests.iter().all(|rest| rest.is_exact() == (name == "stable")));
+                rests
             });
-            all.collect::<Vec<_>>()
         });
-    });
+    }
     group.finish();
 }
 

@@ -1,5 +1,6 @@
 use crate::{RodError, StepError};
 use nalgebra::{Isometry3, Point3, Vector3};
+use rapunzel_fiber::Fiber;
 
 /// A force or a moment at an end of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,6 +125,23 @@ impl Instant {
             tip: End::FREE,
             air: None,
         }
+    }
+
+    /// Dead load of `node`, N, world: gravity and the distributed force on half of the segments on
+    /// both sides, and its own of `node_forces`, if there are any. `node` is not the root.
+    pub(crate) fn node_load(
+        &self,
+        fiber: &Fiber,
+        node_forces: &[Vector3<f64>],
+        node: usize,
+    ) -> Vector3<f64> {
+        let (mut mass, mut length) = (0.0, 0.0);
+        for segment in (node - 1)..(node + 1).min(fiber.segments()) {
+            mass += 0.5 * fiber.segment_mass(segment);
+            length += 0.5 * fiber.segment_lengths()[segment];
+        }
+        let own = node_forces.get(node).copied().unwrap_or_default();
+        self.gravity * mass + self.distributed * length + own
     }
 
     /// Checks the numbers of conditions at `time`, s.

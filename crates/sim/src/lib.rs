@@ -23,6 +23,7 @@ pub mod style;
 mod summary;
 mod world;
 
+pub use assemble::BuildStage;
 pub use error::SimError;
 pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;

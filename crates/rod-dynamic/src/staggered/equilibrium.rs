@@ -72,9 +72,7 @@ pub(super) fn settled(
     if !node_forces.is_empty() {
         batch.set_node_forces(0, node_forces)?;
     }
-    let mut state = start.clone();
-    state.velocities.fill(Vector3::zeros());
-    state.angular_velocities.fill(Vector3::zeros());
+    let mut state = at_rest(start);
     let mut conditions = *conditions;
     if let End::Loaded { moment, .. } = conditions.root {
         conditions.root = End::Pinned { position: start.positions[0], moment };
@@ -106,6 +104,14 @@ pub(super) fn settled(
         }
     }
     Ok((state, total))
+}
+
+/// The shape of `state` without its velocities.
+pub(super) fn at_rest(state: &RodState) -> RodState {
+    let mut state = state.clone();
+    state.velocities.fill(Vector3::zeros());
+    state.angular_velocities.fill(Vector3::zeros());
+    state
 }
 
 /// Frames of the segments at the minimum of the energy that a [`Chain`] reaches from `state`.

@@ -45,6 +45,7 @@ mod scheme;
 mod search;
 mod simd_batch;
 mod single;
+mod stability;
 mod workspace;
 
 pub use batch::StaggeredBatch;

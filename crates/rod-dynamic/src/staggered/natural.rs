@@ -1,6 +1,7 @@
 //! The inverse of the static problem: which natural shape a fibre must have to rest in a given one.
 
-use super::equilibrium::{EquilibriumError, settled};
+use super::equilibrium::{EquilibriumError, at_rest, settled};
+use super::stability::is_minimum;
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod, RodError, RodState};
 use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
@@ -107,25 +108,40 @@ pub fn bounded_natural_curvatures(
     node_forces: &[Vector3<f64>],
     most: f64,
 ) -> Result<Vec<Vector3<f64>>, RodError> {
+    bounded(fiber, state, conditions, node_forces, most).map(|(curvatures, _)| curvatures)
+}
+
+/// The [`bounded_natural_curvatures`], and whether none of them was cut.
+fn bounded(
+    fiber: &Fiber,
+    state: &RodState,
+    conditions: &Instant,
+    node_forces: &[Vector3<f64>],
+    most: f64,
+) -> Result<(Vec<Vector3<f64>>, bool), RodError> {
     if most.is_nan() || most < 0.0 {
         let what = "largest change of curvature";
         return Err(RodError::Invalid { what, why: "must not be negative" });
     }
     let mut curvatures = natural_curvatures(fiber, state, conditions, node_forces)?;
-    let unloaded = Instant {
-        tip: End::FREE,
-        gravity: Vector3::zeros(),
-        distributed: Vector3::zeros(),
-        ..*conditions
-    };
-    let drawn = natural_curvatures(fiber, state, &unloaded, &[])?;
-    for (natural, drawn) in curvatures.iter_mut().zip(drawn) {
-        let change = *natural - drawn;
-        if change.norm() > most {
-            *natural = drawn + change.cap_magnitude(most);
+    let mut whole = true;
+    if most < f64::INFINITY {
+        let unloaded = Instant {
+            tip: End::FREE,
+            gravity: Vector3::zeros(),
+            distributed: Vector3::zeros(),
+            ..*conditions
+        };
+        let drawn = natural_curvatures(fiber, state, &unloaded, &[])?;
+        for (natural, drawn) in curvatures.iter_mut().zip(drawn) {
+            let change = *natural - drawn;
+            if change.norm() > most {
+                *natural = drawn + change.cap_magnitude(most);
+                whole = false;
+            }
         }
     }
-    Ok(curvatures)
+    Ok((curvatures, whole))
 }
 
 /// Natural curvatures for a force (N) and a moment (N m) on the end, world.
@@ -142,11 +158,7 @@ fn balance(
     // Force and moment that all beyond the segment exert on it, world.
     let (mut beyond, mut torque) = (force, moment);
     for e in (0..n).rev() {
-        // The load of the node at the segment's end: half of what lies on both sides.
-        let next = if e + 1 < n { [fiber.segment_mass(e + 1), h[e + 1]] } else { [0.0; 2] };
-        beyond += conditions.gravity * (0.5 * (fiber.segment_mass(e) + next[0]));
-        beyond += conditions.distributed * (0.5 * (h[e] + next[1]));
-        beyond += node_forces.get(e + 1).copied().unwrap_or_default();
+        beyond += conditions.node_load(fiber, node_forces, e + 1);
         // Balance of moments of the segment about its start.
         let frame = &state.frames[e];
         torque += (frame * Vector3::z() * h[e]).cross(&beyond);
@@ -228,7 +240,8 @@ pub fn fitted_end_load(
 ///
 /// Loads change curvatures by at most `most` (1/m), as with [`bounded_natural_curvatures`]: where
 /// that does not do, or the equilibrium is not stable, the fibre falls to one that is. `moved`
-/// tells how far that leads. Cost: a Newton step where the shape is stable as it is.
+/// tells how far that leads. Cost: two passes over the segments where the shape is stable under
+/// dead loads as it is, else those of an [`equilibrium`](super::equilibrium()).
 ///
 /// # Errors
 /// Those of [`bounded_natural_curvatures`], and of [`equilibrium`](super::equilibrium()).
@@ -239,9 +252,12 @@ pub fn fitted(
     node_forces: &[Vector3<f64>],
     most: f64,
 ) -> Result<FittedFiber, EquilibriumError> {
-    let curvatures = bounded_natural_curvatures(fiber, state, conditions, node_forces, most)?;
+    let (curvatures, whole) = bounded(fiber, state, conditions, node_forces, most)?;
     let invalid = |_| RodError::Invalid { what: "natural curvature", why: "must be finite" };
     let fiber = fiber.clone().with_node_curvatures(&curvatures).map_err(invalid)?;
+    if whole && is_minimum(&fiber, state, conditions, node_forces) {
+        return Ok(FittedFiber { fiber, state: at_rest(state), moved: 0.0 });
+    }
     let rod = Rod::new(fiber);
     let (rest, _) = settled(&rod, conditions, node_forces, state)?;
     let places = rest.positions.iter().zip(&state.positions);

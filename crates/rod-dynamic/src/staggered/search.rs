@@ -15,6 +15,9 @@ const TOLERANCE: f64 = 1e-13;
 /// Increments below this, rad, that hardly fall any more are rounding: some rods have modes that
 /// cost nearly no energy, and the increments along them are noise.
 const NOISE: f64 = 1e-5;
+/// Increments below this, rad, are Newton's whatever the Hessian where loads have no potential:
+/// nothing is minimised there, and with a part of the Hessian they fall only linearly.
+const NEAR: f64 = 0.1;
 /// Weights of the definite part that are tried in turn where the Hessian is indefinite: as little
 /// as leads downhill, since with all of it saddles are left only slowly.
 const DEFINITE_PARTS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
@@ -88,7 +91,9 @@ impl Search {
     /// (rad).
     pub(super) fn needs_more(&mut self, definite: bool, turn: f64) -> bool {
         let sound = self.part == 0 || self.part >= FIRM || turn <= LARGEST_TURN;
-        let more = self.active && !(definite && sound) && self.part < DEFINITE_PARTS.len();
+        let near = self.part == 0 && !self.held.conservative && turn < NEAR;
+        let usable = near || (definite && sound);
+        let more = self.active && !usable && self.part < DEFINITE_PARTS.len();
         if more {
             self.part = (self.part + 1).max(self.likely);
         }

@@ -1,5 +1,6 @@
 //! Curves of grooms, from the files that a scene names.
 
+use super::stage::BuildStage;
 use crate::file::{LARGEST_MESH, kind, open};
 use crate::scene::{Bundle, Groom, GroomSource, GroomUpAxis, RootBall};
 use crate::{SimError, style};
@@ -20,6 +21,7 @@ const SCALP: f64 = 0.03;
 
 /// The curves of a bundle's `groom` (world), m, the longest in as many segments as the bundle says
 /// and others in fewer, and longer than a slender fibre of the equivalent `radius`, m, must be.
+/// What a user should know is added to the `notes`, and `at` is told of what takes long.
 ///
 /// # Errors
 /// [`SimError`] of the file, and [`SimError::NoStrands`] where no fibre is left.
@@ -29,6 +31,7 @@ pub(super) fn curves(
     radius: f64,
     index: usize,
     notes: &mut Vec<String>,
+    at: &dyn Fn(BuildStage),
 ) -> Result<Vec<Vec<Point3<f64>>>, SimError> {
     let path = groom.from.file();
     let name = format!("fibers[{index}], {}", path.display());
@@ -37,7 +40,9 @@ pub(super) fn curves(
             let mut style = style::read(file)?;
             style.hairs = Some(*hairs);
             let folder = file.parent().unwrap_or(Path::new(""));
-            let grown = style::grow(&style, folder, &|_| ())?;
+            let grown = style::grow(&style, folder, &|stage| {
+                at(BuildStage::Growing { bundle: index, stage });
+            })?;
             notes.push(format!("{name}:\n{}", grown.report));
             StrandSet::from_curves(grown.hairs.iter())
         }

@@ -4,6 +4,7 @@ mod batch;
 mod groom;
 mod groups;
 mod natural;
+mod stage;
 mod start;
 mod still;
 
@@ -20,6 +21,7 @@ use natural::give_natural_shapes;
 use rapunzel_charging::{ChargedRods, HeadGeometry};
 use rapunzel_coupling::{CollisionObject, Fibers};
 use rapunzel_fiber::Assembly;
+pub use stage::BuildStage;
 pub(crate) use start::matter;
 use start::{FiberStart, starts};
 use std::sync::Arc;
@@ -28,14 +30,22 @@ impl World {
     /// The world of a scene at its start.
     ///
     /// # Errors
+    /// Those of [`build_observed`](Self::build_observed).
+    pub fn build(scene: &Scene) -> Result<Self, SimError> {
+        Self::build_observed(scene, &|_| ())
+    }
+
+    /// The world of a scene at its start; `at` is told what takes long before it begins.
+    ///
+    /// # Errors
     /// [`SimError::Scene`] if the scene makes no sense; [`SimError::Fiber`] and [`SimError::Rod`]
     /// where only the combination of its numbers does not, such as a sine too fine for its
     /// segments; [`SimError::Io`], [`SimError::Mesh`] and [`SimError::Object`] for objects.
-    pub fn build(scene: &Scene) -> Result<Self, SimError> {
+    pub fn build_observed(scene: &Scene, at: &dyn Fn(BuildStage)) -> Result<Self, SimError> {
         scene.validate()?;
         let bundles = scene.fibers.iter().enumerate();
         let mut notes = Vec::new();
-        let starts = bundles.map(|(i, bundle)| starts(scene, bundle, i, &mut notes));
+        let starts = bundles.map(|(i, bundle)| starts(scene, bundle, i, &mut notes, at));
         let starts: Vec<_> = starts.collect::<Result<_, _>>()?;
         let mut starts: Vec<_> = starts.into_iter().flatten().collect();
         let springs = scene.mass_spring.as_ref().map(MassSprings::new).transpose();
@@ -50,7 +60,7 @@ impl World {
         let stepper = match springs {
             Some(springs) => Box::new(springs) as Box<dyn Stepper>,
             None => {
-                give_natural_shapes(scene, &mut starts, &mut objects, &mut notes)?;
+                give_natural_shapes(scene, &mut starts, &mut objects, &mut notes, at)?;
                 stepper(scene, &starts, assembly(&starts), &mut objects)?
             }
         };

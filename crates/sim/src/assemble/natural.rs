@@ -1,8 +1,9 @@
 //! Natural shapes of groomed fibres: with which they rest in the curves that are given.
 
 use super::groups::{assembly, at_start};
+use super::stage::BuildStage;
 use super::start::{FiberStart, along};
-use super::still::Still;
+use super::still::{MOST_STEPS, Still};
 use crate::SimError;
 use crate::scene::{Bundle, GroomShape, Scene, Tip};
 use nalgebra::{Point3, Vector3};
@@ -37,7 +38,7 @@ struct Told {
 }
 
 /// Gives groomed fibres natural shapes with which they rest in their curves, and moves those apart
-/// that are in each other where fibres touch.
+/// that are in each other where fibres touch. `at` is told of what takes long.
 ///
 /// # Errors
 /// [`SimError`] of what cannot be moved apart or rest.
@@ -46,11 +47,13 @@ pub(super) fn give_natural_shapes(
     starts: &mut [FiberStart],
     objects: &mut [CollisionObject],
     notes: &mut Vec<String>,
+    at: &dyn Fn(BuildStage),
 ) -> Result<(), SimError> {
     if scene.fibers.iter().all(|bundle| bundle.groom.is_none()) {
         return Ok(());
     }
     if scene.contact.is_some() {
+        at(BuildStage::MovingApart);
         notes.extend(move_apart(scene, starts, objects)?);
     }
     starts.par_iter_mut().try_for_each(|start| {
@@ -72,9 +75,12 @@ pub(super) fn give_natural_shapes(
             let drawn: Vec<_> = starts.iter().map(|start| start.state.clone()).collect();
             // What asks for too much sags, and what contacts hold need not be stable: that leaves
             // its place again.
-            for _ in 0..ROUNDS {
+            for round in 0..ROUNDS {
                 let mut still = Still::new(scene, starts, objects)?;
-                let forces = still.settle(settings)?;
+                let forces = still.settle(settings, &|step| {
+                    let done = round * MOST_STEPS + step;
+                    at(BuildStage::Settling { done, most: ROUNDS * MOST_STEPS });
+                })?;
                 take_states(starts, still.starts, &told);
                 rest(scene, starts, &forces, RestStage::Settled, &mut told)?;
                 // Some contacts were there only because fibres moved.

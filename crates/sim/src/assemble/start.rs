@@ -1,6 +1,7 @@
 //! Fibres as the scene puts them.
 
 use super::groom::curves;
+use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
 use crate::scene::{Arrangement, Bundle, FiberShape, Initial, Scene, scalp};
@@ -47,7 +48,7 @@ pub(crate) fn matter(
 }
 
 /// The fibres of bundle number `index`, ready to be handed to an integrator; what a user should
-/// know of them is added to the `notes`.
+/// know of them is added to the `notes`, and `at` is told of what takes long.
 ///
 /// # Errors
 /// [`SimError`] of what cannot be made of the bundle's numbers and files.
@@ -56,6 +57,7 @@ pub(super) fn starts(
     bundle: &Bundle,
     index: usize,
     notes: &mut Vec<String>,
+    at: &dyn Fn(BuildStage),
 ) -> Result<Vec<FiberStart>, SimError> {
     // Bundles of one scene must not repeat each other's random choices.
     let seed = scene.seed.wrapping_add(index as u64);
@@ -64,7 +66,7 @@ pub(super) fn starts(
     let laid_fibers: Vec<(Fiber, Option<RodState>)> = match &bundle.groom {
         Some(groom) => {
             let radius = node.section.equivalent_radius();
-            let curves = curves(groom, bundle, radius, index, notes)?;
+            let curves = curves(groom, bundle, radius, index, notes, at)?;
             let lay = |curve: &Vec<Point3<f64>>| along(curve, node).map(|(f, s)| (f, Some(s)));
             curves.iter().map(lay).collect::<Result<_, _>>().map_err(invalid)?
         }

@@ -16,7 +16,7 @@ const SETTLED: f64 = 5e-3;
 /// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
 const SLOW_STEPS: usize = 20;
 /// Most steps of settling at once.
-const MOST_STEPS: usize = 75;
+pub(super) const MOST_STEPS: usize = 75;
 /// Largest Coulomb residual of a step of settling, relative to all impulses: how fibres come to
 /// where they rest does not count.
 const RESIDUAL: f64 = 1e-2;
@@ -83,9 +83,11 @@ impl Still {
     /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy of a fibre
     /// has passed a maximum, its velocities are set to zero. It ends when all fibres are slow, or
     /// after a number of steps, and where contacts do not converge any more, with what there is.
+    /// `at` is told the number of every step before it begins.
     pub(super) fn settle(
         &mut self,
         settings: &ContactSettings,
+        at: &dyn Fn(usize),
     ) -> Result<Vec<Vector3<f64>>, SimError> {
         let dt = Plan::new(&self.scene).step_after(0);
         let assembly = assembly(&self.starts);
@@ -95,6 +97,7 @@ impl Still {
         let mut fibers = in_contact(&settings, &self.starts, assembly, false, &mut around)?;
         let (mut before, mut slow_steps) = (vec![0.0; self.starts.len()], 0);
         for step in 0..MOST_STEPS {
+            at(step);
             (around.start, around.end) = (step as f64 * dt, (step + 1) as f64 * dt);
             if fibers.step(&mut around, dt).is_err() {
                 break;
