@@ -76,7 +76,7 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes the hairs in all formats, the head, and a picture. Meters and y up, but in USD, which has
+/// Writes the hairs in all formats, the head, and a picture, two files at a time. Meters and y up, but in USD, which has
 /// z up as all that is written.
 ///
 /// # Errors
@@ -88,24 +88,30 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
     let write = |name: &str, with: &dyn Fn(&mut BufWriter<File>) -> Result<(), ExportError>| {
         write_atomically(&folder.join(name), |to| with(to).map_err(io::Error::other))
     };
-    write(HAIRS[0], &|to| vtp::write(to, &frame))?;
-    write(HAIRS[1], &|to| stage(to, curves()))?;
-    write(HAIRS[2], &|to| hair::write(to, &frame))?;
-    write(HAIRS[3], &|to| data::write(to, &frame))?;
-    write(HAIRS[4], &|to| obj::write(to, &frame))?;
-    write(HAIRS[5], &|to| ply::write(to, &frame, ply::PlyEncoding::Binary))?;
-    let head = placed(style, |p| p);
-    write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
-    let every = frame.strands.len().div_ceil(SHOWN).max(1);
-    let strands = curves()
-        .step_by(every)
-        .map(|curve| strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>()));
-    let shown = Frame { index: 0, time: 0.0, strands: strands.collect() };
-    let head = placed(style, upright);
-    write(PREVIEW, &|to| {
-        let frame = preview::PreviewFrame::new(shown.clone(), Vec::new())?;
-        preview::write(to, &[frame], &[vec![head.clone()]], &[])
-    })
+    let tables = || {
+        write(HAIRS[0], &|to| vtp::write(to, &frame))?;
+        write(HAIRS[2], &|to| hair::write(to, &frame))?;
+        write(HAIRS[3], &|to| data::write(to, &frame))?;
+        write(HAIRS[4], &|to| obj::write(to, &frame))?;
+        write(HAIRS[5], &|to| ply::write(to, &frame, ply::PlyEncoding::Binary))
+    };
+    let pictures = || {
+        write(HAIRS[1], &|to| stage(to, curves()))?;
+        let head = placed(style, |p| p);
+        write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
+        let every = frame.strands.len().div_ceil(SHOWN).max(1);
+        let strands = curves()
+            .step_by(every)
+            .map(|curve| strand(&curve.iter().map(|p| upright(*p)).collect::<Vec<_>>()));
+        let shown = Frame { index: 0, time: 0.0, strands: strands.collect() };
+        let head = placed(style, upright);
+        write(PREVIEW, &|to| {
+            let frame = preview::PreviewFrame::new(shown.clone(), Vec::new())?;
+            preview::write(to, &[frame], &[vec![head.clone()]], &[])
+        })
+    };
+    let (tables, pictures) = rayon::join(tables, pictures);
+    tables.and(pictures)
 }
 
 /// From y up to z up.

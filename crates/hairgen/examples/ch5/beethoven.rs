@@ -3,8 +3,8 @@
 use crate::canvas::{Canvas, SKIN, View, images};
 use crate::grown::{Size, grow};
 use crate::silhouettes::{bust, kept, overlaps, overlay, portrait};
-use rapunzel_hairgen::style::{HairSource, HeadSource, ScalpField, Style};
-use rapunzel_hairgen::{HairOptions, HairPattern};
+use rapunzel_hairgen::style::{GuideSpec, HairSource, HeadSource, ScalpField, Style};
+use rapunzel_hairgen::{GuideOptions, HairOptions, HairPattern};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -27,8 +27,10 @@ pub(crate) fn hair(size: Size) -> Fallible<Figure> {
         hairline: Default::default(),
         options: Default::default(),
     };
-    // Curls that stand off the head: locks are as wide at their ends as the gaps between guides.
-    let pattern = HairPattern::Wisps { tip: 2.0, turns: 3.0 };
+    // Curls that stand off the head: locks that widen to fill the gaps between guides, up to the
+    // surface.
+    let pattern = HairPattern::Wisps { tip: 4.0, turns: 3.0 };
+    let options = GuideOptions { margin: 0.001, ..GuideOptions::default() };
     let style = Style {
         head,
         hair: HairSource::Scan,
@@ -37,6 +39,7 @@ pub(crate) fn hair(size: Size) -> Fallible<Figure> {
         length: ScalpField::Constant(0.09),
         tilt: Some(ScalpField::Constant(10.0)),
         dips: [0.0, 0.3],
+        guide: GuideSpec { options, ..GuideSpec::default() },
         strands: HairOptions { pattern, ..HairOptions::default() },
         ..Style::default()
     };

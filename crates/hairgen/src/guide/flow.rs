@@ -59,24 +59,15 @@ impl<'a> GuideFlow<'a> {
         Pore { length: pore.length.min(mean), ..*pore }
     }
 
-    /// Where searches for the load on the end of `rod` start, at most `most`: the loads of the
-    /// pre-guides from the nearest on, turned from their roots to that of `rod`, each with the
-    /// equilibrium next to its shape, and last no load. The mean of several loads may bend a hair
-    /// into none of their shapes. Loads without an equilibrium are left out.
-    pub(super) fn starts(&self, rod: &mut GuideRod, most: usize) -> Vec<(EndLoad, Rest)> {
-        let mut starts = Vec::with_capacity(most);
-        for (_, near) in self.parts.iter().take(most) {
-            let turn = rod.root() * near.shape.frames()[0].inverse();
-            let load = EndLoad { force: turn * near.load.force, ..near.load };
-            let rest = rod.relax_nearby(&load, &near.shape);
-            let rest = rest.or_else(|_| rod.relax(&load, &rod.straight()));
-            starts.extend(rest.ok().map(|rest| (load, rest)));
-        }
-        if most > self.parts.len() {
-            let straight = rod.straight();
-            let rest = rod.relax_nearby(&EndLoad::default(), &straight);
-            starts.extend(rest.ok().map(|rest| (EndLoad::default(), rest)));
-        }
-        starts
+    /// Where a search for the load on the end of `rod` starts: the load of the nearest pre-guide,
+    /// turned from its root to that of `rod`, and the equilibrium there next to its shape. The mean
+    /// of several loads may bend a hair into none of their shapes. `None` without an equilibrium.
+    pub(super) fn start(&self, rod: &mut GuideRod) -> Option<(EndLoad, Rest)> {
+        let (_, near) = self.parts.first()?;
+        let turn = rod.root() * near.shape.frames()[0].inverse();
+        let load = EndLoad { force: turn * near.load.force, ..near.load };
+        let rest = rod.relax_nearby(&load, &near.shape);
+        let rest = rest.or_else(|_| rod.relax(&load, &rod.straight())).ok()?;
+        Some((load, rest))
     }
 }

@@ -63,10 +63,7 @@ pub struct GuideOptions {
     pub least: f64,
     /// Predicted decrease of the objective, relative to it, at which a guide is laid.
     pub tolerance: f64,
-    /// Number of searches of a guide, of which the best end counts: from the loads of the three
-    /// pre-guides next to it, the nearest first, and the fourth without a load.
-    pub starts: usize,
-    /// Largest number of equilibria of a search.
+    /// Largest number of equilibria of a guide.
     pub equilibria: usize,
     /// Number of guides that are laid at once: they see the density of those before, but not each
     /// other's.
@@ -85,7 +82,6 @@ impl Default for GuideOptions {
             outside: 0.005,
             least: 0.05,
             tolerance: 2e-3,
-            starts: 1,
             equilibria: 60,
             batch: 64,
         }
@@ -106,8 +102,6 @@ impl GuideOptions {
         let length = self.down.norm();
         choice("the length of the direction down", length, "1", |x| (x - 1.0).abs() < 1e-6)?;
         choice("the tolerance of the guides", self.tolerance, "at least 0", |x| x >= 0.0)?;
-        let starts = self.starts as f64;
-        choice("the starts of a guide", starts, "between 1 and 4", |x| (1.0..=4.0).contains(&x))?;
         let (most, batch) = (self.equilibria as f64, self.batch as f64);
         choice("the number of equilibria", most, "at least 1", |x| x >= 1.0)?;
         choice("the size of a batch of guides", batch, "at least 1", |x| x >= 1.0)?;

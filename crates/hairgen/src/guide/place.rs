@@ -39,8 +39,8 @@ pub struct GuideHairs {
 }
 
 /// Lays a guide in each of the `pores`: the load on its end, a force and a couple, is the one that
-/// minimizes the objective (5.7), searched by a quasi-Newton method from the loads of the
-/// pre-guides next to it. A guide is as long as its pore says, and not longer than the pre-guides
+/// minimizes the objective (5.7), searched by a quasi-Newton method from the load of the
+/// pre-guide next to it. A guide is as long as its pore says, and not longer than the pre-guides
 /// next to it in the mean, which end where they leave the region; it is cut where it leaves it.
 ///
 /// With a `density`, which grows by the guides laid, guides are laid in batches in the order of
@@ -123,23 +123,14 @@ impl Searched for LoadSearch<'_, '_> {
     }
 }
 
-/// The end load that minimizes the objective, the best of those that the searches find.
+/// The end load that minimizes the objective, searched from that of the pre-guide next to the
+/// guide.
 fn optimum(
     rod: &mut GuideRod,
     objective: &Objective<'_>,
     options: &GuideOptions,
 ) -> Option<Minimum<Rest>> {
-    let mut best: Option<Minimum<Rest>> = None;
-    let mut evaluations = 0;
-    for (load, rest) in objective.flow.starts(rod, options.starts) {
-        let mut search = LoadSearch { rod, objective };
-        let GuideOptions { tolerance, equilibria, .. } = *options;
-        let found = minimize(&mut search, &load.unknowns(), &rest, tolerance, equilibria);
-        let Some(found) = found else { continue };
-        evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|best| found.value < best.value) {
-            best = Some(found);
-        }
-    }
-    best.map(|best| Minimum { evaluations, ..best })
+    let (load, rest) = objective.flow.start(rod)?;
+    let mut search = LoadSearch { rod, objective };
+    minimize(&mut search, &load.unknowns(), &rest, options.tolerance, options.equilibria)
 }

@@ -9,7 +9,7 @@ const LEAST_SINE: f64 = 1e-3;
 
 /// The load on the end of a guide that gives it its shape (thesis 5.3.3): the shape depends on the
 /// load in units of the bending stiffness `EI` and the length `L` only.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndLoad {
     /// Force in units of `EI / L^2`, dead: in the world frame.
     pub force: Vector3<f64>,
