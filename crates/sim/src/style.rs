@@ -76,8 +76,8 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes the hairs in all formats, the head, and a picture, two files at a time. Meters and y up, but in USD, which has
-/// z up as all that is written.
+/// Writes the hairs in all formats, the head, and a picture, two files at a time. Meters and y up,
+/// but in USD, which has z up as all that is written.
 ///
 /// # Errors
 /// Those of [`claim`], and of files that cannot be written.

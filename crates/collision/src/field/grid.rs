@@ -95,8 +95,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Samples another field at the nodes closer than `band`, m. Cost: the nodes of the blocks
-    /// that the band reaches, and one sample for each other block.
+    /// Samples another field at the nodes closer than `band`, m. Cost: a sample for each of these
+    /// and for some farther ones of the blocks that the band reaches, and one for each other block.
     ///
     /// # Errors
     /// [`CollisionError::Grid`] if the band is not at least two spacings and at most that of the
@@ -116,12 +116,28 @@ impl Grid {
             let [i, j, k] = frame.corner(block);
             // From a center so far away the field reaches the band at no node.
             let center = frame.node([i, j, k]) + Vector3::repeat(0.5 * side);
-            if field.value(&center).abs() > band + reach {
+            let middle = (center, field.value(&center));
+            if middle.1.abs() > band + reach {
                 return None;
             }
+            // Values that tell of others that they are beyond the band: those of the center, of the
+            // first node of the row, and of the last that was not known to be so.
+            let mut known = [middle; 3];
             let values: [f64; NODES] = array::from_fn(|n| {
                 let [x, y, z] = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
-                field.value(&frame.node([i + x, j + y, k + z])).clamp(-band, band)
+                let node = frame.node([i + x, j + y, k + z]);
+                let is_far = |(at, value): &&(Point3<f64>, f64)| {
+                    value.abs() > band + field.lipschitz() * (node - at).norm()
+                };
+                if let Some((_, value)) = known.iter().find(is_far) {
+                    return band.copysign(*value);
+                }
+                let value = field.value(&node);
+                known[2] = (node, value);
+                if x == 0 {
+                    known[1] = known[2];
+                }
+                value.clamp(-band, band)
             });
             values.iter().any(|v| v.abs() < band).then(|| Box::new(single(&values)))
         })?;
