@@ -1,0 +1,162 @@
+use crate::energy::EnergyTable;
+use crate::longitudinal::{Inclination, MOST_TRIES, semicircle};
+use crate::quadrature::{cell, gauss_legendre, nodes};
+use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// What keeps the energy of all lobes together at 1.
+///
+/// A lobe attenuated at `theta_d` gives `integral K_p a_p(theta_d) cos^2 theta_r d theta_r`. Without
+/// absorption the sum over the lobes is 1 if they have one width and no tilt, since the `a_p` add to 1
+/// at every `theta_d`; else it is `E(theta_i)`, a little above 1 in places, and below where tilt loses
+/// energy. So the lobes are scaled by `s = 1 / max E`, if that is below 1, and what is missing,
+/// `rho = 1 - s E`, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2 pi integral rho)`: it is
+/// symmetric, and the sum is 1 for every `theta_i`. Light takes the color of the whole fibre there,
+/// half at each end: `g = rho sqrt(albedo)`.
+#[derive(Debug, Clone)]
+pub(crate) struct Balance {
+    /// `s`, the factor of all lobes.
+    pub(crate) scale: f64,
+    nodes: Vec<BalanceNode>,
+    /// Integral of `rho cos^2 theta`.
+    total: f64,
+    largest: f64,
+    /// Integral of `g cos^2 theta`, over `total`.
+    pub(crate) tint: Vector3<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct BalanceNode {
+    /// Energy that the lobes lack, without absorption.
+    lack: f64,
+    /// `g`.
+    tinted: Vector3<f64>,
+    /// What the whole fibre scatters of what it receives.
+    albedo: Vector3<f64>,
+}
+
+/// The balance at one inclination.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Lack {
+    pub(crate) lack: f64,
+    pub(crate) tinted: Vector3<f64>,
+}
+
+impl Balance {
+    pub(crate) fn new(scatterer: &Scatterer, energies: &EnergyTable) -> Self {
+        const CELLS: u32 = 1440;
+        let rule = gauss_legendre(40);
+        let at: Vec<f64> = nodes(CELLS).map(|x| 2.0 * x - 1.0).collect();
+        let of = |t: &f64| lobes_energy(scatterer, energies, 2.0 * t.atan(), &rule);
+        let sums: Vec<[Vector3<f64>; 2]> = at.par_iter().map(of).collect();
+        let largest = sums.iter().fold(1.0, |most: f64, [clear, _]| most.max(clear.x));
+        let scale = 1.0 / largest;
+        let node = |(t, [clear, absorbed]): (&f64, &[Vector3<f64>; 2])| {
+            let lack = (1.0 - scale * clear.x).max(0.0);
+            let whole: Vector3<f64> = energies.at(t.abs()).absorbed.iter().sum();
+            let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
+            BalanceNode { lack, tinted, albedo: absorbed * scale }
+        };
+        let nodes: Vec<BalanceNode> = at.iter().zip(&sums).map(node).collect();
+        let mut balance =
+            Self { scale, nodes, total: 0.0, largest: 0.0, tint: Vector3::zeros() };
+        balance.close(&at);
+        balance
+    }
+
+    /// Integrals over the nodes, and the albedo with the last lobe.
+    fn close(&mut self, at: &[f64]) {
+        let pair = gauss_legendre(3);
+        let (mut total, mut tint) = (0.0, Vector3::zeros());
+        for (nodes, ends) in self.nodes.windows(2).zip(at.windows(2)) {
+            for [x, weight] in &pair {
+                let part = 0.5 * (1.0 + x);
+                let t = ends[0] + part * (ends[1] - ends[0]);
+                // d theta = 2 dt / (1 + t^2).
+                let cos = (1.0 - t * t) / (1.0 + t * t);
+                let measure = weight * (ends[1] - ends[0]) / (1.0 + t * t) * cos * cos;
+                total += measure * (nodes[0].lack + part * (nodes[1].lack - nodes[0].lack));
+                tint += (nodes[0].tinted + (nodes[1].tinted - nodes[0].tinted) * part) * measure;
+            }
+        }
+        self.largest = self.nodes.iter().fold(0.0, |most: f64, node| most.max(node.lack));
+        if total > 0.0 {
+            (self.total, self.tint) = (total, tint / total);
+        }
+        let tint = self.tint;
+        self.nodes.iter_mut().for_each(|n| n.albedo += n.tinted.component_mul(&tint));
+    }
+
+    fn between(&self, sin: f64, cos: f64) -> (&[BalanceNode], f64) {
+        let (k, part) = cell(0.5 + 0.5 * sin / (1.0 + cos), self.nodes.len() - 1);
+        (&self.nodes[k..k + 2], part)
+    }
+
+    pub(crate) fn at(&self, i: &Inclination) -> Lack {
+        if self.total <= 0.0 {
+            return Lack::default();
+        }
+        let (n, part) = self.between(i.sin, i.cos);
+        let lack = n[0].lack + (n[1].lack - n[0].lack) * part;
+        Lack { lack, tinted: n[0].tinted + (n[1].tinted - n[0].tinted) * part }
+    }
+
+    /// What the whole fibre scatters of what it receives under an inclination.
+    pub(crate) fn albedo(&self, i: &Inclination) -> Vector3<f64> {
+        let (n, part) = self.between(i.sin, i.cos);
+        n[0].albedo + (n[1].albedo - n[0].albedo) * part
+    }
+
+    /// The last lobe, per sr.
+    pub(crate) fn lobe(&self, i: &Lack, r: &Lack) -> Vector3<f64> {
+        if self.total > 0.0 {
+            i.tinted.component_mul(&r.tinted) / (TAU * self.total)
+        } else {
+            Vector3::zeros()
+        }
+    }
+
+    /// Density by which [`Self::draw`] draws, over `cos^2 theta d theta`.
+    pub(crate) fn density(&self, r: &Lack) -> f64 {
+        if self.total > 0.0 { r.lack / self.total } else { 0.0 }
+    }
+
+    /// An inclination drawn by the lack of energy.
+    pub(crate) fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
+        let mut sin = 0.0;
+        for _ in 0..MOST_TRIES {
+            sin = semicircle(random).clamp(-1.0, 1.0);
+            let cos = f64::sqrt(1.0 - sin * sin);
+            if random() * self.largest <= self.at(&Inclination { sin, cos }).lack {
+                break;
+            }
+        }
+        Inclination { sin, cos: (1.0 - sin * sin).sqrt() }
+    }
+}
+
+/// What all lobes scatter together, without absorption and with it.
+fn lobes_energy(
+    scatterer: &Scatterer,
+    energies: &EnergyTable,
+    theta_i: f64,
+    rule: &[[f64; 2]],
+) -> [Vector3<f64>; 2] {
+    let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
+    let i = Inclination::of(theta_i);
+    let mut sums = [Vector3::zeros(); 2];
+    for (p, lobe) in scatterer.lobes.iter().enumerate() {
+        for [low, high] in lobe.support(theta_i) {
+            for [x, weight] in rule {
+                let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
+                let energy = energies.at(half_tangent(cos2_half_difference(&i, &r)));
+                let measure = 0.5 * weight * (high - low) * r.cos * r.cos * lobe.at(&i, &r);
+                sums[0] += Vector3::repeat(energy.clear[p] * measure);
+                sums[1] += energy.absorbed[p] * measure;
+            }
+        }
+    }
+    sums
+}
