@@ -1,5 +1,6 @@
+use crate::draw::{MOST_TRIES, semicircle};
 use crate::energy::EnergyTable;
-use crate::longitudinal::{Inclination, MOST_TRIES, semicircle};
+use crate::longitudinal::Inclination;
 use crate::quadrature::{cell, gauss_legendre, nodes};
 use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
 use nalgebra::Vector3;
@@ -60,8 +61,7 @@ impl Balance {
             BalanceNode { lack, tinted, albedo: absorbed * scale }
         };
         let nodes: Vec<BalanceNode> = at.iter().zip(&sums).map(node).collect();
-        let mut balance =
-            Self { scale, nodes, total: 0.0, largest: 0.0, tint: Vector3::zeros() };
+        let mut balance = Self { scale, nodes, total: 0.0, largest: 0.0, tint: Vector3::zeros() };
         balance.close(&at);
         balance
     }

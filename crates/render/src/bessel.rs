@@ -33,7 +33,9 @@ mod tests {
 
     #[test]
     fn it_is_the_integral_on_both_sides_of_the_seam() {
-        for (n, x) in [0, 1].into_iter().flat_map(|n| [1e-3, 1.0, 29.99, 30.01, 400.0].map(|x| (n, x))) {
+        for (n, x) in
+            [0, 1].into_iter().flat_map(|n| [1e-3, 1.0, 29.99, 30.01, 400.0].map(|x| (n, x)))
+        {
             // The trapezoidal rule of a periodic analytic function: its error falls like I_N(x).
             let nodes = 2048;
             let at = |k: u32| f64::from(k) / f64::from(nodes) * PI;

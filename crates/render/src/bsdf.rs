@@ -64,7 +64,11 @@ impl Scattering {
 
     /// This, or nothing if a number is not finite: directions that are none scatter no light.
     pub(crate) fn or_none(self) -> Self {
-        if self.pdf.is_finite() && self.value.iter().all(|v| v.is_finite()) { self } else { Self::NONE }
+        if self.pdf.is_finite() && self.value.iter().all(|v| v.is_finite()) {
+            self
+        } else {
+            Self::NONE
+        }
     }
 
     /// The sample of the direction `to`, whose inclination has the cosine `cos`.

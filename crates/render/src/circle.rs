@@ -91,10 +91,9 @@ impl CirclePaths {
     pub fn roots(&self, p: u32, azimuth: f64) -> Vec<AzimuthRoot> {
         // Between caustics the azimuth is monotonous: one root or none a piece and turn.
         let turn = self.caustic(p).map(|c| c.h);
-        let ends: Vec<f64> =
-            turn.map_or(vec![-FRAC_PI_2, FRAC_PI_2], |h| {
-                vec![-FRAC_PI_2, -h.asin(), h.asin(), FRAC_PI_2]
-            });
+        let ends: Vec<f64> = turn.map_or(vec![-FRAC_PI_2, FRAC_PI_2], |h| {
+            vec![-FRAC_PI_2, -h.asin(), h.asin(), FRAC_PI_2]
+        });
         let of = |gamma: f64| self.azimuth(p, gamma.sin());
         let mut roots = Vec::new();
         for (a, b) in ends.iter().zip(&ends[1..]) {

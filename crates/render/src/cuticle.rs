@@ -40,7 +40,12 @@ impl CuticleTilt {
         let steep = "so small that light hits the scales and leaves them";
         let told = |ray: Option<Vector2<f64>>| {
             let leaves = ray.is_some();
-            check("the angle of the scales (rad)", alpha, steep, leaves && alpha.abs() < FRAC_PI_2)?;
+            check(
+                "the angle of the scales (rad)",
+                alpha,
+                steep,
+                leaves && alpha.abs() < FRAC_PI_2,
+            )?;
             Ok::<f64, RenderError>(ray.map_or(0.0, |ray| ray.y.atan2(ray.x.abs())))
         };
         // Components: away from the axis on the side of the light, and towards the tip. Scales are

@@ -99,7 +99,12 @@ impl Ellipse {
         section.validate()?;
         let (a, b) = section.semi_axes();
         let ratio = (a / b).sqrt();
-        crate::error::check("a ratio of axes", a / b, "in [1/16, 16]", (0.25..=4.0).contains(&ratio))?;
+        crate::error::check(
+            "a ratio of axes",
+            a / b,
+            "in [1/16, 16]",
+            (0.25..=4.0).contains(&ratio),
+        )?;
         let axes = Vector2::new(ratio, ratio.recip());
         Ok(Self { axes, form: axes.map(|x| 1.0 / (x * x)) })
     }
@@ -115,11 +120,13 @@ impl Ellipse {
 
     pub(crate) fn trace(&self, cone: &Cone, phi: f64, h: f64) -> TracedRay {
         let to_light = Vector2::new(phi.cos(), phi.sin());
-        let side = Vector2::new(to_light.y, -to_light.x) * (h.clamp(-1.0, 1.0) * self.half_width(&to_light));
+        let side = Vector2::new(to_light.y, -to_light.x)
+            * (h.clamp(-1.0, 1.0) * self.half_width(&to_light));
         // First hit: the farther root of |side + t to_light| in the norm of the ellipse.
         let dot = |a: &Vector2<f64>, b: &Vector2<f64>| a.component_mul(b).dot(&self.form);
         let (qa, qb) = (dot(&to_light, &to_light), dot(&side, &to_light));
-        let mut at = side + to_light * (((qb * qb - qa * (dot(&side, &side) - 1.0)).max(0.0).sqrt() - qb) / qa);
+        let mut at = side
+            + to_light * (((qb * qb - qa * (dot(&side, &side) - 1.0)).max(0.0).sqrt() - qb) / qa);
         // Snell with n' (Bravais), Fresnel in space.
         let normal = self.normal(&at);
         let cos_i = to_light.dot(&normal).clamp(0.0, 1.0);
@@ -162,7 +169,8 @@ impl TracedRay {
     pub(crate) fn absorbed(&self, sigma: &Vector3<f64>) -> [Vector3<f64>; 4] {
         let passed = |p: usize| sigma.map(|s| (-s * self.length[p]).exp());
         let (tt, trt) = (passed(1), passed(2));
-        let third = trt.zip_map(&sigma.map(|s| -s * (self.length[2] - self.length[1])), |t, e| t * e.exp());
+        let third =
+            trt.zip_map(&sigma.map(|s| -s * (self.length[2] - self.length[1])), |t, e| t * e.exp());
         let [_, a, b] = self.share;
         [Vector3::repeat(self.share[0]), tt * a, trt * b, third * self.later]
     }

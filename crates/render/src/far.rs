@@ -1,8 +1,9 @@
 use crate::balance::Balance;
 use crate::circle::wrapped;
 use crate::direction::{azimuth_change, inclination, turned};
+use crate::draw::{MOST_TRIES, choose};
 use crate::far_table::FarTable;
-use crate::longitudinal::{Inclination, MOST_TRIES};
+use crate::longitudinal::Inclination;
 use crate::scatterer::{Profile, Scatterer, cos2_half_difference, half_tangent};
 use crate::strata::{STRATA, StratumBounds};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
@@ -54,7 +55,8 @@ impl FarField {
         let at = half_tangent(cos2_half_difference(&i, &r));
         let normal = self.table.at(at, azimuth_change(&arrival.from, to));
         let later = self.table.energies.at(at).absorbed[3] / TAU;
-        let [a, b, c, d] = [0, 1, 2, 3].map(|p| self.balance.scale * self.scatterer.lobes[p].at(&i, &r));
+        let [a, b, c, d] =
+            [0, 1, 2, 3].map(|p| self.balance.scale * self.scatterer.lobes[p].at(&i, &r));
         let last = self.balance.lobe(&self.balance.at(&i), &self.balance.at(&r));
         [Vector3::repeat(a * normal.r), normal.tt * b, normal.trt * c, later * d, last]
     }
@@ -66,7 +68,7 @@ impl FarField {
         chances: &[f64; LOBES],
         random: &mut dyn FnMut() -> f64,
     ) -> Option<(Inclination, f64)> {
-        let p = crate::near::choose(chances, random())?;
+        let p = choose(chances, random())?;
         let even = |u: f64| PI * (2.0 * u - 1.0);
         if p == LOBES - 1 {
             let r = self.balance.draw(random);
@@ -75,7 +77,7 @@ impl FarField {
             return accepted.then(|| (r, even(random())));
         }
         let bounds = &self.bounds.at(i.cos * i.cos)[p];
-        let stratum = crate::near::choose(bounds, random())?;
+        let stratum = choose(bounds, random())?;
         let r = self.scatterer.lobes[p].draw(i, random);
         #[expect(clippy::cast_precision_loss, reason = "few strata")]
         let size = (stratum as f64 + random()) / STRATA as f64;

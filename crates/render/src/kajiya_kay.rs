@@ -1,6 +1,7 @@
 use crate::direction::{inclination, turned};
+use crate::draw::semicircle;
 use crate::error::check;
-use crate::longitudinal::{Inclination, semicircle};
+use crate::longitudinal::Inclination;
 use crate::{Arrival, FiberBsdf, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};

@@ -1,5 +1,6 @@
 use crate::RenderError;
 use crate::bessel::scaled_bessel;
+use crate::draw::{MOST_TRIES, semicircle};
 use crate::error::check;
 use std::f64::consts::{PI, TAU};
 
@@ -136,14 +137,15 @@ impl SymmetricLobe {
         if off < -700.0 && z > 0.0 {
             return 0.0;
         }
-        self.height * if z > 40.0 {
-            off.exp() / z
-        } else if z.abs() < 1e-9 {
-            off.exp()
-        } else {
-            // exp(off) (1 - exp(-z)) / z; both exponents are at most zero, also beyond the pole.
-            (off.exp() - (off - z).exp()) / z
-        }
+        self.height
+            * if z > 40.0 {
+                off.exp() / z
+            } else if z.abs() < 1e-9 {
+                off.exp()
+            } else {
+                // exp(off) (1 - exp(-z)) / z; both exponents are at most zero, also beyond the pole.
+                (off.exp() - (off - z).exp()) / z
+            }
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20 of
@@ -180,15 +182,4 @@ impl SymmetricLobe {
         let sin = sin.clamp(-1.0, 1.0);
         Inclination { sin, cos: (1.0 - sin * sin).sqrt() }
     }
-}
-
-/// Tries of a draw after which the last is taken: each is refused with a chance below 0.9, so that
-/// this happens once in 1e45.
-pub(crate) const MOST_TRIES: u32 = 1000;
-
-/// A number in `[-1, 1]` with the density `2 sqrt(1 - x^2) / pi`: a coordinate of a point in the disc,
-/// and the sine of an inclination drawn evenly by `cos^2 theta d theta`.
-pub(crate) fn semicircle(random: &mut dyn FnMut() -> f64) -> f64 {
-    let radius = random().sqrt();
-    radius * (TAU * random()).cos()
 }

@@ -1,7 +1,7 @@
 use crate::direction::{azimuth_change, inclination, turned};
+use crate::draw::choose;
 use crate::far_table::FarTable;
 use crate::longitudinal::{Inclination, normal};
-use crate::near::choose;
 use crate::scatterer::{Profile, Scatterer, cos2_half_difference, half_tangent};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
@@ -57,7 +57,8 @@ impl FiberBsdf for MarschnerField {
         let cos2 = cos2_half_difference(&i, &r);
         let normal = self.table.at(half_tangent(cos2), azimuth_change(&arrival.from, to));
         let theta_h = 0.5 * (i.sin.atan2(i.cos) + r.sin.atan2(r.cos));
-        let mut lobes = [Vector3::repeat(normal.r), normal.tt, normal.trt, Vector3::zeros(), Vector3::zeros()];
+        let mut lobes =
+            [Vector3::repeat(normal.r), normal.tt, normal.trt, Vector3::zeros(), Vector3::zeros()];
         for (p, lobe) in lobes.iter_mut().enumerate().take(3) {
             *lobe *= self.longitudinal(p, theta_h) / cos2;
         }

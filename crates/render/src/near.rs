@@ -1,6 +1,7 @@
 use crate::balance::{Balance, Lack};
 use crate::circle::wrapped;
 use crate::direction::{azimuth, azimuth_change, inclination, turned};
+use crate::draw::choose;
 use crate::energy::EnergyTable;
 use crate::longitudinal::Inclination;
 use crate::scatterer::{Profile, Rays, Scatterer, cos2_half_difference};
@@ -154,18 +155,4 @@ impl FiberBsdf for NearField {
         let to = turned(&arrival.from, change, &r);
         self.scattering(arrival, &pair, change, r.cos).sampled(to, r.cos)
     }
-}
-
-/// An index drawn by weights, by a number `u` in `[0, 1)`; `None` if no weight is positive.
-pub(crate) fn choose(weights: &[f64], u: f64) -> Option<usize> {
-    let mut left = u * weights.iter().sum::<f64>();
-    let mut last = None;
-    for (index, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-        last = Some(index);
-        if left < *weight {
-            break;
-        }
-        left -= weight;
-    }
-    last
 }

@@ -23,7 +23,8 @@ pub struct Pigments {
 
 impl Pigments {
     /// White hair.
-    pub const WHITE: Self = Self { eumelanin: 0.0, pheomelanin: 0.0, dye: Vector3::new(0.0, 0.0, 0.0) };
+    pub const WHITE: Self =
+        Self { eumelanin: 0.0, pheomelanin: 0.0, dye: Vector3::new(0.0, 0.0, 0.0) };
     /// Blond hair.
     pub const BLOND: Self = Self { eumelanin: 0.3, ..Self::WHITE };
     /// Brown hair.

@@ -78,6 +78,7 @@ mod tests {
     use super::*;
     use crate::FiberOptics;
     use crate::scatterer::Profile;
+    use nalgebra::Vector3;
 
     #[test]
     fn nothing_exceeds_its_bound() {

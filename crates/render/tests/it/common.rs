@@ -1,6 +1,7 @@
 use nalgebra::Vector3;
-use rapunzel_render::{FiberOptics, Polarization};
+use rapunzel_render::{Arrival, FiberBsdf, FiberOptics, Polarization};
 use serde_json::Value;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
 /// The oracle file.
@@ -54,3 +55,68 @@ pub(crate) fn hair(sigma: f64, beta_m: f64, beta_n: f64, alpha: f64) -> FiberOpt
 }
 
 pub(crate) const BOTH: [Polarization; 2] = [Polarization::Averaged, Polarization::Tracked];
+
+/// What is scattered of light from one direction, the mean of the colors, and the integral of the
+/// density of samples: by midpoints in the inclination and the azimuth. The error falls faster than any
+/// power of the width of a part where that resolves the lobes, but at the poles and where the logistic
+/// distribution is cut, as its square.
+pub(crate) fn integrals(
+    bsdf: &impl FiberBsdf,
+    arrival: &Arrival,
+    inclinations: u32,
+    azimuths: u32,
+) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for theta in midpoints(-FRAC_PI_2, FRAC_PI_2, inclinations) {
+        for phi in midpoints(-PI, PI, azimuths) {
+            let found = bsdf.evaluate(arrival, &direction(theta, phi));
+            sums[0] += found.value.mean() * theta.cos() * theta.cos();
+            sums[1] += found.pdf * theta.cos();
+        }
+    }
+    sums.map(|sum| sum * 2.0 * PI * PI / f64::from(inclinations) / f64::from(azimuths))
+}
+
+/// Checks that samples fall into parts of the sphere as often as their density says: 12 by 12 parts,
+/// chi squared at most five standard deviations above its mean.
+pub(crate) fn chi_squared(bsdf: &impl FiberBsdf, arrival: &Arrival) {
+    const PARTS: usize = 12;
+    const FINE: u32 = 600;
+    let mut expected = [[0.0; PARTS]; PARTS];
+    let part = |theta: f64, phi: f64| {
+        let of = |x: f64| ((x * PARTS as f64) as usize).min(PARTS - 1);
+        (of(theta / PI + 0.5), of(phi / (2.0 * PI) + 0.5))
+    };
+    for theta in midpoints(-FRAC_PI_2, FRAC_PI_2, FINE) {
+        for phi in midpoints(-PI, PI, FINE) {
+            let (i, j) = part(theta, phi);
+            let measure = theta.cos() * 2.0 * PI * PI / f64::from(FINE * FINE);
+            expected[i][j] += bsdf.evaluate(arrival, &direction(theta, phi)).pdf * measure;
+        }
+    }
+    let mut random = random(11);
+    let mut found = [[0.0; PARTS]; PARTS];
+    let count = 200_000;
+    for _ in 0..count {
+        let to = bsdf.sample(arrival, &mut random).expect("a direction").to;
+        let (i, j) = part(to.z.asin(), to.y.atan2(to.x));
+        found[i][j] += 1.0;
+    }
+    let (mut chi2, mut freedom) = (0.0, -1.0_f64);
+    let mut rest = [0.0; 2];
+    for (expected, found) in expected.iter().flatten().zip(found.iter().flatten()) {
+        let expected = expected * f64::from(count);
+        if expected > 10.0 {
+            chi2 += (found - expected).powi(2) / expected;
+            freedom += 1.0;
+        } else {
+            rest = [rest[0] + expected, rest[1] + found];
+        }
+    }
+    assert!((rest[0] - rest[1]).abs() < 5.0 * rest[0].sqrt() + 5.0, "{rest:?}");
+    assert!(freedom > 10.0);
+    assert!(
+        chi2 < freedom + 5.0 * (2.0 * freedom).sqrt(),
+        "{chi2} with {freedom} degrees of freedom"
+    );
+}

@@ -3,4 +3,9 @@
 mod circle;
 mod common;
 mod ellipse;
-mod models;
+mod far;
+mod input;
+mod kernel;
+mod near;
+mod peers;
+mod raw;
