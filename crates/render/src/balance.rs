@@ -36,6 +36,8 @@ struct BalanceNode {
     tinted: Vector3<f64>,
     /// What the whole fibre scatters of what it receives.
     albedo: Vector3<f64>,
+    /// What each lobe scatters, over what it has at this inclination, the mean of the colors.
+    kept: [f64; 4],
 }
 
 /// The balance at one inclination.
@@ -51,14 +53,24 @@ impl Balance {
         let rule = gauss_legendre(40);
         let at: Vec<f64> = nodes(CELLS).map(|x| 2.0 * x - 1.0).collect();
         let of = |t: &f64| lobes_energy(scatterer, energies, 2.0 * t.atan(), &rule);
-        let sums: Vec<[Vector3<f64>; 2]> = at.par_iter().map(of).collect();
-        let largest = sums.iter().fold(1.0, |most: f64, [clear, _]| most.max(clear.x));
+        let sums: Vec<LobeSums> = at.par_iter().map(of).collect();
+        let largest = sums.iter().fold(1.0, |most: f64, sums| most.max(sums.clear));
         let scale = 1.0 / largest;
-        let node = |(t, [clear, absorbed]): (&f64, &[Vector3<f64>; 2])| {
-            let lack = (1.0 - scale * clear.x).max(0.0);
-            let whole: Vector3<f64> = energies.at(t.abs()).absorbed.iter().sum();
+        let node = |(t, sums): (&f64, &LobeSums)| {
+            let lack = (1.0 - scale * sums.clear).max(0.0);
+            let has = energies.at(t.abs()).absorbed;
+            let whole: Vector3<f64> = has.iter().sum();
+            let kept = [0, 1, 2, 3].map(|p| {
+                let has = has[p].mean();
+                if has > 0.0 {
+                    (scale * sums.absorbed[p].mean() / has).clamp(1e-3, 1e3)
+                } else {
+                    1.0
+                }
+            });
+            let albedo = sums.absorbed.iter().sum::<Vector3<f64>>() * scale;
             let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
-            BalanceNode { lack, tinted, albedo: absorbed * scale }
+            BalanceNode { lack, tinted, albedo, kept }
         };
         let nodes: Vec<BalanceNode> = at.iter().zip(&sums).map(node).collect();
         let mut balance = Self { scale, nodes, total: 0.0, largest: 0.0, tint: Vector3::zeros() };
@@ -109,6 +121,12 @@ impl Balance {
         n[0].albedo + (n[1].albedo - n[0].albedo) * part
     }
 
+    /// What each lobe scatters under an inclination, over what it has there.
+    pub(crate) fn kept(&self, i: &Inclination) -> [f64; 4] {
+        let (n, part) = self.between(i.sin, i.cos);
+        [0, 1, 2, 3].map(|p| n[0].kept[p] + (n[1].kept[p] - n[0].kept[p]) * part)
+    }
+
     /// The last lobe, per sr.
     pub(crate) fn lobe(&self, i: &Lack, r: &Lack) -> Vector3<f64> {
         if self.total > 0.0 {
@@ -137,24 +155,30 @@ impl Balance {
     }
 }
 
-/// What all lobes scatter together, without absorption and with it.
+/// What lobes scatter: all together without absorption, each with it.
+#[derive(Default)]
+struct LobeSums {
+    clear: f64,
+    absorbed: [Vector3<f64>; 4],
+}
+
 fn lobes_energy(
     scatterer: &Scatterer,
     energies: &EnergyTable,
     theta_i: f64,
     rule: &[[f64; 2]],
-) -> [Vector3<f64>; 2] {
+) -> LobeSums {
     let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
     let i = Inclination::of(theta_i);
-    let mut sums = [Vector3::zeros(); 2];
+    let mut sums = LobeSums::default();
     for (p, lobe) in scatterer.lobes.iter().enumerate() {
         for [low, high] in lobe.support(theta_i) {
             for [x, weight] in rule {
                 let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
                 let energy = energies.at(half_tangent(cos2_half_difference(&i, &r)));
                 let measure = 0.5 * weight * (high - low) * r.cos * r.cos * lobe.at(&i, &r);
-                sums[0] += Vector3::repeat(energy.clear[p] * measure);
-                sums[1] += energy.absorbed[p] * measure;
+                sums.clear += energy.clear[p] * measure;
+                sums.absorbed[p] += energy.absorbed[p] * measure;
             }
         }
     }

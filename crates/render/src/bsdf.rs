@@ -1,3 +1,6 @@
+use crate::balance::Lack;
+use crate::direction::inclination;
+use crate::longitudinal::Inclination;
 use nalgebra::Vector3;
 
 /// Number of parts that a model tells apart: R, TT, TRT, all later orders, and what keeps the balance
@@ -35,8 +38,19 @@ pub trait FiberBsdf {
 pub struct Arrival {
     pub(crate) offset: f64,
     pub(crate) from: Vector3<f64>,
+    pub(crate) inclination: Inclination,
+    /// What the balance of energy lacks there, where a model keeps one.
+    pub(crate) lack: Lack,
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
     pub(crate) chances: [f64; LOBES],
+}
+
+impl Arrival {
+    /// An arrival of which nothing is prepared.
+    pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
+        let (inclination, lack) = (inclination(from), Lack::default());
+        Self { offset, from: *from, inclination, lack, chances: [0.0; LOBES] }
+    }
 }
 
 /// Light between two directions.

@@ -21,10 +21,17 @@ pub(crate) struct LobeEnergies {
 impl EnergyTable {
     /// The table with `cells` cells.
     pub(crate) fn new(scatterer: &Scatterer, cells: u32) -> Self {
-        let rule = gauss_legendre(64);
+        let samples = samples(&scatterer.profile);
         let at: Vec<f64> = nodes(cells).collect();
-        let of = |t: &f64| mean(scatterer, *t, &rule);
+        let of = |t: &f64| mean(scatterer, *t, &samples);
         Self { nodes: at.par_iter().map(of).collect() }
+    }
+
+    /// What leaves in later orders at `tan(|theta| / 2)`.
+    pub(crate) fn later(&self, half_tangent: f64) -> Vector3<f64> {
+        let (k, part) = cell(half_tangent, self.nodes.len() - 1);
+        let [a, b] = [k, k + 1].map(|k| &self.nodes[k].absorbed[3]);
+        a + (b - a) * part
     }
 
     /// The energies at `tan(|theta| / 2)`.
@@ -40,26 +47,35 @@ impl EnergyTable {
     }
 }
 
-/// The mean over the width: over `h = sin gamma` by the rule of Gauss in gamma, in which all is smooth
-/// but total reflection in an ellipse; over half a turn of an ellipse.
-fn mean(scatterer: &Scatterer, t: f64, rule: &[[f64; 2]]) -> LobeEnergies {
-    const TURNS: u32 = 24;
+/// Azimuths and offsets over which energies are averaged, with their weights, of sum 1.
+fn samples(profile: &Profile) -> Vec<[f64; 3]> {
+    let at = |phi: f64, x: f64, weight: f64| {
+        [phi, (FRAC_PI_2 * x).sin(), weight * (FRAC_PI_2 * x).cos()]
+    };
+    let raw: Vec<[f64; 3]> = match profile {
+        // In gamma all is smooth.
+        Profile::Circle => gauss_legendre(64).iter().map(|[x, w]| at(0.0, *x, *w)).collect(),
+        // A lattice of Fibonacci over half a turn: total reflection makes edges.
+        Profile::Ellipse(_) => {
+            let even = |k: u32, step: u32| f64::from(k * step % 2584) / 2584.0;
+            (0..2584).map(|k| at(PI * even(k, 1), 2.0 * even(k, 1597) - 1.0, 1.0)).collect()
+        }
+    };
+    let sum: f64 = raw.iter().map(|[_, _, weight]| weight).sum();
+    raw.into_iter().map(|[phi, h, weight]| [phi, h, weight / sum]).collect()
+}
+
+/// The mean over the width.
+fn mean(scatterer: &Scatterer, t: f64, samples: &[[f64; 3]]) -> LobeEnergies {
     let cos = (1.0 - t * t) / (1.0 + t * t);
     let cone = scatterer.cone(cos * cos);
-    let turns = if scatterer.profile == Profile::Circle { 1 } else { TURNS };
     let mut sum = LobeEnergies { absorbed: [Vector3::zeros(); 4], clear: [0.0; 4] };
-    let mut all = 0.0;
-    for turn in 0..turns {
-        let phi = (f64::from(turn) + 0.5) / f64::from(turns) * PI;
-        for [x, weight] in rule {
-            let (h, width) = (FRAC_PI_2 * x).sin_cos();
-            let [absorbed, clear] = scatterer.energies(cone, phi, h);
-            for p in 0..4 {
-                sum.absorbed[p] += absorbed[p] * (weight * width);
-                sum.clear[p] += clear[p].x * (weight * width);
-            }
-            all += weight * width;
+    for [phi, h, weight] in samples {
+        let [absorbed, clear] = scatterer.energies(cone, *phi, *h);
+        for p in 0..4 {
+            sum.absorbed[p] += absorbed[p] * *weight;
+            sum.clear[p] += clear[p].x * weight;
         }
     }
-    LobeEnergies { absorbed: sum.absorbed.map(|e| e / all), clear: sum.clear.map(|e| e / all) }
+    sum
 }

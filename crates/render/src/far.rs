@@ -51,35 +51,34 @@ impl FarField {
     }
 
     fn parts(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
-        let (i, r) = (inclination(&arrival.from), inclination(to));
+        let (i, r) = (arrival.inclination, inclination(to));
         let at = half_tangent(cos2_half_difference(&i, &r));
         let normal = self.table.at(at, azimuth_change(&arrival.from, to));
-        let later = self.table.energies.at(at).absorbed[3] / TAU;
+        let later = self.table.energies.later(at) / TAU;
         let [a, b, c, d] =
             [0, 1, 2, 3].map(|p| self.balance.scale * self.scatterer.lobes[p].at(&i, &r));
-        let last = self.balance.lobe(&self.balance.at(&i), &self.balance.at(&r));
+        let last = self.balance.lobe(&arrival.lack, &self.balance.at(&r));
         [Vector3::repeat(a * normal.r), normal.tt * b, normal.trt * c, later * d, last]
     }
 
     /// One try of a draw: the inclination and the change of azimuth, if it is accepted.
     fn attempt(
         &self,
-        i: &Inclination,
-        chances: &[f64; LOBES],
+        arrival: &Arrival,
         random: &mut dyn FnMut() -> f64,
     ) -> Option<(Inclination, f64)> {
-        let p = choose(chances, random())?;
+        let p = choose(&arrival.chances, random())?;
+        let i = &arrival.inclination;
         let even = |u: f64| PI * (2.0 * u - 1.0);
         if p == LOBES - 1 {
             let r = self.balance.draw(random);
-            let [a, b] = [i, &r].map(|at| self.balance.at(at));
+            let (a, b) = (&arrival.lack, self.balance.at(&r));
             let accepted = a.tinted.dot(&b.tinted) >= random() * 3.0 * a.lack * b.lack;
             return accepted.then(|| (r, even(random())));
         }
         let bounds = &self.bounds.at(i.cos * i.cos)[p];
         let stratum = choose(bounds, random())?;
         let r = self.scatterer.lobes[p].draw(i, random);
-        #[expect(clippy::cast_precision_loss, reason = "few strata")]
         let size = (stratum as f64 + random()) / STRATA as f64;
         let h = if random() < 0.5 { size } else { -size };
         let rays = self.scatterer.rays(self.scatterer.cone(cos2_half_difference(i, &r)), || 0.0, h);
@@ -95,13 +94,14 @@ impl FarField {
 
 impl FiberBsdf for FarField {
     fn arrive(&self, _offset: f64, from: &Vector3<f64>) -> Arrival {
-        let i = inclination(from);
+        let mut arrival = Arrival::new(0.0, from);
+        let i = arrival.inclination;
         let bounds = self.bounds.at(i.cos * i.cos);
-        #[expect(clippy::cast_precision_loss, reason = "few strata")]
         let [a, b, c, d] =
             bounds.map(|of| of.iter().sum::<f64>() * self.balance.scale / STRATA as f64);
-        let chances = [a, b, c, d, self.balance.at(&i).lack];
-        Arrival { offset: 0.0, from: *from, chances }
+        arrival.lack = self.balance.at(&i);
+        arrival.chances = [a, b, c, d, arrival.lack.lack];
+        arrival
     }
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
@@ -110,7 +110,7 @@ impl FiberBsdf for FarField {
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let value: Vector3<f64> = self.parts(arrival, to).iter().sum();
-        let albedo = self.balance.albedo(&inclination(&arrival.from)).mean();
+        let albedo = self.balance.albedo(&arrival.inclination).mean();
         let pdf = if albedo > 0.0 { value.mean() * inclination(to).cos / albedo } else { 0.0 };
         Scattering { value, pdf }.or_none()
     }
@@ -118,8 +118,7 @@ impl FiberBsdf for FarField {
     /// A lobe is drawn by its bound, then offset, inclination and azimuth, until one is accepted: one
     /// or two tries for fair hair, some ten for black, where few rays leave but by R.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
-        let i = inclination(&arrival.from);
-        let drawn = (0..MOST_TRIES).find_map(|_| self.attempt(&i, &arrival.chances, random));
+        let drawn = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random));
         let (r, change) = drawn?;
         let to = turned(&arrival.from, change, &r);
         self.evaluate(arrival, &to).sampled(to, r.cos)

@@ -32,7 +32,7 @@ impl FarTable {
     pub(crate) fn new(scatterer: &Scatterer) -> Self {
         let scale = scatterer.optics.azimuthal_scale;
         let count = |part: f64, least: f64, most: f64| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in range")]
+            #[expect(clippy::cast_possible_truncation, reason = "in range")]
             let count = (part / scale).ceil().clamp(least, most) as u32;
             count
         };
@@ -106,18 +106,16 @@ fn spread(
     add: &impl Fn(&mut NormalScattering, f64),
 ) {
     let center = crate::circle::wrapped(center);
-    #[expect(clippy::cast_precision_loss, reason = "a row is short")]
     let step = PI / (row.len() - 1) as f64;
     let ratio = (-step / scale).exp();
     // Nodes nearer to the same angle one turn on, where the center is negative.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in the row")]
+    #[expect(clippy::cast_possible_truncation, reason = "in the row")]
     let index = |angle: f64| ((angle / step).ceil().max(0.0) as usize).min(row.len());
     let (first, turn) = (index(center), index(center + PI));
     let sweep = |nodes: &mut dyn Iterator<Item = (usize, &mut NormalScattering)>, center: f64| {
         let mut e = None;
         for (k, node) in nodes {
-            #[expect(clippy::cast_precision_loss, reason = "a row is short")]
-            let now = e.map_or_else(|| (-(k as f64 * step - center).abs() / scale).exp(), |e| e);
+            let now = e.unwrap_or_else(|| (-(k as f64 * step - center).abs() / scale).exp());
             add(node, now / ((1.0 + now) * (1.0 + now)));
             e = Some(now * ratio);
         }
@@ -132,7 +130,6 @@ fn spread(
 /// Scales a row to the energies of its lobes, over both sides by the trapezoidal rule, as which the
 /// interpolation integrates.
 fn normalize(row: &mut [NormalScattering], energy: &[Vector3<f64>; 4]) {
-    #[expect(clippy::cast_precision_loss, reason = "a row is short")]
     let step = PI / (row.len() - 1) as f64;
     let mut sum = NormalScattering::default();
     let last = row.len() - 1;

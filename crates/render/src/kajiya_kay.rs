@@ -46,11 +46,11 @@ impl KajiyaKay {
 
 impl FiberBsdf for KajiyaKay {
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival {
-        Arrival { offset, from: *from, chances: [0.0; LOBES] }
+        Arrival::new(offset, from)
     }
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
-        let (i, r) = (inclination(&arrival.from), inclination(to));
+        let (i, r) = (arrival.inclination, inclination(to));
         let aligned = (i.cos * r.cos - i.sin * r.sin).max(0.0).powf(self.exponent);
         let mut lobes = [Vector3::zeros(); LOBES];
         (lobes[0], lobes[1]) = (self.highlight * aligned, self.diffuse);

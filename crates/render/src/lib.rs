@@ -4,6 +4,7 @@ mod attenuation;
 mod balance;
 mod bessel;
 mod bsdf;
+mod chiang;
 mod circle;
 mod cuticle;
 mod direction;
@@ -29,6 +30,7 @@ pub mod thesis_raw;
 
 pub use attenuation::{OrderShares, Polarization};
 pub use bsdf::{Arrival, FiberBsdf, LOBES, ScatteredRay, Scattering};
+pub use chiang::ChiangField;
 pub use circle::{AzimuthRoot, Caustic, CirclePaths};
 pub use cuticle::CuticleTilt;
 pub use ellipse::{EllipsePaths, TracedRay, equivalent_index};

@@ -29,10 +29,14 @@ pub(crate) fn normal(beta: f64, x: f64) -> f64 {
 /// [`RenderError::Parameter`] if `v` is not in `[1e-8, 1e8]`.
 pub fn deon(v: f64, theta_i: f64, theta_r: f64) -> Result<f64, RenderError> {
     check_variance(v)?;
-    let (a, b) = (theta_i.sin() * theta_r.sin(), theta_i.cos() * theta_r.cos());
+    Ok(spherical(v, &Inclination::of(theta_i), &Inclination::of(theta_r)))
+}
+
+pub(crate) fn spherical(v: f64, i: &Inclination, r: &Inclination) -> f64 {
+    let (a, b) = (i.sin * r.sin, i.cos * r.cos);
     // exp(-a/v) I0(b/v) / (2 v sinh(1/v)), each with its own exponential taken out.
     let exponent = (b.abs() - a - 1.0) / v;
-    Ok(exponent.exp() * scaled_bessel(0, b.abs() / v) / (v * -(-2.0 / v).exp_m1()))
+    exponent.exp() * scaled_bessel(0, b.abs() / v) / (v * -(-2.0 / v).exp_m1())
 }
 
 /// Refuses a variance of a lobe that no number can carry.
@@ -54,7 +58,7 @@ impl Inclination {
     }
 
     /// The inclination `shift` before this one.
-    fn before(&self, shift: &Self) -> Self {
+    pub(crate) fn before(&self, shift: &Self) -> Self {
         Self {
             sin: self.sin * shift.cos - self.cos * shift.sin,
             cos: self.cos * shift.cos + self.sin * shift.sin,
@@ -127,34 +131,38 @@ impl SymmetricLobe {
     pub(crate) fn with_proposal(&self, i: &Inclination, r: &Inclination) -> [f64; 2] {
         let from = i.before(&self.shift);
         let off = self.concentration * (from.cos * r.cos - from.sin * r.sin - 1.0);
-        let forth = self.kernel(off, from.cos * r.cos);
-        let back = i.cos * r.before(&self.shift).cos;
-        [if back > from.cos * r.cos { self.kernel(off, back) } else { forth }, forth]
+        let (forth, back) = (from.cos * r.cos, i.cos * r.before(&self.shift).cos);
+        if off < -700.0 && forth > 0.0 {
+            return [0.0; 2];
+        }
+        let height = self.height * off.exp();
+        let forth_value = self.kernel(height, off, forth);
+        [if back > forth { self.kernel(height, off, back) } else { forth_value }, forth_value]
     }
 
-    fn kernel(&self, off: f64, b: f64) -> f64 {
+    /// `exp(off) (1 - exp(-z)) / z`, `height` being its first factor; `off` and `off - z` are at
+    /// most zero, also beyond the pole.
+    fn kernel(&self, height: f64, off: f64, b: f64) -> f64 {
         let z = 2.0 * self.concentration * b;
-        if off < -700.0 && z > 0.0 {
-            return 0.0;
+        if z > 37.0 {
+            height / z
+        } else if z < -37.0 {
+            -self.height * (off - z).exp() / z
+        } else if z.abs() < 1e-3 {
+            height * (1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)))
+        } else {
+            height * (1.0 - (-z).exp()) / z
         }
-        self.height
-            * if z > 40.0 {
-                off.exp() / z
-            } else if z.abs() < 1e-9 {
-                off.exp()
-            } else {
-                // exp(off) (1 - exp(-z)) / z; both exponents are at most zero, also beyond the pole.
-                (off.exp() - (off - z).exp()) / z
-            }
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20 of
     /// its peak, cut where it has a kink.
     pub(crate) fn support(&self, theta_i: f64) -> [[f64; 2]; 2] {
-        let half = 10.0 * self.concentration.recip().sqrt() + self.shift_angle.abs();
         let peak = self.shift_angle - theta_i;
         let clip = |theta: f64| theta.clamp(-0.5 * PI, 0.5 * PI);
         // What falls over a pole comes down beside it.
+        let beyond = (peak.abs() - 0.5 * PI).max(0.0);
+        let half = 10.0 * self.concentration.recip().sqrt() + beyond;
         let (low, high) = (clip(clip(peak) - half), clip(clip(peak) + half));
         let kink = theta_i.clamp(low, high);
         [[low, kink], [kink, high]]
@@ -169,9 +177,10 @@ impl SymmetricLobe {
             let z = 0.5 * (1.0 + semicircle(random));
             // 1 - cos psi, without a difference of near numbers.
             t = 2.0 * self.b * z / (1.0 - (1.0 - self.b) * z);
-            let fits = self.concentration * (1.0 - x0 - t)
-                + 3.0 * ((1.0 - x0 + x0 * t) * (1.0 + self.b) / (2.0 * (1.0 - x0))).ln();
-            if fits >= random().ln() {
+            let ratio = (1.0 - x0 + x0 * t) * (1.0 + self.b) / (2.0 * (1.0 - x0));
+            // The exponent is at most 3/2.
+            let fits = (self.concentration * (1.0 - x0 - t)).exp() * ratio * ratio * ratio;
+            if fits >= random() {
                 break;
             }
         }

@@ -36,24 +36,29 @@ impl MarschnerField {
     }
 
     /// Density of samples: the lobes' symmetric kin, even over azimuths.
-    fn pdf(&self, arrival: &Arrival, i: &Inclination, r: &Inclination) -> f64 {
+    fn pdf(&self, arrival: &Arrival, r: &Inclination) -> f64 {
         let lobes = arrival.chances.iter().zip(&self.scatterer.lobes).take(3);
-        lobes.map(|(chance, lobe)| chance * lobe.with_proposal(i, r)[1]).sum::<f64>() * r.cos / TAU
+        lobes
+            .map(|(chance, lobe)| chance * lobe.with_proposal(&arrival.inclination, r)[1])
+            .sum::<f64>()
+            * r.cos
+            / TAU
     }
 }
 
 impl FiberBsdf for MarschnerField {
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival {
-        let i = inclination(from);
+        let mut arrival = Arrival::new(offset, from);
+        let i = arrival.inclination;
         let [a, b, c, _] = self.table.energies.at(half_tangent(i.cos * i.cos)).absorbed;
         let [a, b, c] = [a, b, c].map(|e| e.mean());
         let sum = a + b + c;
-        let chances = [a, b, c, 0.0, 0.0].map(|e| if sum > 0.0 { e / sum } else { 0.0 });
-        Arrival { offset, from: *from, chances }
+        arrival.chances = [a, b, c, 0.0, 0.0].map(|e| if sum > 0.0 { e / sum } else { 0.0 });
+        arrival
     }
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
-        let (i, r) = (inclination(&arrival.from), inclination(to));
+        let (i, r) = (arrival.inclination, inclination(to));
         let cos2 = cos2_half_difference(&i, &r);
         let normal = self.table.at(half_tangent(cos2), azimuth_change(&arrival.from, to));
         let theta_h = 0.5 * (i.sin.atan2(i.cos) + r.sin.atan2(r.cos));
@@ -67,13 +72,13 @@ impl FiberBsdf for MarschnerField {
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let value = self.lobes(arrival, to).iter().sum();
-        let pdf = self.pdf(arrival, &inclination(&arrival.from), &inclination(to));
+        let pdf = self.pdf(arrival, &inclination(to));
         Scattering { value, pdf }.or_none()
     }
 
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
         let p = choose(&arrival.chances, random())?;
-        let r = self.scatterer.lobes[p].draw(&inclination(&arrival.from), random);
+        let r = self.scatterer.lobes[p].draw(&arrival.inclination, random);
         let to = turned(&arrival.from, PI * (2.0 * random() - 1.0), &r);
         self.evaluate(arrival, &to).sampled(to, r.cos)
     }

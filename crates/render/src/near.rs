@@ -63,7 +63,8 @@ impl NearField {
         self.balance.albedo(&Inclination::of(theta))
     }
 
-    fn pair(&self, arrival: &Arrival, i: &Inclination, r: &Inclination) -> Pair {
+    fn pair(&self, arrival: &Arrival, r: &Inclination) -> Pair {
+        let i = &arrival.inclination;
         let (mut lobes, mut proposals) = ([0.0; 4], [0.0; 4]);
         for (p, lobe) in self.scatterer.lobes.iter().enumerate() {
             let [value, proposal] = lobe.with_proposal(i, r);
@@ -71,7 +72,7 @@ impl NearField {
         }
         let cone = self.scatterer.cone(cos2_half_difference(i, r));
         let rays = self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset);
-        Pair { lobes, proposals, rays, lack: [self.balance.at(i), self.balance.at(r)] }
+        Pair { lobes, proposals, rays, lack: [arrival.lack, self.balance.at(r)] }
     }
 
     /// The parts of `f`, where the change of azimuth is `change`.
@@ -115,38 +116,41 @@ impl NearField {
 
 impl FiberBsdf for NearField {
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival {
-        let (offset, i) = (offset.clamp(-1.0, 1.0), inclination(from));
+        let mut arrival = Arrival::new(offset.clamp(-1.0, 1.0), from);
+        let i = arrival.inclination;
         let cone = self.scatterer.cone(i.cos * i.cos);
-        let rays = self.scatterer.rays(cone, || azimuth(from), offset);
-        let [a, b, c, d] = rays.energy.map(|energy| energy.mean() * self.balance.scale);
-        let last = self.balance.at(&i).tinted.dot(&self.balance.tint) / 3.0;
+        let rays = self.scatterer.rays(cone, || azimuth(from), arrival.offset);
+        let kept = self.balance.kept(&i);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|p| rays.energy[p].mean() * kept[p]);
+        arrival.lack = self.balance.at(&i);
+        let last = arrival.lack.tinted.dot(&self.balance.tint) / 3.0;
         let chances = [a, b, c, d, last];
         let sum: f64 = chances.iter().sum();
-        let chances = chances.map(|chance| if sum > 0.0 { chance / sum } else { 0.0 });
-        Arrival { offset, from: *from, chances }
+        arrival.chances = chances.map(|chance| if sum > 0.0 { chance / sum } else { 0.0 });
+        arrival
     }
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
-        let pair = self.pair(arrival, &inclination(&arrival.from), &inclination(to));
+        let pair = self.pair(arrival, &inclination(to));
         self.parts(&pair, azimuth_change(&arrival.from, to))
     }
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let r = inclination(to);
-        let pair = self.pair(arrival, &inclination(&arrival.from), &r);
+        let pair = self.pair(arrival, &r);
         self.scattering(arrival, &pair, azimuth_change(&arrival.from, to), r.cos)
     }
 
     /// The inclination is drawn from the lobes as they are attenuated at that of `from`; then, both
     /// being known, a lobe again, by which the azimuth is drawn. So what is drawn has a density in closed
-    /// form, and weights differ from the albedo only as far as lobes differ in width and tilt.
+    /// form, and weights differ from the albedo only as far as lobes do in width and tilt.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
-        let i = inclination(&arrival.from);
+        let i = arrival.inclination;
         let r = match choose(&arrival.chances, random())? {
             4 => self.balance.draw(random),
             p => self.scatterer.lobes[p].draw(&i, random),
         };
-        let pair = self.pair(arrival, &i, &r);
+        let pair = self.pair(arrival, &r);
         let p = choose(&self.shares(&pair), random())?;
         let change = match pair.rays.azimuth.get(p) {
             Some(of) => wrapped(of + self.scatterer.azimuthal.quantile(random())),

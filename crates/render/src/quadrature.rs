@@ -24,11 +24,9 @@ pub(crate) fn gauss_legendre(count: u32) -> Vec<[f64; 2]> {
 /// Where a value lies between the nodes of an even grid on `[0, 1]` with `cells` cells: the index of
 /// the node below, and the part of the cell, in `[0, 1]`.
 pub(crate) fn cell(x: f64, cells: usize) -> (usize, f64) {
-    #[expect(clippy::cast_precision_loss, reason = "grids have far fewer nodes than 2^52")]
     let at = x.clamp(0.0, 1.0) * cells as f64;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in [0, cells]")]
+    #[expect(clippy::cast_possible_truncation, reason = "in [0, cells]")]
     let below = (at as usize).min(cells - 1);
-    #[expect(clippy::cast_precision_loss, reason = "grids have far fewer nodes than 2^52")]
     let part = at - below as f64;
     (below, part)
 }

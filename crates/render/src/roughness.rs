@@ -27,6 +27,8 @@ pub fn azimuthal_scale(beta: f64) -> Result<f64, RenderError> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Logistic {
     scale: f64,
+    /// `1 / scale`.
+    sharpness: f64,
     /// Cumulative distribution at `-pi` before the cut.
     below: f64,
     /// `1 / (scale (1 - 2 below))`.
@@ -36,12 +38,12 @@ pub(crate) struct Logistic {
 impl Logistic {
     pub(crate) fn new(scale: f64) -> Self {
         let below = 1.0 / (1.0 + (PI / scale).exp());
-        Self { scale, below, height: 1.0 / (scale * (1.0 - 2.0 * below)) }
+        Self { scale, sharpness: 1.0 / scale, below, height: 1.0 / (scale * (1.0 - 2.0 * below)) }
     }
 
     /// Density at an angle in `[-pi, pi]`, per rad.
     pub(crate) fn density(&self, angle: f64) -> f64 {
-        let e = (-angle.abs() / self.scale).exp();
+        let e = (-angle.abs() * self.sharpness).exp();
         self.height * e / ((1.0 + e) * (1.0 + e))
     }
 

@@ -24,7 +24,6 @@ impl StratumBounds {
             let level = CirclePaths::of(scatterer.cone(1.0));
             let mut row = [[0.0; STRATA]; 4];
             for k in 0..STRATA {
-                #[expect(clippy::cast_precision_loss, reason = "few strata")]
                 let [low, high] = [k, k + 1].map(|k| k as f64 / STRATA as f64);
                 let bounds = bounds(scatterer, &level, &steepest, low, high);
                 (0..4).for_each(|p| row[p][k] = bounds[p]);
@@ -94,7 +93,6 @@ mod tests {
                 for step in 0..90_u32 {
                     let d = f64::from(step) / 89.0 * (0.5 * theta + 0.25 * std::f64::consts::PI);
                     for stratum in 0..STRATA {
-                        #[expect(clippy::cast_precision_loss, reason = "few strata")]
                         let h = (stratum as f64 + 0.5) / STRATA as f64;
                         let rays = scatterer.rays(scatterer.cone(d.cos().powi(2)), || 0.0, h);
                         for p in 0..4 {

@@ -79,6 +79,7 @@ fn azimuths_are_those_of_the_trace() {
                 OrderShares::new(&paths, h, Polarization::Averaged).absorbed(&Vector3::repeat(t));
             for p in 0..3 {
                 let azimuth = paths.azimuth(p, h).rem_euclid(2.0 * PI);
+                #[expect(clippy::cast_possible_truncation, reason = "in [0, 72]")]
                 let bin = ((azimuth + PI).rem_euclid(2.0 * PI) / (PI / 36.0)) as usize % 72;
                 shares[p as usize][bin] += leaves[p as usize].x / f64::from(count);
             }

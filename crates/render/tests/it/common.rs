@@ -36,7 +36,7 @@ pub(crate) fn direction(theta: f64, phi: f64) -> Vector3<f64> {
     Vector3::new(theta.cos() * phi.cos(), theta.cos() * phi.sin(), theta.sin())
 }
 
-/// Even numbers in `[0, 1)` from a seed (SplitMix64).
+/// Even numbers in `[0, 1)` from a seed (`SplitMix64`).
 pub(crate) fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -84,6 +84,7 @@ pub(crate) fn chi_squared(bsdf: &impl FiberBsdf, arrival: &Arrival) {
     const FINE: u32 = 600;
     let mut expected = [[0.0; PARTS]; PARTS];
     let part = |theta: f64, phi: f64| {
+        #[expect(clippy::cast_possible_truncation, reason = "in [0, PARTS]")]
         let of = |x: f64| ((x * PARTS as f64) as usize).min(PARTS - 1);
         (of(theta / PI + 0.5), of(phi / (2.0 * PI) + 0.5))
     };

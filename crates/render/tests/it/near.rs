@@ -123,3 +123,21 @@ fn one_width_without_tilt_needs_no_balance() {
         assert!(lobes[4].norm() < 1e-5 * lobes[1].norm().max(1e-3), "{}", lobes[4]);
     }
 }
+
+/// Weights of white hair as it is usual: the density of samples is not quite that of the light, since
+/// lobes differ in width and tilt; the deviation is said to stay below a tenth up to 60 degrees.
+#[test]
+fn weights_of_white_hair_are_near_one() {
+    let near = NearField::new(hair(0.0, 0.3, 0.3, 3.0), &CIRCLE).expect("a fibre");
+    let mut random = random(3);
+    for theta in [0.0, 30.0, -30.0, 60.0, -60.0_f64] {
+        let (mut squares, count) = (0.0, 20_000);
+        for _ in 0..count {
+            let arrival = near.arrive(2.0 * random() - 1.0, &direction(theta.to_radians(), 0.0));
+            let weight = near.sample(&arrival, &mut random).map_or(0.0, |s| s.weight.mean());
+            squares += (weight - 1.0).powi(2);
+        }
+        let deviation = f64::sqrt(squares / f64::from(count));
+        assert!(deviation < 0.1, "{theta}: {deviation}");
+    }
+}

@@ -1,6 +1,8 @@
 use crate::common::{chi_squared, direction, hair, integrals, random};
 use nalgebra::Vector3;
-use rapunzel_render::{FarField, FiberBsdf, FiberOptics, KajiyaKay, MarschnerField};
+use rapunzel_render::{
+    ChiangField, FarField, FiberBsdf, FiberOptics, KajiyaKay, MarschnerField, NearField,
+};
 
 #[test]
 fn the_field_of_the_thesis_is_reciprocal_and_gains_energy() {
@@ -56,4 +58,44 @@ fn kajiya_and_kay_keep_their_shares() {
     let [steep, _] = integrals(&model, &model.arrive(0.0, &direction(1.2, 0.4)), 400, 20);
     assert!(steep > 0.3 && steep < 0.8, "{steep}");
     chi_squared(&model, &model.arrive(0.0, &direction(0.5, 0.7)));
+}
+
+#[test]
+fn the_field_of_renderers_keeps_energy_at_every_offset_but_is_not_reciprocal() {
+    let field = ChiangField::new(hair(0.0, 0.3, 0.3, 3.0)).expect("a fibre");
+    let mut random = random(9);
+    for (theta, h) in [(0.0, 0.3), (-1.2, 0.9), (1.4, -0.5)] {
+        let arrival = field.arrive(h, &direction(theta, 0.4));
+        let [scattered, pdf] = integrals(&field, &arrival, 600, 400);
+        assert!((scattered - 1.0).abs() < 1e-4 && (pdf - 1.0).abs() < 1e-4, "{scattered} {pdf}");
+        for _ in 0..500 {
+            let weight = field.sample(&arrival, &mut random).expect("a direction").weight;
+            assert!((weight.mean() - 1.0).abs() < 1e-9, "{weight}");
+        }
+    }
+    let (a, b) = (direction(0.3, 0.0), direction(-0.9, 2.5));
+    let forth = field.evaluate(&field.arrive(0.2, &a), &b).value.x;
+    let back = field.evaluate(&field.arrive(-0.2, &b), &a).value.x;
+    assert!((forth / back - 1.0).abs() > 0.1, "{forth} {back}");
+}
+
+#[test]
+fn the_field_of_renderers_draws_by_its_density() {
+    let field = ChiangField::new(hair(0.2, 0.4, 0.4, 3.0)).expect("a fibre");
+    chi_squared(&field, &field.arrive(0.3, &direction(-0.5, 0.7)));
+}
+
+/// Without tilt and for narrow lobes the models differ only in the measure, to first order in v.
+#[test]
+fn the_field_of_renderers_is_ours_for_narrow_lobes() {
+    let optics = FiberOptics { variance: [1e-4; 4], ..hair(0.2, 0.3, 0.3, 0.0) };
+    let circle = rapunzel_fiber::Section::Circle { radius: 1.0 };
+    let (ours, theirs) = (NearField::new(optics, &circle), ChiangField::new(optics));
+    let (ours, theirs) = (ours.expect("a fibre"), theirs.expect("a fibre"));
+    for (theta, phi, h) in [(0.0, 0.3, 0.1), (0.5, 2.9, -0.6), (-0.8, 1.5, 0.9)] {
+        let (a, b) = (direction(theta, 0.0), direction(-theta, phi));
+        let ours = ours.evaluate(&ours.arrive(h, &a), &b).value;
+        let theirs = theirs.evaluate(&theirs.arrive(h, &a), &b).value;
+        assert!((ours - theirs).norm() < 1e-3 * ours.norm(), "{ours} {theirs}");
+    }
 }
