@@ -10,8 +10,8 @@ pub enum Polarization {
     #[default]
     Averaged,
     /// Amplitudes of s and p are kept apart from hit to hit, turned from one plane of incidence
-    /// into the next, and averaged when light leaves: for a smooth circle in level light 8.7 % less TRT
-    /// (n = 1.55).
+    /// into the next, and averaged when light leaves: for a smooth circle in level light 8.7 % less
+    /// TRT (n = 1.55).
     Tracked,
 }
 
@@ -64,12 +64,13 @@ impl OrderShares {
     }
 }
 
-/// Jones's calculus: in at the first hit, round to the plane of the next, reflected there, and so on.
+/// Jones's calculus: in at the first hit, round to the plane of the next, reflected there, and so
+/// on.
 ///
 /// With `k` the direction inside, a segment meets both its ends under the same angle `gamma_t` on
-/// opposite sides, so the planes of incidence are turned by one angle `chi` at every hit:
-/// `cos chi = (s^2 c^2 - g^2) / (s^2 c^2 + g^2)`, `sin chi = -2 s g c / (s^2 c^2 + g^2)`, with
-/// `s = sin theta_t`, `g = sin gamma_t`, `c = cos gamma_t`.
+/// opposite sides, so the planes of incidence are turned by one angle `chi` at every hit: `cos chi
+/// = (s^2 c^2 - g^2) / (s^2 c^2 + g^2)`, `sin chi = -2 s g c / (s^2 c^2 + g^2)`, with `s = sin
+/// theta_t`, `g = sin gamma_t`, `c = cos gamma_t`.
 fn tracked(cone: &Cone, h: f64, cos_i: f64, cos_t: f64) -> OrderShares {
     let [s, p] = cone.amplitudes(cos_i, cos_t);
     let (s_c, g) = (cosine(cone.cos_inside()) * cos_t, h * cone.inverse_index());

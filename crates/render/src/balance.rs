@@ -9,13 +9,13 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// What keeps the energy of all lobes together at 1.
 ///
-/// A lobe attenuated at `theta_d` gives `integral K_p a_p(theta_d) cos^2 theta_r d theta_r`. Without
-/// absorption the sum over the lobes is 1 if they have one width and no tilt, since the `a_p` add to 1
-/// at every `theta_d`; else it is `E(theta_i)`, a little above 1 in places, and below where tilt loses
-/// energy. So the lobes are scaled by `s = 1 / max E`, if that is below 1, and what is missing,
-/// `rho = 1 - s E`, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2 pi integral rho)`: it is
-/// symmetric, and the sum is 1 for every `theta_i`. Light takes the color of the whole fibre there,
-/// half at each end: `g = rho sqrt(albedo)`.
+/// A lobe attenuated at `theta_d` gives `integral K_p a_p(theta_d) cos^2 theta_r d theta_r`.
+/// Without absorption the sum over the lobes is 1 if they have one width and no tilt, since the
+/// `a_p` add to 1 at every `theta_d`; else it is `E(theta_i)`, a little above 1 in places, and
+/// below where tilt loses energy. So the lobes are scaled by `s = 1 / max E`, if that is below 1,
+/// and what is missing, `rho = 1 - s E`, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2
+/// pi integral rho)`: it is symmetric, and the sum is 1 for every `theta_i`. Light takes the color
+/// of the whole fibre there, half at each end: `g = rho sqrt(albedo)`.
 #[derive(Debug, Clone)]
 pub(crate) struct Balance {
     /// `s`, the factor of all lobes.
@@ -49,9 +49,9 @@ pub(crate) struct Lack {
 
 impl Balance {
     pub(crate) fn new(scatterer: &Scatterer, energies: &EnergyTable) -> Self {
-        const CELLS: u32 = 1440;
+        const BALANCE_CELLS: u32 = 1440;
         let rule = gauss_legendre(40);
-        let at: Vec<f64> = nodes(CELLS).map(|x| 2.0 * x - 1.0).collect();
+        let at: Vec<f64> = nodes(BALANCE_CELLS).map(|x| 2.0 * x - 1.0).collect();
         let of = |t: &f64| lobes_energy(scatterer, energies, 2.0 * t.atan(), &rule);
         let sums: Vec<LobeSums> = at.par_iter().map(of).collect();
         let largest = sums.iter().fold(1.0, |most: f64, sums| most.max(sums.clear));

@@ -1,8 +1,8 @@
 use std::f64::consts::TAU;
 
-/// Modified Bessel function of the first kind over the exponential, `exp(-x) I_n(x)`, for `n` 0 or 1
-/// and `x >= 0`, to some 1e-15 of its value: by the power series, whose terms are positive, or beyond
-/// 30 by the asymptotic one, whose smallest term is below `exp(-2 x)`.
+/// Modified Bessel function of the first kind over the exponential, `exp(-x) I_n(x)`, for `n` 0 or
+/// 1 and `x >= 0`, to some 1e-15 of its value: by the power series, whose terms are positive, or
+/// beyond 30 by the asymptotic one, whose smallest term is below `exp(-2 x)`.
 pub(crate) fn scaled_bessel(n: u32, x: f64) -> f64 {
     let n = f64::from(n);
     let mut k = 0.0;

@@ -3,27 +3,28 @@ use crate::direction::inclination;
 use crate::longitudinal::Inclination;
 use nalgebra::Vector3;
 
-/// Number of parts that a model tells apart: R, TT, TRT, all later orders, and what keeps the balance
-/// of energy.
+/// Number of parts that a model tells apart: R, TT, TRT, all later orders, and what keeps the
+/// balance of energy.
 pub const LOBES: usize = 5;
 
 /// How a fibre scatters light, as a path tracer needs it.
 ///
-/// Radiance that leaves a fibre is `L_r(omega_r) = integral f(omega_i, omega_r) L_i cos theta_i
-/// d omega_i`, averaged over its width; directions point away from the fibre, are of unit length, and
+/// Radiance that leaves a fibre is `L_r(omega_r) = integral f(omega_i, omega_r) L_i cos theta_i d
+/// omega_i`, averaged over its width; directions point away from the fibre, are of unit length, and
 /// have their components in its frame `[d1 d2 d3]`; `theta` is their inclination, the angle to the
-/// normal plane, positive towards the tip, `cos theta` thus the length of their first two components.
-/// The thesis's `S` (6.1) is this `f`, read with the errata E7 and E15.
+/// normal plane, positive towards the tip, `cos theta` thus the length of their first two
+/// components. The thesis's `S` (6.1) is this `f`, read with the errata E7 and E15.
 ///
 /// A path arrives at an offset from a direction; both stay, and directions to go on are asked for.
 /// Which of the two is that of the light does not matter for a reciprocal model.
 pub trait FiberBsdf {
     /// Prepares the scattering at one hit: `offset` is `(x . (w x d3)) / half width`, in `[-1, 1]`,
-    /// with `w` the direction `from` and `x` the point that was hit, from the axis. Models of the far
-    /// field ignore it.
+    /// with `w` the direction `from` and `x` the point that was hit, from the axis. Models of the
+    /// far field ignore it.
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival;
 
-    /// The parts of `f` between where the path arrived from and `to`, per sr, for red, green and blue.
+    /// The parts of `f` between where the path arrived from and `to`, per sr, for red, green and
+    /// blue.
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES];
 
     /// `f`, the sum of the lobes, and the density with which [`Self::sample`] takes `to`.

@@ -2,16 +2,17 @@ use crate::circle::wrapped;
 use crate::direction::{azimuth_change, inclination, turned};
 use crate::draw::choose;
 use crate::longitudinal::{Inclination, spherical};
-use crate::scatterer::{Profile, Rays, Scatterer};
+use crate::scatterer::{FiberOutline, Rays, Scatterer};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// The near field of today's renderers (Chiang et al. 2016), for comparison with them: lobes of d'Eon,
-/// turned by the tilt, attenuated at the inclination where the path arrived, on a round fibre.
+/// The near field of today's renderers (Chiang et al. 2016), for comparison with them: lobes of
+/// d'Eon, turned by the tilt, attenuated at the inclination where the path arrived, on a round
+/// fibre.
 ///
-/// It conserves energy at every offset and inclination, and the weight of every sample is the albedo, but
-/// it is not reciprocal: exchanged directions differ by tens of per cent.
+/// It conserves energy at every offset and inclination, and the weight of every sample is the
+/// albedo, but it is not reciprocal: exchanged directions differ by tens of per cent.
 #[derive(Debug, Clone)]
 pub struct ChiangField {
     scatterer: Scatterer,
@@ -23,7 +24,7 @@ impl ChiangField {
     /// # Errors
     /// [`RenderError`] if a value is outside its range.
     pub fn new(optics: FiberOptics) -> Result<Self, RenderError> {
-        Ok(Self { scatterer: Scatterer::new(optics, Profile::Circle)? })
+        Ok(Self { scatterer: Scatterer::new(optics, FiberOutline::Circle)? })
     }
 
     fn rays(&self, arrival: &Arrival) -> Rays {

@@ -4,9 +4,9 @@ use crate::refraction::{check_index, cosine};
 use nalgebra::Vector2;
 use std::f64::consts::FRAC_PI_2;
 
-/// Tilt of the lobes by the scales of the cuticle: `theta_i + theta_r` at the peak of R, TT and TRT,
-/// rad, positive towards the tip. Each is free, as `alpha_p` in (6.13) of the thesis, where it is
-/// half of this, the shift of `theta_h`: one angle of scales fits measured R or TRT, not both.
+/// Tilt of the lobes by the scales of the cuticle: `theta_i + theta_r` at the peak of R, TT and
+/// TRT, rad, positive towards the tip. Each is free, as `alpha_p` in (6.13) of the thesis, where it
+/// is half of this, the shift of `theta_h`: one angle of scales fits measured R or TRT, not both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CuticleTilt {
     /// Shifts of R, TT and TRT, rad.
@@ -17,9 +17,9 @@ impl CuticleTilt {
     /// No scales.
     pub const NONE: Self = Self { shift: [0.0; 3] };
 
-    /// The shifts that flat scales at the angle `alpha`, rad, cause in level light, by [`Self::trace`]:
-    /// `-2 alpha`, `1.10 alpha` and `4.24 alpha` at `n = 1.55` and 3 degrees. For small angles the
-    /// order `p` is shifted by `2 (p n - 1) alpha`.
+    /// The shifts that flat scales at the angle `alpha`, rad, cause in level light, by
+    /// [`Self::trace`]: `-2 alpha`, `1.10 alpha` and `4.24 alpha` at `n = 1.55` and 3 degrees. For
+    /// small angles the order `p` is shifted by `2 (p n - 1) alpha`.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if `n` is not in `[1, 10]` or a ray cannot leave under that tilt.
@@ -27,8 +27,9 @@ impl CuticleTilt {
         Ok(Self { shift: Self::trace(n, alpha, 0.0)? })
     }
 
-    /// Inclinations at which R, TT and TRT leave flat scales at the angle `alpha`, rad, for light from
-    /// the inclination `theta_i`, rad, in the plane of the fibre: all rad, positive towards the tip.
+    /// Inclinations at which R, TT and TRT leave flat scales at the angle `alpha`, rad, for light
+    /// from the inclination `theta_i`, rad, in the plane of the fibre: all rad, positive towards
+    /// the tip.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if `n` is not in `[1, 10]`, `theta_i` not inside
@@ -49,7 +50,8 @@ impl CuticleTilt {
             Ok::<f64, RenderError>(ray.map_or(0.0, |ray| ray.y.atan2(ray.x.abs())))
         };
         // Components: away from the axis on the side of the light, and towards the tip. Scales are
-        // farther from the axis at their tip side, so their normals lean to the root, on both sides.
+        // farther from the axis at their tip side, so their normals lean to the root, on both
+        // sides.
         let normal = |side: f64| Vector2::new(side * alpha.cos(), -alpha.sin());
         let incoming = -Vector2::new(theta_i.cos(), theta_i.sin());
         let reflected = incoming - normal(1.0) * (2.0 * incoming.dot(&normal(1.0)));

@@ -1,11 +1,11 @@
 use std::f64::consts::TAU;
 
-/// Tries of a draw after which the last is taken: where each is refused with a chance below 0.9, that
-/// happens once in 1e45.
+/// Tries of a draw after which the last is taken: where each is refused with a chance below 0.9,
+/// that happens once in 1e45.
 pub(crate) const MOST_TRIES: u32 = 1000;
 
-/// A number in `[-1, 1]` with the density `2 sqrt(1 - x^2) / pi`: a coordinate of a point in the disc,
-/// and the sine of an inclination drawn evenly by `cos^2 theta d theta`.
+/// A number in `[-1, 1]` with the density `2 sqrt(1 - x^2) / pi`: a coordinate of a point in the
+/// disc, and the sine of an inclination drawn evenly by `cos^2 theta d theta`.
 pub(crate) fn semicircle(random: &mut dyn FnMut() -> f64) -> f64 {
     let radius = random().sqrt();
     radius * (TAU * random()).cos()

@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 /// (6.12), whose TRT has up to six times too much or too little energy (erratum E11).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EllipsePaths {
-    outline: Ellipse,
+    outline: EllipseOutline,
     cone: Cone,
 }
 
@@ -28,8 +28,8 @@ pub struct TracedRay {
 }
 
 impl EllipsePaths {
-    /// Paths through the `section` of a fibre in a medium of index `n` under the inclination `theta`,
-    /// rad. Only the shape of the section counts, not its size.
+    /// Paths through the `section` of a fibre in a medium of index `n` under the inclination
+    /// `theta`, rad. Only the shape of the section counts, not its size.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2, pi/2)`;
@@ -37,11 +37,11 @@ impl EllipsePaths {
     pub fn new(n: f64, theta: f64, section: &Section) -> Result<Self, RenderError> {
         check_index(n)?;
         BravaisIndices::new(n, theta)?;
-        Ok(Self { outline: Ellipse::of(section)?, cone: Cone::new(n, theta.cos().powi(2)) })
+        Ok(Self { outline: EllipseOutline::of(section)?, cone: Cone::new(n, theta.cos().powi(2)) })
     }
 
-    /// Traces the ray from the azimuth `phi`, rad from d1 towards d2, at the offset `h` in `[-1, 1]`
-    /// as a part of half the width that the light sees, to the side of `w x d3` with `w` the
+    /// Traces the ray from the azimuth `phi`, rad from d1 towards d2, at the offset `h` in `[-1,
+    /// 1]` as a part of half the width that the light sees, to the side of `w x d3` with `w` the
     /// direction to the light. No allocation; about 0.1 us.
     #[must_use]
     pub fn trace(&self, phi: f64, h: f64) -> TracedRay {
@@ -88,13 +88,13 @@ fn peak(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 
 /// An ellipse of the area of the unit circle, with its axes along d1 and d2.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ellipse {
+pub(crate) struct EllipseOutline {
     axes: Vector2<f64>,
     /// Squared reciprocals of the axes.
     form: Vector2<f64>,
 }
 
-impl Ellipse {
+impl EllipseOutline {
     pub(crate) fn of(section: &Section) -> Result<Self, RenderError> {
         section.validate()?;
         let (a, b) = section.semi_axes();

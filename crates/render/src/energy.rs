@@ -1,5 +1,5 @@
 use crate::quadrature::{cell, gauss_legendre, nodes};
-use crate::scatterer::{Profile, Scatterer};
+use crate::scatterer::{FiberOutline, Scatterer};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -21,7 +21,7 @@ pub(crate) struct LobeEnergies {
 impl EnergyTable {
     /// The table with `cells` cells.
     pub(crate) fn new(scatterer: &Scatterer, cells: u32) -> Self {
-        let samples = samples(&scatterer.profile);
+        let samples = samples(&scatterer.outline);
         let at: Vec<f64> = nodes(cells).collect();
         let of = |t: &f64| mean(scatterer, *t, &samples);
         Self { nodes: at.par_iter().map(of).collect() }
@@ -48,15 +48,15 @@ impl EnergyTable {
 }
 
 /// Azimuths and offsets over which energies are averaged, with their weights, of sum 1.
-fn samples(profile: &Profile) -> Vec<[f64; 3]> {
+fn samples(outline: &FiberOutline) -> Vec<[f64; 3]> {
     let at = |phi: f64, x: f64, weight: f64| {
         [phi, (FRAC_PI_2 * x).sin(), weight * (FRAC_PI_2 * x).cos()]
     };
-    let raw: Vec<[f64; 3]> = match profile {
+    let raw: Vec<[f64; 3]> = match outline {
         // In gamma all is smooth.
-        Profile::Circle => gauss_legendre(64).iter().map(|[x, w]| at(0.0, *x, *w)).collect(),
+        FiberOutline::Circle => gauss_legendre(64).iter().map(|[x, w]| at(0.0, *x, *w)).collect(),
         // A lattice of Fibonacci over half a turn: total reflection makes edges.
-        Profile::Ellipse(_) => {
+        FiberOutline::Ellipse(_) => {
             let even = |k: u32, step: u32| f64::from(k * step % 2584) / 2584.0;
             (0..2584).map(|k| at(PI * even(k, 1), 2.0 * even(k, 1597) - 1.0, 1.0)).collect()
         }

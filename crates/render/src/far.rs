@@ -4,7 +4,7 @@ use crate::direction::{azimuth_change, inclination, turned};
 use crate::draw::{MOST_TRIES, choose};
 use crate::far_table::FarTable;
 use crate::longitudinal::Inclination;
-use crate::scatterer::{Profile, Scatterer, cos2_half_difference, half_tangent};
+use crate::scatterer::{FiberOutline, Scatterer, cos2_half_difference, half_tangent};
 use crate::strata::{STRATA, StratumBounds};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
@@ -13,13 +13,13 @@ use std::f64::consts::{PI, TAU};
 /// The far field of a round fibre: scattering averaged over its width (thesis 6.3), reciprocal and
 /// conserving energy.
 ///
-/// `f = sum_p s K_p(theta_i, theta_r) N_p(theta_d, dphi)` and one lobe that keeps the balance. This is
-/// (6.14) with `K_p` ([`crate::SymmetricLobe`]) in the place of `M_p / cos^2 theta_d`. All that depends
-/// on inclinations is symmetric in both, `N_p` is even in the change of azimuth, so `f` is reciprocal to
-/// rounding. A white fibre scatters all that it receives at every inclination.
+/// `f = sum_p s K_p(theta_i, theta_r) N_p(theta_d, dphi)` and one lobe that keeps the balance. This
+/// is (6.14) with `K_p` ([`crate::SymmetricLobe`]) in the place of `M_p / cos^2 theta_d`. All that
+/// depends on inclinations is symmetric in both, `N_p` is even in the change of azimuth, so `f` is
+/// reciprocal to rounding. A white fibre scatters all that it receives at every inclination.
 ///
-/// Samples are drawn exactly by `f cos theta`, averaged over the colors: without color the weight of
-/// each is the albedo.
+/// Samples are drawn exactly by `f cos theta`, averaged over the colors: without color the weight
+/// of each is the albedo.
 ///
 /// Building costs some 0.1 s and 2 MB at an azimuthal roughness of 0.3, and grows as the square of
 /// its inverse; an evaluation some 0.15 us, a sample two or three times that, without allocation.
@@ -37,7 +37,7 @@ impl FarField {
     /// # Errors
     /// [`RenderError`] if a value is outside its range.
     pub fn new(optics: FiberOptics) -> Result<Self, RenderError> {
-        let scatterer = Scatterer::new(optics, Profile::Circle)?;
+        let scatterer = Scatterer::new(optics, FiberOutline::Circle)?;
         let table = FarTable::new(&scatterer);
         let balance = Balance::new(&scatterer, &table.energies);
         let bounds = StratumBounds::new(&scatterer);
@@ -115,8 +115,8 @@ impl FiberBsdf for FarField {
         Scattering { value, pdf }.or_none()
     }
 
-    /// A lobe is drawn by its bound, then offset, inclination and azimuth, until one is accepted: one
-    /// or two tries for fair hair, some ten for black, where few rays leave but by R.
+    /// A lobe is drawn by its bound, then offset, inclination and azimuth, until one is accepted:
+    /// one or two tries for fair hair, some ten for black, where few rays leave but by R.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
         let drawn = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random));
         let (r, change) = drawn?;

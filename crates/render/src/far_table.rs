@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The normal scattering `N_p(theta_d, dphi)` of R, TT and TRT with a finite azimuthal width, over the
-/// whole width of a round fibre: `1/2 integral A T l(dphi - dphi_p(h)) dh`, where `l` is the logistic
-/// distribution. This is (6.11) of the thesis, folded; its caustics keep their energy with no special
-/// case. Bilinear between nodes whose distance is a ninth of the width or less.
+/// The normal scattering `N_p(theta_d, dphi)` of R, TT and TRT with a finite azimuthal width, over
+/// the whole width of a round fibre: `1/2 integral A T l(dphi - dphi_p(h)) dh`, where `l` is the
+/// logistic distribution. This is (6.11) of the thesis, folded; its caustics keep their energy with
+/// no special case. Bilinear between nodes whose distance is a ninth of the width or less.
 #[derive(Debug, Clone)]
 pub(crate) struct FarTable {
     pub(crate) energies: EnergyTable,
@@ -27,8 +27,8 @@ pub(crate) struct NormalScattering {
 }
 
 impl FarTable {
-    /// The table of a round fibre. Its size grows as one over the square of the azimuthal width, up to
-    /// 30 MB for a width of 0.02 rad, below which it is coarser than is said above.
+    /// The table of a round fibre. Its size grows as one over the square of the azimuthal width, up
+    /// to 30 MB for a width of 0.02 rad, below which it is coarser than is said above.
     pub(crate) fn new(scatterer: &Scatterer) -> Self {
         let scale = scatterer.optics.azimuthal_scale;
         let count = |part: f64, least: f64, most: f64| {
@@ -97,8 +97,8 @@ fn row(scatterer: &Scatterer, t: f64, azimuths: u32, rule: &[[f64; 2]]) -> Vec<N
     row
 }
 
-/// Adds the logistic distribution around `center` to all nodes, but for its factor: its exponentials
-/// are a geometric sequence over the nodes.
+/// Adds the logistic distribution around `center` to all nodes, but for its factor: its
+/// exponentials are a geometric sequence over the nodes.
 fn spread(
     row: &mut [NormalScattering],
     center: f64,

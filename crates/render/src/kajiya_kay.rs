@@ -6,9 +6,10 @@ use crate::{Arrival, FiberBsdf, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// The model of Kajiya and Kay (1989), for comparison: a diffuse part and a highlight on the mirrored
-/// cone, the same all round the fibre. Both are scaled to what they scatter in level light, and the
-/// highlight has no cosine of one side, so that it is reciprocal and gains no energy.
+/// The model of Kajiya and Kay (1989), for comparison: a diffuse part and a highlight on the
+/// mirrored cone, the same all round the fibre. Both are scaled to what they scatter in level
+/// light, and the highlight has no cosine of one side, so that it is reciprocal and gains no
+/// energy.
 ///
 /// Its lobes are the highlight, then the diffuse part.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +36,8 @@ impl KajiyaKay {
             check("the sum of both shares", a + b, "at most 1", a + b <= 1.0)?;
         }
         check("the exponent", exponent, "in [0, 10000]", (0.0..=1e4).contains(&exponent))?;
-        // Integral of cos^m over half a turn, m = exponent + 2, by the trapezoidal rule, which is exact
-        // to rounding for so smooth a function with no slope at its ends.
+        // Integral of cos^m over half a turn, m = exponent + 2, by the trapezoidal rule, which is
+        // exact to rounding for so smooth a function with no slope at its ends.
         let nodes = 4096;
         let of = |k: u32| (PI * (f64::from(k) / f64::from(nodes) - 0.5)).cos().powf(exponent + 2.0);
         let integral = (1..nodes).map(of).sum::<f64>() * PI / f64::from(nodes);

@@ -4,9 +4,9 @@ use crate::draw::{MOST_TRIES, semicircle};
 use crate::error::check;
 use std::f64::consts::{PI, TAU};
 
-/// The normal distribution of `x`, rad, with the standard deviation `beta`, rad: (6.13) of the thesis
-/// as printed, `M_p = g(beta; theta_h - alpha_p)`. Its integral over `theta_r` is 2, not 1 (erratum
-/// E8), and half of it still does not conserve energy (E9).
+/// The normal distribution of `x`, rad, with the standard deviation `beta`, rad: (6.13) of the
+/// thesis as printed, `M_p = g(beta; theta_h - alpha_p)`. Its integral over `theta_r` is 2, not 1
+/// (erratum E8), and half of it still does not conserve energy (E9).
 ///
 /// # Errors
 /// [`RenderError::Parameter`] if `beta` is not positive and finite.
@@ -19,11 +19,12 @@ pub(crate) fn normal(beta: f64, x: f64) -> f64 {
     (-0.5 * (x / beta).powi(2)).exp() / (beta * TAU.sqrt())
 }
 
-/// The longitudinal function of d'Eon et al. (2011) with the variance `v`, rad^2:
-/// `exp(-sin theta_i sin theta_r / v) I0(cos theta_i cos theta_r / v) / (2 v sinh(1 / v))`. Its integral
-/// over `cos theta_r d theta_r` is 1: a normal distribution on the sphere, averaged over the azimuth.
+/// The longitudinal function of d'Eon et al. (2011) with the variance `v`, rad^2: `exp(-sin theta_i
+/// sin theta_r / v) I0(cos theta_i cos theta_r / v) / (2 v sinh(1 / v))`. Its integral over `cos
+/// theta_r d theta_r` is 1: a normal distribution on the sphere, averaged over the azimuth.
 ///
-/// With `f = M N / cos theta_i`, which conserves energy, it is not reciprocal; [`SymmetricLobe`] is.
+/// With `f = M N / cos theta_i`, which conserves energy, it is not reciprocal; [`SymmetricLobe`]
+/// is.
 ///
 /// # Errors
 /// [`RenderError::Parameter`] if `v` is not in `[1e-8, 1e8]`.
@@ -68,27 +69,28 @@ impl Inclination {
 
 /// A longitudinal lobe that is reciprocal and conserves energy at once: the default of all models.
 ///
-/// **What is asked.** Radiance from a fibre is `L_r = integral f L_i cos theta_i d omega_i`, so with
-/// `f = G(theta_i, theta_r) N(dphi)` and `integral N = 1`, a fibre gives back what it receives if
-/// `integral G cos^2 theta_r d theta_r = 1` for every `theta_i`, and is reciprocal if G is symmetric.
-/// The function of d'Eon is symmetric, but conserves under `cos theta_r d theta_r`, the measure of the
-/// sphere; the missing cosine, put on one side, is what makes today's models not reciprocal.
+/// **What is asked.** Radiance from a fibre is `L_r = integral f L_i cos theta_i d omega_i`, so
+/// with `f = G(theta_i, theta_r) N(dphi)` and `integral N = 1`, a fibre gives back what it receives
+/// if `integral G cos^2 theta_r d theta_r = 1` for every `theta_i`, and is reciprocal if G is
+/// symmetric. The function of d'Eon is symmetric, but conserves under `cos theta_r d theta_r`, the
+/// measure of the sphere; the missing cosine, put on one side, is what makes today's models not
+/// reciprocal.
 ///
-/// **Without tilt.** `cos^2 theta d theta` is the measure of the sphere of one more dimension, S^3, for
-/// latitudes. So what d'Eon does on the sphere is done there: a normal distribution
-/// `exp(k cos psi)` around the mirrored direction, averaged over all directions but latitude, is
-/// `G = k / (pi I1(k)) exp(-k sin theta_i sin theta_r) sinh(z) / z`, `z = k cos theta_i cos theta_r`,
-/// with `k = 1 / v`. Symmetric, positive, of integral 1 for every `v` and `theta_i`, and for small
-/// `v` the lobe of d'Eon over the cosine.
+/// **Without tilt.** `cos^2 theta d theta` is the measure of the sphere of one more dimension, S^3,
+/// for latitudes. So what d'Eon does on the sphere is done there: a normal distribution `exp(k cos
+/// psi)` around the mirrored direction, averaged over all directions but latitude, is `G = k / (pi
+/// I1(k)) exp(-k sin theta_i sin theta_r) sinh(z) / z`, `z = k cos theta_i cos theta_r`, with `k =
+/// 1 / v`. Symmetric, positive, of integral 1 for every `v` and `theta_i`, and for small `v` the
+/// lobe of d'Eon over the cosine.
 ///
-/// **With tilt** by `shift`, let `q(i -> r) = G(theta_i - shift, theta_r)`: it conserves energy, but
-/// is not symmetric. No tilt is both: in the limit of a sharp lobe, light would be mapped from
+/// **With tilt** by `shift`, let `q(i -> r) = G(theta_i - shift, theta_r)`: it conserves energy,
+/// but is not symmetric. No tilt is both: in the limit of a sharp lobe, light would be mapped from
 /// `theta` to `shift - theta`, and the one falling map of the interval that keeps the measure
-/// `cos^2 theta d theta` is `theta` to `-theta`. So energy must be lost to the lobe, and the least is
-/// lost by the rule of Metropolis: `min(q(i -> r), q(r -> i))`, symmetric and of integral at most 1.
-/// Since `exp(k T) (1 - exp(-2 k B)) / (2 k B)` falls with `B`, where `T = cos(theta_i + theta_r -
-/// shift)` is common to both, that is the larger of two `B`: one formula again. What a lobe loses,
-/// [`crate::FiberBsdf`]'s models give to one more lobe.
+/// `cos^2 theta d theta` is `theta` to `-theta`. So energy must be lost to the lobe, and the least
+/// is lost by the rule of Metropolis: `min(q(i -> r), q(r -> i))`, symmetric and of integral at
+/// most 1. Since `exp(k T) (1 - exp(-2 k B)) / (2 k B)` falls with `B`, where `T = cos(theta_i +
+/// theta_r - shift)` is common to both, that is the larger of two `B`: one formula again. What a
+/// lobe loses, [`crate::FiberBsdf`]'s models give to one more lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SymmetricLobe {
     /// `1 / v`.
@@ -155,8 +157,8 @@ impl SymmetricLobe {
         }
     }
 
-    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20 of
-    /// its peak, cut where it has a kink.
+    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20
+    /// of its peak, cut where it has a kink.
     pub(crate) fn support(&self, theta_i: f64) -> [[f64; 2]; 2] {
         let peak = self.shift_angle - theta_i;
         let clip = |theta: f64| theta.clamp(-0.5 * PI, 0.5 * PI);
@@ -169,7 +171,8 @@ impl SymmetricLobe {
     }
 
     /// An inclination drawn before the rule of Metropolis: Wood's method for the angle psi to the
-    /// mirrored direction on S^3, then one number for the side, since latitudes of a sphere are even.
+    /// mirrored direction on S^3, then one number for the side, since latitudes of a sphere are
+    /// even.
     pub(crate) fn draw(&self, i: &Inclination, random: &mut dyn FnMut() -> f64) -> Inclination {
         let x0 = (1.0 - self.b) / (1.0 + self.b);
         let mut t = 0.0;

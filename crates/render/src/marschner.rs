@@ -2,7 +2,7 @@ use crate::direction::{azimuth_change, inclination, turned};
 use crate::draw::choose;
 use crate::far_table::FarTable;
 use crate::longitudinal::{Inclination, normal};
-use crate::scatterer::{Profile, Scatterer, cos2_half_difference, half_tangent};
+use crate::scatterer::{FiberOutline, Scatterer, cos2_half_difference, half_tangent};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -10,9 +10,9 @@ use std::f64::consts::{PI, TAU};
 /// The far field of the thesis, (6.14), with its errata put right but for E9: Gaussian lobes
 /// `g(beta_p; theta_h - alpha_p) / 2` over `cos^2 theta_d`, R, TT and TRT alone, for comparison.
 ///
-/// Reciprocal; a white fibre scatters 0.98 to 0.82 of the light in level light and up to 1.23 of it at
-/// 85 degrees, for widths of 5 to 15 degrees. `beta_p` is half the square root of the lobe's variance,
-/// `alpha_p` half of its tilt, both being for `theta_h`.
+/// Reciprocal; a white fibre scatters 0.98 to 0.82 of the light in level light and up to 1.23 of it
+/// at 85 degrees, for widths of 5 to 15 degrees. `beta_p` is half the square root of the lobe's
+/// variance, `alpha_p` half of its tilt, both being for `theta_h`.
 #[derive(Debug, Clone)]
 pub struct MarschnerField {
     scatterer: Scatterer,
@@ -25,7 +25,7 @@ impl MarschnerField {
     /// # Errors
     /// [`RenderError`] if a value is outside its range.
     pub fn new(optics: FiberOptics) -> Result<Self, RenderError> {
-        let scatterer = Scatterer::new(optics, Profile::Circle)?;
+        let scatterer = Scatterer::new(optics, FiberOutline::Circle)?;
         let table = FarTable::new(&scatterer);
         Ok(Self { scatterer, table })
     }

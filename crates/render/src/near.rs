@@ -4,26 +4,27 @@ use crate::direction::{azimuth, azimuth_change, inclination, turned};
 use crate::draw::choose;
 use crate::energy::EnergyTable;
 use crate::longitudinal::Inclination;
-use crate::scatterer::{Profile, Rays, Scatterer, cos2_half_difference};
+use crate::scatterer::{FiberOutline, Rays, Scatterer, cos2_half_difference};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, RenderError, ScatteredRay, Scattering};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
 use std::f64::consts::{PI, TAU};
 
-/// The near field: scattering at the very offset that was hit (thesis 6.4), for round and elliptical
-/// fibres.
+/// The near field: scattering at the very offset that was hit (thesis 6.4), for round and
+/// elliptical fibres.
 ///
 /// The thesis's (6.20), with its errata E4 to E6, is `A_p(h) T_p(h) delta(h_r + h_i) delta(dphi -
-/// dphi_p(h)) / cos^2 theta_d`: no density of rays, no half, no sum over roots, which come by themselves
-/// when `h` is integrated out. The offset of the hit is one of both `h`, so the first delta is used up;
-/// the second becomes a logistic distribution, the one over inclinations [`crate::SymmetricLobe`].
-/// Later orders leave to all azimuths alike. The mean over the width is [`crate::FarField`]. Where along
-/// the fibre light leaves (6.21) is left out: within two radii or so.
+/// dphi_p(h)) / cos^2 theta_d`: no density of rays, no half, no sum over roots, which come by
+/// themselves when `h` is integrated out. The offset of the hit is one of both `h`, so the first
+/// delta is used up; the second becomes a logistic distribution, the one over inclinations
+/// [`crate::SymmetricLobe`]. Later orders leave to all azimuths alike. The mean over the width is
+/// [`crate::FarField`]. Where along the fibre light leaves (6.21) is left out: within two radii or
+/// so.
 ///
-/// Reciprocal in the sense of the section: exchange of directions and of `h` with the offset at which
-/// the ray leaves. White fibres scatter all light over their width; at one offset alone the sum of lobes
-/// of different widths is off by some per cent towards grazing. For an ellipse, the balance of
-/// energy is that of the mean over its azimuths.
+/// Reciprocal in the sense of the section: exchange of directions and of `h` with the offset at
+/// which the ray leaves. White fibres scatter all light over their width; at one offset alone the
+/// sum of lobes of different widths is off by some per cent towards grazing. For an ellipse, the
+/// balance of energy is that of the mean over its azimuths.
 ///
 /// Building costs some 20 ms (an ellipse 100), an evaluation some 0.2 us without allocation.
 #[derive(Debug, Clone)]
@@ -33,7 +34,7 @@ pub struct NearField {
 }
 
 /// What an evaluation needs of both directions.
-struct Pair {
+struct ScatteringPair {
     /// Lobes times their scale, over inclinations.
     lobes: [f64; 4],
     /// Lobes before the rule of Metropolis.
@@ -50,20 +51,20 @@ impl NearField {
     /// [`RenderError`] if a value is outside its range, or if polarisation is to be tracked in an
     /// ellipse.
     pub fn new(optics: FiberOptics, section: &Section) -> Result<Self, RenderError> {
-        const CELLS: u32 = 256;
-        let scatterer = Scatterer::new(optics, Profile::of(section)?)?;
-        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer, CELLS));
+        const ENERGY_CELLS: u32 = 256;
+        let scatterer = Scatterer::new(optics, FiberOutline::of(section)?)?;
+        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer, ENERGY_CELLS));
         Ok(Self { scatterer, balance })
     }
 
-    /// What the fibre scatters of the light that it receives under the inclination `theta`, rad, over
-    /// its width and, for an ellipse, over all azimuths.
+    /// What the fibre scatters of the light that it receives under the inclination `theta`, rad,
+    /// over its width and, for an ellipse, over all azimuths.
     #[must_use]
     pub fn albedo(&self, theta: f64) -> Vector3<f64> {
         self.balance.albedo(&Inclination::of(theta))
     }
 
-    fn pair(&self, arrival: &Arrival, r: &Inclination) -> Pair {
+    fn pair(&self, arrival: &Arrival, r: &Inclination) -> ScatteringPair {
         let i = &arrival.inclination;
         let (mut lobes, mut proposals) = ([0.0; 4], [0.0; 4]);
         for (p, lobe) in self.scatterer.lobes.iter().enumerate() {
@@ -72,11 +73,11 @@ impl NearField {
         }
         let cone = self.scatterer.cone(cos2_half_difference(i, r));
         let rays = self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset);
-        Pair { lobes, proposals, rays, lack: [arrival.lack, self.balance.at(r)] }
+        ScatteringPair { lobes, proposals, rays, lack: [arrival.lack, self.balance.at(r)] }
     }
 
     /// The parts of `f`, where the change of azimuth is `change`.
-    fn parts(&self, pair: &Pair, change: f64) -> [Vector3<f64>; LOBES] {
+    fn parts(&self, pair: &ScatteringPair, change: f64) -> [Vector3<f64>; LOBES] {
         let mut parts = [Vector3::zeros(); LOBES];
         for (p, part) in parts.iter_mut().enumerate().take(4) {
             if pair.lobes[p] > 0.0 {
@@ -90,19 +91,25 @@ impl NearField {
     }
 
     /// Density of the inclination `r` among samples, over `cos^2 theta d theta`.
-    fn density(&self, arrival: &Arrival, pair: &Pair) -> f64 {
+    fn density(&self, arrival: &Arrival, pair: &ScatteringPair) -> f64 {
         let lobes = arrival.chances.iter().zip(&pair.proposals).map(|(c, q)| c * q);
         lobes.sum::<f64>() + arrival.chances[4] * self.balance.density(&pair.lack[1])
     }
 
     /// Chances of the lobes once both inclinations are known, not yet of sum 1.
-    fn shares(&self, pair: &Pair) -> [f64; LOBES] {
+    fn shares(&self, pair: &ScatteringPair) -> [f64; LOBES] {
         let last = self.balance.lobe(&pair.lack[0], &pair.lack[1]).mean() * TAU;
         let [a, b, c, d] = [0, 1, 2, 3].map(|p| pair.lobes[p] * pair.rays.energy[p].mean());
         [a, b, c, d, last]
     }
 
-    fn scattering(&self, arrival: &Arrival, pair: &Pair, change: f64, cos: f64) -> Scattering {
+    fn scattering(
+        &self,
+        arrival: &Arrival,
+        pair: &ScatteringPair,
+        change: f64,
+        cos: f64,
+    ) -> Scattering {
         let value: Vector3<f64> = self.parts(pair, change).iter().sum();
         let shares: f64 = self.shares(pair).iter().sum();
         let pdf = if shares > 0.0 {
@@ -142,8 +149,8 @@ impl FiberBsdf for NearField {
     }
 
     /// The inclination is drawn from the lobes as they are attenuated at that of `from`; then, both
-    /// being known, a lobe again, by which the azimuth is drawn. So what is drawn has a density in closed
-    /// form, and weights differ from the albedo only as far as lobes do in width and tilt.
+    /// being known, a lobe again, by which the azimuth is drawn. So what is drawn has a density in
+    /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
         let i = arrival.inclination;
         let r = match choose(&arrival.chances, random())? {

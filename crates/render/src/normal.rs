@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 /// The normal scattering of one order of a smooth circle at the change of azimuth `azimuth`, rad,
 /// per rad (thesis (6.11)): `1/2 sum A T D` over the roots, with the absorption `sigma` per radius.
-/// Its integral over all azimuths is what the order scatters. Zero where no ray leaves, infinite at a
-/// caustic; the models fold it with a finite width instead. Costs a search for each root.
+/// Its integral over all azimuths is what the order scatters. Zero where no ray leaves, infinite at
+/// a caustic; the models fold it with a finite width instead. Costs a search for each root.
 ///
 /// # Errors
 /// [`RenderError::Parameter`] if `sigma` is negative or not finite, or `azimuth` not finite.

@@ -29,8 +29,8 @@ impl FiberOptics {
     pub const KERATIN_INDEX: f64 = 1.55;
 
     /// Hair with the longitudinal and azimuthal roughness `beta_m` and `beta_n`, in `[0, 1]` as in
-    /// today's renderers, and scales at the angle `alpha`, rad (the thesis names 3 degrees). TT has a
-    /// quarter of the variance of R, TRT and later orders four times it (Marschner et al. 2003).
+    /// today's renderers, and scales at the angle `alpha`, rad (the thesis names 3 degrees). TT has
+    /// a quarter of the variance of R, TRT and later orders four times it (Marschner et al. 2003).
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if a value is outside its range.

@@ -2,15 +2,15 @@ use crate::RenderError;
 use crate::error::check;
 use nalgebra::Vector3;
 
-/// Absorption of eumelanin (black, brown) per unit of concentration and radius of the fibre, for red,
-/// green and blue (Chiang et al. 2016, after d'Eon et al. 2011).
+/// Absorption of eumelanin (black, brown) per unit of concentration and radius of the fibre, for
+/// red, green and blue (Chiang et al. 2016, after d'Eon et al. 2011).
 pub const EUMELANIN: Vector3<f64> = Vector3::new(0.419, 0.697, 1.37);
 
 /// Absorption of pheomelanin (red, yellow), in the units of [`EUMELANIN`].
 pub const PHEOMELANIN: Vector3<f64> = Vector3::new(0.187, 0.4, 1.05);
 
-/// What colors a fibre. The thesis gives no absorption to its hair colors (6.4.1), so concentrations
-/// of named colors are the ones in use with these spectra.
+/// What colors a fibre. The thesis gives no absorption to its hair colors (6.4.1), so
+/// concentrations of named colors are the ones in use with these spectra.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pigments {
     /// Concentration of eumelanin, at least 0: 8 is black, 1.3 brown, 0.3 blond.
@@ -47,8 +47,8 @@ impl Pigments {
         Self { dye: self.dye + dye, ..self }
     }
 
-    /// The absorption, per radius of the fibre, for red, green and blue: what is needed of a fibre of
-    /// radius `R` with the coefficient `sigma_a` is `sigma_a R`.
+    /// The absorption, per radius of the fibre, for red, green and blue: what is needed of a fibre
+    /// of radius `R` with the coefficient `sigma_a` is `sigma_a R`.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if a concentration or a dye is negative or not finite.

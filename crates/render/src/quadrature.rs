@@ -21,8 +21,8 @@ pub(crate) fn gauss_legendre(count: u32) -> Vec<[f64; 2]> {
     (0..count).map(node).collect()
 }
 
-/// Where a value lies between the nodes of an even grid on `[0, 1]` with `cells` cells: the index of
-/// the node below, and the part of the cell, in `[0, 1]`.
+/// Where a value lies between the nodes of an even grid on `[0, 1]` with `cells` cells: the index
+/// of the node below, and the part of the cell, in `[0, 1]`.
 pub(crate) fn cell(x: f64, cells: usize) -> (usize, f64) {
     let at = x.clamp(0.0, 1.0) * cells as f64;
     #[expect(clippy::cast_possible_truncation, reason = "in [0, cells]")]

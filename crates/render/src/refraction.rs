@@ -11,19 +11,20 @@ pub struct FresnelReflectance {
 }
 
 impl FresnelReflectance {
-    /// Fresnel's equations for light that enters a medium of index `n >= 1`: `cos_i` is the cosine of
-    /// the angle of incidence and `cos_t` that of the refracted ray. Light that leaves by the same
-    /// path has the same reflectance, so `F(1/n, gamma_t) = F(n, gamma_i)` in (6.8) of the thesis, and
-    /// its second footnote is harmless (erratum E16).
+    /// Fresnel's equations for light that enters a medium of index `n >= 1`: `cos_i` is the cosine
+    /// of the angle of incidence and `cos_t` that of the refracted ray. Light that leaves by the
+    /// same path has the same reflectance, so `F(1/n, gamma_t) = F(n, gamma_i)` in (6.8) of the
+    /// thesis, and its second footnote is harmless (erratum E16).
     #[must_use]
     pub fn new(n: f64, cos_i: f64, cos_t: f64) -> Self {
         let [s, p] = fresnel_amplitudes(n, cos_i, cos_t);
         Self { s: s * s, p: p * p }
     }
 
-    /// The same by the two indices of Bravais and the projected angles: `n'` in the term of s, `n''`
-    /// in that of p, with the refracted angle always from `n'` (thesis, after (6.9), which leaves
-    /// that open: erratum E3). Equal to [`Self::new`] at the angles in space; it is there to show that.
+    /// The same by the two indices of Bravais and the projected angles: `n'` in the term of s,
+    /// `n''` in that of p, with the refracted angle always from `n'` (thesis, after (6.9), which
+    /// leaves that open: erratum E3). Equal to [`Self::new`] at the angles in space; it is there to
+    /// show that.
     #[must_use]
     pub fn projected(bravais: &BravaisIndices, h: f64) -> Self {
         let (cos_i, sin_t) = (cosine(h), h / bravais.perpendicular);

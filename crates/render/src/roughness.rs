@@ -22,8 +22,8 @@ pub fn azimuthal_scale(beta: f64) -> Result<f64, RenderError> {
     Ok((PI / 8.0).sqrt() * (0.265 * beta + 1.194 * beta.powi(2) + 5.372 * beta.powi(22)))
 }
 
-/// The logistic distribution of an angle, cut to `[-pi, pi]` and scaled to the integral 1: it spreads
-/// an azimuth, so that a caustic keeps its energy and has a finite height.
+/// The logistic distribution of an angle, cut to `[-pi, pi]` and scaled to the integral 1: it
+/// spreads an azimuth, so that a caustic keeps its energy and has a finite height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Logistic {
     scale: f64,

@@ -1,5 +1,5 @@
 use crate::circle::CirclePaths;
-use crate::ellipse::Ellipse;
+use crate::ellipse::EllipseOutline;
 use crate::longitudinal::{Inclination, SymmetricLobe};
 use crate::refraction::Cone;
 use crate::roughness::Logistic;
@@ -9,17 +9,17 @@ use rapunzel_fiber::Section;
 
 /// The outline of a fibre, of the area of the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Profile {
+pub(crate) enum FiberOutline {
     Circle,
-    Ellipse(Ellipse),
+    Ellipse(EllipseOutline),
 }
 
-impl Profile {
+impl FiberOutline {
     pub(crate) fn of(section: &Section) -> Result<Self, RenderError> {
         section.validate()?;
         match section {
             Section::Circle { .. } => Ok(Self::Circle),
-            Section::Ellipse { .. } => Ellipse::of(section).map(Self::Ellipse),
+            Section::Ellipse { .. } => EllipseOutline::of(section).map(Self::Ellipse),
         }
     }
 }
@@ -36,22 +36,22 @@ pub(crate) struct Rays {
 #[derive(Debug, Clone)]
 pub(crate) struct Scatterer {
     pub(crate) optics: FiberOptics,
-    pub(crate) profile: Profile,
+    pub(crate) outline: FiberOutline,
     pub(crate) lobes: [SymmetricLobe; 4],
     pub(crate) azimuthal: Logistic,
 }
 
 impl Scatterer {
-    pub(crate) fn new(optics: FiberOptics, profile: Profile) -> Result<Self, RenderError> {
+    pub(crate) fn new(optics: FiberOptics, outline: FiberOutline) -> Result<Self, RenderError> {
         optics.validate()?;
-        if profile != Profile::Circle && optics.polarization == Polarization::Tracked {
+        if outline != FiberOutline::Circle && optics.polarization == Polarization::Tracked {
             return Err(RenderError::TrackedEllipse);
         }
         let ([r, tt, trt], v) = (optics.tilt.shift, optics.variance);
         let lobe = SymmetricLobe::new;
         let lobes = [lobe(v[0], r)?, lobe(v[1], tt)?, lobe(v[2], trt)?, lobe(v[3], 0.0)?];
         let azimuthal = Logistic::new(optics.azimuthal_scale);
-        Ok(Self { optics, profile, lobes, azimuthal })
+        Ok(Self { optics, outline, lobes, azimuthal })
     }
 
     /// The cone of the inclination whose squared cosine is `cos2`.
@@ -62,14 +62,14 @@ impl Scatterer {
     /// The rays at the offset `h` to light from the azimuth `phi`, rad, on the cone.
     pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: f64) -> Rays {
         let sigma = &self.optics.absorption;
-        match &self.profile {
-            Profile::Circle => {
+        match &self.outline {
+            FiberOutline::Circle => {
                 let paths = CirclePaths::of(cone);
                 let shares = OrderShares::new(&paths, h, self.optics.polarization);
                 let energy = shares.absorbed(&transmitted(sigma, paths.segment(h)));
                 Rays { azimuth: paths.azimuths(h), energy }
             }
-            Profile::Ellipse(ellipse) => {
+            FiberOutline::Ellipse(ellipse) => {
                 let ray = ellipse.trace(&cone, phi(), h);
                 Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
             }
@@ -78,14 +78,14 @@ impl Scatterer {
 
     /// What leaves in each order, with the absorption and without it.
     pub(crate) fn energies(&self, cone: Cone, phi: f64, h: f64) -> [[Vector3<f64>; 4]; 2] {
-        match &self.profile {
-            Profile::Circle => {
+        match &self.outline {
+            FiberOutline::Circle => {
                 let paths = CirclePaths::of(cone);
                 let shares = OrderShares::new(&paths, h, self.optics.polarization);
                 let t = transmitted(&self.optics.absorption, paths.segment(h));
                 [shares.absorbed(&t), shares.absorbed(&Vector3::repeat(1.0))]
             }
-            Profile::Ellipse(ellipse) => {
+            FiberOutline::Ellipse(ellipse) => {
                 let ray = ellipse.trace(&cone, phi, h);
                 [ray.absorbed(&self.optics.absorption), ray.absorbed(&Vector3::zeros())]
             }

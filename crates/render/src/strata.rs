@@ -16,7 +16,7 @@ pub(crate) struct StratumBounds {
 
 impl StratumBounds {
     pub(crate) fn new(scatterer: &Scatterer) -> Self {
-        const CELLS: u32 = 64;
+        const STRATUM_CELLS: u32 = 64;
         let row = |t: f64| {
             // |theta_d| is at most 45 degrees and half of the inclination.
             let sin = 2.0 * t / (1.0 + t * t);
@@ -30,7 +30,7 @@ impl StratumBounds {
             }
             row
         };
-        Self { rows: nodes(CELLS).map(row).collect() }
+        Self { rows: nodes(STRATUM_CELLS).map(row).collect() }
     }
 
     /// The bounds for light from an inclination of the squared cosine `cos2`.
@@ -76,7 +76,7 @@ fn bounds(
 mod tests {
     use super::*;
     use crate::FiberOptics;
-    use crate::scatterer::Profile;
+    use crate::scatterer::FiberOutline;
     use nalgebra::Vector3;
 
     #[test]
@@ -85,7 +85,7 @@ mod tests {
             let sigma = Vector3::new(0.1, 0.4, 2.0);
             let optics = FiberOptics::hair(sigma, 0.3, 0.3, 0.05).expect("hair");
             let optics = FiberOptics { polarization, ..optics };
-            let scatterer = Scatterer::new(optics, Profile::Circle).expect("hair");
+            let scatterer = Scatterer::new(optics, FiberOutline::Circle).expect("hair");
             let bounds = StratumBounds::new(&scatterer);
             for k in 0..90_u32 {
                 let theta = f64::from(k).to_radians();

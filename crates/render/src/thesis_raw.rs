@@ -102,8 +102,8 @@ pub struct PrintedFarField {
 }
 
 impl PrintedFarField {
-    /// `S` between the inclinations and azimuths `[theta, phi]` of light and eye, rad. At a caustic it
-    /// is infinite.
+    /// `S` between the inclinations and azimuths `[theta, phi]` of light and eye, rad. At a caustic
+    /// it is infinite.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if a field is out of its range, or `theta_d` a right angle.

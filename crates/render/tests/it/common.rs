@@ -57,9 +57,9 @@ pub(crate) fn hair(sigma: f64, beta_m: f64, beta_n: f64, alpha: f64) -> FiberOpt
 pub(crate) const BOTH: [Polarization; 2] = [Polarization::Averaged, Polarization::Tracked];
 
 /// What is scattered of light from one direction, the mean of the colors, and the integral of the
-/// density of samples: by midpoints in the inclination and the azimuth. The error falls faster than any
-/// power of the width of a part where that resolves the lobes, but at the poles and where the logistic
-/// distribution is cut, as its square.
+/// density of samples: by midpoints in the inclination and the azimuth. The error falls faster than
+/// any power of the width of a part where that resolves the lobes, but at the poles and where the
+/// logistic distribution is cut, as its square.
 pub(crate) fn integrals(
     bsdf: &impl FiberBsdf,
     arrival: &Arrival,
@@ -77,8 +77,8 @@ pub(crate) fn integrals(
     sums.map(|sum| sum * 2.0 * PI * PI / f64::from(inclinations) / f64::from(azimuths))
 }
 
-/// Checks that samples fall into parts of the sphere as often as their density says: 12 by 12 parts,
-/// chi squared at most five standard deviations above its mean.
+/// Checks that samples fall into parts of the sphere as often as their density says: 12 by 12
+/// parts, chi squared at most five standard deviations above its mean.
 pub(crate) fn chi_squared(bsdf: &impl FiberBsdf, arrival: &Arrival) {
     const PARTS: usize = 12;
     const FINE: u32 = 600;

@@ -35,7 +35,8 @@ fn energies_and_glints_are_those_of_the_trace() {
         };
         glints += 1;
         if ratio > 1.4 {
-            // No caustic: TRT ends there, by total reflection, where the trace has its largest azimuth.
+            // No caustic: TRT ends there, by total reflection, where the trace has its largest
+            // azimuth.
             let edge = number(table, &["TRT_caustic_h_over_halfwidth"]);
             let inside = bisect(edge - 0.01, edge + 0.01, |h| paths.trace(0.0, h).share[2] > 0.0);
             let found = paths.trace(0.0, inside).azimuth[2].to_degrees();

@@ -3,8 +3,8 @@ use proptest::prelude::*;
 use rapunzel_render::{SymmetricLobe, deon, gaussian};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Integral over `cos^power theta_r d theta_r`, by the midpoint rule around the peak: its error falls
-/// faster than any power of the width of a part, but at the poles as its square.
+/// Integral over `cos^power theta_r d theta_r`, by the midpoint rule around the peak: its error
+/// falls faster than any power of the width of a part, but at the poles as its square.
 fn integral(v: f64, peak: f64, power: i32, f: impl Fn(f64) -> f64) -> f64 {
     let (low, high) = (peak - 12.0 * v.sqrt(), peak + 12.0 * v.sqrt());
     let (low, high) = (low.clamp(-FRAC_PI_2, FRAC_PI_2), high.clamp(-FRAC_PI_2, FRAC_PI_2));

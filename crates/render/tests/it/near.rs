@@ -83,7 +83,8 @@ fn samples_are_distributed_by_their_density() {
 }
 
 /// White fibres, over their width and, for an ellipse, all azimuths. The mean of weights is what is
-/// scattered; its error is three standard errors at most, and the table of the balance is good to 1e-4.
+/// scattered; its error is three standard errors at most, and the table of the balance is good to
+/// 1e-4.
 #[test]
 fn a_white_fibre_scatters_all_light_over_its_width() {
     for (section, beta, alpha) in [(CIRCLE, 0.3, 3.0), (CIRCLE, 0.15, 0.0), (ELLIPSE, 0.3, 3.0)] {
@@ -108,8 +109,8 @@ fn a_white_fibre_scatters_all_light_over_its_width() {
     }
 }
 
-/// Without tilt and with one width, white fibres scatter all light at every offset, without the lobe
-/// that keeps the balance.
+/// Without tilt and with one width, white fibres scatter all light at every offset, without the
+/// lobe that keeps the balance.
 #[test]
 fn one_width_without_tilt_needs_no_balance() {
     let optics = FiberOptics { variance: [0.1; 4], ..hair(0.0, 0.3, 0.4, 0.0) };
@@ -124,8 +125,9 @@ fn one_width_without_tilt_needs_no_balance() {
     }
 }
 
-/// Weights of white hair as it is usual: the density of samples is not quite that of the light, since
-/// lobes differ in width and tilt; the deviation is said to stay below a tenth up to 60 degrees.
+/// Weights of white hair as it is usual: the density of samples is not quite that of the light,
+/// since lobes differ in width and tilt; the deviation is said to stay below a tenth up to 60
+/// degrees.
 #[test]
 fn weights_of_white_hair_are_near_one() {
     let near = NearField::new(hair(0.0, 0.3, 0.3, 3.0), &CIRCLE).expect("a fibre");

@@ -6,8 +6,9 @@ use rapunzel_render::{
 
 #[test]
 fn the_field_of_the_thesis_is_reciprocal_and_gains_energy() {
-    // Widths of 15 degrees in theta_h, E9: 0.824 in level light and 1.227 at 85 degrees, of R, TT and
-    // TRT, which are all but 0.008 and most of it there; and their azimuths are even in the integral.
+    // Widths of 15 degrees in theta_h, E9: 0.824 in level light and 1.227 at 85 degrees, of R, TT
+    // and TRT, which are all but 0.008 and most of it there; and their azimuths are even in the
+    // integral.
     let variance = [(2.0 * 15.0_f64.to_radians()).powi(2); 4];
     let optics = FiberOptics { variance, ..hair(0.0, 0.3, 0.5, 0.0) };
     let field = MarschnerField::new(optics).expect("a fibre");
@@ -32,7 +33,8 @@ fn the_field_of_the_thesis_draws_by_its_density() {
     chi_squared(&field, &field.arrive(0.0, &direction(0.5, 0.7)));
 }
 
-/// Narrow lobes in level light: the symmetric lobe and the Gaussian are one there, so both fields are.
+/// Narrow lobes in level light: the symmetric lobe and the Gaussian are one there, so both fields
+/// are.
 #[test]
 fn the_field_of_the_thesis_is_ours_for_narrow_lobes() {
     let optics = FiberOptics { variance: [1e-4; 4], ..hair(0.2, 0.3, 0.3, 0.0) };

@@ -72,7 +72,8 @@ fn the_index_that_stands_for_an_ellipse_misses_it() {
 
 #[test]
 fn the_printed_near_field_counts_the_density_of_rays_twice() {
-    // E5: of R the far field is a quarter of cos(phi / 2) times F, the printed near field that times D.
+    // E5: of R the far field is a quarter of cos(phi / 2) times F, the printed near field that
+    // times D.
     let paths = CirclePaths::new(N, 0.0).expect("paths");
     for phi in [0.5, 1.0, 2.0_f64] {
         let right =
