@@ -54,7 +54,8 @@ impl OrderShares {
         [Vector3::repeat(r), t * tt, t.component_mul(t) * trt, t.map(later)]
     }
 
-    /// Share of the single order `p`, without absorption.
+    /// Share of the single order `p`, without absorption. With tracked polarisation those beyond
+    /// the third are taken as a geometric series, whose sum is right.
     #[must_use]
     pub fn order(&self, p: u32) -> f64 {
         match p {

@@ -23,6 +23,8 @@ pub(crate) struct Balance {
     nodes: Vec<BalanceNode>,
     /// Integral of `rho cos^2 theta`.
     total: f64,
+    /// `1 / (2 pi total)`.
+    height: f64,
     largest: f64,
     /// Integral of `g cos^2 theta`, over `total`.
     pub(crate) tint: Vector3<f64>,
@@ -73,7 +75,8 @@ impl Balance {
             BalanceNode { lack, tinted, albedo, kept }
         };
         let nodes: Vec<BalanceNode> = at.iter().zip(&sums).map(node).collect();
-        let mut balance = Self { scale, nodes, total: 0.0, largest: 0.0, tint: Vector3::zeros() };
+        let mut balance =
+            Self { scale, nodes, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
         balance.close(&at);
         balance
     }
@@ -95,7 +98,7 @@ impl Balance {
         }
         self.largest = self.nodes.iter().fold(0.0, |most: f64, node| most.max(node.lack));
         if total > 0.0 {
-            (self.total, self.tint) = (total, tint / total);
+            (self.total, self.height, self.tint) = (total, 1.0 / (TAU * total), tint / total);
         }
         let tint = self.tint;
         self.nodes.iter_mut().for_each(|n| n.albedo += n.tinted.component_mul(&tint));
@@ -130,7 +133,7 @@ impl Balance {
     /// The last lobe, per sr.
     pub(crate) fn lobe(&self, i: &Lack, r: &Lack) -> Vector3<f64> {
         if self.total > 0.0 {
-            i.tinted.component_mul(&r.tinted) / (TAU * self.total)
+            i.tinted.component_mul(&r.tinted) * self.height
         } else {
             Vector3::zeros()
         }

@@ -142,7 +142,7 @@ fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 
 /// An angle modulo `2 pi`, in `[-pi, pi]`.
 pub(crate) fn wrapped(angle: f64) -> f64 {
-    let turns = angle / TAU;
+    let turns = angle * TAU.recip();
     // A cast is faster than a call of `round`; angles are a few turns.
     #[expect(clippy::cast_possible_truncation, reason = "few turns")]
     let whole = (turns + 0.5_f64.copysign(turns)) as i64 as f64;

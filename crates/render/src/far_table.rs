@@ -28,7 +28,7 @@ pub(crate) struct NormalScattering {
 
 impl FarTable {
     /// The table of a round fibre. Its size grows as one over the square of the azimuthal width, up
-    /// to 30 MB for a width of 0.02 rad, below which it is coarser than is said above.
+    /// to 83 MB at 0.02 rad; below, it is coarser than is said above.
     pub(crate) fn new(scatterer: &Scatterer) -> Self {
         let scale = scatterer.optics.azimuthal_scale;
         let count = |part: f64, least: f64, most: f64| {

@@ -21,12 +21,17 @@ use std::f64::consts::{PI, TAU};
 /// [`crate::FarField`]. Where along the fibre light leaves (6.21) is left out: within two radii or
 /// so.
 ///
-/// Reciprocal in the sense of the section: exchange of directions and of `h` with the offset at
-/// which the ray leaves. White fibres scatter all light over their width; at one offset alone the
-/// sum of lobes of different widths is off by some per cent towards grazing. For an ellipse, the
+/// Reciprocal for a circle: exchange of the directions and of `h` with the offset at which the ray
+/// leaves, `-h`. For an ellipse that holds for the rays, not for the azimuths beside them over
+/// which they are spread.
+///
+/// White fibres scatter all light over their width. At one offset alone, lobes of different widths
+/// and tilts do not: with a roughness of 0.3 and scales at 3 degrees 0.99 to 1.01 of it in level
+/// light, 0.89 to 1.15 at 60 degrees and up to 1.4 at the very edge at 85. For an ellipse, the
 /// balance of energy is that of the mean over its azimuths.
 ///
-/// Building costs some 20 ms (an ellipse 100), an evaluation some 0.2 us without allocation.
+/// Building costs some 50 ms (an ellipse 0.4 s), an evaluation half a microsecond (an ellipse one),
+/// without allocation.
 #[derive(Debug, Clone)]
 pub struct NearField {
     scatterer: Scatterer,
@@ -150,7 +155,8 @@ impl FiberBsdf for NearField {
 
     /// The inclination is drawn from the lobes as they are attenuated at that of `from`; then, both
     /// being known, a lobe again, by which the azimuth is drawn. So what is drawn has a density in
-    /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt.
+    /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt:
+    /// by a standard deviation of 1 % in level light and 7 % at 60 degrees in usual white hair.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
         let i = arrival.inclination;
         let r = match choose(&arrival.chances, random())? {

@@ -143,3 +143,26 @@ fn weights_of_white_hair_are_near_one() {
         assert!(deviation < 0.1, "{theta}: {deviation}");
     }
 }
+
+#[test]
+fn nothing_is_allocated_at_a_hit() {
+    let optics = hair(0.2, 0.3, 0.3, 3.0);
+    let (near, far) = (NearField::new(optics, &ELLIPSE), FarField::new(optics));
+    let (near, far) = (near.expect("a fibre"), far.expect("a fibre"));
+    let mut random = random(1);
+    let info = allocation_counter::measure(|| {
+        for theta in [-1.0, 0.0, 1.3] {
+            let (near_hit, far_hit) = {
+                let from = direction(theta, 0.2);
+                (near.arrive(0.3, &from), far.arrive(0.3, &from))
+            };
+            let to = direction(0.3, 2.0);
+            assert!(
+                near.evaluate(&near_hit, &to).pdf > 0.0 && far.evaluate(&far_hit, &to).pdf > 0.0
+            );
+            assert!(near.sample(&near_hit, &mut random).is_some());
+            assert!(far.sample(&far_hit, &mut random).is_some());
+        }
+    });
+    assert_eq!(info.count_total, 0);
+}
