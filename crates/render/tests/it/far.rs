@@ -15,7 +15,7 @@ fn any_hair() -> impl Strategy<Value = FiberOptics> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn a_white_fibre_scatters_all_light_and_weights_are_one(

@@ -9,7 +9,7 @@ const CIRCLE: Section = Section::Circle { radius: 35e-6 };
 const ELLIPSE: Section = Section::Ellipse { a: 30e-6, b: 38e-6 };
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn the_mean_over_the_width_is_the_far_field(
@@ -29,7 +29,9 @@ proptest! {
                 let value = near.evaluate(&near.arrive(gamma.sin(), &a), &b).value;
                 mean += value * (gamma.cos() * FRAC_PI_2 / f64::from(count));
             }
-            // Of the value, or where that is a thousandth of an even fibre's, 1 / pi^2, of that.
+            // Bilinear interpolation: an eighth of the square of the distance of nodes over the
+            // width, 0.15 % in azimuth and, with what caustics move, 0.3 % in theta_d; of the value,
+            // or where that is a thousandth of an even fibre's, 1 / pi^2, of that.
             prop_assert!((far - mean).norm() < 5e-3 * far.norm().max(1e-4), "{far} {mean}");
         }
     }
