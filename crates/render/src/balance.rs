@@ -11,15 +11,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 ///
 /// A lobe attenuated at `theta_d` gives `integral K_p a_p(theta_d) cos^2 theta_r d theta_r`.
 /// Without absorption the sum over the lobes is 1 if they have one width and no tilt, since the
-/// `a_p` add to 1 at every `theta_d`; else it is `E(theta_i)`, a little above 1 in places, and
-/// below where tilt loses energy. So the lobes are scaled by `s = 1 / max E`, if that is below 1,
-/// and what is missing, `rho = 1 - s E`, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2
-/// pi integral rho)`: it is symmetric, and the sum is 1 for every `theta_i`. Light takes the color
+/// `a_p` add to 1 at every `theta_d`; else it is `E(theta_i)`: below 1 where tilt loses energy, above
+/// where R is narrower than TT. So all lobes are scaled by the smaller of `s(theta_i)` and
+/// `s(theta_r)`, where `s = min(1, 1 / E)`, which is symmetric, and what is then missing,
+/// `rho(theta_i)`, at least 0, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2 pi
+/// integral rho)`: it is symmetric too, and the sum is 1 for every `theta_i`. Light takes the color
 /// of the whole fibre there, half at each end: `g = rho sqrt(albedo)`.
 #[derive(Debug, Clone)]
 pub(crate) struct Balance {
-    /// `s`, the factor of all lobes.
-    pub(crate) scale: f64,
     nodes: Vec<BalanceNode>,
     /// Integral of `rho cos^2 theta`.
     total: f64,
@@ -32,6 +31,8 @@ pub(crate) struct Balance {
 
 #[derive(Debug, Clone, Copy)]
 struct BalanceNode {
+    /// `s`.
+    scale: f64,
     /// Energy that the lobes lack, without absorption.
     lack: f64,
     /// `g`.
@@ -44,7 +45,8 @@ struct BalanceNode {
 
 /// The balance at one inclination.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Lack {
+pub(crate) struct BalancePoint {
+    pub(crate) scale: f64,
     pub(crate) lack: f64,
     pub(crate) tinted: Vector3<f64>,
 }
@@ -52,31 +54,35 @@ pub(crate) struct Lack {
 impl Balance {
     pub(crate) fn new(scatterer: &Scatterer, energies: &EnergyTable) -> Self {
         const BALANCE_CELLS: u32 = 1440;
-        let rule = gauss_legendre(40);
+        let rule = gauss_legendre(32);
         let at: Vec<f64> = nodes(BALANCE_CELLS).map(|x| 2.0 * x - 1.0).collect();
-        let of = |t: &f64| lobes_energy(scatterer, energies, 2.0 * t.atan(), &rule);
-        let sums: Vec<LobeSums> = at.par_iter().map(of).collect();
-        let largest = sums.iter().fold(1.0, |most: f64, sums| most.max(sums.clear));
-        let scale = 1.0 / largest;
-        let node = |(t, sums): (&f64, &LobeSums)| {
-            let lack = (1.0 - scale * sums.clear).max(0.0);
+        let sums = |scale: &(dyn Fn(&Inclination) -> f64 + Sync)| -> Vec<LobeSums> {
+            let of = |t: &f64| lobes_energy(scatterer, energies, 2.0 * t.atan(), &rule, scale);
+            at.par_iter().map(of).collect()
+        };
+        let mut scaled = sums(&|_| 1.0);
+        let scales: Vec<f64> = scaled.iter().map(|sums| 1.0 / sums.clear.max(1.0)).collect();
+        if scales.iter().any(|scale| *scale < 1.0) {
+            scaled = sums(&|i| {
+                let (k, part) = place(i, scales.len() - 1);
+                scales[k] + (scales[k + 1] - scales[k]) * part
+            });
+        }
+        let node = |((t, sums), scale): ((&f64, &LobeSums), &f64)| {
+            let lack = (1.0 - sums.clear).max(0.0);
             let has = energies.at(t.abs()).absorbed;
             let whole: Vector3<f64> = has.iter().sum();
             let kept = [0, 1, 2, 3].map(|p| {
                 let has = has[p].mean();
-                if has > 0.0 {
-                    (scale * sums.absorbed[p].mean() / has).clamp(1e-3, 1e3)
-                } else {
-                    1.0
-                }
+                if has > 0.0 { (sums.absorbed[p].mean() / has).clamp(1e-3, 1e3) } else { 1.0 }
             });
-            let albedo = sums.absorbed.iter().sum::<Vector3<f64>>() * scale;
+            let albedo = sums.absorbed.iter().sum();
             let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
-            BalanceNode { lack, tinted, albedo, kept }
+            BalanceNode { scale: *scale, lack, tinted, albedo, kept }
         };
-        let nodes: Vec<BalanceNode> = at.iter().zip(&sums).map(node).collect();
+        let nodes: Vec<BalanceNode> = at.iter().zip(&scaled).zip(&scales).map(node).collect();
         let mut balance =
-            Self { scale, nodes, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
+            Self { nodes, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
         balance.close(&at);
         balance
     }
@@ -104,34 +110,32 @@ impl Balance {
         self.nodes.iter_mut().for_each(|n| n.albedo += n.tinted.component_mul(&tint));
     }
 
-    fn between(&self, sin: f64, cos: f64) -> (&[BalanceNode], f64) {
-        let (k, part) = cell(0.5 + 0.5 * sin / (1.0 + cos), self.nodes.len() - 1);
+    fn between(&self, i: &Inclination) -> (&[BalanceNode], f64) {
+        let (k, part) = place(i, self.nodes.len() - 1);
         (&self.nodes[k..k + 2], part)
     }
 
-    pub(crate) fn at(&self, i: &Inclination) -> Lack {
-        if self.total <= 0.0 {
-            return Lack::default();
-        }
-        let (n, part) = self.between(i.sin, i.cos);
+    pub(crate) fn at(&self, i: &Inclination) -> BalancePoint {
+        let (n, part) = self.between(i);
+        let scale = n[0].scale + (n[1].scale - n[0].scale) * part;
         let lack = n[0].lack + (n[1].lack - n[0].lack) * part;
-        Lack { lack, tinted: n[0].tinted + (n[1].tinted - n[0].tinted) * part }
+        BalancePoint { scale, lack, tinted: n[0].tinted + (n[1].tinted - n[0].tinted) * part }
     }
 
     /// What the whole fibre scatters of what it receives under an inclination.
     pub(crate) fn albedo(&self, i: &Inclination) -> Vector3<f64> {
-        let (n, part) = self.between(i.sin, i.cos);
+        let (n, part) = self.between(i);
         n[0].albedo + (n[1].albedo - n[0].albedo) * part
     }
 
     /// What each lobe scatters under an inclination, over what it has there.
     pub(crate) fn kept(&self, i: &Inclination) -> [f64; 4] {
-        let (n, part) = self.between(i.sin, i.cos);
+        let (n, part) = self.between(i);
         [0, 1, 2, 3].map(|p| n[0].kept[p] + (n[1].kept[p] - n[0].kept[p]) * part)
     }
 
     /// The last lobe, per sr.
-    pub(crate) fn lobe(&self, i: &Lack, r: &Lack) -> Vector3<f64> {
+    pub(crate) fn lobe(&self, i: &BalancePoint, r: &BalancePoint) -> Vector3<f64> {
         if self.total > 0.0 {
             i.tinted.component_mul(&r.tinted) * self.height
         } else {
@@ -140,7 +144,7 @@ impl Balance {
     }
 
     /// Density by which [`Self::draw`] draws, over `cos^2 theta d theta`.
-    pub(crate) fn density(&self, r: &Lack) -> f64 {
+    pub(crate) fn density(&self, r: &BalancePoint) -> f64 {
         if self.total > 0.0 { r.lack / self.total } else { 0.0 }
     }
 
@@ -158,6 +162,11 @@ impl Balance {
     }
 }
 
+/// The cell of the nodes where an inclination lies, and where in it.
+fn place(i: &Inclination, cells: usize) -> (usize, f64) {
+    cell(0.5 + 0.5 * i.sin / (1.0 + i.cos), cells)
+}
+
 /// What lobes scatter: all together without absorption, each with it.
 #[derive(Default)]
 struct LobeSums {
@@ -170,16 +179,18 @@ fn lobes_energy(
     energies: &EnergyTable,
     theta_i: f64,
     rule: &[[f64; 2]],
+    scale: &dyn Fn(&Inclination) -> f64,
 ) -> LobeSums {
     let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
     let i = Inclination::of(theta_i);
-    let mut sums = LobeSums::default();
+    let (mut sums, own) = (LobeSums::default(), scale(&i));
     for (p, lobe) in scatterer.lobes.iter().enumerate() {
         for [low, high] in lobe.support(theta_i) {
             for [x, weight] in rule {
                 let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
                 let energy = energies.at(half_tangent(cos2_half_difference(&i, &r)));
-                let measure = 0.5 * weight * (high - low) * r.cos * r.cos * lobe.at(&i, &r);
+                let measure = 0.5 * weight * (high - low) * r.cos * r.cos;
+                let measure = measure * lobe.at(&i, &r) * own.min(scale(&r));
                 sums.clear += energy.clear[p] * measure;
                 sums.absorbed[p] += energy.absorbed[p] * measure;
             }

@@ -1,4 +1,4 @@
-use crate::balance::Lack;
+use crate::balance::BalancePoint;
 use crate::direction::inclination;
 use crate::longitudinal::Inclination;
 use nalgebra::Vector3;
@@ -40,8 +40,8 @@ pub struct Arrival {
     pub(crate) offset: f64,
     pub(crate) from: Vector3<f64>,
     pub(crate) inclination: Inclination,
-    /// What the balance of energy lacks there, where a model keeps one.
-    pub(crate) lack: Lack,
+    /// The balance of energy there, where a model keeps one.
+    pub(crate) balance: BalancePoint,
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
     pub(crate) chances: [f64; LOBES],
 }
@@ -49,8 +49,8 @@ pub struct Arrival {
 impl Arrival {
     /// An arrival of which nothing is prepared.
     pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
-        let (inclination, lack) = (inclination(from), Lack::default());
-        Self { offset, from: *from, inclination, lack, chances: [0.0; LOBES] }
+        let (inclination, balance) = (inclination(from), BalancePoint::default());
+        Self { offset, from: *from, inclination, balance, chances: [0.0; LOBES] }
     }
 }
 

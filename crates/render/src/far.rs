@@ -56,9 +56,10 @@ impl FarField {
         let at = half_tangent(cos2_half_difference(&i, &r));
         let normal = self.table.at(at, azimuth_change(&arrival.from, to));
         let later = self.table.energies.later(at) / TAU;
-        let [a, b, c, d] =
-            [0, 1, 2, 3].map(|p| self.balance.scale * self.scatterer.lobes[p].at(&i, &r));
-        let last = self.balance.lobe(&arrival.lack, &self.balance.at(&r));
+        let balance = self.balance.at(&r);
+        let scale = arrival.balance.scale.min(balance.scale);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|p| scale * self.scatterer.lobes[p].at(&i, &r));
+        let last = self.balance.lobe(&arrival.balance, &balance);
         [Vector3::repeat(a * normal.r), normal.tt * b, normal.trt * c, later * d, last]
     }
 
@@ -73,7 +74,7 @@ impl FarField {
         let even = |u: f64| PI * (2.0 * u - 1.0);
         if p == LOBES - 1 {
             let r = self.balance.draw(random);
-            let (a, b) = (&arrival.lack, self.balance.at(&r));
+            let (a, b) = (&arrival.balance, self.balance.at(&r));
             let accepted = a.tinted.dot(&b.tinted) >= random() * 3.0 * a.lack * b.lack;
             return accepted.then(|| (r, even(random())));
         }
@@ -84,7 +85,9 @@ impl FarField {
         let h = if random() < 0.5 { size } else { -size };
         let rays = self.scatterer.rays(self.scatterer.cone(cos2_half_difference(i, &r)), || 0.0, h);
         let [value, proposal] = self.scatterer.lobes[p].with_proposal(i, &r);
-        if rays.energy[p].mean() * value < random() * bounds[stratum] * proposal {
+        let scale = self.balance.at(&r).scale.min(arrival.balance.scale);
+        let limit = bounds[stratum] * proposal * arrival.balance.scale;
+        if rays.energy[p].mean() * value * scale < random() * limit {
             return None;
         }
         let spread = |of: &f64, u: f64| wrapped(of + self.scatterer.azimuthal.quantile(u));
@@ -97,11 +100,11 @@ impl FiberBsdf for FarField {
     fn arrive(&self, _offset: f64, from: &Vector3<f64>) -> Arrival {
         let mut arrival = Arrival::new(0.0, from);
         let i = arrival.inclination;
+        arrival.balance = self.balance.at(&i);
         let bounds = self.bounds.at(i.cos * i.cos);
         let [a, b, c, d] =
-            bounds.map(|of| of.iter().sum::<f64>() * self.balance.scale / STRATA as f64);
-        arrival.lack = self.balance.at(&i);
-        arrival.chances = [a, b, c, d, arrival.lack.lack];
+            bounds.map(|of| of.iter().sum::<f64>() * arrival.balance.scale / STRATA as f64);
+        arrival.chances = [a, b, c, d, arrival.balance.lack];
         arrival
     }
 

@@ -157,17 +157,18 @@ impl SymmetricLobe {
         }
     }
 
-    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20
-    /// of its peak, cut where it has a kink.
-    pub(crate) fn support(&self, theta_i: f64) -> [[f64; 2]; 2] {
+    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20 of
+    /// its peak, cut where it has a kink, at `theta_i`, and at `-theta_i`.
+    pub(crate) fn support(&self, theta_i: f64) -> [[f64; 2]; 3] {
         let peak = self.shift_angle - theta_i;
         let clip = |theta: f64| theta.clamp(-0.5 * PI, 0.5 * PI);
         // What falls over a pole comes down beside it.
         let beyond = (peak.abs() - 0.5 * PI).max(0.0);
         let half = 10.0 * self.concentration.recip().sqrt() + beyond;
         let (low, high) = (clip(clip(peak) - half), clip(clip(peak) + half));
-        let kink = theta_i.clamp(low, high);
-        [[low, kink], [kink, high]]
+        let cut = |theta: f64| theta.clamp(low, high);
+        let (a, b) = (cut(-theta_i.abs()), cut(theta_i.abs()));
+        [[low, a], [a, b], [b, high]]
     }
 
     /// An inclination drawn before the rule of Metropolis: Wood's method for the angle psi to the

@@ -1,4 +1,4 @@
-use crate::balance::{Balance, Lack};
+use crate::balance::{Balance, BalancePoint};
 use crate::circle::wrapped;
 use crate::direction::{azimuth, azimuth_change, inclination, turned};
 use crate::draw::choose;
@@ -45,7 +45,7 @@ struct ScatteringPair {
     /// Lobes before the rule of Metropolis.
     proposals: [f64; 4],
     rays: Rays,
-    lack: [Lack; 2],
+    balance: [BalancePoint; 2],
 }
 
 impl NearField {
@@ -71,14 +71,16 @@ impl NearField {
 
     fn pair(&self, arrival: &Arrival, r: &Inclination) -> ScatteringPair {
         let i = &arrival.inclination;
+        let balance = [arrival.balance, self.balance.at(r)];
+        let scale = balance[0].scale.min(balance[1].scale);
         let (mut lobes, mut proposals) = ([0.0; 4], [0.0; 4]);
         for (p, lobe) in self.scatterer.lobes.iter().enumerate() {
             let [value, proposal] = lobe.with_proposal(i, r);
-            (lobes[p], proposals[p]) = (self.balance.scale * value, proposal);
+            (lobes[p], proposals[p]) = (scale * value, proposal);
         }
         let cone = self.scatterer.cone(cos2_half_difference(i, r));
         let rays = self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset);
-        ScatteringPair { lobes, proposals, rays, lack: [arrival.lack, self.balance.at(r)] }
+        ScatteringPair { lobes, proposals, rays, balance }
     }
 
     /// The parts of `f`, where the change of azimuth is `change`.
@@ -91,19 +93,19 @@ impl NearField {
                 *part = pair.rays.energy[p] * (pair.lobes[p] * spread);
             }
         }
-        parts[4] = self.balance.lobe(&pair.lack[0], &pair.lack[1]);
+        parts[4] = self.balance.lobe(&pair.balance[0], &pair.balance[1]);
         parts
     }
 
     /// Density of the inclination `r` among samples, over `cos^2 theta d theta`.
     fn density(&self, arrival: &Arrival, pair: &ScatteringPair) -> f64 {
         let lobes = arrival.chances.iter().zip(&pair.proposals).map(|(c, q)| c * q);
-        lobes.sum::<f64>() + arrival.chances[4] * self.balance.density(&pair.lack[1])
+        lobes.sum::<f64>() + arrival.chances[4] * self.balance.density(&pair.balance[1])
     }
 
     /// Chances of the lobes once both inclinations are known, not yet of sum 1.
     fn shares(&self, pair: &ScatteringPair) -> [f64; LOBES] {
-        let last = self.balance.lobe(&pair.lack[0], &pair.lack[1]).mean() * TAU;
+        let last = self.balance.lobe(&pair.balance[0], &pair.balance[1]).mean() * TAU;
         let [a, b, c, d] = [0, 1, 2, 3].map(|p| pair.lobes[p] * pair.rays.energy[p].mean());
         [a, b, c, d, last]
     }
@@ -134,8 +136,8 @@ impl FiberBsdf for NearField {
         let rays = self.scatterer.rays(cone, || azimuth(from), arrival.offset);
         let kept = self.balance.kept(&i);
         let [a, b, c, d] = [0, 1, 2, 3].map(|p| rays.energy[p].mean() * kept[p]);
-        arrival.lack = self.balance.at(&i);
-        let last = arrival.lack.tinted.dot(&self.balance.tint) / 3.0;
+        arrival.balance = self.balance.at(&i);
+        let last = arrival.balance.tinted.dot(&self.balance.tint) / 3.0;
         let chances = [a, b, c, d, last];
         let sum: f64 = chances.iter().sum();
         arrival.chances = chances.map(|chance| if sum > 0.0 { chance / sum } else { 0.0 });

@@ -121,3 +121,19 @@ fn lobes_have_the_energies_of_the_smooth_fibre() {
         }
     }
 }
+
+/// Lobes of very different widths: R narrow and TT wide scatter up to 1.4 of the light if nobody
+/// balances them, the other way round 0.6.
+#[test]
+fn lobes_of_different_widths_are_balanced() {
+    for variance in [[0.01, 0.3, 0.1, 0.1], [0.3, 0.01, 0.1, 0.1], [0.02, 0.02, 2.0, 0.02]] {
+        let optics = FiberOptics { variance, ..hair(0.0, 0.3, 0.4, 2.0) };
+        let far = FarField::new(optics).expect("a fibre");
+        for theta in [-85.0, -50.0, 0.0, 70.0, 85.0_f64] {
+            let arrival = far.arrive(0.0, &direction(theta.to_radians(), 0.4));
+            let [scattered, _] = integrals(&far, &arrival, 1000, 100);
+            assert!((scattered - 1.0).abs() < 1e-3, "{variance:?} {theta}: {scattered}");
+        }
+        chi_squared(&far, &far.arrive(0.0, &direction(1.1, 0.7)));
+    }
+}
