@@ -11,8 +11,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 ///
 /// A lobe attenuated at `theta_d` gives `integral K_p a_p(theta_d) cos^2 theta_r d theta_r`.
 /// Without absorption the sum over the lobes is 1 if they have one width and no tilt, since the
-/// `a_p` add to 1 at every `theta_d`; else it is `E(theta_i)`: below 1 where tilt loses energy, above
-/// where R is narrower than TT. So all lobes are scaled by the smaller of `s(theta_i)` and
+/// `a_p` add to 1 at every `theta_d`; else it is `E(theta_i)`: below 1 where tilt loses energy,
+/// above where R is narrower than TT. So all lobes are scaled by the smaller of `s(theta_i)` and
 /// `s(theta_r)`, where `s = min(1, 1 / E)`, which is symmetric, and what is then missing,
 /// `rho(theta_i)`, at least 0, is given to one more lobe, `rho(theta_i) rho(theta_r) / (2 pi
 /// integral rho)`: it is symmetric too, and the sum is 1 for every `theta_i`. Light takes the color

@@ -157,8 +157,8 @@ impl SymmetricLobe {
         }
     }
 
-    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20 of
-    /// its peak, cut where it has a kink, at `theta_i`, and at `-theta_i`.
+    /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20
+    /// of its peak, cut where it has a kink, at `theta_i`, and at `-theta_i`.
     pub(crate) fn support(&self, theta_i: f64) -> [[f64; 2]; 3] {
         let peak = self.shift_angle - theta_i;
         let clip = |theta: f64| theta.clamp(-0.5 * PI, 0.5 * PI);

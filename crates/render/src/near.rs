@@ -30,7 +30,7 @@ use std::f64::consts::{PI, TAU};
 /// light, 0.89 to 1.15 at 60 degrees and up to 1.4 at the very edge at 85. For an ellipse, the
 /// balance of energy is that of the mean over its azimuths.
 ///
-/// Building costs some 50 ms (an ellipse 0.4 s), an evaluation half a microsecond (an ellipse one),
+/// Building costs some 60 ms (an ellipse 0.4 s), an evaluation half a microsecond (an ellipse one),
 /// without allocation.
 #[derive(Debug, Clone)]
 pub struct NearField {

@@ -137,3 +137,18 @@ fn lobes_of_different_widths_are_balanced() {
         chi_squared(&far, &far.arrive(0.0, &direction(1.1, 0.7)));
     }
 }
+
+/// Scales at 3 degrees, light from the side of the root at 30: R has its peak at 24 degrees, where
+/// the thesis has it measured, TT and TRT where their shifts say.
+#[test]
+fn scales_move_the_peaks_of_lobes() {
+    let optics = FiberOptics { variance: [1e-4; 4], ..hair(0.0, 0.3, 0.5, 3.0) };
+    let far = FarField::new(optics).expect("a fibre");
+    let arrival = far.arrive(0.0, &direction(-30.0_f64.to_radians(), 0.0));
+    for (p, phi, peak) in [(0, 0.5, 24.0), (1, 2.9, 33.308), (2, 0.5, 42.717)] {
+        let at = |degrees: f64| far.lobes(&arrival, &direction(degrees.to_radians(), phi))[p].x;
+        let highest = midpoints(15.0, 55.0, 4000).max_by(|a, b| at(*a).total_cmp(&at(*b)));
+        // The cosine and the normal scattering move the peak by their slope times the variance.
+        assert!((highest.expect("a peak") - peak).abs() < 0.05, "{p}: {highest:?}");
+    }
+}

@@ -2,7 +2,7 @@ use crate::common::{chi_squared, direction, hair, integrals, midpoints, random};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use rapunzel_fiber::Section;
-use rapunzel_render::{FarField, FiberBsdf, FiberOptics, NearField};
+use rapunzel_render::{EllipsePaths, FarField, FiberBsdf, FiberOptics, NearField};
 use std::f64::consts::FRAC_PI_2;
 
 const CIRCLE: Section = Section::Circle { radius: 35e-6 };
@@ -30,8 +30,8 @@ proptest! {
                 mean += value * (gamma.cos() * FRAC_PI_2 / f64::from(count));
             }
             // Bilinear interpolation: an eighth of the square of the distance of nodes over the
-            // width, 0.15 % in azimuth and, with what caustics move, 0.3 % in theta_d; of the value,
-            // or where that is a thousandth of an even fibre's, 1 / pi^2, of that.
+            // width, 0.15 % in azimuth and, with what caustics move, 0.3 % in theta_d; of the
+            // value, or where that is a thousandth of an even fibre's, 1 / pi^2, of that.
             prop_assert!((far - mean).norm() < 5e-3 * far.norm().max(1e-4), "{far} {mean}");
         }
     }
@@ -167,4 +167,28 @@ fn nothing_is_allocated_at_a_hit() {
         }
     });
     assert_eq!(info.count_total, 0);
+}
+
+/// An elliptical fibre spreads its lobes around the rays of its own ellipse, which lies along d1
+/// and d2.
+#[test]
+fn an_elliptical_fibre_scatters_to_where_its_rays_go() {
+    let optics = FiberOptics { azimuthal_scale: 0.01, ..hair(0.1, 0.3, 0.3, 0.0) };
+    let near = NearField::new(optics, &ELLIPSE).expect("a fibre");
+    let paths = EllipsePaths::new(1.55, 0.4, &ELLIPSE).expect("paths");
+    for (phi, h) in [(0.2, 0.5), (1.4, -0.3), (-2.2, 0.7)] {
+        let arrival = near.arrive(h, &direction(0.4, phi));
+        let ray = paths.trace(phi, h);
+        for p in (0..3).filter(|p| ray.share[*p] > 0.0) {
+            let at = |off: f64| {
+                let phi = phi + ray.azimuth[p] + off;
+                near.lobes(&arrival, &direction(-0.4, phi))[p].x
+            };
+            // The logistic distribution falls to 4 e / (1 + e)^2 of its peak in one width.
+            let fall = 4.0 * 1.0_f64.exp() / (1.0 + 1.0_f64.exp()).powi(2);
+            for off in [-0.01, 0.01] {
+                assert!((at(off) / at(0.0) - fall).abs() < 1e-9, "{phi} {h} {p}");
+            }
+        }
+    }
 }
