@@ -1,4 +1,4 @@
-use crate::quadrature::{cell, gauss_legendre, nodes};
+use crate::quadrature::{cell, count, gauss_legendre, nodes};
 use crate::scatterer::{FiberOutline, Scatterer};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// linear between nodes in `tan(|theta| / 2)`, with the absorption and without it.
 #[derive(Debug, Clone)]
 pub(crate) struct EnergyTable {
+    pub(crate) half_tangents: Vec<f64>,
     pub(crate) nodes: Vec<LobeEnergies>,
 }
 
@@ -19,12 +20,18 @@ pub(crate) struct LobeEnergies {
 }
 
 impl EnergyTable {
-    /// The table with `cells` cells.
-    pub(crate) fn new(scatterer: &Scatterer, cells: u32) -> Self {
+    /// The table of a fibre: for a circle with the nodes that the azimuths of the far field need,
+    /// so that both fields keep the same balance.
+    pub(crate) fn new(scatterer: &Scatterer) -> Self {
+        let cells = match scatterer.outline {
+            // A caustic moves up to three times as fast as theta_d; near grazing the grid is finer.
+            FiberOutline::Circle => count(20.0 / scatterer.optics.azimuthal_scale, 128.0, 1024.0),
+            FiberOutline::Ellipse(_) => 256,
+        };
         let samples = samples(&scatterer.outline);
         let at: Vec<f64> = nodes(cells).collect();
         let of = |t: &f64| mean(scatterer, *t, &samples);
-        Self { nodes: at.par_iter().map(of).collect() }
+        Self { nodes: at.par_iter().map(of).collect(), half_tangents: at }
     }
 
     /// What leaves in later orders at `tan(|theta| / 2)`.

@@ -1,6 +1,6 @@
 use crate::circle::CirclePaths;
 use crate::energy::EnergyTable;
-use crate::quadrature::{cell, gauss_legendre, nodes};
+use crate::quadrature::{cell, count, gauss_legendre};
 use crate::scatterer::Scatterer;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -31,23 +31,15 @@ impl FarTable {
     /// to 83 MB at 0.02 rad; below, it is coarser than is said above.
     pub(crate) fn new(scatterer: &Scatterer) -> Self {
         let scale = scatterer.optics.azimuthal_scale;
-        let count = |part: f64, least: f64, most: f64| {
-            #[expect(clippy::cast_possible_truncation, reason = "in range")]
-            let count = (part / scale).ceil().clamp(least, most) as u32;
-            count
-        };
-        // A caustic moves up to three times as fast as theta_d; near grazing the grid is finer.
-        let inclinations = count(20.0, 128.0, 1024.0);
-        let azimuths = count(9.0 * PI, 64.0, 1440.0);
-        let energies = EnergyTable::new(scatterer, inclinations);
-        let rule = gauss_legendre(32 + count(2.5 * PI, 0.0, 400.0));
-        let at: Vec<f64> = nodes(inclinations).collect();
+        let azimuths = count(9.0 * PI / scale, 64.0, 1440.0);
+        let energies = EnergyTable::new(scatterer);
+        let rule = gauss_legendre(32 + count(2.5 * PI / scale, 0.0, 400.0));
         let row = |(k, t): (usize, &f64)| {
             let mut row = row(scatterer, *t, azimuths, &rule);
             normalize(&mut row, &energies.nodes[k].absorbed);
             row
         };
-        let nodes = at.par_iter().enumerate().flat_map_iter(row).collect();
+        let nodes = energies.half_tangents.par_iter().enumerate().flat_map_iter(row).collect();
         Self { energies, azimuths: azimuths as usize, nodes }
     }
 

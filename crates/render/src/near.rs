@@ -56,9 +56,8 @@ impl NearField {
     /// [`RenderError`] if a value is outside its range, or if polarisation is to be tracked in an
     /// ellipse.
     pub fn new(optics: FiberOptics, section: &Section) -> Result<Self, RenderError> {
-        const ENERGY_CELLS: u32 = 256;
         let scatterer = Scatterer::new(optics, FiberOutline::of(section)?)?;
-        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer, ENERGY_CELLS));
+        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer));
         Ok(Self { scatterer, balance })
     }
 

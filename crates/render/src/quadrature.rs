@@ -31,6 +31,13 @@ pub(crate) fn cell(x: f64, cells: usize) -> (usize, f64) {
     (below, part)
 }
 
+/// A number of cells, at least `wanted`, but in `[least, most]`.
+pub(crate) fn count(wanted: f64, least: f64, most: f64) -> u32 {
+    #[expect(clippy::cast_possible_truncation, reason = "most is far less than 2^32")]
+    let count = wanted.ceil().clamp(least, most) as u32;
+    count
+}
+
 /// The places of the nodes of such a grid.
 pub(crate) fn nodes(cells: u32) -> impl ExactSizeIterator<Item = f64> + Clone {
     (0..cells + 1).map(move |k| f64::from(k) / f64::from(cells))
