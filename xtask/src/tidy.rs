@@ -20,7 +20,7 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("keratin", &["fiber", "rod-static", "rod-dynamic", "repro"]),
     ("rod-static", &["fiber", "oracles", "repro"]),
     ("rod-dynamic", &["fiber", "lanes", "linalg", "rod-static", "oracles"]),
-    ("render", &["fiber"]),
+    ("render", &["fiber", "oracles"]),
     ("collision", &["fiber", "lanes", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "lanes", "collision"]),
