@@ -1,11 +1,14 @@
-//! The growth region of a half sphere with about as many triangles as a scanned scalp.
+//! The growth region of a half sphere with about as many triangles as a scanned scalp, and the
+//! distance field of a head.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Point3;
-use rapunzel_collision::field::{Soup, shapes};
+use rapunzel_collision::field::{Mesh, Soup, shapes};
 use rapunzel_hairgen::growth::{
     ConvexWeights, DiscMap, GrowthOptions, GrowthRegion, HeadAxes, ScalpMesh,
 };
+use rapunzel_hairgen::head::{HeadMeasures, ParametricHead};
+use rapunzel_hairgen::{FieldResolution, SurfaceField};
 use std::hint::black_box;
 
 /// 10,404 triangles.
@@ -33,5 +36,17 @@ fn growth(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, growth);
+/// The distance of our own head, 1 mm near it and 8 mm far from it, on all threads.
+fn fields(c: &mut Criterion) {
+    let head = ParametricHead::new(HeadMeasures::default(), Default::default()).expect("a head");
+    let mesh = Mesh::new(head.mesh()).expect("closed");
+    let mut group = c.benchmark_group("field");
+    group.sample_size(10);
+    group.bench_function("the head at 1 mm", |b| {
+        b.iter(|| SurfaceField::solid("the head", black_box(&mesh), FieldResolution::default()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, growth, fields);
 criterion_main!(benches);

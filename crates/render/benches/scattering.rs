@@ -1,5 +1,10 @@
 //! What it costs to scatter light at one hit.
 
+#[allow(dead_code, reason = "it takes what it needs")]
+#[path = "../tests/it/common.rs"]
+mod common;
+
+use common::{direction, random};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
@@ -7,29 +12,16 @@ use rapunzel_render::{Arrival, FarField, FiberBsdf, FiberOptics, NearField, Pigm
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
-/// Even numbers in `[0, 1)` (`SplitMix64`).
-fn random() -> impl FnMut() -> f64 {
-    let mut state = 1_u64;
-    move || {
-        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// A direction that a path through hair might take.
-fn direction(random: &mut impl FnMut() -> f64) -> Vector3<f64> {
-    let (theta, phi) = (2.4 * (random() - 0.5), TAU * random());
-    Vector3::new(theta.cos() * phi.cos(), theta.cos() * phi.sin(), theta.sin())
+fn any_direction(random: &mut impl FnMut() -> f64) -> Vector3<f64> {
+    direction(2.4 * (random() - 0.5), TAU * random())
 }
 
 /// Every part of a hit, with directions that change, so that no branch is foreseen.
 fn hits(c: &mut Criterion, name: &str, bsdf: &impl FiberBsdf) {
     let mut group = c.benchmark_group("scattering");
-    let mut numbers = random();
-    let directions: Vec<_> = (0..1024).map(|_| direction(&mut numbers)).collect();
+    let mut numbers = random(1);
+    let directions: Vec<_> = (0..1024).map(|_| any_direction(&mut numbers)).collect();
     let arrivals: Vec<Arrival> =
         directions.iter().map(|from| bsdf.arrive(2.0 * numbers() - 1.0, from)).collect();
     let mut at = 0;

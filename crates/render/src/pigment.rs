@@ -9,8 +9,9 @@ pub const EUMELANIN: Vector3<f64> = Vector3::new(0.419, 0.697, 1.37);
 /// Absorption of pheomelanin (red, yellow), in the units of [`EUMELANIN`].
 pub const PHEOMELANIN: Vector3<f64> = Vector3::new(0.187, 0.4, 1.05);
 
-/// What colors a fibre. The thesis gives no absorption to its hair colors (6.4.1), so
-/// concentrations of named colors are the ones in use with these spectra.
+/// What colors a fibre. The thesis gives no absorption to its hair colors (6.4.1). That 1.3 of
+/// eumelanin is brown is the default of the renderer pbrt; the concentrations of the other named
+/// colors are our choice, not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pigments {
     /// Concentration of eumelanin, at least 0: 8 is black, 1.3 brown, 0.3 blond.

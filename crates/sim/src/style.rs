@@ -88,14 +88,14 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
     let write = |name: &str, with: &dyn Fn(&mut BufWriter<File>) -> Result<(), ExportError>| {
         write_atomically(&folder.join(name), |to| with(to).map_err(io::Error::other))
     };
-    let tables = || {
+    let plain_files = || {
         write(HAIRS[0], &|to| vtp::write(to, &frame))?;
         write(HAIRS[2], &|to| hair::write(to, &frame))?;
         write(HAIRS[3], &|to| data::write(to, &frame))?;
         write(HAIRS[4], &|to| obj::write(to, &frame))?;
         write(HAIRS[5], &|to| ply::write(to, &frame, ply::PlyEncoding::Binary))
     };
-    let pictures = || {
+    let scene_files = || {
         write(HAIRS[1], &|to| stage(to, curves()))?;
         let head = placed(style, |p| p);
         write(HEAD, &|to| surface::write(to, 0.0, std::slice::from_ref(&head)))?;
@@ -110,8 +110,8 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
             preview::write(to, &[frame], &[vec![head.clone()]], &[])
         })
     };
-    let (tables, pictures) = rayon::join(tables, pictures);
-    tables.and(pictures)
+    let (plain, scene) = rayon::join(plain_files, scene_files);
+    plain.and(scene)
 }
 
 /// From y up to z up.
