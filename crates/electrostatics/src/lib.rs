@@ -9,7 +9,6 @@ mod harmonics;
 mod head;
 mod method;
 mod multipole;
-mod quadrature;
 mod segments;
 pub mod units;
 mod vectors;

@@ -7,6 +7,7 @@ mod fiber;
 pub mod generate;
 mod law;
 mod layout;
+pub mod quadrature;
 pub mod quaternion;
 pub mod se3;
 mod section;

@@ -1,9 +1,10 @@
 use crate::draw::{MOST_TRIES, semicircle};
 use crate::energy::EnergyTable;
+use crate::grid::{cell, nodes};
 use crate::longitudinal::Inclination;
-use crate::quadrature::{cell, gauss_legendre, nodes};
 use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
 use nalgebra::Vector3;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,6 +1,7 @@
-use crate::quadrature::{cell, count, gauss_legendre, nodes};
+use crate::grid::{cell, count, nodes};
 use crate::scatterer::{FiberOutline, Scatterer};
 use nalgebra::Vector3;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,8 +1,9 @@
 use crate::circle::CirclePaths;
 use crate::energy::EnergyTable;
-use crate::quadrature::{cell, count, gauss_legendre};
+use crate::grid::{cell, count};
 use crate::scatterer::Scatterer;
 use nalgebra::Vector3;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -33,7 +34,7 @@ impl FarTable {
         let scale = scatterer.optics.azimuthal_scale;
         let azimuths = count(9.0 * PI / scale, 64.0, 1440.0);
         let energies = EnergyTable::new(scatterer);
-        let rule = gauss_legendre(32 + count(2.5 * PI / scale, 0.0, 400.0));
+        let rule = gauss_legendre(32 + count(2.5 * PI / scale, 0.0, 400.0) as usize);
         let row = |(k, t): (usize, &f64)| {
             let mut row = row(scatterer, *t, azimuths, &rule);
             normalize(&mut row, &energies.nodes[k].absorbed);

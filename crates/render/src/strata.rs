@@ -1,5 +1,5 @@
 use crate::circle::CirclePaths;
-use crate::quadrature::{cell, nodes};
+use crate::grid::{cell, nodes};
 use crate::scatterer::{Scatterer, half_tangent};
 use crate::{FresnelReflectance, Polarization};
 

@@ -3,7 +3,7 @@
 use super::MAX_ORDER;
 use super::kernels::regular_at;
 use super::tables::{HarmonicTables, count, factorials, index};
-use crate::quadrature::gauss_legendre;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rapunzel_lanes::{Real, Ways};
 use std::f64::consts::PI;
 use std::ops::Range;

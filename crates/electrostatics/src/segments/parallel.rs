@@ -8,9 +8,9 @@
 //! error of [`RATE`] to the power -2m, however close the lines are.
 
 use super::skew::{ChargedLine, LineMeans, ROUNDINGS};
-use crate::quadrature::gauss_legendre;
 use crate::vectors::{LaneVector, along, dot, minus, scaled};
 use pulp::Simd;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rapunzel_lanes::{Lane, Roots, ln};
 
 /// Most growth of z in a panel.

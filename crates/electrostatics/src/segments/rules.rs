@@ -5,7 +5,7 @@
 //! lengths, the rule of m points errs by `r^(-2m)` (Trefethen, Approximation theory and
 //! approximation practice, theorem 19.3). So each rule is right from a place of the other on.
 
-use crate::quadrature::gauss_legendre;
+use rapunzel_fiber::quadrature::gauss_legendre;
 use rapunzel_lanes::Real;
 
 /// Sum of half axes over half the length from which the rule of the fewest points is used.

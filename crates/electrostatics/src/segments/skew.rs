@@ -133,8 +133,8 @@ pub(super) fn skew<S: Simd, R: Roots<S>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quadrature::gauss_legendre;
     use nalgebra::Vector3;
+    use rapunzel_fiber::quadrature::gauss_legendre;
     use rapunzel_lanes::{Kernel, dispatch};
 
     type Ends = [Vector3<f64>; 2];

@@ -1,10 +1,12 @@
-//! Gauss-Legendre quadrature.
+//! Integrals by sums.
 
 use std::f64::consts::PI;
 
-/// The nodes and weights of the rule with `count` points on `[-1, 1]`, exact for polynomials up to
-/// degree `2 count - 1`. Newton's method on the Legendre polynomial; cost O(count^2).
-pub(crate) fn gauss_legendre(count: usize) -> Vec<[f64; 2]> {
+/// The nodes of Gauss and Legendre with their weights, `count` of them on `[-1, 1]`, rising: exact
+/// for polynomials up to the degree `2 count - 1`. Newton's method on the Legendre polynomial; cost
+/// O(count^2).
+#[must_use]
+pub fn gauss_legendre(count: usize) -> Vec<[f64; 2]> {
     let n = count as f64;
     let node = |i: usize| {
         let mut x = (PI * (i as f64 + 0.75) / (n + 0.5)).cos();
