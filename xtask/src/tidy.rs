@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 23] = [
+const ARROWS: [(&str, &[&str]); 24] = [
     ("fiber", &[]),
     ("lanes", &[]),
     ("linalg", &[]),
@@ -20,7 +20,8 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("keratin", &["fiber", "rod-static", "rod-dynamic", "repro"]),
     ("rod-static", &["fiber", "oracles", "repro"]),
     ("rod-dynamic", &["fiber", "lanes", "linalg", "rod-static", "oracles"]),
-    ("render", &["fiber", "oracles"]),
+    ("scattering", &["fiber", "oracles"]),
+    ("render", &["lanes", "scattering"]),
     ("collision", &["fiber", "lanes", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "lanes", "collision"]),

@@ -1,11 +1,11 @@
-use rapunzel_fiber::FiberError;
+use rapunzel_scattering::ScatteringError;
 use thiserror::Error;
 
-/// Why light on a fibre cannot be computed as asked.
-#[derive(Debug, Clone, PartialEq, Error)]
+/// Why a picture cannot be made as asked.
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// A parameter that no model can use.
+    /// A parameter that nothing can be drawn with.
     #[error("{what} is {value}, but it must be {must}")]
     Parameter {
         /// Name of the parameter, with its unit.
@@ -15,23 +15,7 @@ pub enum RenderError {
         /// Description of the values that are allowed.
         must: &'static str,
     },
-    /// Polarisation is to be tracked through an ellipse.
-    #[error(
-        "polarisation is tracked through circles only: inside an ellipse light can be reflected \
-         totally, which turns linear polarisation into elliptic; average it, or take a circle"
-    )]
-    TrackedEllipse,
-    /// A cross section that is none.
-    #[error("the cross section of the fibre: {0}")]
-    Section(#[from] FiberError),
-}
-
-/// Refuses `value` unless it is `allowed`, which is false for NaN.
-pub(crate) fn check(
-    what: &'static str,
-    value: f64,
-    must: &'static str,
-    allowed: bool,
-) -> Result<(), RenderError> {
-    if allowed { Ok(()) } else { Err(RenderError::Parameter { what, value, must }) }
+    /// How a fibre scatters light.
+    #[error("the scattering of the fibres: {0}")]
+    Scattering(#[from] ScatteringError),
 }

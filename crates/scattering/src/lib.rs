@@ -1,0 +1,47 @@
+#![doc = include_str!("../README.md")]
+
+mod attenuation;
+mod balance;
+mod bessel;
+mod bsdf;
+mod chiang;
+mod circle;
+mod cuticle;
+mod direction;
+mod draw;
+mod ellipse;
+mod energy;
+mod error;
+mod far;
+mod far_table;
+mod grid;
+mod kajiya_kay;
+mod longitudinal;
+mod marschner;
+mod near;
+mod normal;
+mod optics;
+mod pigment;
+mod refraction;
+mod roughness;
+mod scatterer;
+mod strata;
+pub mod thesis_raw;
+
+pub use attenuation::{OrderShares, Polarization};
+pub use bsdf::{Arrival, FiberBsdf, LOBES, ScatteredRay, Scattering};
+pub use chiang::ChiangField;
+pub use circle::{AzimuthRoot, Caustic, CirclePaths};
+pub use cuticle::CuticleTilt;
+pub use ellipse::{EllipsePaths, TracedRay, equivalent_index};
+pub use error::ScatteringError;
+pub use far::FarField;
+pub use kajiya_kay::KajiyaKay;
+pub use longitudinal::{SymmetricLobe, deon, gaussian};
+pub use marschner::MarschnerField;
+pub use near::NearField;
+pub use normal::normal_scattering;
+pub use optics::FiberOptics;
+pub use pigment::{EUMELANIN, PHEOMELANIN, Pigments, absorption_of_color};
+pub use refraction::{BravaisIndices, FresnelReflectance};
+pub use roughness::{azimuthal_scale, longitudinal_variance};

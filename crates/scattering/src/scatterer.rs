@@ -1,0 +1,111 @@
+use crate::circle::CirclePaths;
+use crate::ellipse::EllipseOutline;
+use crate::longitudinal::{Inclination, SymmetricLobe};
+use crate::refraction::Cone;
+use crate::roughness::Logistic;
+use crate::{FiberOptics, OrderShares, Polarization, ScatteringError};
+use nalgebra::Vector3;
+use rapunzel_fiber::Section;
+
+/// The outline of a fibre, of the area of the unit circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum FiberOutline {
+    Circle,
+    Ellipse(EllipseOutline),
+}
+
+impl FiberOutline {
+    pub(crate) fn of(section: &Section) -> Result<Self, ScatteringError> {
+        section.validate()?;
+        match section {
+            Section::Circle { .. } => Ok(Self::Circle),
+            Section::Ellipse { .. } => EllipseOutline::of(section).map(Self::Ellipse),
+        }
+    }
+}
+
+/// What becomes of a ray at one offset.
+pub(crate) struct Rays {
+    /// Changes of azimuth of R, TT and TRT, rad.
+    pub(crate) azimuth: [f64; 3],
+    /// What leaves of R, TT, TRT and later orders, for red, green and blue.
+    pub(crate) energy: [Vector3<f64>; 4],
+}
+
+/// A fibre, prepared: its lobes without what keeps their balance.
+#[derive(Debug, Clone)]
+pub(crate) struct Scatterer {
+    pub(crate) optics: FiberOptics,
+    pub(crate) outline: FiberOutline,
+    pub(crate) lobes: [SymmetricLobe; 4],
+    pub(crate) azimuthal: Logistic,
+}
+
+impl Scatterer {
+    pub(crate) fn new(optics: FiberOptics, outline: FiberOutline) -> Result<Self, ScatteringError> {
+        optics.validate()?;
+        if outline != FiberOutline::Circle && optics.polarization == Polarization::Tracked {
+            return Err(ScatteringError::TrackedEllipse);
+        }
+        let ([r, tt, trt], v) = (optics.tilt.shift, optics.variance);
+        let lobe = SymmetricLobe::new;
+        let lobes = [lobe(v[0], r)?, lobe(v[1], tt)?, lobe(v[2], trt)?, lobe(v[3], 0.0)?];
+        let azimuthal = Logistic::new(optics.azimuthal_scale);
+        Ok(Self { optics, outline, lobes, azimuthal })
+    }
+
+    /// The cone of the inclination whose squared cosine is `cos2`.
+    pub(crate) fn cone(&self, cos2: f64) -> Cone {
+        Cone::new(self.optics.refractive_index, cos2)
+    }
+
+    /// The rays at the offset `h` to light from the azimuth `phi`, rad, on the cone.
+    pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: f64) -> Rays {
+        let sigma = &self.optics.absorption;
+        match &self.outline {
+            FiberOutline::Circle => {
+                let paths = CirclePaths::of(cone);
+                let shares = OrderShares::new(&paths, h, self.optics.polarization);
+                let energy = shares.absorbed(&transmitted(sigma, paths.segment(h)));
+                Rays { azimuth: paths.azimuths(h), energy }
+            }
+            FiberOutline::Ellipse(ellipse) => {
+                let ray = ellipse.trace(&cone, phi(), h);
+                Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
+            }
+        }
+    }
+
+    /// What leaves in each order, with the absorption and without it.
+    pub(crate) fn energies(&self, cone: Cone, phi: f64, h: f64) -> [[Vector3<f64>; 4]; 2] {
+        match &self.outline {
+            FiberOutline::Circle => {
+                let paths = CirclePaths::of(cone);
+                let shares = OrderShares::new(&paths, h, self.optics.polarization);
+                let t = transmitted(&self.optics.absorption, paths.segment(h));
+                [shares.absorbed(&t), shares.absorbed(&Vector3::repeat(1.0))]
+            }
+            FiberOutline::Ellipse(ellipse) => {
+                let ray = ellipse.trace(&cone, phi, h);
+                [ray.absorbed(&self.optics.absorption), ray.absorbed(&Vector3::zeros())]
+            }
+        }
+    }
+}
+
+/// What a path of the length `l` radii transmits (thesis (6.9)).
+fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
+    if *sigma == Vector3::zeros() { Vector3::repeat(1.0) } else { sigma.map(|s| (-s * l).exp()) }
+}
+
+/// Squared cosine of `theta_d = (theta_r - theta_i) / 2`, the inclination at which a lobe between
+/// both is attenuated: symmetric, as reciprocity needs (thesis (6.3)).
+pub(crate) fn cos2_half_difference(i: &Inclination, r: &Inclination) -> f64 {
+    (0.5 * (1.0 + i.cos * r.cos + i.sin * r.sin)).clamp(0.0, 1.0)
+}
+
+/// `tan(|theta| / 2)`, in `[0, 1]`: an index of tables over inclinations that is nearly even in
+/// the angle and costs no trigonometric function.
+pub(crate) fn half_tangent(cos2: f64) -> f64 {
+    (1.0 - cos2).max(0.0).sqrt() / (1.0 + cos2.sqrt())
+}
