@@ -1,0 +1,225 @@
+use super::tube::{Tube, enter};
+use super::{CurveHit, Curves};
+use crate::Ray;
+use crate::tree::{Bounds, Leaf, Leaves, NONE, SignBits, TreeRay, WIDTH, single};
+use nalgebra::Vector3;
+use pulp::Simd;
+use rapunzel_lanes::Lane;
+
+/// Most parts of a piece, as a power of two.
+const FINEST: u32 = 3;
+/// Chords are cut until the curve is no farther from them than this many radii.
+const SAGITTA: f64 = 4.0;
+
+/// A part of a piece: piece, place, and number of parts, in one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Part(u32);
+
+impl Part {
+    /// Pieces that can be told apart.
+    pub(super) const PIECES: usize = 1 << 27;
+
+    /// All parts of the piece `piece`, a tube.
+    pub(super) fn all(piece: u32, tube: &Tube) -> impl Iterator<Item = Self> + use<> {
+        let fine = |level: &u32| tube.cubic.sagitta(1 << level) <= SAGITTA * tube.widest();
+        let level = (0..FINEST).find(fine).unwrap_or(FINEST);
+        (0..1 << level).map(move |part| Self(piece << 5 | part << 2 | level))
+    }
+
+    /// The piece as it is named.
+    fn first(self) -> u32 {
+        self.0 >> 5
+    }
+
+    pub(super) fn piece(self) -> usize {
+        self.first() as usize
+    }
+
+    /// Where it begins on its piece, and how long it is.
+    #[inline(always)]
+    fn range(self) -> [f64; 2] {
+        let length = 1.0 / f64::from(1_u32 << (self.0 & 3));
+        [f64::from(self.0 >> 2 & 7) * length, length]
+    }
+}
+
+/// The straight capsule around a part.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Capsule {
+    pub(super) part: Part,
+    /// Ends of the axis when the exposure begins, from the middle of the tree, m.
+    ends: [Vector3<f64>; 2],
+    /// Their ways, m.
+    ways: [Vector3<f64>; 2],
+    reach: f64,
+}
+
+impl Capsule {
+    /// The capsule that holds a part of a tube at all times between two, at which it is given, with
+    /// `spare`, m, for roundings.
+    pub(super) fn new(part: Part, tubes: &[Tube; 2], spare: f64) -> Self {
+        let [start, length] = part.range();
+        let [ends, then] =
+            [0, 1].map(|k: usize| [start, start + length].map(|t| tubes[k].cubic.at(t)));
+        let of = |tube: &Tube| tube.widest() + tube.cubic.sagitta(1 << (part.0 & 3));
+        let reach = of(&tubes[0]).max(of(&tubes[1])) + spare;
+        Self { part, ends, ways: [then[0] - ends[0], then[1] - ends[1]], reach }
+    }
+
+    /// The box around it at all times.
+    pub(super) fn bounds(&self) -> Bounds {
+        let [a, b] = &self.ends;
+        let [c, d] = [a + self.ways[0], b + self.ways[1]];
+        let reach = Vector3::repeat(self.reach);
+        let low = a.inf(b).inf(&c).inf(&d) - reach;
+        let high = a.sup(b).sup(&c).sup(&d) + reach;
+        Bounds::new(single(&low.into()), single(&high.into()))
+    }
+}
+
+/// Ways of the capsules of a block: of their first ends, and by how much those of the others differ.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct MovingEnds {
+    start: [[f32; WIDTH]; 3],
+    axis: [[f32; WIDTH]; 3],
+}
+
+impl MovingEnds {
+    /// The ways in a leaf.
+    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
+        let mut ways = Self { start: [[0.0; WIDTH]; 3], axis: [[0.0; WIDTH]; 3] };
+        for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
+            let [a, b] = capsule(index).ways;
+            let (start, axis): ([f32; 3], [f32; 3]) = (single(&a.into()), single(&(b - a).into()));
+            for d in 0..3 {
+                ways.start[d][lane] = start[d];
+                ways.axis[d][lane] = axis[d];
+            }
+        }
+        ways
+    }
+}
+
+/// Eight capsules side by side.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct CapsuleBlock {
+    start: [[f32; WIDTH]; 3],
+    axis: [[f32; WIDTH]; 3],
+    /// Negative where there is none.
+    reach: [f32; WIDTH],
+    parts: [Part; WIDTH],
+}
+
+impl CapsuleBlock {
+    /// The capsules of a leaf.
+    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
+        let zeros = [[0.0; WIDTH]; 3];
+        let parts = [Part(0); WIDTH];
+        let mut block = Self { start: zeros, axis: zeros, reach: [-1.0; WIDTH], parts };
+        for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
+            let Capsule { part, ends: [a, b], reach, .. } = capsule(index);
+            let (start, axis) = (single(&a.into()), single(&(b - a).into()));
+            for d in 0..3 {
+                block.start[d][lane] = start[d];
+                block.axis[d][lane] = axis[d];
+            }
+            [block.reach[lane]] = single(&[reach]);
+            block.parts[lane] = part;
+        }
+        block
+    }
+
+    /// Lanes whose capsules the ray comes as near as their reach before its end, as bits, and where
+    /// on the axes it is nearest, in `[0, 1]`.
+    #[inline(always)]
+    fn meet<S: Simd, B: SignBits>(
+        &self,
+        (simd, bits): (S, B),
+        ray: &TreeRay,
+        across: &[[f32; 3]; 2],
+        moving: Option<(&MovingEnds, f32)>,
+        nearest: &mut [f32; WIDTH],
+    ) -> u32 {
+        let mut beyond = [0.0; WIDTH];
+        let splat = |x: f32| Lane::splat(simd, x);
+        for register in 0..WIDTH / S::F32_LANES {
+            let load = |x: &[[f32; WIDTH]; 3]| [0, 1, 2].map(|d| Lane::load(simd, &x[d], register));
+            let (mut start, mut axis) = (load(&self.start), load(&self.axis));
+            if let Some((ways, time)) = moving {
+                let (of_start, of_axis) = (load(&ways.start), load(&ways.axis));
+                for d in 0..3 {
+                    start[d] = of_start[d].mul_add(splat(time), start[d]);
+                    axis[d] = of_axis[d].mul_add(splat(time), axis[d]);
+                }
+            }
+            let from = [0, 1, 2].map(|d| start[d] - splat(ray.origin[d]));
+            let reach = Lane::load(simd, &self.reach, register);
+            let along = |v: &[Lane<S, f32>; 3], u: &[f32; 3]| {
+                v[0].mul_add(splat(u[0]), v[1].mul_add(splat(u[1]), v[2] * splat(u[2])))
+            };
+            // The axis as the ray sees it, and the point of it that is nearest to the ray.
+            let [x, y] = [along(&from, &across[0]), along(&from, &across[1])];
+            let [u, v] = [along(&axis, &across[0]), along(&axis, &across[1])];
+            let (zero, one) = (splat(0.0), splat(1.0));
+            let length = u.mul_add(u, v * v).max(splat(f32::MIN_POSITIVE));
+            let at = (zero - x.mul_add(u, y * v)) / length;
+            let at = at.max(zero).min(one);
+            at.store(nearest, register);
+            let [x, y] = [at.mul_add(u, x), at.mul_add(v, y)];
+            let aside = x.mul_add(x, y * y) - reach * reach;
+            // The capsule begins behind the end of the ray.
+            let [z, w] = [along(&from, &ray.direction), along(&axis, &ray.direction)];
+            let behind = z.min(z + w) - reach - splat(ray.end);
+            aside.max(behind).max(zero - reach).store(&mut beyond, register);
+        }
+        bits.negative(&beyond)
+    }
+}
+
+/// The tubes in the leaves, for one ray.
+pub(super) struct CapsuleLeaves<'a> {
+    pub(super) curves: &'a Curves,
+    pub(super) ray: &'a Ray,
+    /// Where the ray begins and ends, m.
+    pub(super) range: [f64; 2],
+    /// Two directions across the ray.
+    pub(super) across: [[f32; 3]; 2],
+}
+
+impl Leaves for CapsuleLeaves<'_> {
+    type Found = CurveHit;
+
+    #[inline(always)]
+    fn meet<S: Simd, B: SignBits>(
+        &mut self,
+        registers: (S, B),
+        leaf: usize,
+        ray: &mut TreeRay,
+    ) -> Option<CurveHit> {
+        let mut at = [0.0; WIDTH];
+        let block = &self.curves.blocks[leaf];
+        let [time] = single(&[self.ray.time]);
+        let moving = self.curves.moving.get(leaf).map(|ways| (ways, time));
+        let mut met = block.meet(registers, ray, &self.across, moving, &mut at);
+        let mut found = None;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % WIDTH;
+            met &= met - 1;
+            let part = block.parts[lane];
+            let [start, length] = part.range();
+            let tube = self.curves.tube(part.piece(), self.ray.time, &self.ray.origin);
+            let guess = start + f64::from(at[lane]) * length;
+            if let Some([distance, parameter]) = enter(&tube, &self.ray.direction, guess) {
+                let [first, last] = self.range;
+                if distance > first && distance < last {
+                    self.range[1] = distance;
+                    ray.shorten(distance);
+                    found = Some(CurveHit { distance, piece: part.first(), parameter });
+                }
+            }
+        }
+        found
+    }
+}
