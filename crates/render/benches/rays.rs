@@ -36,8 +36,6 @@ fn bench(c: &mut Criterion) {
         group.bench_function(format!("build/{count}"), |b| {
             b.iter(|| Curves::new(CurveBasis::Cubic, None, &fibers));
         });
-        let share = hits() as f64 / f64::from(RAYS);
-        eprintln!("{count} fibres: {share:.4} of the rays hit; {} MiB", curves.bytes() >> 20);
     }
     group.finish();
 }

@@ -194,7 +194,7 @@ impl Slabs {
 /// number of leaves times the surface of its hull. The first and the last slab are not empty.
 #[inline(always)]
 fn cheapest(counts: &[u32; BINS], hulls: &[Bounds; BINS]) -> (f32, usize) {
-    let cost = |count: u32, hull: &Bounds| count.div_ceil(WIDTH as u32) as f32 * hull.half_area();
+    let cost = |count: u32, hull: &Bounds| count.div_ceil(short(WIDTH)) as f32 * hull.half_area();
     let mut costs = [0.0; BINS];
     let (mut count, mut hull) = (0, Bounds::EMPTY);
     for b in (1..BINS).rev() {

@@ -32,9 +32,10 @@ fn wandering() -> impl Strategy<Value = Vec<Point3<f64>>> {
 /// Where a ray comes into a cylinder around the axis z, of any length.
 fn cylinder(ray: &Ray, radius: f64) -> Option<f64> {
     let (o, d) = (ray.origin.coords.xy(), ray.direction.xy());
-    let (a, b, c) = (d.norm_squared(), o.dot(&d), o.norm_squared() - radius * radius);
-    let discriminant = b * b - a * c;
-    (discriminant >= 0.0).then(|| (-b - discriminant.sqrt()) / a)
+    let a = d.norm_squared();
+    let nearest = -o.dot(&d) / a;
+    let within = radius * radius - (o + nearest * d).norm_squared();
+    (within >= 0.0).then(|| nearest - (within / a).sqrt())
 }
 
 proptest! {
@@ -54,7 +55,7 @@ proptest! {
         let ray = ray(from.into(), &Point3::from(across * (aside * RADIUS) + Vector3::z() * height), 0.0);
         let hit = tubes.hit(&ray, ALL);
         // Radii are kept in single precision.
-        let radius = f64::from(RADIUS as f32);
+        let radius: f64 = f64::from(format!("{RADIUS}").parse::<f32>().expect("a number"));
         let exact = cylinder(&ray, radius);
         // A grazing ray comes in within the root of what is rounded off, of the radius.
         prop_assume!((aside.abs() - 1.0).abs() > 1e-9);
@@ -89,7 +90,7 @@ proptest! {
         }).collect();
         let fiber = FiberCurve { axes, ..FiberCurve::round(nodes.clone(), radius) };
         let tubes = curves(ratio, std::slice::from_ref(&fiber));
-        let aim = nodes[((place * last as f64) as usize).min(last)] + 1.5 * radius * aside;
+        let aim = axis_point(&nodes, place * last as f64) + 1.5 * radius * aside;
         let ray = ray(Point3::from(0.2 * from), &aim, 0.0);
         if let Some(hit) = tubes.hit(&ray, ALL) {
             let at = tubes.at(&ray, &hit);
@@ -140,7 +141,7 @@ fn axis_point(nodes: &[Point3<f64>], node: f64) -> Point3<f64> {
             m[i] = (6.0 * bend - old[i - 1] - old[i + 1]) / 4.0;
         }
     }
-    let k = (node.floor().max(0.0) as usize).min(n - 2);
+    let k = (0..n - 2).rev().find(|k| *k as f64 <= node).unwrap_or(0);
     let (t, u) = (node - k as f64, 1.0 - (node - k as f64));
     let straight = nodes[k].coords * u + nodes[k + 1].coords * t;
     Point3::from(straight + (m[k] * (u * u * u - u) + m[k + 1] * (t * t * t - t)) / 6.0)
