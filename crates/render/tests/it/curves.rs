@@ -141,7 +141,7 @@ fn axis_point(nodes: &[Point3<f64>], node: f64) -> Point3<f64> {
             m[i] = (6.0 * bend - old[i - 1] - old[i + 1]) / 4.0;
         }
     }
-    let k = (0..n - 2).rev().find(|k| *k as f64 <= node).unwrap_or(0);
+    let k = (0..n - 1).rev().find(|k| *k as f64 <= node).unwrap_or(0);
     let (t, u) = (node - k as f64, 1.0 - (node - k as f64));
     let straight = nodes[k].coords * u + nodes[k + 1].coords * t;
     Point3::from(straight + (m[k] * (u * u * u - u) + m[k + 1] * (t * t * t - t)) / 6.0)
